@@ -1,0 +1,61 @@
+"""The registry of particle fields: one place that says what each array is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# Values of the field `kind`.
+FLUID, WALL = 0, 1
+
+# Values of the field `role`: the part a particle plays in the pressure equation.
+INNER = 0      # fluid, an equation of its own
+SURFACE = 1    # fluid on the free surface, p = 0
+WET = 2        # wall in contact with fluid, a Neumann row
+DRY = 3        # wall without fluid, in no stencil
+CONTACT = 4    # wall node at the contact line, p = 0
+BALLISTIC = 5  # fluid with too few neighbours for any stencil, p = 0 and free flight
+
+
+@dataclass(frozen=True)
+class Field:
+    """One particle field.
+
+    Attributes
+    ----------
+    shape : "scalar" for (n,), "vector" for (n, dim)
+    unit, meaning : for people and for file attributes
+    exchanged : part of the first message that fills a new ghost
+    migrates : moves with its particle to another rank, and is in checkpoints
+    written : may be asked for in snapshots
+    """
+
+    name: str
+    shape: str
+    dtype: type
+    unit: str
+    meaning: str
+    exchanged: bool = True
+    migrates: bool = True
+    written: bool = True
+
+    def empty(self, n, dim):
+        """Return a zeroed array for n particles in dim dimensions."""
+        return np.zeros((n, dim) if self.shape == "vector" else n, dtype=self.dtype)
+
+
+FIELDS = {
+    field.name: field
+    for field in (
+        Field("id", "scalar", np.int64, "", "number of the particle, the same for the whole run"),
+        Field("kind", "scalar", np.int8, "", "0 fluid, 1 wall"),
+        Field("corner", "scalar", np.int8, "", "1 for a wall particle in a corner", written=False),
+        Field("x", "vector", np.float64, "m", "position"),
+        Field("x0", "vector", np.float64, "m", "position at the start of the step", exchanged=False, written=False),
+        Field("u", "vector", np.float64, "m/s", "velocity"),
+        Field("p", "scalar", np.float64, "Pa", "pressure"),
+        Field("normal", "vector", np.float64, "", "unit normal of a wall particle, into the fluid"),
+        Field("role", "scalar", np.int8, "", "0 inner, 1 surface, 2 wet wall, 3 dry wall, 4 contact line, 5 ballistic"),
+        Field("phi", "scalar", np.float64, "Pa", "potential of the position projection", exchanged=False, written=False),
+        Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value"),
+    )
+}
