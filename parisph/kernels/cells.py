@@ -1,0 +1,117 @@
+"""Cell sort and neighbour lists."""
+
+import numpy as np
+
+from parisph.kernels.jit import axes_of, kernel
+
+
+def neighbour_lists(x, n_owned, radius):
+    """Return the neighbours of the first n_owned points among all points, as CSR.
+
+    Parameters
+    ----------
+    x : (n, dim) positions [m], dim 2 or 3; the owned points come first
+    n_owned : int
+    radius : float
+        Points at a distance below this one are neighbours [m].
+
+    Returns
+    -------
+    indptr : (n_owned + 1,) int32, indices : (nnz,) int32
+        A point is not its own neighbour.
+
+    Raises
+    ------
+    ValueError : radius is not positive, or a position is not finite.
+    """
+    x = np.ascontiguousarray(x)
+    if not radius > 0.0:
+        raise ValueError(f"radius {radius} must be positive")
+    if n_owned == 0:
+        return np.zeros(1, np.int32), np.zeros(0, np.int32)
+    lower, upper = x.min(axis=0), x.max(axis=0)
+    if not (np.isfinite(lower).all() and np.isfinite(upper).all()):
+        raise ValueError("a position is not finite")
+    counts, size = _grid(lower, upper, radius, len(x))
+    axes = axes_of(x.shape[1])
+    start, member = _sort(x, lower, size, counts, axes)
+    return _search(x, n_owned, radius, lower, size, counts, start, member, axes)
+
+
+def _grid(lower, upper, radius, n):
+    """Choose the cells: at least the radius wide, and not many more than points."""
+    size = radius
+    while True:
+        counts = np.floor((upper - lower) / size).astype(np.int64) + 1
+        if np.prod(counts.astype(float)) <= 4.0 * n + 1024.0:
+            return counts, size
+        size *= 1.5  # one droplet far away must not blow up the grid
+
+
+@kernel
+def _cell(point, lower, size, counts, axes):
+    number = 0
+    for a in range(len(axes)):
+        k = int((point[a] - lower[a]) / size)
+        number = number * counts[a] + min(max(k, 0), counts[a] - 1)
+    return number
+
+
+@kernel
+def _sort(x, lower, size, counts, axes):
+    total = 1
+    for a in range(len(axes)):
+        total *= counts[a]
+    start = np.zeros(total + 1, np.int32)
+    cell = np.empty(len(x), np.int32)
+    for i in range(len(x)):
+        cell[i] = _cell(x[i], lower, size, counts, axes)
+        start[cell[i] + 1] += 1
+    for c in range(total):
+        start[c + 1] += start[c]
+    fill = start[:-1].copy()
+    member = np.empty(len(x), np.int32)
+    for i in range(len(x)):
+        member[fill[cell[i]]] = i
+        fill[cell[i]] += 1
+    return start, member
+
+
+@kernel
+def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
+    dim = len(axes)
+    blocks = 1
+    for a in range(dim - 1):
+        blocks *= 3
+    last = counts[dim - 1]
+    r2 = radius * radius
+    indptr = np.zeros(n_owned + 1, np.int32)
+    indices = np.empty(24 * n_owned + 256, np.int32)
+    n = 0
+    for i in range(n_owned):
+        k_last = min(max(int((x[i, dim - 1] - lower[dim - 1]) / size), 0), last - 1)
+        lo, hi = max(k_last - 1, 0), min(k_last + 1, last - 1)
+        for block in range(blocks):
+            rest, row, inside = block, 0, True
+            for a in range(dim - 1):
+                k = min(max(int((x[i, a] - lower[a]) / size), 0), counts[a] - 1) + rest % 3 - 1
+                rest //= 3
+                inside = inside and 0 <= k < counts[a]
+                row = row * counts[a] + k
+            if not inside:
+                continue
+            # cells along the last axis are contiguous: one run of members
+            first, stop = start[row * last + lo], start[row * last + hi + 1]
+            if n + stop - first > len(indices):
+                larger = np.empty(2 * len(indices) + stop - first, np.int32)
+                larger[:n] = indices[:n]
+                indices = larger
+            for m in range(first, stop):
+                j = member[m]
+                d2 = 0.0
+                for a in range(dim):
+                    d2 += (x[j, a] - x[i, a]) ** 2
+                indices[n] = j
+                n += (d2 < r2) & (j != i)
+        indptr[i + 1] = n
+    return indptr, indices[:n].copy()

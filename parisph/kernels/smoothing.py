@@ -1,0 +1,61 @@
+"""Kernel functions W(r) and W'(r)/r, and the weight of the moving least squares."""
+
+import math
+
+from parisph.kernels.jit import kernel
+
+
+@kernel
+def cubic_spline(r, h, dim):
+    """Return W(r) of the cubic spline with support 2h (Zheng et al. 2014, Eq. 5) [m^-dim]."""
+    q = r / h
+    if q >= 2.0:
+        return 0.0
+    scale = 15.0 / (7.0 * math.pi * h * h) if dim == 2 else 3.0 / (2.0 * math.pi * h * h * h)
+    if q < 1.0:
+        return scale * (2.0 / 3.0 - q * q * (1.0 - 0.5 * q))
+    return scale * (2.0 - q) ** 3 / 6.0
+
+
+@kernel
+def cubic_spline_slope(r, h, dim):
+    """Return W'(r)/r of the cubic spline, finite at r = 0 [m^-dim-2]."""
+    q = r / h
+    if q >= 2.0:
+        return 0.0
+    scale = 15.0 / (7.0 * math.pi * h * h) if dim == 2 else 3.0 / (2.0 * math.pi * h * h * h)
+    if q < 1.0:
+        return scale * (1.5 * q - 2.0) / (h * h)
+    return -0.5 * scale * (2.0 - q) ** 2 / (q * h * h)
+
+
+@kernel
+def wendland(r, h, dim):
+    """Return W(r) of the Wendland C2 kernel with support 2h (Wendland 1995) [m^-dim]."""
+    q = r / h
+    if q >= 2.0:
+        return 0.0
+    scale = 7.0 / (4.0 * math.pi * h * h) if dim == 2 else 21.0 / (16.0 * math.pi * h * h * h)
+    return scale * (1.0 - 0.5 * q) ** 4 * (2.0 * q + 1.0)
+
+
+@kernel
+def wendland_slope(r, h, dim):
+    """Return W'(r)/r of the Wendland C2 kernel [m^-dim-2]."""
+    q = r / h
+    if q >= 2.0:
+        return 0.0
+    scale = 7.0 / (4.0 * math.pi * h * h) if dim == 2 else 21.0 / (16.0 * math.pi * h * h * h)
+    return -5.0 * scale * (1.0 - 0.5 * q) ** 3 / (h * h)
+
+
+@kernel
+def quartic_weight(r2, radius2):
+    """Return the least-squares weight 1 - 6q^2 + 8q^3 - 3q^4 of q = r/radius, from squares.
+
+    It is C2 at q = 1; only ratios of weights matter, so it is not normalised.
+    """
+    q2 = r2 / radius2
+    if q2 >= 1.0:
+        return 0.0
+    return 1.0 - q2 * (6.0 - 8.0 * math.sqrt(q2) + 3.0 * q2)
