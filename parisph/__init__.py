@@ -1,3 +1,34 @@
 """parisph: MPI-parallel incompressible SPH for violent water waves."""
 
+from importlib import import_module
+
 __version__ = "0.1.0"
+
+# What `from parisph import ...` offers, and where it lives. Loaded when first asked for, so that
+# `import parisph` costs nothing and needs neither MPI nor PETSc.
+_SCHEMA = (
+    "Case Fluid Box Disc Polygon Tank Numerics Output Truth AtRest Sway Tabulated "
+    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum"
+)
+_PUBLIC = {
+    **{name: "parisph.case.schema" for name in _SCHEMA.split()},
+    "load": "parisph.case.load",
+    **{
+        name: "parisph.base.errors"
+        for name in ("ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted")
+    },
+}
+
+__all__ = ["__version__", *_PUBLIC]
+
+
+def __getattr__(name):
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'parisph' has no attribute {name!r}")
+    value = getattr(import_module(_PUBLIC[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,49 @@
+"""Dam break on a dry bed with breaking waves (Zheng, Ma & Duan 2014, Sec. 3.1.1 and 3.1.2).
+
+mpirun -n 2 parisph run cases/dam_break.py --set spacing=0.025
+"""
+
+from math import sqrt
+
+from parisph import (
+    Box, Case, ColumnHeight, Energy, Fluid, Momentum, Numerics, Output, PressureTap, Tank, Volume, WaterFront,
+)
+
+
+def case(
+    spacing: float = 0.0125,            # particle spacing / H
+    method: str = "ISPH_R",
+    preset: str = "violent",
+    end_time: float = 10.0,             # t sqrt(g/H)
+    time_step: float | None = 0.008,    # dt sqrt(g/H), or none to adapt it
+    cfl: float = 0.4,
+    jitter: float = 0.0,
+    seed: int = 0,
+    snapshot_every: float = 0.1,        # in sqrt(H/g)
+) -> Case:
+    g = 9.81                            # [m/s2]
+    L = 0.5                             # width of the column [m]
+    H = 2.0 * L                         # height of the column [m]
+    D = 4.0 * L                         # distance of the walls [m]
+    unit = sqrt(H / g)                  # [s]
+    return Case(
+        title="Dam break, H/L = 2, D/L = 4",
+        fluid=Fluid(Box(width=L, height=H), density=1000.0),
+        walls=Tank(width=D, height=2.0 * H, lid=True),
+        gravity=(0.0, -g),
+        numerics=Numerics(
+            method=method, preset=preset, spacing=spacing * H, cfl=cfl, jitter=jitter, seed=seed,
+            time_step=None if time_step is None else time_step * unit,
+        ),
+        output=Output(every=snapshot_every * unit, checkpoint_every=unit),
+        probes=[
+            PressureTap("P1", at=(0.0, 0.1 * H)),
+            PressureTap("P2", at=(D, 0.05 * H)),
+            WaterFront("front"),
+            ColumnHeight("column", at=0.0),
+            Energy("energy"),
+            Volume("volume"),
+            Momentum("momentum"),
+        ],
+        end_time=end_time * unit,
+    )

@@ -1,0 +1,190 @@
+"""Checks of a whole case: everything that would fail later is said before any work.
+
+Each check yields one line for each problem, with field, value, limit and remedy.
+"""
+
+import numpy as np
+
+from parisph.case.expressions import compile_expression, vector_field
+from parisph.case.lattice import FIT, Lattice, misfit, nearest_spacings
+from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge
+from parisph.case.shapes import Box, check_components
+
+ABSURD = 10.0   # a fixed time step this many times the stable one is taken for a mistake
+SAMPLES = 9     # points along each edge at which an expression is tried out
+
+
+def problems(case):
+    """Return the list of problems of a case, each one line; empty for a case that can run."""
+    found = list(_dimensions(case))
+    if not found:
+        found += [*_spacing(case), *_inside(case)]
+    if not found:
+        found += [*_something_to_compute(case), *_elevation(case), *_finite(case), *_probes(case)]
+    if not found:
+        found += [*_time_step(case)]
+    return found
+
+
+def _dimensions(case):
+    dim = case.fluid.dim
+    try:
+        check_components("gravity", case.gravity, dim, with_time=True)
+    except ValueError as error:
+        yield str(error)
+    if case.walls is not None and len(case.walls.at) != dim:
+        yield f"walls.at = {case.walls.at}: must have {dim} components, as the fluid's shape has"
+    if case.frame.kind != "at_rest" and len(case.frame.direction) != dim:
+        yield f"frame.direction = {case.frame.direction}: must have {dim} components, as the fluid's shape has"
+    if case.frame.kind != "at_rest" and case.walls is None:
+        yield f"frame = {case.frame.kind}: there is no tank to move; give walls=Tank(...) or leave the frame at rest"
+
+
+def _spacing(case):
+    """The spacing must divide every length that the lattice has to meet."""
+    lengths = dict(_lengths(case))
+    s = case.numerics.spacing
+    bad = {name: length for name, length in lengths.items() if misfit(length, s) > FIT or round(length / s) < 1}
+    if not bad:
+        return
+    listed = ", ".join(f"{name} = {length:g}" for name, length in bad.items())
+    fitting = nearest_spacings(list(lengths.values()), s)
+    if fitting:
+        remedy = "the nearest that fit are " + " and ".join(f"{value:.10g}" for value in fitting)
+    else:
+        remedy = "no spacing near it fits all lengths: make the lengths multiples of one number"
+    yield f"numerics.spacing = {s:g}: must divide {listed} into whole spacings; {remedy}"
+
+
+def _lengths(case):
+    shape, tank = case.fluid.shape, case.walls
+    if isinstance(shape, Box):
+        yield "fluid.shape.width", shape.width
+        yield "fluid.shape.height", shape.height
+    if tank is not None:
+        yield "walls.width", tank.width
+        yield "walls.height", tank.height
+        if isinstance(shape, Box):
+            for axis, offset in enumerate(np.array(shape.at) - np.array(tank.at)):
+                if offset > 1e-9 * shape.size[axis]:
+                    yield f"the distance of fluid.shape from the wall in {'xyz'[axis]}", float(offset)
+
+
+def _inside(case):
+    if case.walls is None:
+        return
+    (lower, upper), (low, high) = case.fluid.shape.bounds, case.walls.bounds
+    tolerance = FIT * case.numerics.spacing
+    for axis in range(case.dim):
+        if lower[axis] < low[axis] - tolerance or upper[axis] > high[axis] + tolerance:
+            yield (
+                f"fluid.shape reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie in the tank, "
+                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge the tank"
+            )
+
+
+def _something_to_compute(case):
+    points = Lattice(case.fluid.shape, case.walls, case.numerics.spacing)
+    n = points.count()
+    if n < 4:
+        yield f"numerics.spacing = {case.numerics.spacing:g}: leaves {n} fluid particles, at least 4 are needed; use a smaller spacing"
+
+
+def _elevation(case):
+    if case.fluid.elevation is None:
+        return
+    lower, upper = case.fluid.shape.bounds
+    x = np.linspace(lower[0], upper[0], 8 * SAMPLES)
+    eta = compile_expression(str(case.fluid.elevation), ("x",))(x=x)
+    height = float(case.fluid.shape.size[-1])
+    if not np.all(np.isfinite(eta)):
+        yield f"fluid.elevation = {case.fluid.elevation!r}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
+    elif eta.min() < -0.5 * height or eta.max() > height:
+        yield (
+            f"fluid.elevation = {case.fluid.elevation!r}: reaches from {eta.min():g} to {eta.max():g}, must stay between "
+            f"{-0.5 * height:g} and {height:g}, or the columns are stretched too far"
+        )
+    elif case.walls is not None and upper[-1] + eta.max() > case.walls.bounds[1][-1]:
+        yield f"fluid.elevation = {case.fluid.elevation!r}: raises the surface to {upper[-1] + eta.max():g}, above the tank's top at {case.walls.bounds[1][-1]:g}"
+
+
+def _sample(case):
+    """Return points (n, dim) [m] all over the bounding box of the fluid."""
+    lower, upper = case.fluid.shape.bounds
+    axes = [np.linspace(a, b, SAMPLES) for a, b in zip(lower, upper)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
+
+
+def _finite(case):
+    """Expressions must give finite numbers where there is fluid."""
+    x = _sample(case)
+    x = x[case.fluid.shape.inside(x, 0.0)]
+    for name, components, with_time in (("fluid.velocity", case.fluid.velocity, False), ("gravity", case.gravity, True)):
+        values = vector_field(components, with_time)(x)
+        for axis, component in enumerate(components):
+            bad = ~np.isfinite(values[:, axis])
+            if np.any(bad):
+                at = ", ".join(f"{value:g}" for value in x[bad][0])
+                yield f"{name}[{axis}] = {component!r}: is not a finite number at ({at})"
+
+
+def _probes(case):
+    names = [probe.name for probe in case.probes]
+    for name in sorted({name for name in names if names.count(name) > 1}):
+        yield f"probes: the name {name!r} is given {names.count(name)} times; give each probe a name of its own"
+    for probe in case.probes:
+        if isinstance(probe, PressureTap):
+            yield from _tap(case, probe)
+        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.walls is not None:
+            low, high = case.walls.bounds
+            if not low[0] <= probe.at <= high[0]:
+                yield f"probe {probe.name!r}: at = {probe.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
+
+
+def _tap(case, probe):
+    if case.walls is None:
+        yield f"probe {probe.name!r}: a pressure tap needs a wall; give walls=Tank(...) or leave the tap out"
+        return
+    if len(probe.at) != case.dim:
+        yield f"probe {probe.name!r}: at = {probe.at} must have {case.dim} components"
+        return
+    at, (low, high) = np.array(probe.at), case.walls.bounds
+    tolerance = 1e-6 * float(np.max(high - low))
+    walls = [abs(at - low) <= tolerance, abs(at - high) <= tolerance]
+    walls[1][-1] &= case.walls.lid
+    if np.any(at < low - tolerance) or np.any(at > high + tolerance) or not np.any(walls):
+        which = "left, right, lower or upper" if case.walls.lid else "left, right or lower"
+        yield (
+            f"probe {probe.name!r}: at = {probe.at} is not on a wall; give a point of the {which} wall of the tank "
+            f"from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g})"
+        )
+
+
+def _time_step(case):
+    limit, reason = stable_time_step(case)
+    dt = case.numerics.time_step
+    if dt is not None and dt > ABSURD * limit:
+        yield f"numerics.time_step = {dt:g} s: is {dt / limit:.0f} times the step of {limit:.3g} s that {reason}; use a smaller one, or None to adapt it"
+    for name, value in (("numerics.time_step", dt), ("numerics.max_time_step", case.numerics.max_time_step)):
+        if value is not None and value > case.end_time:
+            yield f"{name} = {value:g} s: is longer than the run, end_time = {case.end_time:g} s"
+
+
+def stable_time_step(case):
+    """Estimate the largest sensible time step [s] from the case alone, and say where it comes from.
+
+    Waves: the time sqrt(s/g) of the shortest waves on the lattice. Violent flows: besides, cfl s/u with
+    u = |u0| + sqrt(2 g H), the speed of a fall from the fluid's height (Z14 Sec. 3.1.2).
+    """
+    x, s = _sample(case), case.numerics.spacing
+    x = x[case.fluid.shape.inside(x, 0.0)]
+    speed = float(np.linalg.norm(vector_field(case.fluid.velocity, False)(x), axis=1).max(initial=0.0))
+    g = float(np.linalg.norm(vector_field(case.gravity, True)(x), axis=1).max(initial=0.0))
+    lower, upper = case.fluid.shape.bounds
+    if case.numerics.preset == "violent":
+        speed += np.sqrt(2.0 * g * (upper - lower)[-1])
+    by_waves = np.sqrt(s / g) if g > 0.0 else np.inf
+    by_speed = case.numerics.cfl * s / speed if speed > 0.0 else np.inf
+    if by_speed < by_waves:
+        return by_speed, f"moves the fastest fluid by {case.numerics.cfl:g} spacings"
+    return by_waves, "resolves the shortest waves on the lattice"

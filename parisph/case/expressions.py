@@ -1,0 +1,164 @@
+"""Expressions of position and time, as a case writes them: '0.1*cos(pi*x)'.
+
+Only arithmetic is let through: the text is parsed, every node is checked against a short
+list, and only then compiled. A stored case can therefore be read from anybody.
+"""
+
+import ast
+from functools import lru_cache
+
+import numpy as np
+
+FUNCTIONS = {
+    name: getattr(np, name)
+    for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "minimum", "maximum", "where")
+}
+ARGUMENTS = {name: {"minimum": 2, "maximum": 2, "where": 3}.get(name, 1) for name in FUNCTIONS}
+CONSTANTS = {"pi": np.float64(np.pi)}
+OPERATORS = (
+    ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.UAdd,
+    ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq,
+)
+LONGEST = 2000  # characters; keeps a hostile text from exhausting the parser
+
+
+@lru_cache(maxsize=256)
+def compile_expression(text, names):
+    """Compile an expression once to a numpy function.
+
+    Parameters
+    ----------
+    text : str or float
+    names : tuple of str, the variables that may occur, for example ("x", "y", "t")
+
+    Returns
+    -------
+    function(**variables) -> float64 array of the broadcast shape of all variables given
+
+    Raises
+    ------
+    ValueError : says what in the text is not allowed, and what is
+    """
+    tree = _parse(str(text), names)
+    used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    numbers = _NamedNumbers()
+    code = compile(ast.fix_missing_locations(numbers.visit(tree)), "<expression>", "eval")
+    scope = {"__builtins__": {}, **FUNCTIONS, **CONSTANTS, **numbers.values}
+
+    def evaluate(**variables):
+        shape = np.broadcast_shapes(*(np.shape(value) for value in variables.values()))
+        local = {name: np.asarray(value, dtype=np.float64) for name, value in variables.items() if name in used}
+        with np.errstate(all="ignore"):  # a value that is not finite is reported by whoever uses it
+            return np.array(np.broadcast_to(eval(code, scope, local), shape), dtype=np.float64)  # noqa: S307
+
+    return evaluate
+
+
+def vector_field(components, with_time):
+    """Compile the components of a vector field of position (and time).
+
+    Parameters
+    ----------
+    components : sequence of float or str, one for each dimension
+    with_time : bool, whether t may occur
+
+    Returns
+    -------
+    function(x, t=0.0) -> float64 array (n, dim), for positions x (n, dim) [m] and t [s]
+
+    Raises
+    ------
+    ValueError : see compile_expression
+    """
+    dim = len(components)
+    names = variable_names(dim, with_time)
+    functions = [compile_expression(component, names) for component in components]
+
+    def evaluate(x, t=0.0):
+        x = np.asarray(x, dtype=np.float64)
+        variables = {name: x[:, axis] for axis, name in enumerate("xyz"[:dim])}
+        if with_time:
+            variables["t"] = t
+        out = np.empty((len(x), dim))
+        for axis, function in enumerate(functions):
+            out[:, axis] = function(**variables)
+        return out
+
+    return evaluate
+
+
+def variable_names(dim, with_time):
+    """Return the names that an expression may use: x, y (z in 3D) and perhaps t."""
+    return tuple("xyz"[:dim]) + (("t",) if with_time else ())
+
+
+def number(text):
+    """Return the value of a text without variables, such as '1/24' or '2*pi'. Raises ValueError."""
+    value = float(compile_expression(text, ())())
+    if not np.isfinite(value):
+        raise ValueError(f"{text!r} is not a finite number")
+    return value
+
+
+def _parse(text, names):
+    if len(text) > LONGEST:
+        raise ValueError(f"the expression has {len(text)} characters; at most {LONGEST} are read")
+    try:
+        tree = ast.parse(text.strip(), mode="eval")
+        for node in ast.walk(tree):
+            _check(node, names, text)
+    except (SyntaxError, RecursionError, MemoryError) as error:
+        raise ValueError(f"{text!r} is not an expression ({getattr(error, 'msg', None) or 'nested too deeply'})") from None
+    return tree
+
+
+def _check(node, names, text):
+    """Raise ValueError unless the node is of the short list of what may be computed."""
+    if isinstance(node, ast.Constant):
+        if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
+            raise ValueError(f"{node.value!r} in {text!r} is not a number")
+    elif isinstance(node, ast.Name):
+        if node.id not in names and node.id not in CONSTANTS and node.id not in FUNCTIONS:
+            raise ValueError(_unknown_name(node.id, names, text))
+    elif isinstance(node, ast.Call):
+        _check_call(node, text)
+    elif isinstance(node, ast.Compare):
+        if len(node.ops) > 1:
+            raise ValueError(f"write {text!r} with single comparisons, multiplied: (0 < x)*(x < 1)")
+    elif not isinstance(node, (ast.Expression, ast.Load, ast.BinOp, ast.UnaryOp, *OPERATORS)):
+        raise ValueError(
+            f"{type(node).__name__} is not allowed in {text!r}: use numbers, + - * / **, comparisons, "
+            f"{', '.join(names)}{', ' if names else ''}pi and {', '.join(FUNCTIONS)}"
+        )
+
+
+def _check_call(node, text):
+    name = getattr(node.func, "id", None)
+    if name not in FUNCTIONS:
+        raise ValueError(f"unknown function in {text!r}; known are {', '.join(FUNCTIONS)}")
+    if len(node.args) != ARGUMENTS[name] or node.keywords:
+        raise ValueError(f"{name} in {text!r} takes {ARGUMENTS[name]} arguments")
+
+
+def _unknown_name(name, names, text):
+    known = ", ".join([*names, *CONSTANTS])
+    return f"unknown name {name!r} in {text!r}; known are {known} and the functions {', '.join(FUNCTIONS)}"
+
+
+class _NamedNumbers(ast.NodeTransformer):
+    """Take every number out into a float64 of its own.
+
+    float64 overflows to infinity where Python's integers would eat the memory (9**9**9) and
+    where Python's floats would raise in the middle of a step (1/0).
+    """
+
+    def __init__(self):
+        self.values = {}
+
+    def visit_Constant(self, node):
+        name = f"_{len(self.values)}"
+        try:
+            self.values[name] = np.float64(node.value)
+        except OverflowError:
+            self.values[name] = np.float64("inf")
+        return ast.copy_location(ast.Name(id=name, ctx=ast.Load()), node)

@@ -1,0 +1,159 @@
+"""From a case to its particles at the start, for any slice of them; and the walls as planes."""
+
+import numpy as np
+
+from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.case.expressions import compile_expression, vector_field
+from parisph.case.lattice import Lattice
+
+
+def lattice(case):
+    """Return the Lattice on which the case starts."""
+    return Lattice(case.fluid.shape, case.walls, case.numerics.spacing)
+
+
+def counts(case):
+    """Return {"fluid": n, "wall": n, "all": n}, without building the particles."""
+    points = lattice(case)
+    fluid, wall = points.count(), len(points.wall_indices()[0])
+    return {"fluid": fluid, "wall": wall, "all": fluid + wall}
+
+
+def build(case, rank=0, size=1):
+    """Build this rank's slice of the particles at the start. Not collective, needs no MPI.
+
+    Parameters
+    ----------
+    case : Case
+    rank, size : which slice of how many; the particles do not depend on `size`
+
+    Returns
+    -------
+    dict of arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8;
+    x [m], u [m/s], normal (n, dim); p (n,) [Pa], zero: the first solve finds it. Wall
+    normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
+    """
+    points = lattice(case)
+    n_fluid = points.count()
+    wall, inward = points.wall_indices()
+    total = n_fluid + len(wall)
+    start, stop = total * rank // size, total * (rank + 1) // size
+    fluid = _fluid(case, points, min(start, n_fluid), min(stop, n_fluid))
+    own = slice(max(start - n_fluid, 0), max(stop - n_fluid, 0))
+    solid = _walls(case, points, wall[own], inward[own])
+    arrays = {name: np.concatenate([fluid[name], solid[name]]) for name in fluid}
+    arrays["id"] = np.arange(start, stop, dtype=np.int64)
+    arrays["p"] = np.zeros(stop - start)
+    return arrays
+
+
+def planes(case):
+    """Return a point on and the inward unit normal of each wall, (n, dim) each; n = 0 without a tank."""
+    dim = case.dim
+    if case.walls is None:
+        return np.empty((0, dim)), np.empty((0, dim))
+    lower, upper = case.walls.bounds
+    unit = np.eye(dim)
+    points, normals = [lower] * dim, list(unit)
+    for axis in range(dim if case.walls.lid else dim - 1):
+        points.append(upper)
+        normals.append(0.0 - unit[axis])
+    return np.array(points), np.array(normals)
+
+
+def domain(case):
+    """Return the lower and the upper corner (dim,) [m] of the tank, or of the fluid without a tank."""
+    if case.walls is not None:
+        return case.walls.bounds
+    return case.fluid.shape.bounds
+
+
+def surface_height(case, x):
+    """Return the height [m] of the start surface of a Box of fluid above x (n, dim - 1) [m]."""
+    lower, upper = case.fluid.shape.bounds
+    return np.full(len(x), upper[-1]) + _elevation(case, x)
+
+
+def _elevation(case, x):
+    if case.fluid.elevation is None:
+        return np.zeros(len(x))
+    names = tuple("xyz"[: x.shape[1]])
+    evaluate = compile_expression(str(case.fluid.elevation), names)
+    return evaluate(**{name: x[:, axis] for axis, name in enumerate(names)})
+
+
+def _stretched(case, x):
+    """Move points (n, dim) of the lattice up with the surface, linearly from the bottom of the Box."""
+    if case.fluid.elevation is None:
+        return x
+    bottom = case.fluid.shape.bounds[0][-1]
+    x = x.copy()
+    x[:, -1] += _elevation(case, x[:, :-1]) * (x[:, -1] - bottom) / case.fluid.shape.size[-1]
+    return x
+
+
+def _unstretched(case, x):
+    """Undo _stretched for points (n, dim) [m]."""
+    if case.fluid.elevation is None:
+        return x
+    bottom, height = case.fluid.shape.bounds[0][-1], case.fluid.shape.size[-1]
+    x = x.copy()
+    x[:, -1] = bottom + (x[:, -1] - bottom) / (1.0 + _elevation(case, x[:, :-1]) / height)
+    return x
+
+
+def _fluid(case, points, start, stop):
+    index = points.fluid_indices(start, stop)
+    n, dim = index.shape
+    surface = points.is_surface(index)
+    x = _stretched(case, points.position(index))
+    numerics = case.numerics
+    if numerics.jitter > 0.0:
+        move = numerics.spacing * numerics.jitter * (uniform(numerics.seed, np.arange(start, stop), dim) - 0.5)
+        if not numerics.jitter_surface:
+            move[surface] = 0.0
+        x = x + move
+    return {
+        "kind": np.full(n, FLUID, dtype=np.int8),
+        "corner": np.zeros(n, dtype=np.int8),
+        "role": np.where(surface, SURFACE, INNER).astype(np.int8),
+        "x": x,
+        "u": vector_field(case.fluid.velocity, with_time=False)(x),
+        "normal": np.zeros((n, dim)),
+    }
+
+
+def _walls(case, points, index, inward):
+    """Wall particles; their role is that of the lattice point one step inward, diagonally in a corner."""
+    n = len(index)
+    x = points.position(index)
+    beside = points.index(_unstretched(case, x + inward * points.step))
+    role = np.full(n, DRY, dtype=np.int8)
+    wet = points.is_fluid(beside)
+    role[wet] = np.where(points.is_surface(beside[wet]), CONTACT, WET)
+    length = np.linalg.norm(inward, axis=1)
+    return {
+        "kind": np.full(n, WALL, dtype=np.int8),
+        "corner": (length > 1.1).astype(np.int8),
+        "role": role,
+        "x": x,
+        "u": np.zeros_like(x),
+        "normal": inward / length[:, None] if n else np.zeros_like(x),
+    }
+
+
+def uniform(seed, number, columns):
+    """Return random numbers (n, columns) in [0, 1) that depend on the seed and the particle's number only.
+
+    A hash (splitmix64's finaliser) of a counter: no state, hence the same on any number of ranks.
+    """
+    with np.errstate(over="ignore"):
+        counter = np.asarray(number, dtype=np.uint64)[:, None] * np.uint64(columns) + np.arange(columns, dtype=np.uint64)
+        return (_mix(counter + _mix(np.array([seed], dtype=np.uint64))) >> np.uint64(11)) * 2.0**-53
+
+
+def _mix(z):
+    z = z + np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))

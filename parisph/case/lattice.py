@@ -1,0 +1,156 @@
+"""The lattice on which a scene starts: which of its points are fluid, which are wall.
+
+In a tank the lattice begins at the tank's lower corner, so that wall particles lie on the wall and
+fluid at s, 2s, ... from it. Without a tank it begins at the lower corner of a Box or Polygon and
+has a point at the centre of a Disc. All in any number of dimensions.
+"""
+
+import numpy as np
+
+from parisph.case.shapes import Box, Disc
+
+FIT = 1e-3      # a length fits if it is a whole number of spacings within this part of one spacing
+CHUNK = 2**18   # lattice points looked at in one go; bounds the memory of a large scene
+
+
+class Lattice:
+    """Points origin + step * index of one scene.
+
+    Parameters
+    ----------
+    shape : Box, Disc or Polygon
+    tank : Tank or None
+    spacing : [m]
+
+    Attributes
+    ----------
+    origin, step : (dim,) [m]
+    first, counts : (dim,) int64, least index and number of points of the smallest block that holds the fluid
+    top : (dim,) int64 index of the tank's far corner, or None without a tank
+    """
+
+    def __init__(self, shape, tank, spacing):
+        self.shape, self.tank, self.spacing = shape, tank, spacing
+        lower, upper = shape.bounds
+        self.tolerance = 0.01 * spacing
+        if tank is None:
+            self.origin = np.array(shape.at) if isinstance(shape, Disc) else lower
+            size = shape.size if isinstance(shape, Box) else None
+        else:
+            self.origin = tank.bounds[0]
+            size = tank.size
+        # The step is the spacing, but for the rounding in a spacing such as 0.0416667.
+        self.step = np.full(len(lower), spacing) if size is None else size / np.maximum(np.round(size / spacing), 1)
+        self.top = None if tank is None else np.round(size / self.step).astype(np.int64)
+        self.first = np.ceil((lower - self.origin - self.tolerance) / self.step).astype(np.int64)
+        last = np.floor((upper - self.origin + self.tolerance) / self.step).astype(np.int64)
+        if tank is not None:  # the walls, and the open top's rim, belong to the wall particles
+            self.first = np.maximum(self.first, 1)
+            last = np.minimum(last, self.top - self._closed_above())
+        self.counts = np.maximum(last - self.first + 1, 0)
+
+    def _closed_above(self):
+        """Return for each axis whether the tank has a wall at its upper end, (dim,) bool."""
+        return np.array([True] * (len(self.origin) - 1) + [self.tank.lid])
+
+    def position(self, index):
+        """Return the positions (n, dim) [m] of the lattice indices (n, dim)."""
+        return self.origin + index * self.step
+
+    def index(self, x):
+        """Return the indices (n, dim) of the lattice points nearest to x (n, dim) [m]."""
+        return np.round((x - self.origin) / self.step).astype(np.int64)
+
+    def is_fluid(self, index):
+        """Return which lattice indices (n, dim) are fluid."""
+        inside = np.all((index >= self.first) & (index < self.first + self.counts), axis=1)
+        inside[inside] = self.shape.inside(self.position(index[inside]), self.tolerance)
+        return inside
+
+    def is_surface(self, index):
+        """Return which of the *fluid* lattice indices (n, dim) lack a neighbour along an axis, walls counted."""
+        open_side = np.zeros(len(index), dtype=bool)
+        for axis in range(index.shape[1]):
+            for side in (-1, 1):
+                beside = index.copy()
+                beside[:, axis] += side
+                open_side |= ~(self.is_fluid(beside) | self._is_wall(beside))
+        return open_side
+
+    def _is_wall(self, index):
+        """Return which lattice indices (n, dim) lie on a wall or behind it."""
+        if self.tank is None:
+            return np.zeros(len(index), dtype=bool)
+        return np.any((index <= 0) | ((index >= self.top) & self._closed_above()), axis=1)
+
+    def fluid_indices(self, start=0, stop=None):
+        """Return the indices (n, dim) of fluid particles number start to stop, in the lattice's order.
+
+        Only these are held in memory, whatever the size of the scene.
+        """
+        total = int(np.prod(self.counts))
+        if isinstance(self.shape, Box):
+            return self._unravel(np.arange(start, total if stop is None else min(stop, total)))
+        found, seen = [np.empty((0, len(self.counts)), dtype=np.int64)], 0
+        for low in range(0, total, CHUNK):
+            index = self._unravel(np.arange(low, min(low + CHUNK, total)))
+            index = index[self.is_fluid(index)]
+            found.append(index[max(start - seen, 0) : None if stop is None else max(stop - seen, 0)])
+            seen += len(index)
+        return np.concatenate(found)
+
+    def count(self):
+        """Return the number of fluid particles."""
+        if isinstance(self.shape, Box):
+            return int(np.prod(self.counts))
+        total = int(np.prod(self.counts))
+        return sum(
+            int(np.count_nonzero(self.is_fluid(self._unravel(np.arange(low, min(low + CHUNK, total))))))
+            for low in range(0, total, CHUNK)
+        )
+
+    def _unravel(self, number):
+        return self.first + np.stack(np.unravel_index(number, self.counts), axis=1).astype(np.int64)
+
+    def wall_indices(self):
+        """Return the indices (n, dim) of the wall particles and their face sums (n, dim).
+
+        The face sum adds the inward unit vectors of all walls that a particle lies on: two of them in
+        a corner. The rim of an open tank belongs to the side walls alone.
+        """
+        if self.tank is None:
+            empty = np.empty((0, len(self.counts)), dtype=np.int64)
+            return empty, empty
+        dim, closed = len(self.counts), self._closed_above()
+        blocks = []
+        for axis in range(dim):
+            for value in (0, self.top[axis]) if closed[axis] else (0,):
+                ranges = [np.arange(n + 1) for n in self.top]
+                ranges[axis] = np.array([value])
+                blocks.append(np.stack(np.meshgrid(*ranges, indexing="ij"), axis=-1).reshape(-1, dim))
+        index = np.unique(np.concatenate(blocks), axis=0)
+        inward = (index == 0).astype(np.int64) - ((index == self.top) & closed)
+        return index, inward
+
+
+def misfit(length, spacing):
+    """Return by how much of a spacing a length [m] misses a whole number of spacings."""
+    return abs(length / spacing - round(length / spacing))
+
+
+def nearest_spacings(lengths, spacing):
+    """Return the largest spacing <= and the smallest >= `spacing` that divide all lengths, or () if none does.
+
+    The lengths' common measure is found by Euclid's algorithm, down to a twentieth of the spacing.
+    """
+    measure = 0.0
+    for length in lengths:
+        a, b = max(measure, length), min(measure, length)
+        while b > 1e-6 * max(lengths):
+            a, b = b, a - b * round(a / b)
+            b = abs(b)
+        measure = a
+    if measure < spacing / 20.0:
+        return ()
+    n = measure / spacing
+    return tuple(dict.fromkeys(measure / k for k in (int(np.ceil(n)), int(np.floor(n))) if k >= 1))

@@ -1,0 +1,211 @@
+"""Find a case file, run its function `case` with the values of --set, and say clearly what is wrong with it."""
+
+import difflib
+import inspect
+import sys
+import traceback
+import types
+import typing
+from pathlib import Path
+
+from parisph.base.errors import CaseError
+from parisph.case.expressions import number
+from parisph.case.probes import read_truth
+from parisph.case.schema import Case
+
+MISSING = inspect.Parameter.empty
+
+
+def load(path, sets=()):
+    """Return the Case that a case file describes. Not collective, needs no MPI.
+
+    Parameters
+    ----------
+    path : a Python file with a function `case(...) -> Case` whose parameters all have defaults, or the
+        case.json of a run
+    sets : dict of parameter values, or a list of texts "name=value"
+
+    Raises
+    ------
+    CaseError : the file, a parameter or the case itself is wrong; says where and what to do
+    """
+    file = _find(path)
+    sets = _as_dict(sets)
+    if file.suffix == ".json":
+        if sets:
+            raise CaseError(f"{path}: a stored case takes no --set; give the case file that made it")
+        return Case.model_validate_json(file.read_text(encoding="utf-8"))
+    function = _function(file, path)
+    arguments = {name: _value(function, name, value, path) for name, value in sets.items()}
+    try:
+        case = function(**arguments)
+    except Exception as error:
+        raise CaseError(f"{_where(error, file, path)}: {_what(error)}") from error
+    if not isinstance(case, Case):
+        raise CaseError(f"{path}: case(...) returned a {type(case).__name__}; it must return a Case")
+    return _with_truths(case, file.parent)
+
+
+def parameters(path):
+    """Return {name: (default, comment-free type name)} of a case file's parameters. Raises CaseError."""
+    function = _function(_find(path), path)
+    hints = _hints(function)
+    return {name: (item.default, _type_name(hints.get(name))) for name, item in inspect.signature(function).parameters.items()}
+
+
+def _find(path):
+    file = Path(path)
+    if file.is_file():
+        return file.resolve()
+    if file.suffix == "" and file.with_suffix(".py").is_file():
+        return file.with_suffix(".py").resolve()
+    folder = file.parent
+    near = sorted(item.name for item in folder.glob("*.py")) if folder.is_dir() else []
+    hint = f"; {folder} has {', '.join(near)}" if near else ""
+    raise CaseError(f"{path}: there is no such case file{hint}")
+
+
+def _function(file, path):
+    """Run the case file and return its function `case`.
+
+    The text is compiled here and not imported: no __pycache__ beside the cases, on which ranks could race.
+    """
+    module = types.ModuleType("parisph_case")
+    module.__file__ = str(file)
+    sys.path.insert(0, str(file.parent))
+    try:
+        exec(compile(file.read_text(encoding="utf-8"), str(file), "exec"), module.__dict__)  # noqa: S102
+    except Exception as error:
+        raise CaseError(f"{_where(error, file, path)}: {_what(error)}") from error
+    finally:
+        sys.path.remove(str(file.parent))
+    function = getattr(module, "case", None)
+    if not callable(function):
+        raise CaseError(f"{path}: has no function case(...) that returns a Case")
+    _check_parameters(function, path)
+    return function
+
+
+def _check_parameters(function, path):
+    for name, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind not in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY) or parameter.default is MISSING:
+            raise CaseError(f"{path}: the parameter {name!r} of case(...) needs a default, as in {name}: float = 1.0")
+
+
+def _where(error, file, path):
+    """Return 'path, line n' of the last line of the case file that the error passed through."""
+    if isinstance(error, SyntaxError) and error.filename == str(file):
+        return f"{path}, line {error.lineno}"
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
+    return f"{path}, line {lines[-1]}" if lines else str(path)
+
+
+def _what(error):
+    if isinstance(error, CaseError):
+        lines = str(error).split("\n")
+        return lines[0] if len(lines) == 1 else "\n  " + "\n  ".join(lines)
+    if isinstance(error, SyntaxError):
+        return f"syntax error: {error.msg}"
+    return f"{type(error).__name__}: {error}"
+
+
+def _as_dict(sets):
+    if isinstance(sets, dict):
+        return dict(sets)
+    values = {}
+    for text in sets or ():
+        name, equals, value = text.partition("=")
+        if not equals or not name.strip():
+            raise CaseError(f"--set {text}: must be name=value, for example --set spacing=0.02")
+        values[name.strip()] = value.strip()
+    return values
+
+
+def _value(function, name, value, path):
+    """Return a --set value in the type of the parameter it is for."""
+    known = inspect.signature(function).parameters
+    if name not in known:
+        close = difflib.get_close_matches(name, known, n=1)
+        hint = f"; did you mean {close[0]!r}?" if close else "."
+        listed = ", ".join(f"{key}={item.default!r}" for key, item in known.items()) or "none"
+        raise CaseError(f"{path} has no parameter {name!r}{hint} Its parameters and their defaults: {listed}")
+    if not isinstance(value, str):
+        return value
+    hint = _hints(function).get(name)
+    default = known[name].default
+    wanted = hint if hint is not None else type(default)
+    try:
+        return _convert(value, wanted)
+    except (ValueError, TypeError) as error:
+        raise CaseError(f"--set {name}={value}: must be {_type_name(wanted)}, as the default {default!r} is ({error})") from None
+
+
+def _hints(function):
+    try:
+        return typing.get_type_hints(function)
+    except Exception:
+        return {}
+
+
+def _convert(text, wanted):
+    """Convert text to a type: float, int, bool, str, tuple[...] or a union of them with None."""
+    origin, arguments = typing.get_origin(wanted), typing.get_args(wanted)
+    if origin in (typing.Union, types.UnionType):
+        if type(None) in arguments and text.lower() in ("none", ""):
+            return None
+        return _first(text, [item for item in arguments if item is not type(None)])
+    if wanted is tuple or origin is tuple:
+        parts = [part.strip() for part in text.strip().strip("()").split(",") if part.strip()]
+        kinds = [item for item in arguments if item is not Ellipsis] or [float]
+        if Ellipsis not in arguments and arguments and len(parts) != len(kinds):
+            raise ValueError(f"{len(parts)} values where {len(kinds)} are needed")
+        return tuple(_convert(part, kinds[min(k, len(kinds) - 1)]) for k, part in enumerate(parts))
+    if wanted is bool:
+        values = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
+        if text.lower() not in values:
+            raise ValueError("give true or false")
+        return values[text.lower()]
+    if wanted is int:
+        return int(text)
+    if wanted is float:
+        return number(text)
+    if wanted is str:
+        return text
+    raise TypeError(f"a parameter of type {_type_name(wanted)} cannot be set from text")
+
+
+def _first(text, kinds):
+    """Convert to the first type that takes the text; str comes last, because it takes everything."""
+    problem = None
+    for kind in sorted(kinds, key=lambda item: item is str):
+        try:
+            return _convert(text, kind)
+        except (ValueError, TypeError) as error:
+            problem = problem or error
+    raise problem
+
+
+def _type_name(wanted):
+    plain = {float: "a number", int: "a whole number", bool: "true or false", str: "a text", type(None): "none"}
+    if wanted in plain:
+        return plain[wanted]
+    if typing.get_origin(wanted) in (typing.Union, types.UnionType):
+        return " or ".join(_type_name(item) for item in typing.get_args(wanted))
+    if wanted is tuple or typing.get_origin(wanted) is tuple:
+        return "values with commas between them"
+    return getattr(wanted, "__name__", str(wanted))
+
+
+def _with_truths(case, folder):
+    """Return the case with the probes' reference files made absolute, each of them read once as a check."""
+    probes = []
+    for probe in case.probes:
+        if probe.truth is not None:
+            truth = probe.truth.model_copy(update={"file": str((folder / probe.truth.file).resolve())})
+            try:
+                read_truth(truth)
+            except CaseError as error:
+                raise CaseError(f"probe {probe.name!r}: {error}") from None
+            probe = probe.model_copy(update={"truth": truth})
+        probes.append(probe)
+    return case.model_copy(update={"probes": tuple(probes)})

@@ -1,0 +1,144 @@
+"""Motion of the tank. The flow is computed in the tank's frame; the driver adds -acceleration to gravity.
+
+Motions are data, so that a stored run can go on without the script that made it.
+"""
+
+from functools import cached_property
+from typing import Annotated, Literal, Union
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from parisph.case.model import Model
+
+Direction = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="direction (x, y) of the motion")]
+
+
+class Motion(Model):
+    """A translation of the tank along one direction."""
+
+    direction: Direction = (1.0, 0.0)
+
+    @model_validator(mode="after")
+    def _some_direction(self):
+        if not np.any(self.direction):
+            raise ValueError(f"direction = {self.direction!r}: must not be zero; give for example (1, 0)")
+        return self
+
+    def _along(self, value):
+        direction = np.array(self.direction)
+        return direction / np.linalg.norm(direction) * value
+
+    def displacement(self, t):
+        """Displacement (dim,) [m] at time t [s]."""
+        return self._along(self._series(t)[0])
+
+    def velocity(self, t):
+        """Velocity (dim,) [m/s] at time t [s]."""
+        return self._along(self._series(t)[1])
+
+    def acceleration(self, t):
+        """Acceleration (dim,) [m/s2] at time t [s]."""
+        return self._along(self._series(t)[2])
+
+
+class AtRest(Motion):
+    """A tank that does not move."""
+
+    kind: Literal["at_rest"] = "at_rest"
+
+    def _series(self, t):
+        return 0.0, 0.0, 0.0
+
+
+class Sway(Motion):
+    """Harmonic sway from rest: X = amplitude (1 - cos(frequency t)) (Z14, Sec. 3.2).
+
+    amplitude [m], frequency [rad/s].
+    """
+
+    kind: Literal["sway"] = "sway"
+    amplitude: float = Field(description="amplitude a0 of X = a0 (1 - cos(frequency t)) [m]")
+    frequency: float = Field(gt=0, description="angular frequency [rad/s]")
+    direction: Direction = (1.0, 0.0)
+
+    def _series(self, t):
+        a, w = self.amplitude, self.frequency
+        return a * (1.0 - np.cos(w * t)), a * w * np.sin(w * t), a * w * w * np.cos(w * t)
+
+
+class Tabulated(Motion):
+    """A measured motion: displacement [m] at increasing times [s], joined by a cubic spline.
+
+    The spline has no knot at the second and the last but one time; before the first and after the
+    last time the tank rests. Its second derivative is the acceleration that the water feels, so
+    rough data should be smoothed before.
+    """
+
+    kind: Literal["tabulated"] = "tabulated"
+    times: Annotated[tuple[float, ...], Field(min_length=4, description="increasing times [s], at least four")]
+    values: Annotated[tuple[float, ...], Field(min_length=4, description="displacements [m], one for each time")]
+    direction: Direction = (1.0, 0.0)
+
+    @model_validator(mode="after")
+    def _series_is_sound(self):
+        if len(self.times) != len(self.values):
+            raise ValueError(f"values: {len(self.values)} displacements for {len(self.times)} times; give one for each")
+        late = np.flatnonzero(np.diff(self.times) <= 0)
+        if len(late):
+            raise ValueError(f"times[{late[0] + 1}] = {self.times[late[0] + 1]}: must be later than the time before it")
+        return self
+
+    @cached_property
+    def _spline(self):
+        t, y = np.array(self.times), np.array(self.values)
+        return t, y, _spline_second_derivatives(t, y)
+
+    def _series(self, t):
+        knots, y, m = self._spline
+        if t < knots[0]:
+            return y[0], 0.0, 0.0
+        if t > knots[-1]:
+            return y[-1], 0.0, 0.0
+        k = min(int(np.searchsorted(knots, t, side="right")) - 1, len(knots) - 2)
+        h = knots[k + 1] - knots[k]
+        b = (t - knots[k]) / h
+        a = 1.0 - b
+        value = a * y[k] + b * y[k + 1] + ((a**3 - a) * m[k] + (b**3 - b) * m[k + 1]) * h * h / 6.0
+        slope = (y[k + 1] - y[k]) / h + ((3 * b * b - 1) * m[k + 1] - (3 * a * a - 1) * m[k]) * h / 6.0
+        return value, slope, a * m[k] + b * m[k + 1]
+
+
+def _spline_second_derivatives(t, y):
+    """Second derivatives (n,) at the knots of the not-a-knot cubic spline through (t, y), n >= 4."""
+    h = np.diff(t)
+    rhs = 6.0 * np.diff(np.diff(y) / h)
+    diagonal = 2.0 * (h[:-1] + h[1:])
+    lower, upper = h[:-1].copy(), h[1:].copy()
+    # Not-a-knot: the third derivative is continuous at the second and the last but one knot. This
+    # gives the outer unknowns as combinations of their two neighbours, put into the outer rows.
+    diagonal[0] += h[0] * (h[0] + h[1]) / h[1]
+    upper[0] -= h[0] ** 2 / h[1]
+    diagonal[-1] += h[-1] * (h[-1] + h[-2]) / h[-2]
+    lower[-1] -= h[-1] ** 2 / h[-2]
+    inner = _solve_tridiagonal(lower, diagonal, upper, rhs)
+    first = ((h[0] + h[1]) * inner[0] - h[0] * inner[1]) / h[1]
+    last = ((h[-1] + h[-2]) * inner[-1] - h[-1] * inner[-2]) / h[-2]
+    return np.concatenate([[first], inner, [last]])
+
+
+def _solve_tridiagonal(lower, diagonal, upper, rhs):
+    """Solve by elimination; lower[0] and upper[-1] are not used."""
+    diagonal, rhs = diagonal.copy(), rhs.copy()
+    for k in range(1, len(rhs)):
+        factor = lower[k] / diagonal[k - 1]
+        diagonal[k] -= factor * upper[k - 1]
+        rhs[k] -= factor * rhs[k - 1]
+    for k in range(len(rhs) - 1, -1, -1):
+        if k + 1 < len(rhs):
+            rhs[k] -= upper[k] * rhs[k + 1]
+        rhs[k] /= diagonal[k]
+    return rhs
+
+
+Frame = Annotated[Union[AtRest, Sway, Tabulated], Field(discriminator="kind", description="AtRest, Sway or Tabulated")]

@@ -1,0 +1,115 @@
+"""How a scene is computed and what is written: method, resolution, time step, output."""
+
+from typing import Annotated, Literal, Optional
+
+from pydantic import Field, field_validator, model_validator
+
+from parisph.base.fields import FIELDS
+from parisph.case.model import Model
+from parisph.case.presets import METHODS, PRESETS
+
+Fraction = Annotated[Optional[float], Field(ge=0, le=1)]
+Distance = Annotated[Optional[float], Field(ge=0, le=2, description="a distance in particle spacings, 0 to 2")]
+
+
+class Numerics(Model):
+    """Method, resolution and time step. Fields that are None take the preset's value.
+
+    Attributes
+    ----------
+    spacing : particle spacing s [m]
+    method, preset : names, see METHODS and PRESETS
+    time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s)
+    max_time_step : upper limit of an adaptive step [s]
+    zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
+    zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)
+    kappa, shift : weights of the position projection and of the Fick shift
+    filter : share of the velocity's roughness that is removed in a step
+    collision_distance, wall_guard : [s]; restitution : of pair collisions; 0 switches them off
+    surface_rule, wall_rows, gradient, surface_gradient, stepping : names of what the step is made of
+    rtol : relative tolerance of the pressure solve
+    jitter : k of a start displacement s k (Rn - 1/2) in each direction, Rn uniform in [0, 1) (Z17
+        Sec. 4), of fluid particles inside; of those on the free surface too if jitter_surface
+    seed : of the jitter
+    """
+
+    spacing: float = Field(gt=0, description="particle spacing [m]")
+    method: str = Field("ISPH_R", description="name of the method")
+    preset: str = Field("violent", description="name of the preset")
+    time_step: Optional[float] = Field(None, gt=0, description="fixed time step [s], or None to adapt it")
+    cfl: float = Field(0.4, gt=0, le=2, description="largest move of a particle in one adaptive step, in spacings")
+    max_time_step: Optional[float] = Field(None, gt=0, description="upper limit of an adaptive step [s]")
+    zeta_time: Optional[float] = Field(None, ge=0, description="relaxation time of the divergence [s], 0 for none")
+    zeta: Optional[float] = Field(None, gt=0, le=2, description="weight of the divergence in the source")
+    gamma: Fraction = None
+    kappa: Optional[float] = Field(None, ge=0, le=2, description="weight of the position projection")
+    shift: Optional[float] = Field(None, ge=0, le=2, description="weight C of the Fick shift")
+    filter: Fraction = None
+    collision_distance: Distance = None
+    restitution: Fraction = None
+    wall_guard: Distance = None
+    surface_rule: Optional[Literal["gap", "auxiliary", "density", "frozen", "none"]] = None
+    wall_rows: Optional[Literal["sfdi", "harmonic"]] = None
+    gradient: Optional[Literal["sfdi", "symmetric", "mixed"]] = None
+    surface_gradient: Optional[Literal["same", "harmonic"]] = None
+    stepping: Optional[Literal["midpoint", "start", "predicted", "symplectic"]] = None
+    rtol: Optional[float] = Field(None, gt=0, lt=1, description="relative tolerance of the pressure solve")
+    jitter: float = Field(0.0, ge=0, le=1.2, description="disorder k of the start positions, 0 to 1.2")
+    jitter_surface: bool = Field(False, description="whether particles on the free surface are jittered too")
+    seed: int = Field(0, ge=0, lt=2**63, description="seed of the jitter")
+
+    @field_validator("method")
+    @classmethod
+    def _known_method(cls, name):
+        return _known("method", name, METHODS)
+
+    @field_validator("preset")
+    @classmethod
+    def _known_preset(cls, name):
+        return _known("preset", name, PRESETS)
+
+    @model_validator(mode="after")
+    def _one_relaxation(self):
+        if self.zeta is not None and self.zeta_time:
+            raise ValueError(f"zeta = {self.zeta} and zeta_time = {self.zeta_time}: give only one of them, the other follows from the time step")
+        if self.max_time_step is not None and self.time_step is not None:
+            raise ValueError(f"max_time_step = {self.max_time_step}: limits an adaptive step only; leave out time_step = {self.time_step} to have one")
+        return self
+
+    def resolved(self):
+        """Return a copy in which every None that the preset knows is filled."""
+        missing = {name: value for name, value in PRESETS[self.preset].items() if getattr(self, name) is None}
+        if self.zeta is not None:
+            missing["zeta_time"] = 0.0
+        return self.model_copy(update=missing)
+
+
+class Output(Model):
+    """What is written and when.
+
+    every : time between snapshots [s], None for none but those of `times`
+    times : further times of snapshots [s]
+    fields : names of the particle fields in snapshots
+    checkpoint_every : simulated time between checkpoints [s], None for one at the end only
+    probe_every : steps between samples of the probes
+    """
+
+    every: Optional[float] = Field(None, gt=0, description="time between snapshots [s]")
+    times: tuple[Annotated[float, Field(ge=0)], ...] = Field((), description="times of further snapshots [s]")
+    fields: tuple[str, ...] = Field(("u", "p", "role"), description="names of fields in snapshots")
+    checkpoint_every: Optional[float] = Field(None, gt=0, description="simulated time between checkpoints [s]")
+    probe_every: int = Field(1, ge=1, description="steps between samples of the probes")
+
+    @field_validator("fields")
+    @classmethod
+    def _known_fields(cls, names):
+        known = [field.name for field in FIELDS.values() if field.written]
+        for name in names:
+            _known("field", name, known)
+        return tuple(dict.fromkeys(names))
+
+
+def _known(what, name, names):
+    if name not in names:
+        raise ValueError(f"unknown {what} {name!r}; known are {', '.join(names)}")
+    return name

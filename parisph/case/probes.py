@@ -1,0 +1,132 @@
+"""What a run watches: descriptions only; the values are computed by parisph.io.probes."""
+
+import csv
+import re
+from pathlib import Path
+from typing import Annotated, Literal, Union
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from parisph.base.errors import CaseError
+from parisph.case.model import Model
+
+
+class Truth(Model):
+    """A reference series for a probe: two columns of a CSV file with one header line ('#' starts a comment).
+
+    Attributes
+    ----------
+    file : path, relative to the case file
+    time, value : names of the columns
+    offset, scale : truth = offset + scale * column, in the probe's unit
+    time_scale : seconds for one unit of the time column
+    wave : whether the error is of the wave part, |probe - truth| / |truth - offset|, instead of
+        |probe - truth| / |truth|
+    """
+
+    file: str
+    time: str
+    value: str
+    offset: float = 0.0
+    scale: float = 1.0
+    time_scale: float = Field(1.0, gt=0, description="seconds for one unit of the time column")
+    wave: bool = False
+
+
+class Probe(Model):
+    """A named probe, written to probes/NAME.csv."""
+
+    name: str = Field(description="name of the probe and of its file")
+
+    @field_validator("name")
+    @classmethod
+    def _file_name(cls, name):
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", name):
+            raise ValueError(f"{name!r} cannot name a file: use up to 64 letters, digits, '_', '-' or '.', and start with a letter or digit")
+        return name
+
+
+class SurfaceGauge(Probe):
+    """Height y of the free surface [m] above x = `at` [m]."""
+
+    kind: Literal["surface_gauge"] = "surface_gauge"
+    at: float = Field(description="position x of the gauge [m]")
+    truth: Union[Truth, None] = None
+
+
+class PressureTap(Probe):
+    """Pressure [Pa] on a wall at the point `at` [m]."""
+
+    kind: Literal["pressure_tap"] = "pressure_tap"
+    at: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) on a wall [m]")]
+    truth: Union[Truth, None] = None
+
+
+class WaterFront(Probe):
+    """Position x [m] of the water's foremost particle along the bed."""
+
+    kind: Literal["water_front"] = "water_front"
+    truth: Union[Truth, None] = None
+
+
+class ColumnHeight(Probe):
+    """Height y [m] of the topmost water connected to the bed at x = `at` [m]."""
+
+    kind: Literal["column_height"] = "column_height"
+    at: float = Field(description="position x of the column [m]")
+    truth: Union[Truth, None] = None
+
+
+class Energy(Probe):
+    """Kinetic and potential energy of the fluid [J/m]."""
+
+    kind: Literal["energy"] = "energy"
+    truth: Union[Truth, None] = None
+
+
+class Volume(Probe):
+    """Relative volume of the fluid: mean interior Voronoi cell over its start [-]."""
+
+    kind: Literal["volume"] = "volume"
+    truth: Union[Truth, None] = None
+
+
+class Momentum(Probe):
+    """Momentum of the fluid [kg/s per metre of width]."""
+
+    kind: Literal["momentum"] = "momentum"
+    truth: Union[Truth, None] = None
+
+
+AnyProbe = Annotated[
+    Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum],
+    Field(discriminator="kind", description="a probe"),
+]
+
+
+def read_truth(truth):
+    """Return the times (n,) [s] and the values (n,) [the probe's unit] of a Truth.
+
+    Raises
+    ------
+    CaseError : the file cannot be read, or lacks a column, or holds something that is not a number
+    """
+    try:
+        text = Path(truth.file).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is not text"
+        raise CaseError(f"truth.file = {truth.file!r}: cannot be read ({reason})") from None
+    rows = list(csv.reader(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
+    header = [name.strip() for name in rows[0]] if rows else []
+    for name in (truth.time, truth.value):
+        if name not in header:
+            raise CaseError(f"truth: {truth.file!r} has no column {name!r}; its columns are {', '.join(header) or 'none'}")
+    columns = [header.index(truth.time), header.index(truth.value)]
+    try:
+        data = np.array([[float(row[k]) for k in columns] for row in rows[1:]]).reshape(-1, 2)
+    except (ValueError, IndexError):
+        raise CaseError(f"truth: {truth.file!r} holds something that is not a number in {truth.time!r} or {truth.value!r}") from None
+    if len(data) < 2 or not np.all(np.isfinite(data)) or np.any(np.diff(data[:, 0]) <= 0):
+        raise CaseError(f"truth: {truth.file!r} must have at least two rows of finite numbers, at increasing times")
+    return data[:, 0] * truth.time_scale, truth.offset + truth.scale * data[:, 1]

@@ -1,0 +1,98 @@
+"""The description of a scene: frozen, validated, JSON in and out."""
+
+from functools import cached_property
+from typing import Annotated, Optional, Union
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from parisph.case import checks
+from parisph.case.expressions import vector_field
+from parisph.case.model import Model
+from parisph.case.motion import AtRest, Frame, Sway, Tabulated
+from parisph.case.numerics import Numerics, Output
+from parisph.case.presets import METHODS, PRESETS
+from parisph.case.probes import (
+    AnyProbe, ColumnHeight, Energy, Momentum, PressureTap, SurfaceGauge, Truth, Volume, WaterFront,
+)
+from parisph.case.shapes import Box, Disc, Fluid, Polygon, Tank
+
+__all__ = [
+    "METHODS", "PRESETS", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Momentum", "Numerics",
+    "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "Volume", "WaterFront",
+]
+
+
+class Case(Model):
+    """A scene and how it is computed, in SI units.
+
+    Attributes
+    ----------
+    title : one line for people
+    fluid : Fluid
+    walls : Tank, or None
+    gravity : components of the body force [m/s2], numbers or expressions of x, y and t
+    frame : motion of the tank, in whose frame the flow is computed
+    numerics, output : Numerics, Output
+    probes : what is watched
+    end_time : [s]
+
+    Raises
+    ------
+    CaseError : with one line for each problem
+    """
+
+    title: str = Field(min_length=1, description="one line for people")
+    fluid: Fluid
+    walls: Optional[Tank] = None
+    gravity: Annotated[tuple[Union[float, str], ...], Field(description="body force (x, y) [m/s2], numbers or expressions of x, y, t")]
+    frame: Frame = AtRest()
+    numerics: Numerics
+    output: Output = Output()
+    probes: tuple[AnyProbe, ...] = ()
+    end_time: float = Field(gt=0, description="end of the run [s]")
+
+    @model_validator(mode="after")
+    def _can_run(self):
+        found = checks.problems(self)
+        if found:
+            raise ValueError("\n".join(found))
+        return self
+
+    @property
+    def dim(self):
+        """Number of dimensions, 2 or 3."""
+        return self.fluid.dim
+
+    @property
+    def closed(self):
+        """True for a tank with a lid that is full: no free surface, pressure up to a constant."""
+        shape, tank = self.fluid.shape, self.walls
+        if tank is None or not tank.lid or not isinstance(shape, Box) or self.fluid.elevation is not None:
+            return False
+        gaps = np.abs(np.array(shape.bounds) - np.array(tank.bounds))
+        return bool(np.all(gaps < 0.5 * self.numerics.spacing))
+
+    def body_force(self, x, t):
+        """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity less the tank's acceleration."""
+        return self._gravity(x, t) - self.frame.acceleration(t)
+
+    @cached_property
+    def _gravity(self):
+        return vector_field(self.gravity, with_time=True)
+
+    def changed(self, **values):
+        """Return a validated copy with other values; a dot reaches inside: changed(**{"numerics.cfl": 0.3}).
+
+        Raises
+        ------
+        CaseError : an unknown name, or a case that cannot run
+        """
+        data = self.model_dump()
+        for name, value in values.items():
+            *path, last = name.split(".")
+            part = data
+            for key in path:
+                part = part[key]
+            part[last] = value.model_dump() if isinstance(value, Model) else value
+        return Case.model_validate(data)

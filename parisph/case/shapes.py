@@ -1,0 +1,166 @@
+"""The shapes of a scene: bodies of fluid and the tank that holds them."""
+
+from typing import Annotated, Literal, Union
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from parisph.case.expressions import compile_expression, variable_names
+from parisph.case.model import Model
+
+Length = Annotated[float, Field(gt=0, description="a length [m]")]
+Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="a point (x, y) [m]")]
+Number = Union[float, str]  # a number, or an expression of position
+
+
+class Box(Model):
+    """A rectangle of fluid: width x height [m], with its lower left corner `at` [m]."""
+
+    kind: Literal["box"] = "box"
+    width: Length
+    height: Length
+    at: Point = (0.0, 0.0)
+
+    @property
+    def size(self):
+        """Edge lengths (dim,) [m]."""
+        return np.array([self.width, self.height])
+
+    @property
+    def bounds(self):
+        """Lower and upper corner, (dim,) each [m]."""
+        lower = np.array(self.at)
+        return lower, lower + self.size
+
+    def inside(self, x, tolerance):
+        """Return which of the points x (n, dim) [m] lie in the closed box, widened by tolerance [m]."""
+        lower, upper = self.bounds
+        return np.all((x >= lower - tolerance) & (x <= upper + tolerance), axis=1)
+
+
+class Disc(Model):
+    """A disc of fluid: radius [m] about its centre `at` [m]."""
+
+    kind: Literal["disc"] = "disc"
+    radius: Length
+    at: Point = (0.0, 0.0)
+
+    @property
+    def bounds(self):
+        """Lower and upper corner of the bounding box, (dim,) each [m]."""
+        centre = np.array(self.at)
+        return centre - self.radius, centre + self.radius
+
+    def inside(self, x, tolerance):
+        """Return which of the points x (n, dim) [m] lie in the closed disc, widened by tolerance [m]."""
+        return np.linalg.norm(x - np.array(self.at), axis=1) <= self.radius + tolerance
+
+
+class Polygon(Model):
+    """A polygon of fluid, given by its corners in order, either way round [m]."""
+
+    kind: Literal["polygon"] = "polygon"
+    points: Annotated[tuple[Point, ...], Field(min_length=3, description="corners ((x, y), ...) in order [m]")]
+
+    @field_validator("points")
+    @classmethod
+    def _plane(cls, points):
+        if any(len(point) != 2 for point in points):
+            raise ValueError("every corner must have two coordinates (x, y)")
+        x, y = np.array(points).T
+        if abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) == 0.0:
+            raise ValueError("the corners enclose no area: give at least three that are not on one line")
+        return points
+
+    @property
+    def bounds(self):
+        """Lower and upper corner of the bounding box, (dim,) each [m]."""
+        points = np.array(self.points)
+        return points.min(axis=0), points.max(axis=0)
+
+    def inside(self, x, tolerance):
+        """Return which of the points x (n, 2) [m] lie in the polygon or within tolerance [m] of its edge."""
+        crossings = np.zeros(len(x), dtype=bool)
+        near = np.zeros(len(x), dtype=bool)
+        corners = np.array(self.points)
+        for a, b in zip(corners, np.roll(corners, -1, axis=0)):
+            along = np.clip(np.sum((x - a) * (b - a), axis=1) / max(np.sum((b - a) ** 2), 1e-300), 0.0, 1.0)
+            near |= np.linalg.norm(x - a - along[:, None] * (b - a), axis=1) <= tolerance
+            if a[1] != b[1]:
+                at = a[0] + (x[:, 1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+                crossings ^= ((a[1] > x[:, 1]) != (b[1] > x[:, 1])) & (x[:, 0] < at)
+        return crossings | near
+
+
+class Tank(Model):
+    """A rectangular tank: width x height [m], with its lower left corner `at` [m].
+
+    With a lid it is closed; without one its side walls end at the top, and water may leave
+    it there.
+    """
+
+    width: Length
+    height: Length
+    lid: bool = Field(False, description="whether the tank has a lid")
+    at: Point = (0.0, 0.0)
+
+    @property
+    def size(self):
+        """Edge lengths (dim,) [m]."""
+        return np.array([self.width, self.height])
+
+    @property
+    def bounds(self):
+        """Lower and upper corner, (dim,) each [m]."""
+        lower = np.array(self.at)
+        return lower, lower + self.size
+
+
+Shape = Annotated[Union[Box, Disc, Polygon], Field(discriminator="kind", description="a Box, Disc or Polygon")]
+
+
+class Fluid(Model):
+    """A body of one fluid and how it starts.
+
+    Attributes
+    ----------
+    shape : Box, Disc or Polygon
+    density : [kg/m3]
+    velocity : components [m/s], numbers or expressions of x, y
+    elevation : None, or the height of the free surface above the top of a Box [m], a number or
+        an expression of x; the columns of particles are stretched linearly to reach it
+    """
+
+    shape: Shape
+    density: float = Field(gt=0, description="density [kg/m3]")
+    velocity: tuple[Number, ...] = Field((0.0, 0.0), description="start velocity (u, v) [m/s], numbers or expressions of x, y")
+    elevation: Union[float, str, None] = Field(None, description="surface elevation above a Box [m], a number or an expression of x")
+
+    @property
+    def dim(self):
+        """Number of dimensions, 2 or 3."""
+        return len(self.shape.bounds[0])
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        dim = self.dim
+        check_components("velocity", self.velocity, dim, with_time=False)
+        if self.elevation is not None:
+            if not isinstance(self.shape, Box):
+                raise ValueError(f"elevation = {self.elevation!r}: only a Box has a top to raise; leave it out for a {type(self.shape).__name__}")
+            try:
+                compile_expression(str(self.elevation), variable_names(dim - 1, with_time=False))
+            except ValueError as error:
+                raise ValueError(f"elevation: {error}") from None
+        return self
+
+
+def check_components(field, components, dim, with_time):
+    """Raise ValueError unless `components` are dim numbers or expressions that compile."""
+    if len(components) != dim:
+        raise ValueError(f"{field} = {components!r}: must have {dim} components, as the fluid's shape has")
+    for component in components:
+        try:
+            compile_expression(str(component), variable_names(dim, with_time))
+        except ValueError as error:
+            raise ValueError(f"{field}: {error}") from None
