@@ -1,0 +1,55 @@
+"""Start ranks from a test, as a user does from a shell."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+from parisph.base import environment
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def clean_environment(**settings):
+    """Return an environment free of any outer mpirun, in which `parisph` can be imported."""
+    variables = environment.for_launching()
+    variables["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), variables.get("PYTHONPATH")]))
+    variables.update(settings)
+    return variables
+
+
+def run(command, timeout=60, cwd=None, **settings):
+    """Run a command to its end; return CompletedProcess with text output.
+
+    Raises subprocess.TimeoutExpired, with the output so far, after it has killed the command
+    and all its children: a collective that one rank misses hangs for ever.
+    """
+    process = subprocess.Popen(
+        [str(word) for word in command], cwd=cwd, env=clean_environment(**settings), text=True,
+        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    try:
+        out, err = process.communicate(timeout=timeout)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        out, err = process.communicate()
+        raise subprocess.TimeoutExpired(command, timeout, out, err) from None
+    return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+
+def mpirun(n, args, timeout=60, cwd=None, **settings):
+    """Run `python ARGS` on n ranks of this machine; return CompletedProcess (see `run`).
+
+    args : list, for example ["-m", "parisph", "run", "cases/dam_break.py"]
+    settings : environment variables to set besides
+    """
+    launcher = shutil.which("mpirun") or shutil.which("mpiexec")
+    if launcher is None:
+        raise FileNotFoundError("no mpirun on PATH: see run_scripts/setup")
+    return run([launcher, "-n", n, sys.executable, *args], timeout, cwd, **settings)
+
+
+def parisph(*args, timeout=60, cwd=None, **settings):
+    """Run `parisph ARGS` without mpirun; return CompletedProcess (see `run`)."""
+    return run([sys.executable, "-m", "parisph", *args], timeout, cwd, **settings)
