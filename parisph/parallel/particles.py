@@ -1,0 +1,125 @@
+"""The particles of one rank: a struct of arrays, [owned | ghost]."""
+
+import numpy as np
+
+from parisph.base.errors import CaseError, agree
+from parisph.base.fields import FIELDS
+
+GROWTH = 1.2  # spare room when arrays must grow, so that ghosts coming and going do not reallocate
+
+
+class Particles:
+    """One array per registered field, the owned particles first, then the ghosts.
+
+    For each name in `FIELDS`, for example u: `p.u` is the view of the owned particles,
+    (n_owned,) or (n_owned, dim), and `p.u_all` that of owned and ghost particles, (n_all, ...),
+    in the units of the registry. Ghosts are copies of other ranks' particles: written by the
+    halo only. `p.u = values` copies into the view. Views are stale after `assign` and after a
+    redistribution.
+
+    Attributes
+    ----------
+    comm, dim
+    n_owned, n_ghost, n_all : int, on this rank
+    offset : int, global row of the first owned particle; they are contiguous on a rank
+    offsets : (ranks + 1,) int64, the same of all ranks, with the total at the end
+    n_global : int, over all ranks
+    """
+
+    def __init__(self, comm, dim):
+        if dim not in (2, 3):
+            raise CaseError(f"dimension {dim}: particles live in 2 or 3 dimensions")
+        vars(self).update(comm=comm, dim=dim, n_owned=0, n_ghost=0,
+                          offsets=np.zeros(comm.size + 1, np.int64), _store={})
+        self._reserve(0)
+        self._expose()
+
+    @property
+    def n_all(self):
+        return self.n_owned + self.n_ghost
+
+    @property
+    def offset(self):
+        return int(self.offsets[self.comm.rank])
+
+    @property
+    def n_global(self):
+        return int(self.offsets[-1])
+
+    def __setattr__(self, name, values):
+        view = vars(self).get(name)
+        if name not in FIELDS and name.removesuffix("_all") not in FIELDS:
+            object.__setattr__(self, name, values)
+        elif values is not view:  # `p.u += a` has already worked in place
+            view[...] = values
+
+    # -- contents --------------------------------------------------------------------------
+
+    def assign(self, arrays):
+        """Replace all particles; fields that are not given become zero, ghosts go. Collective.
+
+        Parameters
+        ----------
+        arrays : dict of field name -> (n,) or (n, dim), this rank's particles; x must be there
+
+        Raises
+        ------
+        CaseError on every rank: an unknown name, x missing, or a wrong shape on some rank.
+        """
+        error = self._fault(arrays)
+        agree(self.comm, None if error is None else CaseError(error))
+        self.resize(0, 0)
+        self.resize(len(arrays["x"]), 0)
+        for name in FIELDS:
+            getattr(self, name)[...] = arrays.get(name, 0)
+        self.renumber()
+
+    def _fault(self, arrays):
+        unknown = sorted(set(arrays) - set(FIELDS))
+        if unknown:
+            return f"no such particle field: {', '.join(unknown)} (there are {', '.join(FIELDS)})"
+        if "x" not in arrays:
+            return "particles need positions: x is missing"
+        for name, values in arrays.items():
+            due = FIELDS[name].empty(0, self.dim).shape[1:]
+            if np.shape(values) != (len(arrays["x"]), *due):
+                return f"field {name} has shape {np.shape(values)}, not {(len(arrays['x']), *due)}"
+        return None
+
+    def renumber(self):
+        """Learn the global rows after the number of owned particles changed. Collective."""
+        counts = self.comm.allgather(self.n_owned) if self.comm.size > 1 else [self.n_owned]
+        self.offsets[1:] = np.cumsum(counts)
+
+    def resize(self, n_owned, n_ghost):
+        """Set how many particles this rank has. Owned ones are kept, up to the new number.
+
+        The contents of added particles and of all ghosts are undefined. Not collective: call
+        `renumber` after the number of owned ones has changed.
+        """
+        self._reserve(n_owned + n_ghost)
+        self.n_owned, self.n_ghost = n_owned, n_ghost
+        self._expose()
+
+    def reorder(self, order):
+        """Keep the owned particles `order` (n,), int, in that order; drop ghosts. Not collective."""
+        for array in self._store.values():
+            array[:len(order)] = array[:self.n_owned][order]
+        self.resize(len(order), 0)
+
+    # -- storage ---------------------------------------------------------------------------
+
+    def _reserve(self, n):
+        for name, field in FIELDS.items():
+            old = self._store.get(name)
+            if old is None or len(old) < n:
+                new = field.empty(int(GROWTH * n), self.dim)
+                if old is not None:
+                    new[:self.n_owned] = old[:self.n_owned]
+                self._store[name] = new
+
+    def _expose(self):
+        """Make the views plain attributes: reading one costs nothing."""
+        for name, array in self._store.items():
+            vars(self)[name] = array[:self.n_owned]
+            vars(self)[f"{name}_all"] = array[:self.n_all]
