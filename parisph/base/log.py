@@ -1,0 +1,90 @@
+"""What a run says while it runs, and how long each phase takes."""
+
+import logging
+import sys
+from contextlib import contextmanager
+from time import perf_counter
+
+import numpy as np
+
+logger = logging.getLogger("parisph")
+
+
+def start(comm, path=None, level=logging.INFO, stream=None):
+    """Let rank 0 speak, on the screen and into a file; other ranks are silent. Not collective.
+
+    Parameters
+    ----------
+    comm : communicator whose rank 0 speaks
+    path : path of a log file to append to, or None
+    level : lowest level that is shown (the file takes everything)
+    stream : open text file for the screen, standard error by default
+
+    Raises
+    ------
+    OSError on rank 0: the log file cannot be written.
+    """
+    stop()
+    logger.propagate = False
+    if comm.rank != 0:
+        logger.addHandler(logging.NullHandler())
+        return
+    logger.setLevel(logging.DEBUG if path else level)
+    if path:
+        _add(logging.FileHandler(path), logging.DEBUG, "%(asctime)s %(levelname)s %(message)s")
+    _add(logging.StreamHandler(stream or sys.stderr), level, "%(message)s")
+
+
+def stop():
+    """Close what `start` opened, and leave the logger as Python makes it."""
+    for handler in list(logger.handlers):
+        logger.removeHandler(handler)
+        handler.close()
+    logger.setLevel(logging.NOTSET)
+    logger.propagate = True
+
+
+def _add(handler, level, form):
+    handler.setLevel(level)
+    handler.setFormatter(logging.Formatter(form))
+    logger.addHandler(handler)
+
+
+class Timers:
+    """Wall time of named phases: `with timers("solve"): ...`.
+
+    Phases may be nested; each counts all the time inside it, and one inside itself counts once.
+
+    Attributes
+    ----------
+    seconds : dict of phase -> seconds so far on this rank, in the order of first use
+    """
+
+    def __init__(self):
+        self.seconds = {}
+        self._open = set()
+
+    @contextmanager
+    def __call__(self, phase):
+        if phase in self._open:
+            yield
+            return
+        self._open.add(phase)
+        self.seconds.setdefault(phase, 0.0)
+        start = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[phase] += perf_counter() - start
+            self._open.discard(phase)
+
+    def reduce(self, comm):
+        """Return {phase: {"max": s, "mean": s}} over the ranks, the same on all. Collective.
+
+        A phase that a rank never entered counts as 0 s there.
+        """
+        known = dict.fromkeys(name for names in comm.allgather(list(self.seconds)) for name in names)
+        mine = [self.seconds.get(name, 0.0) for name in known]
+        everyone = np.array(comm.allgather(mine))
+        return {name: {"max": float(column.max()), "mean": float(column.mean())}
+                for name, column in zip(known, everyone.T, strict=True)}
