@@ -11,6 +11,8 @@ from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge
 from parisph.case.shapes import Box, check_components
 
 ABSURD = 10.0   # a fixed time step this many times the stable one is taken for a mistake
+MOST = 2**31 - 1  # rows of the pressure matrix that 32-bit numbers can name
+LEAST = 4       # particles in a body of fluid
 SAMPLES = 9     # points along each edge at which an expression is tried out
 
 
@@ -22,7 +24,7 @@ def problems(case):
     if not found:
         found += [*_something_to_compute(case), *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
-        found += [*_time_step(case)]
+        found += [*_times(case)]
     return found
 
 
@@ -84,10 +86,14 @@ def _inside(case):
 
 
 def _something_to_compute(case):
-    points = Lattice(case.fluid.shape, case.walls, case.numerics.spacing)
-    n = points.count()
-    if n < 4:
-        yield f"numerics.spacing = {case.numerics.spacing:g}: leaves {n} fluid particles, at least 4 are needed; use a smaller spacing"
+    lower, upper = case.fluid.shape.bounds
+    estimate = float(np.prod((upper - lower) / case.numerics.spacing))
+    if estimate > MOST:
+        yield f"numerics.spacing = {case.numerics.spacing:g}: makes about {estimate:.1e} particles, at most {MOST:.1e} can be numbered; use a larger spacing"
+        return
+    n = Lattice(case.fluid.shape, case.walls, case.numerics.spacing).count()
+    if n < LEAST:
+        yield f"numerics.spacing = {case.numerics.spacing:g}: leaves {n} fluid particles, at least {LEAST} are needed; use a smaller spacing"
 
 
 def _elevation(case):
@@ -160,7 +166,7 @@ def _tap(case, probe):
         )
 
 
-def _time_step(case):
+def _times(case):
     limit, reason = stable_time_step(case)
     dt = case.numerics.time_step
     if dt is not None and dt > ABSURD * limit:
@@ -168,6 +174,9 @@ def _time_step(case):
     for name, value in (("numerics.time_step", dt), ("numerics.max_time_step", case.numerics.max_time_step)):
         if value is not None and value > case.end_time:
             yield f"{name} = {value:g} s: is longer than the run, end_time = {case.end_time:g} s"
+    for time in case.output.times:
+        if time > case.end_time:
+            yield f"output.times: {time:g} s is after the end of the run, end_time = {case.end_time:g} s; leave it out or run longer"
 
 
 def stable_time_step(case):

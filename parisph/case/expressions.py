@@ -19,7 +19,8 @@ OPERATORS = (
     ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow, ast.USub, ast.UAdd,
     ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq, ast.NotEq,
 )
-LONGEST = 2000  # characters; keeps a hostile text from exhausting the parser
+LONGEST = 2000  # characters, and
+DEEPEST = 200   # levels of nesting: keep a hostile text from exhausting the parser
 
 
 @lru_cache(maxsize=256)
@@ -105,11 +106,20 @@ def _parse(text, names):
         raise ValueError(f"the expression has {len(text)} characters; at most {LONGEST} are read")
     try:
         tree = ast.parse(text.strip(), mode="eval")
-        for node in ast.walk(tree):
-            _check(node, names, text)
+        _check_tree(tree, names, text, DEEPEST)
     except (SyntaxError, RecursionError, MemoryError) as error:
         raise ValueError(f"{text!r} is not an expression ({getattr(error, 'msg', None) or 'nested too deeply'})") from None
     return tree
+
+
+def _check_tree(node, names, text, depth):
+    """Check a node and all below it, at most `depth` levels."""
+    if depth == 0:
+        raise ValueError(f"the expression {text[:40]!r}... is nested more than {DEEPEST} levels deep")
+    _check(node, names, text)
+    for child in ast.iter_child_nodes(node):
+        if not (isinstance(node, ast.Call) and child is node.func):  # a function's name stands only before "("
+            _check_tree(child, names, text, depth - 1)
 
 
 def _check(node, names, text):
@@ -118,7 +128,7 @@ def _check(node, names, text):
         if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
             raise ValueError(f"{node.value!r} in {text!r} is not a number")
     elif isinstance(node, ast.Name):
-        if node.id not in names and node.id not in CONSTANTS and node.id not in FUNCTIONS:
+        if node.id not in names and node.id not in CONSTANTS:
             raise ValueError(_unknown_name(node.id, names, text))
     elif isinstance(node, ast.Call):
         _check_call(node, text)

@@ -68,12 +68,6 @@ def domain(case):
     return case.fluid.shape.bounds
 
 
-def surface_height(case, x):
-    """Return the height [m] of the start surface of a Box of fluid above x (n, dim - 1) [m]."""
-    lower, upper = case.fluid.shape.bounds
-    return np.full(len(x), upper[-1]) + _elevation(case, x)
-
-
 def _elevation(case, x):
     if case.fluid.elevation is None:
         return np.zeros(len(x))

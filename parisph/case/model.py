@@ -1,6 +1,7 @@
 """The base of every part of a case: frozen, validated, with errors in plain words."""
 
 import difflib
+import typing
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
@@ -57,7 +58,12 @@ class Model(BaseModel):
 
 def explain(error, model):
     """Return one line for each problem of a pydantic ValidationError raised by `model`."""
-    return "\n".join(dict.fromkeys(_line(item, model) for item in error.errors()))
+    lines = {}
+    for item in error.errors():
+        # A value that may be of several types fails once for each of them; the first says enough.
+        place = _follow(model, item["loc"])[0]
+        lines.setdefault((place, item["type"] == "value_error"), _line(item, model))
+    return "\n".join(lines.values())
 
 
 def _positional(model):
@@ -65,61 +71,70 @@ def _positional(model):
 
 
 def _line(item, model):
-    loc, kind, given = item["loc"], item["type"], item.get("input")
-    place = ".".join([model.__name__, *(str(part) for part in loc if not _is_schema_tag(part))])
-    context = item.get("ctx", {})
-    if kind == "value_error":
-        return _with_place(place, str(context["error"]), loc)
+    """Return one problem in plain words: field, value, limit and remedy."""
+    kind, given, context = item["type"], item.get("input"), item.get("ctx", {})
+    place, owner, name = _follow(model, item["loc"])
+    if kind == "value_error":  # our own message, which may have several lines
+        return "\n".join(f"{place}: {line}" if item["loc"] else line for line in str(context["error"]).split("\n"))
     if kind == "extra_forbidden":
-        return _unknown_field(model, loc)
-    if kind in ("missing", "missing_argument"):
-        return f"{place} is missing: give {_meaning(model, loc) or 'a value'}"
-    message = item["msg"].removeprefix("Input should be ")
-    meaning = _meaning(model, loc)
-    remedy = f" ({meaning})" if meaning else ""
-    return f"{place} = {given!r}: must be {message}{remedy}"
+        return _unknown_field(owner, item["loc"][-1])
+    meaning = owner.model_fields[name].description if name in owner.model_fields else None
+    if kind == "missing":
+        return f"{place} is missing: give {meaning or 'a value'}"
+    if kind == "json_invalid":
+        return f"{place} cannot be read: {item['msg']}"
+    return f"{place} = {given!r}: must be {_limit(item, context)}{f' ({meaning})' if meaning else ''}"
 
 
-def _with_place(place, message, loc):
-    """Put the place before each line of our own message, unless it starts with a place already."""
-    lines = message.split("\n")
-    return "\n".join(line if not loc else f"{place}: {line}" for line in lines)
+def _limit(item, context):
+    kind = item["type"]
+    if kind == "too_short":
+        return f"at least {context['min_length']} values, not {context['actual_length']}"
+    if kind == "too_long":
+        return f"at most {context['max_length']} values"
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return f"of a known kind: {context.get('expected_tags', 'give one by its class')}"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return "an object of the right class"
+    return item["msg"].removeprefix("Input should be ")
 
 
-def _is_schema_tag(part):
-    """True for pydantic's names of union members, which say nothing to a user."""
-    return isinstance(part, str) and (part in ("float", "str", "none") or "[" in part or part[:1].isupper())
-
-
-def _unknown_field(model, loc):
-    owner = _owner(model, loc[:-1]) or model
+def _unknown_field(owner, name):
     names = list(owner.model_fields)
-    close = difflib.get_close_matches(str(loc[-1]), names, n=1)
+    close = difflib.get_close_matches(str(name), names, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
-    return f"{owner.__name__} has no field {loc[-1]!r}{hint} (its fields: {', '.join(names)})"
+    return f"{owner.__name__} has no field {name!r}{hint} (its fields: {', '.join(names)})"
 
 
-def _owner(model, loc):
-    """Return the record class that the location leads to, or None where it cannot be told."""
+def _follow(model, loc):
+    """Follow a pydantic location through the records.
+
+    Returns the place in words, such as Case.probes[0].at; the record class that owns the last field;
+    and the name of that field. Pydantic's names of union members are left out: they say nothing to a
+    user.
+    """
+    place, owner, name, inside = model.__name__, model, None, [model]
     for part in loc:
-        known = {cls.__name__: cls for cls in _all_models(Model)}
-        if part in known:
-            model = known[part]
-        elif isinstance(part, str) and model is not None and part in model.model_fields:
-            annotation = model.model_fields[part].annotation
-            model = annotation if isinstance(annotation, type) and issubclass(annotation, Model) else None
-    return model
+        with_field = [cls for cls in inside if part in cls.model_fields]
+        if with_field:
+            owner, name = with_field[0], part
+            place += f".{part}"
+            inside = list(_models_in(owner.model_fields[part].annotation))
+        elif isinstance(part, int):
+            place += f"[{part}]"
+        else:
+            inside = [cls for cls in inside if part in (cls.__name__, _tag(cls))] or inside
+            owner = inside[0] if inside else owner
+    return place, owner, name
 
 
-def _all_models(cls):
-    for child in cls.__subclasses__():
-        yield child
-        yield from _all_models(child)
+def _tag(cls):
+    return cls.model_fields["kind"].default if "kind" in cls.model_fields else None
 
 
-def _meaning(model, loc):
-    owner = _owner(model, loc[:-1])
-    if owner is None or not loc or loc[-1] not in owner.model_fields:
-        owner, loc = model, loc[:1]
-    info = owner.model_fields.get(loc[-1]) if loc else None
-    return info.description if info else None
+def _models_in(annotation):
+    """Yield the record classes that an annotation mentions."""
+    if isinstance(annotation, type) and issubclass(annotation, Model):
+        yield annotation
+    for part in typing.get_args(annotation):
+        yield from _models_in(part)

@@ -7,23 +7,24 @@ from functools import cached_property
 from typing import Annotated, Literal, Union
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from parisph.case.model import Model
 
-Direction = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="direction (x, y) of the motion")]
+
+def _not_zero(direction):
+    if not np.any(direction):
+        raise ValueError(f"{direction!r} must not be zero; give for example (1, 0)")
+    return direction
+
+
+Direction = Annotated[
+    tuple[float, ...], Field(min_length=2, max_length=3, description="direction (x, y) of the motion"), AfterValidator(_not_zero)
+]
 
 
 class Motion(Model):
-    """A translation of the tank along one direction."""
-
-    direction: Direction = (1.0, 0.0)
-
-    @model_validator(mode="after")
-    def _some_direction(self):
-        if not np.any(self.direction):
-            raise ValueError(f"direction = {self.direction!r}: must not be zero; give for example (1, 0)")
-        return self
+    """A translation of the tank along one `direction`, a field of every kind of motion."""
 
     def _along(self, value):
         direction = np.array(self.direction)
@@ -46,6 +47,7 @@ class AtRest(Motion):
     """A tank that does not move."""
 
     kind: Literal["at_rest"] = "at_rest"
+    direction: Direction = (1.0, 0.0)
 
     def _series(self, t):
         return 0.0, 0.0, 0.0

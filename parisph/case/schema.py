@@ -4,8 +4,9 @@ from functools import cached_property
 from typing import Annotated, Optional, Union
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from parisph.base.errors import CaseError
 from parisph.case import checks
 from parisph.case.expressions import vector_field
 from parisph.case.model import Model
@@ -52,6 +53,13 @@ class Case(Model):
     probes: tuple[AnyProbe, ...] = ()
     end_time: float = Field(gt=0, description="end of the run [s]")
 
+    @field_validator("probes", mode="before")
+    @classmethod
+    def _several(cls, probes):
+        if isinstance(probes, Model):
+            raise ValueError(f"must be a list; write probes=[{type(probes).__name__}(...)]")
+        return probes
+
     @model_validator(mode="after")
     def _can_run(self):
         found = checks.problems(self)
@@ -93,6 +101,8 @@ class Case(Model):
             *path, last = name.split(".")
             part = data
             for key in path:
-                part = part[key]
+                part = part.get(key)
+                if not isinstance(part, dict):
+                    raise CaseError(f"{name}: the case has no part {key!r}; it has {', '.join(data)}")
             part[last] = value.model_dump() if isinstance(value, Model) else value
         return Case.model_validate(data)

@@ -1,0 +1,51 @@
+"""Motions of the tank: velocity and acceleration are the derivatives of the displacement."""
+
+import numpy as np
+import pytest
+
+from parisph.case.motion import AtRest, Sway, Tabulated
+
+
+def derivative(function, t, h=1e-5):
+    return (function(t + h) - function(t - h)) / (2.0 * h)
+
+
+def tabulated(function, times, **more):
+    return Tabulated(tuple(times), tuple(function(times)), **more)
+
+
+@pytest.mark.parametrize("motion", [
+    Sway(0.02, 3.0, direction=(3.0, 4.0)),
+    tabulated(lambda t: np.sin(2.0 * t), np.sort(np.append(np.linspace(0.0, 3.0, 20), [0.111, 1.9]))),
+])
+def test_derivatives(motion):
+    for t in (0.4, 1.23, 2.7):
+        assert motion.velocity(t) == pytest.approx(derivative(motion.displacement, t), abs=1e-8)
+        assert motion.acceleration(t) == pytest.approx(derivative(motion.velocity, t), abs=1e-6)
+
+
+def test_sway_starts_at_rest_along_its_direction():
+    motion = Sway(0.02, 3.0, direction=(0.0, 2.0))
+    assert not motion.displacement(0.0).any() and not motion.velocity(0.0).any()
+    assert motion.acceleration(0.0) == pytest.approx([0.0, 0.02 * 9.0])
+
+
+def test_spline_is_exact_for_cubics_and_fourth_order_otherwise():
+    cubic = tabulated(lambda t: 1.0 - t + t**2 - 0.3 * t**3, np.array([0.0, 0.3, 1.0, 1.4, 2.0]))
+    assert cubic.displacement(0.77)[0] == pytest.approx(1.0 - 0.77 + 0.77**2 - 0.3 * 0.77**3, abs=1e-13)
+    assert cubic.acceleration(1.9)[0] == pytest.approx(2.0 - 1.8 * 1.9, abs=1e-12)
+    error = []
+    for n in (20, 40):
+        motion = tabulated(np.sin, np.linspace(0.0, 6.0, n + 1))
+        error.append(max(abs(motion.displacement(t)[0] - np.sin(t)) for t in np.linspace(0.01, 5.99, 301)))
+    assert np.log2(error[0] / error[1]) > 3.5
+
+
+def test_tabulated_rests_outside_its_times():
+    motion = tabulated(np.sin, np.linspace(0.0, 2.0, 9))
+    assert motion.displacement(5.0)[0] == pytest.approx(np.sin(2.0)) and not motion.acceleration(5.0).any()
+    assert motion.displacement(-1.0)[0] == 0.0 and not motion.velocity(-1.0).any()
+
+
+def test_at_rest():
+    assert not AtRest().acceleration(1.0).any() and AtRest().acceleration(1.0).shape == (2,)
