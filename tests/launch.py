@@ -2,12 +2,10 @@
 
 import os
 import shutil
-import signal
-import subprocess
 import sys
 from pathlib import Path
 
-from parisph.base import environment
+from parisph.base import environment, launch
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -23,26 +21,16 @@ def clean_environment(**settings):
 def run(command, timeout=60, cwd=None, **settings):
     """Run a command to its end; return CompletedProcess with text output.
 
-    Raises subprocess.TimeoutExpired, with the output so far, after it has killed the command
-    and all its children: a collective that one rank misses hangs for ever.
+    settings : environment variables to set besides
+    Raises subprocess.TimeoutExpired, after the command and all its children are ended.
     """
-    process = subprocess.Popen(
-        [str(word) for word in command], cwd=cwd, env=clean_environment(**settings), text=True,
-        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
-    try:
-        out, err = process.communicate(timeout=timeout)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        out, err = process.communicate()
-        raise subprocess.TimeoutExpired(command, timeout, out, err) from None
-    return subprocess.CompletedProcess(command, process.returncode, out, err)
+    return launch.run([str(word) for word in command], timeout, clean_environment(**settings), cwd)
 
 
 def mpirun(n, args, timeout=60, cwd=None, **settings):
     """Run `python ARGS` on n ranks of this machine; return CompletedProcess (see `run`).
 
     args : list, for example ["-m", "parisph", "run", "cases/dam_break.py"]
-    settings : environment variables to set besides
     """
     launcher = shutil.which("mpirun") or shutil.which("mpiexec")
     if launcher is None:

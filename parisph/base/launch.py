@@ -1,0 +1,45 @@
+"""Start a command, with or without ranks, and be sure that it ends."""
+
+import os
+import signal
+import subprocess
+
+GRACE = 5.0    # [s] for mpirun to end its ranks before it is killed itself
+
+
+def run(command, timeout, env, cwd=None):
+    """Run a command to its end; return subprocess.CompletedProcess with text output.
+
+    Parameters
+    ----------
+    command : list of str
+    timeout : [s]
+    env : dict of environment variables (environment.for_launching)
+
+    Raises
+    ------
+    subprocess.TimeoutExpired, with the output so far, after the command and its children are
+    ended: a collective that one rank misses would hang for ever.
+    """
+    process = subprocess.Popen(
+        command, cwd=cwd, env=env, text=True, errors="replace", stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    try:
+        out, err = process.communicate(timeout=timeout)
+    except subprocess.TimeoutExpired:
+        out, err = _end(process)
+        raise subprocess.TimeoutExpired(command, timeout, out, err) from None
+    except BaseException:
+        _end(process)
+        raise
+    return subprocess.CompletedProcess(command, process.returncode, out, err)
+
+
+def _end(process):
+    """End a process and its group, gently first: mpirun passes a SIGTERM on to its ranks."""
+    os.killpg(process.pid, signal.SIGTERM)
+    try:
+        return process.communicate(timeout=GRACE)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        return process.communicate()
