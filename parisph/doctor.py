@@ -1,0 +1,227 @@
+"""Is this machine fit to run parisph? Versions, and a real solve on two ranks.
+
+Every library is looked at in a process of its own with a time limit: a library that hangs or
+crashes while it loads is then a finding like any other.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+
+from parisph.base import environment, launch
+from parisph.base.errors import ParisphError
+
+LIMIT = 60.0              # [s] for each process
+EXACT = 1e-6              # largest relative error of the trial solve, whose tolerance is 1e-10
+OLDEST_PETSC = (3, 18)
+
+PACKAGES = "run_scripts/setup installs it on Debian; on a cluster load its module"
+PARALLEL_H5PY = (
+    "Debian: apt-get install python3-h5py-mpi, and H5PY_ALWAYS_USE_MPI=1; conda: install -c conda-forge "
+    "'h5py=*=mpi*'; elsewhere: CC=mpicc HDF5_MPI=ON pip install --no-binary=h5py h5py"
+)
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was found about one thing; `remedy` says what to do when it is not ok."""
+
+    name: str
+    ok: bool
+    detail: str
+    remedy: str = ""
+
+
+def examine():
+    """Return the list of Findings about this machine. Not collective: starts ranks of its own."""
+    findings = [Finding("python", True, f"{sys.version.split()[0]}, {sys.executable}")]
+    findings += [_library(*entry) for entry in _LIBRARIES]
+    launcher = shutil.which("mpirun") or shutil.which("mpiexec")
+    if launcher is None:
+        return findings + [Finding("mpirun", False, "not on PATH", PACKAGES)]
+    findings.append(Finding("mpirun", True, launcher))
+    if all(finding.ok for finding in findings if finding.name in ("MPI", "PETSc", "HDF5")):
+        findings.append(_two_ranks(launcher))
+    return findings
+
+
+def report(findings):
+    """Return the findings as text, one to a line, each problem with its remedy."""
+    lines = []
+    for finding in findings:
+        lines.append(f"{'ok' if finding.ok else 'PROBLEM':<8}{finding.name:<11}{finding.detail}")
+        if finding.remedy and not finding.ok:
+            lines.append(f"{'':<8}{'remedy:':<11}{finding.remedy}")
+    problems = sum(not finding.ok for finding in findings)
+    lines.append("parisph can run here." if not problems else f"{problems} problem{'s' * (problems > 1)} found.")
+    return "\n".join(lines)
+
+
+def trial(comm):
+    """Solve a small system, write a file together and read it again. Collective.
+
+    Uses the current folder, which all ranks must share. Returns a dict with "ranks",
+    "iterations", "error" and "file" (the bytes came back as written), the same on every rank.
+    Raises SolverDiverged, or ParisphError when h5py is not parallel, on every rank.
+    """
+    from parisph.pressure import trial as pressure
+
+    result = pressure.solve(comm)
+    result["file"] = _write_together(comm)
+    return result
+
+
+# ---- one library each, asked in a process of its own (`python -m parisph.doctor NAME`)
+
+def _ask_numpy():
+    import numpy
+
+    return {"version": numpy.__version__}
+
+
+def _ask_numba():
+    import numba
+
+    compiled = numba.njit(lambda x: x + 1)(1)
+    return {"version": numba.__version__, "works": compiled == 2}
+
+
+def _ask_mpi():
+    import mpi4py
+    from mpi4py import MPI
+
+    return {"version": MPI.Get_library_version().split("\n")[0].split(",")[0].strip("\0 "), "mpi4py": mpi4py.__version__}
+
+
+def _ask_petsc():
+    from parisph.pressure import trial as pressure
+
+    return pressure.versions()
+
+
+def _ask_hdf5():
+    import h5py
+
+    return {"version": h5py.version.hdf5_version, "h5py": h5py.__version__, "parallel": bool(h5py.get_config().mpi)}
+
+
+_QUESTIONS = {"numpy": _ask_numpy, "numba": _ask_numba, "MPI": _ask_mpi, "PETSc": _ask_petsc, "HDF5": _ask_hdf5}
+
+
+# ---- and judged here: answer -> (ok, detail, remedy)
+
+def _judge_numpy(answer):
+    return True, answer["version"], ""
+
+
+def _judge_numba(answer):
+    return answer["works"], answer["version"], "reinstall numba and llvmlite of one release"
+
+
+def _judge_mpi(answer):
+    return True, f"{answer['version']}; mpi4py {answer['mpi4py']}", ""
+
+
+def _judge_petsc(answer):
+    hypre = {None: "without hypre", "": "hypre (version unknown)"}.get(answer["hypre"], f"hypre {answer['hypre']}")
+    detail = f"{answer['PETSc']} ({answer['scalar']}, {answer['integer']}), {hypre}; petsc4py {answer['petsc4py']}"
+    if answer["scalar"] != "float64":
+        return False, detail, "load a PETSc built for real numbers in double precision, with its petsc4py"
+    if tuple(int(n) for n in answer["PETSc"].split(".")[:2]) < OLDEST_PETSC:
+        return False, detail, f"PETSc {'.'.join(map(str, OLDEST_PETSC))} or later is needed"
+    return answer["hypre"] is not None, detail, "load a PETSc built with hypre (configure --download-hypre)"
+
+
+def _judge_hdf5(answer):
+    kind = "parallel" if answer["parallel"] else "serial only"
+    return answer["parallel"], f"{answer['version']}, {kind}; h5py {answer['h5py']}", PARALLEL_H5PY
+
+
+_LIBRARIES = (
+    ("numpy", _judge_numpy, "pip install numpy"),
+    ("numba", _judge_numba, "pip install numba, in a release that knows this numpy"),
+    ("MPI", _judge_mpi, PACKAGES),
+    ("PETSc", _judge_petsc, PACKAGES),
+    ("HDF5", _judge_hdf5, PARALLEL_H5PY),
+)
+
+
+def _library(name, judge, if_missing):
+    """Return the Finding about one library."""
+    try:
+        answer = _run([sys.executable, "-m", "parisph.doctor", name])
+    except ParisphError as error:
+        return Finding(name, False, str(error), if_missing)
+    return Finding(name, *judge(answer))
+
+
+def _two_ranks(launcher):
+    """Return the Finding about a solve and a file of two ranks, talking over loopback."""
+    try:
+        answer = _run([launcher, "-n", "2", sys.executable, "-m", "parisph", "doctor", "--trial"])
+    except ParisphError as error:
+        return Finding("two ranks", False, str(error), f"try by hand: {launcher} -n 2 parisph doctor --trial")
+    return Finding("two ranks", *_judge_trial(answer))
+
+
+def _judge_trial(answer):
+    detail = (f"solved together in {answer['iterations']} iterations, error {answer['error']:.0e}; "
+              f"file {'written and read' if answer['file'] else 'came back different'}")
+    if answer["ranks"] != 2:
+        return False, f"mpirun -n 2 gave {answer['ranks']} rank(s)", (
+            "mpirun and mpi4py belong to different MPI libraries: put the mpirun of mpi4py's library first on PATH")
+    return answer["error"] < EXACT and answer["file"], detail, "PETSc or HDF5 is broken: reinstall it or load another"
+
+
+def _run(command):
+    """Run a command in an empty folder; return the JSON of its last line. Raises ParisphError."""
+    with tempfile.TemporaryDirectory(prefix="parisph-doctor-") as folder:
+        try:
+            done = launch.run(command, LIMIT, _child_environment(), cwd=folder)
+        except subprocess.TimeoutExpired:
+            raise ParisphError(f"no answer in {LIMIT:.0f} s") from None
+    lines = done.stdout.strip().splitlines()
+    try:
+        return json.loads(lines[-1])
+    except (IndexError, ValueError):
+        raise ParisphError(_cause(done)) from None
+
+
+def _child_environment():
+    """For a child that must import this very parisph, whether it is installed or not."""
+    variables = environment.for_launching()
+    here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    variables["PYTHONPATH"] = os.pathsep.join(filter(None, [here, variables.get("PYTHONPATH")]))
+    return variables
+
+
+def _cause(done):
+    """Return the line of a failed process's output that says most."""
+    lines = [line.strip() for line in done.stderr.splitlines() if line.strip(" -")]
+    errors = [line for line in lines if "Error" in line or "error:" in line]
+    return (errors or lines or [f"ended with code {done.returncode} and said nothing"])[-1]
+
+
+def _write_together(comm):
+    """Write a number from each rank into one file, read all of them on each. Collective."""
+    import h5py
+
+    if not h5py.get_config().mpi:
+        raise ParisphError(f"h5py is not parallel. {PARALLEL_H5PY}")
+    path = comm.bcast(os.path.abspath(f"parisph-doctor-{os.getpid()}.h5"))
+    with h5py.File(path, "w", driver="mpio", comm=comm) as file:
+        file.create_dataset("rank", (comm.size,), dtype="i4")[comm.rank] = comm.rank
+    with h5py.File(path, "r", driver="mpio", comm=comm) as file:
+        same = list(file["rank"][:]) == list(range(comm.size))
+    same = all(comm.allgather(same))
+    if comm.rank == 0:
+        os.remove(path)
+    return same
+
+
+if __name__ == "__main__":
+    print(json.dumps(_QUESTIONS[sys.argv[1]]()))
