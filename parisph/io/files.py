@@ -1,0 +1,83 @@
+"""Writing files so that neither a crash nor a full disk leaves a run in doubt.
+
+A file is written under a temporary name, forced to the disk and then renamed: whoever looks
+sees the old content or the new one, never a part of it. What fails on one rank is raised on all.
+"""
+
+import json
+import math
+import os
+from pathlib import Path
+
+from parisph.base.errors import StoreError, agree
+
+
+def together(comm, doing, action):
+    """Run `action()` on this rank and return its result. Collective.
+
+    Raises
+    ------
+    StoreError on every rank if the disk or HDF5 failed on any: "cannot <doing>: <cause>".
+    Any other exception is agreed on as well (errors.agree), so that no rank waits for ever.
+    """
+    result, problem = None, None
+    try:
+        result = action()
+    except (OSError, RuntimeError) as error:  # h5py reports a failed close as a RuntimeError
+        problem = StoreError(f"cannot {doing}: {error}")
+        problem.__cause__ = error
+    except Exception as error:
+        problem = error
+    agree(comm, problem)
+    return result
+
+
+def on_first(comm, doing, action):
+    """Run `action()` on rank 0 only; its result there, None elsewhere. Collective, raises as `together`."""
+    return together(comm, doing, action if comm.rank == 0 else lambda: None)
+
+
+def temporary(path):
+    """Return the name under which `path` is written before it is published: hidden, in the same folder."""
+    path = Path(path)
+    return path.with_name(f".{path.name}.tmp")
+
+
+def publish(path):
+    """Force the temporary file of `path` to the disk and give it its name. One rank. Raises OSError."""
+    path = Path(path)
+    _sync(temporary(path))
+    os.replace(temporary(path), path)
+    _sync(path.parent)  # the new name itself must survive a power cut
+
+
+def write_text(path, text):
+    """Replace the file `path` by `text` in one go. One rank. Raises OSError."""
+    temporary(path).write_text(text, encoding="utf-8")
+    publish(path)
+
+
+def write_json(path, content):
+    """Replace the file `path` by JSON that any reader accepts (numpy scalars become plain, NaN null)."""
+    write_text(path, json.dumps(plain(content), indent=2) + "\n")
+
+
+def plain(content):
+    """Return `content` made of dict, list, str, int, float, bool and None only; NaN and infinity become None."""
+    if isinstance(content, dict):
+        return {str(key): plain(value) for key, value in content.items()}
+    if hasattr(content, "tolist"):  # numpy arrays and scalars
+        content = content.tolist()
+    if isinstance(content, (list, tuple)):
+        return [plain(value) for value in content]
+    if isinstance(content, float) and not math.isfinite(content):
+        return None
+    return content
+
+
+def _sync(path):
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -1,0 +1,144 @@
+"""Snapshots: the particles at one time, as VTKHDF PolyData that ParaView, VTK and h5py read.
+
+Layout of a file (see the VTKHDF description of VTK): /VTKHDF/Points (n, 3), one vertex cell per
+particle, /VTKHDF/PointData/<name>. In 2D the third component is zero. At the root of the file
+stand the attributes that say how the run was made: case (JSON), method, versions and so on.
+"""
+
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from parisph.base.errors import StoreError
+from parisph.base.fields import FIELDS
+from parisph.io import rows
+from parisph.io.files import write_text
+from parisph.io.rows import Slab
+
+# Names in the file, for people, where they differ from those of the registry.
+NAMES = {"u": "velocity", "p": "pressure", "alpha": "density_ratio", "phi": "position_potential"}
+ALWAYS = ("id", "kind", "role")
+
+
+def write(comm, path, particles, time, step, fields, attributes):
+    """Write the particles of all ranks to the file `path`. Collective.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    particles : Particles (owned rows are written)
+    time [s], step : of the particles
+    fields : names in the field registry; id, kind and role are always written
+    attributes : dict of str, int or float for the root of the file
+
+    Raises
+    ------
+    StoreError on every rank, for an unknown field or a failing disk.
+    """
+    n, start, total = particles.n_owned, particles.offset, particles.n_global
+    names = _check_fields(fields)
+    slabs = [Slab("VTKHDF/Points", _three(particles.x), start, total, {"unit": "m"}), *_cells(n, start, total)]
+    for name in names:
+        field = FIELDS[name]
+        data = getattr(particles, name)
+        data = _three(data) if field.shape == "vector" else data
+        about = {"unit": field.unit, "meaning": field.meaning}
+        slabs.append(Slab(f"VTKHDF/PointData/{NAMES.get(name, name)}", data, start, total, about))
+    rows.write(comm, path, slabs, lambda file: _decorate(file, total, particles.dim, time, step, comm.size, attributes))
+
+
+def read(path):
+    """Return the particles of a snapshot as a dict of arrays, by the names of the field registry.
+
+    x (n, dim) [m], id, kind, role, and what else was written: u (n, dim) [m/s], p (n) [Pa], ...
+    Rows are sorted by id, so that a row is the same particle in every snapshot; `time` [s] and
+    `step` are in the dict too. Not collective. Raises StoreError if it is not a whole snapshot.
+    """
+    registry = {NAMES.get(name, name): name for name in FIELDS}
+    try:
+        with h5py.File(path, "r") as file:
+            time, step, dim = float(file.attrs["time"]), int(file.attrs["step"]), int(file.attrs["dim"])
+            group = file["VTKHDF"]
+            arrays = {registry.get(name, name): data[()] for name, data in group["PointData"].items()}
+            arrays["x"] = group["Points"][()]
+    except (OSError, KeyError) as error:
+        raise StoreError(f"{path} is not a snapshot of parisph, or it is damaged: {error}") from None
+    order = np.argsort(arrays["id"], kind="stable")
+    arrays = {name: data[order, :dim] if data.ndim == 2 else data[order] for name, data in arrays.items()}
+    return {"time": time, "step": step, **arrays}
+
+
+def read_attributes(path):
+    """Return the attributes at the root of a snapshot or checkpoint as a dict. Raises StoreError."""
+    try:
+        with h5py.File(path, "r") as file:
+            return {name: value.item() if hasattr(value, "item") else value for name, value in file.attrs.items()}
+    except OSError as error:
+        raise StoreError(f"{path} is not an HDF5 file that can be read: {error}") from None
+
+
+def write_index(path, files, times):
+    """Write the list of snapshots that ParaView opens as one series. One rank. Raises OSError."""
+    entries = [{"name": name, "time": time} for name, time in zip(files, times)]
+    write_text(path, json.dumps({"file-series-version": "1.0", "files": entries}, indent=1) + "\n")
+
+
+def read_index(path):
+    """Return (names, times): snapshots in the index file `path`, relative to it; empty without an index."""
+    path = Path(path)
+    if not path.exists():
+        return [], []
+    try:
+        entries = json.loads(path.read_text(encoding="utf-8"))["files"]
+        return [entry["name"] for entry in entries], [float(entry["time"]) for entry in entries]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise StoreError(f"{path} is not an index of snapshots: {error}") from None
+
+
+def _check_fields(fields):
+    known = [name for name, field in FIELDS.items() if field.written and name != "x"]
+    unknown = [name for name in fields if name not in known and name != "x"]
+    if unknown:
+        raise StoreError(f"no field {unknown[0]!r} for snapshots (there are: {', '.join(known)})")
+    return [name for name in dict.fromkeys((*ALWAYS, *fields)) if name != "x"]
+
+
+def _three(vectors):
+    """Return (n, 3) vectors: VTK knows no other number of components."""
+    if vectors.shape[1] == 3:
+        return vectors
+    padded = np.zeros((len(vectors), 3))
+    padded[:, : vectors.shape[1]] = vectors
+    return padded
+
+
+def _cells(n, start, total):
+    """One vertex cell per particle, so that ParaView's filters can take or leave each one."""
+    numbers = np.arange(start, start + n, dtype=np.int64)
+    ends, first = numbers + 1, start + 1
+    if start == 0 and (n > 0 or total == 0):  # offsets have one entry more than cells: a leading zero
+        ends, first = np.concatenate(([0], ends)), 0
+    return [
+        Slab("VTKHDF/Vertices/Connectivity", numbers, start, total),
+        Slab("VTKHDF/Vertices/Offsets", ends, first, total + 1),
+    ]
+
+
+def _decorate(file, total, dim, time, step, ranks, attributes):
+    file.attrs.update({**attributes, "time": float(time), "step": int(step), "dim": dim, "ranks": ranks})
+    group = file.create_group("VTKHDF")
+    group.attrs["Version"] = np.array([2, 0], dtype=np.int64)
+    # VTK asks for an ASCII string of fixed length here.
+    group.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
+    group["NumberOfPoints"] = np.array([total], dtype=np.int64)
+    for kind, count in (("Vertices", total), ("Lines", 0)):
+        cells = group.create_group(kind)
+        cells["NumberOfCells"] = cells["NumberOfConnectivityIds"] = np.array([count], dtype=np.int64)
+    cells["Connectivity"] = np.zeros(0, dtype=np.int64)
+    cells["Offsets"] = np.zeros(1, dtype=np.int64)
+    group["Polygons"] = group["Strips"] = cells  # links to the group without cells
+    group.create_group("PointData")
+    group["FieldData/TimeValue"] = np.array([time], dtype=np.float64)
+    group["FieldData/Step"] = np.array([step], dtype=np.int64)
