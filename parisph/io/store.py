@@ -1,14 +1,4 @@
-"""The folder of one run and everything that is written into it.
-
-    DIR/case.json                      the resolved case
-    DIR/steps.csv                      one line a step
-    DIR/probes/NAME.csv                one file a probe
-    DIR/snapshots/NNNNNN.vtkhdf        the particles at one time
-    DIR/flow.vtkhdf.series             the list of snapshots, to open in ParaView
-    DIR/checkpoints/NNNNNNNN.h5        the last two; the number is that of the step
-    DIR/summary.json                   at the end of the run, also of one that failed
-    DIR/run.log                        (the driver's log)
-"""
+"""The writer of one run's folder (parisph.io.layout says what stands in it)."""
 
 import json
 import shutil
@@ -21,11 +11,8 @@ import parisph
 from parisph.base.errors import StoreError
 from parisph.io import checkpoint, snapshot
 from parisph.io.files import on_first, write_json, write_text
+from parisph.io.layout import FILES, FOLDERS, INDEX
 from parisph.io.series import Series
-
-INDEX = "flow.vtkhdf.series"
-_FILES = ("case.json", "summary.json", "steps.csv", INDEX, "run.log")
-_FOLDERS = ("probes", "snapshots", "checkpoints")
 
 
 class Store:
@@ -153,9 +140,9 @@ class Store:
         (self.folder / "summary.json").unlink(missing_ok=True)
 
     def _make_folders(self):
-        for name in _FOLDERS:
+        for name in FOLDERS:
             (self.folder / name).mkdir(parents=True, exist_ok=True)
-        for folder in (self.folder, *(self.folder / name for name in _FOLDERS)):
+        for folder in (self.folder, *(self.folder / name for name in FOLDERS)):
             for path in folder.glob(".*.tmp"):  # left by a run that was killed
                 path.unlink()
         write_text(self.folder / "case.json", json.dumps(json.loads(self._case), indent=2) + "\n")
@@ -190,8 +177,8 @@ def _check_same_run(path, case):
 
 def _remove_run(folder):
     """Remove the files of an earlier run, by name; what else stands in the folder stays."""
-    for name in _FILES:
+    for name in FILES:
         (folder / name).unlink(missing_ok=True)
-    for name in _FOLDERS:
+    for name in FOLDERS:
         if (folder / name).is_dir():
             shutil.rmtree(folder / name)

@@ -1,0 +1,93 @@
+"""Reading a run: `run = open_run(DIR)`, then fields and probes as numpy arrays. Needs no MPI."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from parisph.base.errors import StoreError
+from parisph.io import series, snapshot
+from parisph.io.layout import INDEX
+
+
+class Run:
+    """A finished or a running run, read from its folder. Made by `open_run`; every method raises StoreError.
+
+    Attributes
+    ----------
+    folder : pathlib.Path
+    case : dict, the resolved case
+    summary : dict, or None while the run goes on
+    times : (n,) times [s] of the snapshots
+    probe_names : list of str
+    """
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        self.case = self._json("case.json")
+        if self.case is None:
+            raise StoreError(f"{folder} is not the folder of a run: it has no case.json")
+        self.summary = self._json("summary.json")
+        self._files, times = snapshot.read_index(self.folder / INDEX)
+        self.times = np.array(times)
+        self.probe_names = sorted(path.stem for path in (self.folder / "probes").glob("*.csv"))
+
+    def __len__(self):
+        """Number of snapshots."""
+        return len(self.times)
+
+    def snapshot(self, which=-1):
+        """Return the particles of a snapshot: its number (int, also from the end), or the one nearest a time [s] (float).
+
+        dict of arrays by the names of the field registry: x (n, dim) [m], u [m/s], p [Pa], role, kind,
+        id, ..., sorted by id; and `time` [s], `step`.
+        """
+        return snapshot.read(self.folder / self._files[self.number(which)])
+
+    def number(self, which):
+        """Return the number of a snapshot given by number (int) or time (float)."""
+        if len(self) == 0:
+            raise StoreError(f"{self.folder} has no snapshots")
+        if isinstance(which, (int, np.integer)):
+            if not -len(self) <= which < len(self):
+                raise StoreError(f"{self.folder} has {len(self)} snapshots, there is no number {which}")
+            return int(which) % len(self)
+        return int(np.argmin(np.abs(self.times - which)))
+
+    def probe(self, name):
+        """Return a probe's series as a structured array with columns time [s], step and the probe's own."""
+        return series.read(self._probe_path(name))
+
+    def units(self, name):
+        """Return the unit of each column of a probe as a dict."""
+        return series.units(self._probe_path(name))
+
+    @property
+    def steps(self):
+        """One line a step as a structured array: time, step, dt, iterations, ... (see steps.csv)."""
+        return series.read(self.folder / "steps.csv")
+
+    @property
+    def about(self):
+        """How the run was made: dict of versions, method, PETSc options, ranks, from its first snapshot."""
+        if len(self) == 0:
+            return {}
+        found = snapshot.read_attributes(self.folder / self._files[0])
+        return {name: value for name, value in found.items() if name not in ("case", "time", "step", "dim")}
+
+    def _probe_path(self, name):
+        if name not in self.probe_names:
+            raise StoreError(f"{self.folder} has no probe {name!r} (it has: {', '.join(self.probe_names) or 'none'})")
+        return self.folder / "probes" / f"{name}.csv"
+
+    def _json(self, name):
+        path = self.folder / name
+        try:
+            return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+        except (OSError, ValueError) as error:
+            raise StoreError(f"cannot read {path}: {error}") from None
+
+
+def open_run(folder):
+    """Return the Run in `folder`, for notebooks and pictures. Raises StoreError if there is none."""
+    return Run(folder)

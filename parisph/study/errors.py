@@ -1,0 +1,174 @@
+"""How far a time series is from the truth, and how quiet a pressure trace is.
+
+Z14: Zheng, Ma & Duan (2014). Z17: Zheng et al. (2017). Series are (n,) arrays; times [s]
+increase. Nothing here is collective. A series that cannot be judged raises ValueError.
+"""
+
+import numpy as np
+
+
+def relative_l2(value, truth):
+    """Return |value - truth| / |truth| in the discrete L2 norm; both (n,), any unit.
+
+    This is also the norm of Z14 for pressure (Er_p, Sec. 3.1.2) and, with elevations measured
+    from the bed, for waves (Er_eta, Sec. 3.2.1).
+    """
+    return wave_relative_l2(value, truth, 0.0)
+
+
+def wave_relative_l2(value, truth, rest):
+    """Return |value - truth| / |truth - rest|: the error as a share of the wave itself.
+
+    rest : level of the water at rest, in the unit and from the origin of the series.
+    """
+    value, truth = _pair(value, truth)
+    size = np.linalg.norm(truth - rest)
+    if size == 0.0:
+        raise ValueError("the truth is nothing but the level at rest: a relative error has no meaning")
+    return float(np.linalg.norm(value - truth) / size)
+
+
+def z14_elevation(elevation, truth, depth):
+    """Return Z14's Er_eta (Sec. 3.2.1): elevations from the still level [m], normalised with the depth [m] added.
+
+    A small number that flatters: for its sloshing 10^-3.4 is about a fifth of the wave itself.
+    """
+    value, truth = _pair(elevation, truth)
+    return relative_l2(value + depth, truth + depth)
+
+
+def z17_elevation(elevation, truth):
+    """Return Z17's Err as printed (Eq 35): sqrt(sum (truth - elevation)^2) / sum(truth); (n,) each [m].
+
+    An L2 norm over an L1 norm: it falls as 1/sqrt(n) with the number of samples alone, and for a
+    truth that oscillates about zero its denominator vanishes (ValueError if it does so exactly).
+    """
+    value, truth = _pair(elevation, truth)
+    total = np.sum(truth)
+    if total == 0.0:
+        raise ValueError("the truth adds up to zero: Eq 35 of Z17 divides by that sum")
+    return float(np.linalg.norm(value - truth) / abs(total))
+
+
+def on_reference(time, value, reference_time, reference, shift=0.0):
+    """Return (t, value at t, reference at t) on the reference's sampling, where the two overlap.
+
+    time, value : (n,) of the run; reference_time, reference : (m,)
+    shift : [s], added to the run's time (a gate that opens late: the reference starts later)
+    """
+    time, value = _series(time, value)
+    reference_time, reference = _series(reference_time, reference)
+    inside = (reference_time >= time[0] + shift) & (reference_time <= time[-1] + shift)
+    if np.count_nonzero(inside) < 2:
+        raise ValueError(
+            f"the series from {time[0] + shift:g} to {time[-1] + shift:g} s and the reference from "
+            f"{reference_time[0]:g} to {reference_time[-1]:g} s share fewer than two samples"
+        )
+    t = reference_time[inside]
+    return t, np.interp(t, time + shift, value), reference[inside]
+
+
+def best_shift(time, value, reference_time, reference, limit):
+    """Return the one shift [s] of the run's time, at most `limit` either way, with the least error.
+
+    Every shift is judged on the same samples of the reference: those that overlap the run under all
+    shifts. The least is found on a grid of limit/100 and then refined on finer grids.
+    """
+    time, value = _series(time, value)
+    reference_time, reference = _series(reference_time, reference)
+    common = (reference_time >= time[0] + limit) & (reference_time <= time[-1] - limit)
+    if np.count_nonzero(common) < 2:
+        raise ValueError(f"fewer than two samples of the reference stay inside the series under every shift up to {limit:g} s")
+    t, truth = reference_time[common], reference[common]
+
+    def error(shift):
+        return np.linalg.norm(np.interp(t, time + shift, value) - truth)
+
+    centre, width = 0.0, limit
+    for _ in range(3):
+        grid = np.clip(np.linspace(centre - width, centre + width, 201), -limit, limit)
+        centre, width = grid[np.argmin([error(shift) for shift in grid])], width / 50
+    return float(centre)
+
+
+def judge(time, value, reference_time, reference, rest=None):
+    """Return how far a probe is from its truth, for summary.json.
+
+    rest : None, or the level at rest of a wave, in the probe's unit
+
+    Returns
+    -------
+    dict: relative_l2 (of the wave part if `rest` is given), z14 (the norm of Z14, which includes
+    what is at rest), samples, start and end [s] of the compared window.
+    """
+    t, found, truth = on_reference(time, value, reference_time, reference)
+    return {
+        "relative_l2": wave_relative_l2(found, truth, 0.0 if rest is None else rest),
+        "z14": relative_l2(found, truth), "samples": len(t), "start": float(t[0]), "end": float(t[-1]),
+    }
+
+
+def noise(time, pressure, window, smooth=0.05):
+    """Return std(p - its moving mean) / mean(p) over a window of time: what is unsteady in a pressure trace.
+
+    time [s], pressure [Pa] : (n,), steps of any length (means are integrals over time)
+    window : (start, end) [s]; nothing outside is looked at, so that an impact before it does not count
+    smooth : width of the moving mean [s]; at the window's ends it is cut to what lies inside
+    """
+    t, p = _inside(time, pressure, window)
+    mean = _area(t, p) / (t[-1] - t[0])
+    if mean <= 0.0:
+        raise ValueError(f"the mean pressure from {t[0]:g} to {t[-1]:g} s is {mean:g} Pa: noise relative to it has no meaning")
+    low, high = np.maximum(t - smooth / 2, t[0]), np.minimum(t + smooth / 2, t[-1])
+    rough = p - (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
+    average = _area(t, rough) / (t[-1] - t[0])
+    return float(np.sqrt(_area(t, (rough - average) ** 2) / (t[-1] - t[0])) / mean)
+
+
+def impulse(time, pressure, window):
+    """Return the integral of the pressure over a window (start, end) [s]: [Pa s].
+
+    In the papers' units divide by rho g H sqrt(H/g).
+    """
+    t, p = _inside(time, pressure, window)
+    return float(_area(t, p))
+
+
+def _inside(time, value, window):
+    """The series inside a window, with interpolated samples at its ends."""
+    time, value = _series(time, value)
+    start, end = window
+    if not time[0] <= start < end <= time[-1]:
+        raise ValueError(f"the window from {start:g} to {end:g} s is not inside the series from {time[0]:g} to {time[-1]:g} s")
+    t = np.concatenate(([start], time[(time > start) & (time < end)], [end]))
+    return t, np.interp(t, time, value)
+
+
+def _area(t, p):
+    """Integral of the broken line (t, p)."""
+    return np.sum(np.diff(t) * (p[1:] + p[:-1])) / 2
+
+
+def _integral(t, p, upto):
+    """Integral of the broken line (t, p) from t[0] to each of `upto`, exact between samples too."""
+    whole = np.concatenate(([0.0], np.cumsum(np.diff(t) * (p[1:] + p[:-1]) / 2)))
+    k = np.clip(np.searchsorted(t, upto, side="right") - 1, 0, len(t) - 2)
+    part = upto - t[k]
+    slope = (p[k + 1] - p[k]) / (t[k + 1] - t[k])
+    return whole[k] + part * (p[k] + slope * part / 2)
+
+
+def _pair(value, truth):
+    value, truth = np.asarray(value, dtype=float), np.asarray(truth, dtype=float)
+    if value.shape != truth.shape or value.ndim != 1:
+        raise ValueError(f"value and truth must be series of one length, got shapes {value.shape} and {truth.shape}")
+    if len(value) == 0 or not (np.all(np.isfinite(value)) and np.all(np.isfinite(truth))):
+        raise ValueError("a series is empty or holds values that are not numbers")
+    return value, truth
+
+
+def _series(time, value):
+    time, value = _pair(time, value)
+    if len(time) < 2 or np.any(np.diff(time) <= 0.0):
+        raise ValueError("a series needs two samples or more, with times that increase")
+    return time, value

@@ -1,0 +1,81 @@
+"""A run read back as numpy arrays, as a notebook does."""
+
+import json
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.base.errors import StoreError
+from parisph.io.reader import open_run
+from parisph.io.store import Store, provenance
+from tests.owned_rows import OwnedRows, everything
+
+CASE = json.dumps({"title": "made up", "fluid": {"density": 1000.0}})
+
+
+@pytest.fixture
+def folder(tmp_path):
+    store = Store.create(MPI.COMM_SELF, tmp_path / "run", CASE, provenance("ISPH_R", "-ksp_type gmres", petsc="3.18.5"))
+    store.add_series("steps", {"dt": "s", "iterations": ""}, "one line a step")
+    store.add_series("probes/P2", {"pressure": "Pa"}, "pressure tap at (2, 0.05) m")
+    particles = OwnedRows([30], 0)
+    for step in range(4):
+        particles.p = np.full(30, float(step))
+        store.append(0.5 * step, step, {"steps": (0.5, 9), "probes/P2": (100.0 * step,)})
+        store.snapshot(particles, 0.5 * step, step)
+    store.snapshot(particles, 1.5, 3)  # the same time again
+    store.summary({"steps": np.int64(4), "volume_drift": np.float64(np.nan), "phases": {"solve": (1.0, 2.0)}})
+    store.close()
+    return tmp_path / "run"
+
+
+def test_a_run_gives_its_case_summary_times_and_series(folder):
+    run = open_run(folder)
+    assert run.case["title"] == "made up"
+    assert run.summary == {"steps": 4, "volume_drift": None, "phases": {"solve": [1.0, 2.0]}}
+    np.testing.assert_array_equal(run.times, [0.0, 0.5, 1.0, 1.5])
+    assert run.probe_names == ["P2"] and run.units("P2")["pressure"] == "Pa"
+    np.testing.assert_array_equal(run.probe("P2")["pressure"], [0.0, 100.0, 200.0, 300.0])
+    np.testing.assert_array_equal(run.steps["iterations"], 9)
+    assert run.about["method"] == "ISPH_R" and run.about["petsc_options"] == "-ksp_type gmres"
+    assert json.loads(run.about["versions"])["petsc"] == "3.18.5" and run.about["ranks"] == 1
+
+
+@pytest.mark.parametrize("which, step", [(0, 0), (-1, 3), (2, 2), (0.0, 0), (0.7, 1), (99.0, 3)])
+def test_a_snapshot_by_number_or_nearest_time(folder, which, step):
+    found = open_run(folder).snapshot(which)
+    truth = everything(30)
+    assert found["step"] == step and np.all(found["p"] == step)
+    np.testing.assert_array_equal(found["id"], np.arange(30))
+    np.testing.assert_array_equal(found["x"], truth["x"][np.argsort(truth["id"])])
+
+
+def test_what_is_not_there_is_named(folder, tmp_path):
+    run = open_run(folder)
+    with pytest.raises(StoreError, match="no probe 'P9' .it has: P2"):
+        run.probe("P9")
+    with pytest.raises(StoreError, match="4 snapshots, there is no number 4"):
+        run.snapshot(4)
+    with pytest.raises(StoreError, match="no case.json"):
+        open_run(tmp_path)
+    (folder / "snapshots/000002.vtkhdf").write_bytes(b"damaged")
+    with pytest.raises(StoreError, match="000002.vtkhdf is not a snapshot"):
+        run.snapshot(2)
+
+
+def test_an_earlier_run_is_removed_only_on_request_and_only_by_its_own_names(folder):
+    (folder / "notes.txt").write_text("mine")
+    with pytest.raises(StoreError, match="holds a run already"):
+        Store.create(MPI.COMM_SELF, folder, CASE)
+    Store.create(MPI.COMM_SELF, folder, CASE, overwrite=True)
+    run = open_run(folder)
+    assert run.summary is None and len(run) == 0 and run.probe_names == []
+    assert (folder / "notes.txt").read_text() == "mine"
+
+
+def test_an_unknown_field_is_refused_before_anything_is_written(folder):
+    store = Store.create(MPI.COMM_SELF, folder, CASE, overwrite=True, fields=("u", "vorticity"))
+    with pytest.raises(StoreError, match="no field 'vorticity' for snapshots .there are: "):
+        store.snapshot(OwnedRows([3], 0), 0.0, 0)
+    assert not list((folder / "snapshots").iterdir())
