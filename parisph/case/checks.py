@@ -89,11 +89,17 @@ def _something_to_compute(case):
     lower, upper = case.fluid.shape.bounds
     estimate = float(np.prod((upper - lower) / case.numerics.spacing))
     if estimate > MOST:
-        yield f"numerics.spacing = {case.numerics.spacing:g}: makes about {estimate:.1e} particles, at most {MOST:.1e} can be numbered; use a larger spacing"
+        yield (
+            f"numerics.spacing = {case.numerics.spacing:g}: makes about {estimate:.1e} particles, "
+            f"at most {MOST:.1e} can be numbered; use a larger spacing"
+        )
         return
     n = Lattice(case.fluid.shape, case.walls, case.numerics.spacing).count()
     if n < LEAST:
-        yield f"numerics.spacing = {case.numerics.spacing:g}: leaves {n} fluid particles, at least {LEAST} are needed; use a smaller spacing"
+        yield (
+            f"numerics.spacing = {case.numerics.spacing:g}: leaves {n} fluid particles, "
+            f"at least {LEAST} are needed; use a smaller spacing"
+        )
 
 
 def _elevation(case):
@@ -111,7 +117,10 @@ def _elevation(case):
             f"{-0.5 * height:g} and {height:g}, or the columns are stretched too far"
         )
     elif case.walls is not None and upper[-1] + eta.max() > case.walls.bounds[1][-1]:
-        yield f"fluid.elevation = {case.fluid.elevation!r}: raises the surface to {upper[-1] + eta.max():g}, above the tank's top at {case.walls.bounds[1][-1]:g}"
+        yield (
+            f"fluid.elevation = {case.fluid.elevation!r}: raises the surface to {upper[-1] + eta.max():g}, "
+            f"above the tank's top at {case.walls.bounds[1][-1]:g}; lower it, or make the tank higher"
+        )
 
 
 def _sample(case):
@@ -170,13 +179,19 @@ def _times(case):
     limit, reason = stable_time_step(case)
     dt = case.numerics.time_step
     if dt is not None and dt > ABSURD * limit:
-        yield f"numerics.time_step = {dt:g} s: is {dt / limit:.0f} times the step of {limit:.3g} s that {reason}; use a smaller one, or None to adapt it"
+        yield (
+            f"numerics.time_step = {dt:g} s: is {dt / limit:.0f} times the step of {limit:.3g} s that {reason}; "
+            "use a smaller one, or None to adapt it"
+        )
     for name, value in (("numerics.time_step", dt), ("numerics.max_time_step", case.numerics.max_time_step)):
         if value is not None and value > case.end_time:
             yield f"{name} = {value:g} s: is longer than the run, end_time = {case.end_time:g} s"
     for time in case.output.times:
         if time > case.end_time:
-            yield f"output.times: {time:g} s is after the end of the run, end_time = {case.end_time:g} s; leave it out or run longer"
+            yield (
+                f"output.times: {time:g} s is after the end of the run, end_time = {case.end_time:g} s; "
+                "leave it out or run longer"
+            )
 
 
 def stable_time_step(case):

@@ -34,12 +34,12 @@ def load(path, sets=()):
     if file.suffix == ".json":
         if sets:
             raise CaseError(f"{path}: a stored case takes no --set; give the case file that made it")
-        return Case.model_validate_json(file.read_text(encoding="utf-8"))
+        return _stored(file, path)
     function = _function(file, path)
     arguments = {name: _value(function, name, value, path) for name, value in sets.items()}
     try:
         case = function(**arguments)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise CaseError(f"{_where(error, file, path)}: {_what(error)}") from error
     if not isinstance(case, Case):
         raise CaseError(f"{path}: case(...) returned a {type(case).__name__}; it must return a Case")
@@ -47,7 +47,7 @@ def load(path, sets=()):
 
 
 def parameters(path):
-    """Return {name: (default, comment-free type name)} of a case file's parameters. Raises CaseError."""
+    """Return {name: (default, type in words)} of a case file's parameters. Raises CaseError."""
     function = _function(_find(path), path)
     hints = _hints(function)
     return {name: (item.default, _type_name(hints.get(name))) for name, item in inspect.signature(function).parameters.items()}
@@ -59,10 +59,18 @@ def _find(path):
         return file.resolve()
     if file.suffix == "" and file.with_suffix(".py").is_file():
         return file.with_suffix(".py").resolve()
-    folder = file.parent
+    folder = file if file.is_dir() else file.parent
     near = sorted(item.name for item in folder.glob("*.py")) if folder.is_dir() else []
+    problem = "is a folder; give a case file" if file.is_dir() else "there is no such case file"
     hint = f"; {folder} has {', '.join(near)}" if near else ""
-    raise CaseError(f"{path}: there is no such case file{hint}")
+    raise CaseError(f"{path}: {problem}{hint}")
+
+
+def _stored(file, path):
+    try:
+        return Case.model_validate_json(file.read_text(encoding="utf-8"))
+    except (CaseError, OSError, UnicodeDecodeError) as error:
+        raise CaseError(f"{path}: {_what(error)}") from error
 
 
 def _function(file, path):
@@ -75,7 +83,7 @@ def _function(file, path):
     sys.path.insert(0, str(file.parent))
     try:
         exec(compile(file.read_text(encoding="utf-8"), str(file), "exec"), module.__dict__)  # noqa: S102
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise CaseError(f"{_where(error, file, path)}: {_what(error)}") from error
     finally:
         sys.path.remove(str(file.parent))

@@ -71,9 +71,15 @@ class Numerics(Model):
     @model_validator(mode="after")
     def _one_relaxation(self):
         if self.zeta is not None and self.zeta_time:
-            raise ValueError(f"zeta = {self.zeta} and zeta_time = {self.zeta_time}: give only one of them, the other follows from the time step")
+            raise ValueError(
+                f"zeta = {self.zeta} and zeta_time = {self.zeta_time}: give only one of them, "
+                "the other follows from the time step"
+            )
         if self.max_time_step is not None and self.time_step is not None:
-            raise ValueError(f"max_time_step = {self.max_time_step}: limits an adaptive step only; leave out time_step = {self.time_step} to have one")
+            raise ValueError(
+                f"max_time_step = {self.max_time_step}: limits an adaptive step only; "
+                f"leave out time_step = {self.time_step} to have one"
+            )
         return self
 
     def resolved(self):

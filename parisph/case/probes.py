@@ -43,7 +43,9 @@ class Probe(Model):
     @classmethod
     def _file_name(cls, name):
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", name):
-            raise ValueError(f"{name!r} cannot name a file: use up to 64 letters, digits, '_', '-' or '.', and start with a letter or digit")
+            raise ValueError(
+                f"{name!r} cannot name a file: use up to 64 letters, digits, '_', '-' or '.', and start with a letter or digit"
+            )
         return name
 
 
@@ -126,7 +128,9 @@ def read_truth(truth):
     try:
         data = np.array([[float(row[k]) for k in columns] for row in rows[1:]]).reshape(-1, 2)
     except (ValueError, IndexError):
-        raise CaseError(f"truth: {truth.file!r} holds something that is not a number in {truth.time!r} or {truth.value!r}") from None
+        raise CaseError(
+            f"truth: {truth.file!r} holds something that is not a number in {truth.time!r} or {truth.value!r}"
+        ) from None
     if len(data) < 2 or not np.all(np.isfinite(data)) or np.any(np.diff(data[:, 0]) <= 0):
         raise CaseError(f"truth: {truth.file!r} must have at least two rows of finite numbers, at increasing times")
     return data[:, 0] * truth.time_scale, truth.offset + truth.scale * data[:, 1]

@@ -1,7 +1,7 @@
 """The description of a scene: frozen, validated, JSON in and out."""
 
 from functools import cached_property
-from typing import Annotated, Optional, Union
+from typing import Optional, Union
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
@@ -46,7 +46,7 @@ class Case(Model):
     title: str = Field(min_length=1, description="one line for people")
     fluid: Fluid
     walls: Optional[Tank] = None
-    gravity: Annotated[tuple[Union[float, str], ...], Field(description="body force (x, y) [m/s2], numbers or expressions of x, y, t")]
+    gravity: tuple[Union[float, str], ...] = Field(description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
     frame: Frame = AtRest()
     numerics: Numerics
     output: Output = Output()

@@ -134,7 +134,9 @@ class Fluid(Model):
     shape: Shape
     density: float = Field(gt=0, description="density [kg/m3]")
     velocity: tuple[Number, ...] = Field((0.0, 0.0), description="start velocity (u, v) [m/s], numbers or expressions of x, y")
-    elevation: Union[float, str, None] = Field(None, description="surface elevation above a Box [m], a number or an expression of x")
+    elevation: Union[float, str, None] = Field(
+        None, description="surface elevation above a Box [m], a number or an expression of x"
+    )
 
     @property
     def dim(self):
@@ -147,7 +149,10 @@ class Fluid(Model):
         check_components("velocity", self.velocity, dim, with_time=False)
         if self.elevation is not None:
             if not isinstance(self.shape, Box):
-                raise ValueError(f"elevation = {self.elevation!r}: only a Box has a top to raise; leave it out for a {type(self.shape).__name__}")
+                raise ValueError(
+                    f"elevation = {self.elevation!r}: only a Box has a top to raise; "
+                    f"leave it out for a {type(self.shape).__name__}"
+                )
             try:
                 compile_expression(str(self.elevation), variable_names(dim - 1, with_time=False))
             except ValueError as error:

@@ -1,0 +1,164 @@
+"""Bad cases are refused before any work, with one clear line for each problem."""
+
+import math
+
+import pytest
+
+from parisph import (
+    Box, Case, CaseError, ColumnHeight, Disc, Energy, Fluid, Numerics, Output, Polygon, PressureTap, SurfaceGauge, Sway, Tabulated,
+    Tank, Truth,
+)
+
+BOX = {"kind": "box", "width": 1.0, "height": 1.0}
+
+
+def scene(**changes):
+    values = {
+        "title": "test",
+        "fluid": Fluid(Box(1.0, 1.0), density=1000.0),
+        "walls": Tank(2.0, 2.0),
+        "gravity": (0.0, -9.81),
+        "numerics": Numerics(spacing=0.1),
+        "end_time": 1.0,
+    }
+    return Case(**{**values, **changes})
+
+
+def fluid(**changes):
+    return Fluid(**{"shape": Box(1.0, 1.0), "density": 1000.0, **changes})
+
+
+def numerics(**changes):
+    return Numerics(**{"spacing": 0.1, **changes})
+
+
+@pytest.mark.parametrize("make, message", [
+    # numbers
+    (lambda: Box(-1.0, 1.0), "Box.width = -1.0: must be greater than 0"),
+    (lambda: Box(math.nan, 1.0), "Box.width = nan: must be a finite number"),
+    (lambda: Box("wide", 1.0), "Box.width = 'wide': must be a valid number"),
+    (lambda: Box(1.0), "Box.height is missing: give a length"),
+    (lambda: Box(1.0, 1.0, (1.0,)), "Box.at = .*: must be at least 2 values, not 1"),
+    (lambda: Box(1.0, 1.0, (1.0, 2.0), 3.0), "Box takes at most 3 values by position .*, got 4"),
+    (lambda: Box(1.0, width=1.0), "Box.width is given twice"),
+    (lambda: Disc(0.0), "Disc.radius = 0.0: must be greater than 0"),
+    (lambda: Tank(1.0, 1.0, lit=True), r"Tank has no field 'lit'; did you mean 'lid'\?"),
+    (lambda: Polygon(((0, 0), (1, 0))), "Polygon.points = .*: must be at least 3 values"),
+    (lambda: Polygon(((0, 0), (1, 0), (2, 0))), "enclose no area"),
+    (lambda: Polygon(((0, 0, 0), (1, 0, 0), (2, 1, 0))), "two coordinates"),
+    # the fluid
+    (lambda: fluid(density=-1.0), "Fluid.density = -1.0: must be greater than 0"),
+    (lambda: fluid(density=math.inf), "Fluid.density = inf: must be a finite number"),
+    (lambda: fluid(shape=3), "Fluid.shape = 3: must be .* Box, Disc or Polygon"),
+    (lambda: fluid(shape={"kind": "blob"}), "of a known kind: 'box', 'disc', 'polygon'"),
+    (lambda: fluid(shape={**BOX, "width": -1}), r"Fluid.shape.width = -1: must be greater than 0 \(a length \[m\]\)"),
+    (lambda: fluid(velocity=(0.0,)), "velocity = .*: must have 2 components"),
+    (lambda: fluid(velocity=("q", 0.0)), "velocity: unknown name 'q' in 'q'; known are x, y, pi"),
+    (lambda: fluid(velocity=("t", 0.0)), "velocity: unknown name 't'"),
+    (lambda: fluid(velocity=(math.nan, 0.0)), r"Fluid.velocity\[0\] = nan: must be a finite number"),
+    (lambda: fluid(elevation="y"), "elevation: unknown name 'y'"),
+    (lambda: fluid(shape=Disc(1.0), elevation=0.1), "only a Box has a top to raise"),
+    # numerics and output
+    (lambda: numerics(spacing=0.0), "Numerics.spacing = 0.0: must be greater than 0"),
+    (lambda: numerics(method="ISHP"), "Numerics.method: unknown method 'ISHP'; known are ISPH_R, ISPH"),
+    (lambda: numerics(preset="calm"), "Numerics.preset: unknown preset 'calm'; known are violent, gentle"),
+    (lambda: numerics(kapa=0.1), r"Numerics has no field 'kapa'; did you mean 'kappa'\?"),
+    (lambda: numerics(surface_rule="gaps"), "Numerics.surface_rule = 'gaps': must be 'gap', 'auxiliary'"),
+    (lambda: numerics(rtol=1.0), "Numerics.rtol = 1.0: must be less than 1"),
+    (lambda: numerics(jitter=2.0), "Numerics.jitter = 2.0: must be less than or equal to 1.2"),
+    (lambda: numerics(seed=-1), "Numerics.seed = -1: must be greater than or equal to 0"),
+    (lambda: numerics(time_step=-0.1), "Numerics.time_step = -0.1: must be greater than 0"),
+    (lambda: numerics(zeta=1.0, zeta_time=0.1), "give only one of them"),
+    (lambda: numerics(time_step=0.1, max_time_step=0.1), "limits an adaptive step only"),
+    (lambda: Output(fields=("u", "vorticity")), "Output.fields: unknown field 'vorticity'; known are .*u, p"),
+    (lambda: Output(every=0.0), "Output.every = 0.0: must be greater than 0"),
+    (lambda: Output(probe_every=0), "Output.probe_every = 0: must be greater than or equal to 1"),
+    (lambda: Output(times=(-1.0,)), r"Output.times\[0\] = -1.0: must be greater than or equal to 0"),
+    # probes and motions
+    (lambda: PressureTap("../../etc", at=(0.0, 0.0)), "PressureTap.name: '../../etc' cannot name a file"),
+    (lambda: Energy(""), "Energy.name: '' cannot name a file"),
+    (lambda: Energy("a" * 65), "cannot name a file"),
+    (lambda: Energy(".hidden"), "cannot name a file"),
+    (lambda: Energy("a\n"), "cannot name a file"),
+    (lambda: Truth("f", time="t"), "Truth.value is missing"),
+    (lambda: Sway(0.1, 0.0), "Sway.frequency = 0.0: must be greater than 0"),
+    (lambda: Sway(0.1, 1.0, (0.0, 0.0)), "Sway.direction: .* must not be zero"),
+    (lambda: Tabulated((0, 1, 1, 2), (0, 0, 0, 0)), r"times\[2\] = 1.0: must be later"),
+    (lambda: Tabulated((0, 1, 2, 3), (0, 0, 0, 0, 0)), "values: 5 displacements for 4 times"),
+    (lambda: Tabulated((0, 1), (0, 1, 2, 3)), "Tabulated.times = .*: must be at least 4 values"),
+])
+def test_parts(make, message):
+    with pytest.raises(CaseError, match=message) as error:
+        make()
+    assert len(str(error.value).split("\n")) == 1
+    assert "pydantic" not in str(error.value) and "Input should" not in str(error.value)
+
+
+@pytest.mark.parametrize("changes, message", [
+    ({"numerics": numerics(spacing=0.13)}, r"numerics.spacing = 0.13: must divide fluid.shape.width = 1, .* nearest that fit are 0.125 and 0.1428571429"),
+    ({"walls": Tank(2.0**0.5, 2.0)}, "must divide walls.width = 1.41421 .*no spacing near it fits all lengths"),
+    ({"fluid": fluid(shape=Box(1.0, 1.0, (0.05, 0.0)))}, "the distance of fluid.shape from the wall in x = 0.05"),
+    ({"numerics": numerics(spacing=0.5), "fluid": fluid(shape=Box(0.5, 0.5))}, "leaves 1 fluid particles, at least 4 are needed"),
+    ({"numerics": numerics(spacing=1e-6)}, "makes about 1.0e.12 particles, at most 2.1e.09"),
+    ({"fluid": fluid(shape=Box(1.0, 3.0))}, "fluid.shape reaches from y = 0 to 3: must lie in the tank, from 0 to 2"),
+    ({"fluid": fluid(shape=Disc(1.0, (0.5, 1.0)))}, "fluid.shape reaches from x = -0.5 to 1.5: must lie in the tank"),
+    ({"fluid": fluid(elevation="0.6*x-0.6")}, "fluid.elevation = '0.6.x-0.6': reaches from -0.6 to 0, must stay between -0.5 and 1"),
+    ({"fluid": fluid(elevation="1/x")}, "fluid.elevation = '1/x': is not a finite number at x = 0"),
+    ({"fluid": fluid(shape=Box(1.0, 1.8), elevation=0.3), "walls": Tank(2.0, 2.0)}, "raises the surface to 2.1, above the tank's top at 2"),
+    ({"fluid": fluid(velocity=("log(-x-1)", 0.0))}, r"fluid.velocity\[0\] = 'log\(-x-1\)': is not a finite number at \(0, 0\)"),
+    ({"gravity": (0.0,)}, "gravity = .*: must have 2 components"),
+    ({"gravity": (0.0, "1/t")}, r"gravity\[1\] = '1/t': is not a finite number"),
+    ({"gravity": (0.0, "g")}, "gravity: unknown name 'g' in 'g'; known are x, y, t, pi"),
+    ({"gravity": (0.0, math.inf)}, r"Case.gravity\[1\] = inf: must be a finite number"),
+    ({"walls": None, "frame": Sway(0.1, 1.0)}, "there is no tank to move"),
+    ({"frame": Sway(0.1, 1.0, (1.0, 0.0, 0.0))}, "frame.direction = .*: must have 2 components"),
+    ({"walls": Tank(2.0, 2.0, at=(0.0, 0.0, 0.0))}, "walls.at = .*: must have 2 components"),
+    ({"end_time": 0.0}, "Case.end_time = 0.0: must be greater than 0"),
+    ({"title": ""}, "Case.title = ''"),
+    ({"numerics": numerics(time_step=0.2)}, r"numerics.time_step = 0.2 s: is \d+ times the step of .* s that moves the fastest fluid by 0.4 spacings"),
+    ({"numerics": numerics(time_step=0.01), "end_time": 0.005}, "numerics.time_step = 0.01 s: is longer than the run"),
+    ({"output": Output(times=(2.0,))}, "output.times: 2 s is after the end of the run"),
+    ({"probes": [Energy("a"), Energy("a")]}, "probes: the name 'a' is given 2 times"),
+    ({"probes": [PressureTap("a", (1.0, 1.0))]}, r"probe 'a': at = \(1.0, 1.0\) is not on a wall; .* left, right or lower wall"),
+    ({"probes": [PressureTap("a", (1.0, 2.0))]}, "probe 'a': at = .* is not on a wall"),  # no lid
+    ({"probes": [PressureTap("a", (2.0, 2.5))]}, "is not on a wall"),
+    ({"probes": [PressureTap("a", (2.0, 1.0, 0.0))]}, "must have 2 components"),
+    ({"probes": [PressureTap("a", (0.0, 1.0))], "walls": None}, "a pressure tap needs a wall"),
+    ({"probes": [SurfaceGauge("a", 2.1)]}, "probe 'a': at = 2.1 must lie in the tank, from x = 0 to 2"),
+    ({"probes": [ColumnHeight("a", -0.1)]}, "probe 'a': at = -0.1 must lie in the tank"),
+    ({"probes": Energy("a")}, r"Case.probes: must be a list; write probes=\[Energy\(...\)\]"),
+    ({"probes": [{"kind": "thermometer", "name": "a"}]}, r"Case.probes\[0\] = .*: must be of a known kind: 'surface_gauge'"),
+    ({"probes": [{"kind": "energy", "name": "a", "at": 1}]}, "Energy has no field 'at'"),
+    ({"fluid": {"shape": {**BOX, "width": -1.0}, "density": 1.0}}, "Case.fluid.shape.width = -1.0: must be greater than 0"),
+])
+def test_whole_cases(changes, message):
+    with pytest.raises(CaseError, match=message) as error:
+        scene(**changes)
+    assert len(str(error.value).split("\n")) == 1
+    assert "Input should" not in str(error.value)
+
+
+def test_every_problem_has_its_line():
+    with pytest.raises(CaseError) as error:
+        scene(probes=[SurfaceGauge("a", 5.0), SurfaceGauge("a", 0.0), PressureTap("b", (1.0, 1.0))])
+    assert len(str(error.value).split("\n")) == 3
+    with pytest.raises(CaseError) as error:
+        Numerics(spacing=-1.0, method="x", cfl=7.0)
+    assert len(str(error.value).split("\n")) == 3
+
+
+def test_stored_text_is_checked_like_a_case():
+    text = scene().model_dump_json()
+    with pytest.raises(CaseError, match="Case.fluid.density = -1000.0: must be greater than 0"):
+        Case.model_validate_json(text.replace('"density":1000.0', '"density":-1000.0'))
+    with pytest.raises(CaseError, match="Case cannot be read: Invalid JSON"):
+        Case.model_validate_json(text[:-5])
+    with pytest.raises(CaseError, match="Case has no field 'colour'"):
+        Case.model_validate_json(text[:-1] + ',"colour":1}')
+
+
+def test_good_edges_are_let_through():
+    scene(walls=Tank(2.0, 2.0, lid=True), probes=[PressureTap("lid", (1.0, 2.0)), SurfaceGauge("wall", 2.0)])
+    scene(fluid=fluid(shape=Box(2.0, 2.0)))
+    scene(walls=None, fluid=fluid(shape=Disc(0.55)), gravity=("-x", "-y"))
+    scene(numerics=numerics(spacing=1.0 / 3.0, time_step=0.05))

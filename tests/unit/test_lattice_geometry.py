@@ -1,0 +1,238 @@
+"""Particles at the start: where they are, what part they play, and that slices do not matter."""
+
+import numpy as np
+import pytest
+
+from parisph import Box, Case, Disc, Fluid, Numerics, Polygon, Tank
+from parisph.base.fields import CONTACT, DRY, FIELDS, INNER, SURFACE, WALL, WET
+from parisph.case import geometry
+from parisph.case.lattice import Lattice, misfit, nearest_spacings
+
+
+def scene(shape=None, walls=Tank(2.0, 2.0), elevation=None, velocity=(0.0, 0.0), spacing=0.1, **numerics):
+    return Case(
+        title="test",
+        fluid=Fluid(shape or Box(0.5, 1.0), density=1000.0, elevation=elevation, velocity=velocity),
+        walls=walls,
+        gravity=(0.0, -9.81),
+        numerics=Numerics(spacing=spacing, **numerics),
+        end_time=1.0,
+    )
+
+
+SCENES = {
+    "column": scene(),
+    "lid": scene(walls=Tank(2.0, 2.0, lid=True)),
+    "full": scene(Box(2.0, 2.0), Tank(2.0, 2.0, lid=True)),
+    "drop": scene(Disc(0.5), None),
+    "drop in tank": scene(Disc(0.5, at=(1.0, 1.03)), Tank(2.0, 2.0, at=(0.0, -0.1))),
+    "triangle": scene(Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)))),
+    "patch": scene(Box(0.5, 0.5, at=(-0.25, -0.25)), None),
+    "wave": scene(Box(2.0, 1.0), elevation="0.1*cos(pi*x)", jitter=0.4),
+}
+
+
+def role_at(arrays, x, y, kind=None):
+    """Return the role of the particle at (x, y), which must be there once."""
+    here = np.hypot(arrays["x"][:, 0] - x, arrays["x"][:, 1] - y) < 1e-9
+    if kind is not None:
+        here &= arrays["kind"] == kind
+    assert np.count_nonzero(here) == 1, (x, y)
+    return arrays["role"][here][0]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_slices_make_up_the_whole(name):
+    case = SCENES[name]
+    whole = geometry.build(case)
+    for size in (2, 3, 41):
+        parts = [geometry.build(case, rank, size) for rank in range(size)]
+        for key, value in whole.items():
+            assert np.array_equal(np.concatenate([part[key] for part in parts]), value), (size, key)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_arrays_are_those_of_the_registry(name):
+    case = SCENES[name]
+    arrays = geometry.build(case)
+    n = geometry.counts(case)
+    assert n["all"] == n["fluid"] + n["wall"] == len(arrays["id"])
+    assert np.array_equal(arrays["id"], np.arange(n["all"]))
+    assert np.count_nonzero(arrays["kind"] == WALL) == n["wall"]
+    for key, value in arrays.items():
+        expected = FIELDS[key].empty(n["all"], case.dim)
+        assert value.dtype == expected.dtype and value.shape == expected.shape, key
+    lower, upper = geometry.domain(case)
+    assert np.all(arrays["x"] >= lower - 1e-9) and np.all(arrays["x"] <= upper + 1e-9)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_no_two_particles_coincide(name):
+    arrays = geometry.build(SCENES[name])
+    x = arrays["x"]
+    distance = np.hypot(*(x[:, None, :] - x[None, :, :]).T)
+    np.fill_diagonal(distance, 1.0)
+    assert distance.min() > 0.4 * SCENES[name].numerics.spacing
+
+
+def test_column_of_the_dam_break():
+    arrays = geometry.build(SCENES["column"])
+    fluid = arrays["x"][arrays["kind"] == 0]
+    assert len(fluid) == 5 * 10
+    assert fluid.min(axis=0) == pytest.approx([0.1, 0.1]) and fluid.max(axis=0) == pytest.approx([0.5, 1.0])
+    assert role_at(arrays, 0.5, 0.3) == SURFACE and role_at(arrays, 0.2, 1.0) == SURFACE and role_at(arrays, 0.4, 0.9) == INNER
+    assert role_at(arrays, 0.0, 1.0) == CONTACT and role_at(arrays, 0.5, 0.0) == CONTACT
+    assert role_at(arrays, 0.0, 0.9) == WET and role_at(arrays, 0.4, 0.0) == WET and role_at(arrays, 0.0, 0.0) == WET
+    assert role_at(arrays, 0.0, 1.1) == DRY and role_at(arrays, 0.6, 0.0) == DRY and role_at(arrays, 2.0, 0.1) == DRY
+    assert np.count_nonzero(arrays["role"] == CONTACT) == 2
+
+
+def test_walls_have_inward_unit_normals_and_corners():
+    for name, corners in (("column", [(0, 0), (2, 0)]), ("lid", [(0, 0), (2, 0), (0, 2), (2, 2)])):
+        case, arrays = SCENES[name], geometry.build(SCENES[name])
+        wall = arrays["kind"] == WALL
+        assert np.linalg.norm(arrays["normal"][wall], axis=1) == pytest.approx(1.0)
+        assert not arrays["normal"][~wall].any()
+        found = {tuple(x) for x in np.round(arrays["x"][arrays["corner"] == 1], 9)}
+        assert found == set(corners)
+        in_corner = arrays["normal"][arrays["corner"] == 1]
+        assert np.allclose(np.abs(in_corner), np.sqrt(0.5))
+        # One step along the normal leads into the tank, and every wall particle lies on a plane.
+        inside = arrays["x"][wall] + 0.05 * arrays["normal"][wall]
+        points, normals = geometry.planes(case)
+        assert len(points) == (4 if name == "lid" else 3)
+        height = np.sum((inside[:, None] - points) * normals, axis=2)
+        assert np.all(height > -1e-12)
+        on = np.abs(np.sum((arrays["x"][wall][:, None] - points) * normals, axis=2)) < 1e-12
+        assert np.all(on.any(axis=1))
+
+
+def test_open_tank_ends_without_a_corner():
+    arrays = geometry.build(SCENES["column"])
+    rim = np.abs(arrays["x"][:, 1] - 2.0) < 1e-9
+    assert np.count_nonzero(rim) == 2 and not arrays["corner"][rim].any()
+    assert np.abs(arrays["normal"][rim, 0]) == pytest.approx(1.0)
+
+
+def test_full_tank_is_closed_and_has_no_surface():
+    assert SCENES["full"].closed and not SCENES["lid"].closed and not SCENES["drop"].closed
+    arrays = geometry.build(SCENES["full"])
+    assert set(arrays["role"]) == {INNER, WET}
+    assert not scene(Box(2.0, 2.0), Tank(2.0, 2.0)).closed
+
+
+def test_fluid_fills_an_open_tank_to_the_brim():
+    arrays = geometry.build(scene(Box(2.0, 2.0)))
+    assert role_at(arrays, 1.0, 2.0) == SURFACE and role_at(arrays, 0.0, 2.0) == CONTACT
+
+
+def test_bodies_without_a_tank_lie_on_their_edge():
+    patch = geometry.build(SCENES["patch"])
+    assert len(patch["id"]) == 36 and np.count_nonzero(patch["role"] == SURFACE) == 20
+    drop = geometry.build(SCENES["drop"])
+    assert role_at(drop, 0.0, 0.0) == INNER and role_at(drop, 0.5, 0.0) == SURFACE
+    assert np.linalg.norm(drop["x"], axis=1).max() < 0.5 + 1e-3
+    assert len(drop["id"]) * 0.01 == pytest.approx(np.pi * 0.25, rel=0.05)
+    assert len(geometry.planes(SCENES["drop"])[0]) == 0
+
+
+def test_drop_in_a_tank_uses_the_tanks_lattice():
+    arrays = geometry.build(SCENES["drop in tank"])
+    fluid = arrays["x"][arrays["kind"] == 0]
+    assert np.allclose(np.round(fluid * 10), fluid * 10)
+    assert set(arrays["role"][arrays["kind"] == WALL]) == {DRY}
+
+
+def test_triangle_on_the_bed():
+    arrays = geometry.build(SCENES["triangle"])
+    assert role_at(arrays, 0.5, 0.5) == SURFACE and role_at(arrays, 0.1, 0.1) == INNER
+    assert role_at(arrays, 0.0, 0.5, WALL) == WET and role_at(arrays, 0.0, 0.9, WALL) == CONTACT
+    assert role_at(arrays, 0.0, 1.0, WALL) == DRY
+
+
+def test_polygon_either_way_round_is_the_same():
+    points = ((0.0, 0.0), (1.0, 0.0), (1.0, 0.6), (0.3, 1.0))
+    one, other = (geometry.build(scene(Polygon(p), None)) for p in (points, points[::-1]))
+    assert np.array_equal(one["x"], other["x"]) and len(one["id"]) > 60
+
+
+def test_elevation_stretches_the_columns():
+    case = scene(Box(2.0, 1.0), elevation="0.1*cos(pi*x)")
+    arrays = geometry.build(case)
+    for x in (0.1, 1.0):
+        column = arrays["x"][(arrays["kind"] == 0) & (np.abs(arrays["x"][:, 0] - x) < 1e-9), 1]
+        top = 1.0 + 0.1 * np.cos(np.pi * x)
+        assert column == pytest.approx(top * np.arange(1, 11) / 10)
+    # Wall particles do not move: the one nearest to the surface is the contact line.
+    assert role_at(arrays, 0.0, 1.1) == CONTACT and role_at(arrays, 0.0, 1.0) == WET and role_at(arrays, 0.0, 1.2) == DRY
+    assert np.count_nonzero(arrays["role"] == CONTACT) == 2
+
+
+def test_start_velocity_is_that_of_the_expression_at_the_particle():
+    arrays = geometry.build(scene(velocity=("x*y", -2), jitter=0.5))
+    fluid = arrays["kind"] == 0
+    x = arrays["x"][fluid]
+    assert np.array_equal(arrays["u"][fluid], np.stack([x[:, 0] * x[:, 1], np.full(len(x), -2.0)], axis=1))
+    assert not arrays["u"][~fluid].any()
+
+
+def test_jitter_moves_inner_fluid_within_its_bounds_only():
+    plain, rough = geometry.build(SCENES["column"]), geometry.build(scene(jitter=0.4, seed=1))
+    move = rough["x"] - plain["x"]
+    inner = (plain["role"] == INNER) & (plain["kind"] == 0)
+    assert not move[~inner].any() and np.all(move[inner] != 0.0)
+    assert np.abs(move).max() <= 0.5 * 0.4 * 0.1
+    assert np.array_equal(rough["role"], plain["role"])
+    other = geometry.build(scene(jitter=0.4, seed=2))
+    assert not np.allclose(other["x"], rough["x"])
+    wild = geometry.build(scene(jitter=0.4, seed=1, jitter_surface=True))
+    assert (wild["x"] - plain["x"])[plain["role"] == SURFACE].any()
+    assert np.array_equal(wild["x"][inner], rough["x"][inner])
+
+
+def test_random_numbers_are_uniform_and_independent():
+    r = geometry.uniform(7, np.arange(200_000), 2)
+    assert r.min() >= 0.0 and r.max() < 1.0
+    assert r.mean(axis=0) == pytest.approx(0.5, abs=3e-3) and r.var(axis=0) == pytest.approx(1 / 12, abs=1e-3)
+    for a, b in ((r[:, 0], r[:, 1]), (r[:-1, 0], r[1:, 0]), (r[:, 0], geometry.uniform(8, np.arange(200_000), 2)[:, 0])):
+        assert abs(np.corrcoef(a, b)[0, 1]) < 0.01
+
+
+def test_rounded_spacing_still_ends_on_the_wall():
+    arrays = geometry.build(scene(Box(2.0, 1.0), spacing=0.0416667))
+    assert arrays["x"][arrays["kind"] == WALL].max(axis=0) == pytest.approx([2.0, 2.0], abs=1e-12)
+    assert len({*np.round(arrays["x"][:, 0], 9)}) == 49
+
+
+def test_nearest_spacings():
+    assert nearest_spacings([0.5, 1.0, 2.0], 0.013) == pytest.approx((0.5 / 39, 0.5 / 38))
+    assert nearest_spacings([0.75, 1.0], 1.0) == pytest.approx((0.25,))
+    assert nearest_spacings([1.0, 2.0**0.5], 0.1) == ()
+    assert misfit(1.0, 0.0416667) < 1e-3 < misfit(1.0, 0.0417)
+
+
+class Brick(Box):
+    """A box in three dimensions: the scenes have none yet, the lattice must not care."""
+
+    @property
+    def size(self):
+        return np.array([0.4, 0.3, self.height])
+
+
+class Basin(Tank):
+    @property
+    def size(self):
+        return np.array([0.8, 0.3, self.height])
+
+
+def test_lattice_in_three_dimensions():
+    origin = (0.0, 0.0, 0.0)
+    points = Lattice(Brick(0.4, 0.5, origin), Basin(0.8, 1.0, True, origin), 0.1)
+    fluid = points.fluid_indices()
+    assert len(fluid) == points.count() == 4 * 2 * 5  # walls at both sides in y
+    surface = fluid[points.is_surface(fluid)]
+    assert np.array_equal(points.is_surface(fluid), (fluid[:, 0] == 4) | (fluid[:, 2] == 5)) and len(surface) == 2 * 8
+    wall, inward = points.wall_indices()
+    assert len(wall) == 9 * 4 * 11 - 7 * 2 * 9
+    faces = np.abs(inward).sum(axis=1)
+    assert np.count_nonzero(faces == 3) == 8 and np.count_nonzero(faces == 2) == 4 * (7 + 2 + 9)
