@@ -38,7 +38,7 @@ def write(comm, path, particles, time, step, fields, attributes):
     StoreError on every rank, for an unknown field or a failing disk.
     """
     n, start, total = particles.n_owned, particles.offset, particles.n_global
-    names = _check_fields(fields)
+    names = check_fields(fields)
     slabs = [Slab("VTKHDF/Points", _three(particles.x), start, total, {"unit": "m"}), *_cells(n, start, total)]
     for name in names:
         field = FIELDS[name]
@@ -97,7 +97,11 @@ def read_index(path):
         raise StoreError(f"{path} is not an index of snapshots: {error}") from None
 
 
-def _check_fields(fields):
+def check_fields(fields):
+    """Return the names of the arrays that a snapshot of `fields` has beside the positions.
+
+    Raises StoreError for one that is not in the registry, or is not for snapshots.
+    """
     known = [name for name, field in FIELDS.items() if field.written and name != "x"]
     unknown = [name for name in fields if name not in known and name != "x"]
     if unknown:

@@ -29,6 +29,7 @@ class Store:
     def __init__(self, comm, folder, case, about, fields):
         self.comm, self.folder = comm, Path(folder)
         self.times = []
+        snapshot.check_fields(fields)
         self._case, self._fields = case, tuple(fields)
         self._about = {**about, "case": case}
         self._names, self._series, self._keep_to = [], {}, None
@@ -48,7 +49,7 @@ class Store:
 
         Raises
         ------
-        StoreError on every rank: an earlier run is there, or the folder cannot be written.
+        StoreError on every rank: an unknown field, an earlier run is there, or the folder cannot be written.
         """
         store = cls(comm, folder, case, about or {}, fields)
         on_first(comm, f"start a run in {folder}", lambda: store._start(overwrite))
