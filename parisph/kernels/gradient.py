@@ -1,0 +1,150 @@
+"""The pressure-gradient forms."""
+
+import math
+
+import numpy as np
+
+from parisph.base.fields import BALLISTIC, DRY, INNER, SURFACE, WALL
+from parisph.kernels import harmonic
+from parisph.kernels.jit import kernel
+from parisph.kernels.moments import invert, pair_weight, second_moment
+from parisph.kernels.smoothing import cubic_spline_slope
+
+
+@kernel
+def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indices, axes):
+    """First-order least-squares gradient of f at fluid particles.
+
+    power 2: SFDI (Zheng et al. 2017, Eqs. 29-32); power 0: the mixed symmetric form
+    (Eq. 28, with the printed volumes cancelled). Exact for linear f on any set.
+
+    out : (n_owned, dim) [unit of f per m]; zero where the particle flies free, because it
+        has fewer than dim + 1 neighbours or det/(trace/dim)^dim of its moment < floor
+    role : those rows become BALLISTIC; rows of walls are left at zero
+    f, x, role : owned and ghost
+    """
+    dim = len(axes)
+    radius2 = radius * radius
+    m = np.empty((dim, dim))
+    inverse = np.empty((dim, dim))
+    right = np.empty(dim)
+    for i in range(len(indptr) - 1):
+        out[i, :] = 0.0
+        if role[i] != INNER and role[i] != SURFACE:
+            continue
+        found = second_moment(m, i, x, role, radius2, power, indptr, indices, axes)
+        if found < dim + 1 or invert(m, inverse, axes) < floor:
+            role[i] = BALLISTIC
+            continue
+        right[:] = 0.0
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if role[j] == DRY:
+                continue
+            w, _ = pair_weight(i, j, x, radius2, power, axes)
+            for a in range(dim):
+                right[a] += w * (f[j] - f[i]) * (x[j, a] - x[i, a]) / radius2
+        for a in range(dim):
+            for b in range(dim):
+                out[i, a] += inverse[a, b] * right[b]
+
+
+@kernel
+def harmonic_gradient(out, f, x, role, radius, indptr, indices, axes):
+    """Replace the gradient at surface particles by that of the harmonic fit.
+
+    Rows whose neighbours do not span the harmonic basis keep what out holds.
+    """
+    dim = len(axes)
+    c, work, b = harmonic.scratch(indptr, axes)
+    for i in range(len(indptr) - 1):
+        if role[i] != SURFACE:
+            continue
+        if not harmonic.coefficients(c, i, x, role, radius, work, b, indptr, indices, axes):
+            continue
+        out[i, :] = 0.0
+        for k in range(indptr[i], indptr[i + 1]):
+            for a in range(dim):
+                out[i, a] += c[k - indptr[i], a] * (f[indices[k]] - f[i])
+
+
+@kernel
+def symmetric_gradient(out, p, x, role, h, volume, indptr, indices, axes):
+    """Momentum-conserving gradient (Zheng et al. 2017, Eq. 25, with the missing m_j).
+
+    grad p_i = sum_j V (p_i + p_j) grad_i W_ij, at equal densities.
+    """
+    dim = len(axes)
+    for i in range(len(indptr) - 1):
+        out[i, :] = 0.0
+        if role[i] != INNER and role[i] != SURFACE:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if role[j] == DRY:
+                continue
+            r2 = 0.0
+            for a in range(dim):
+                r2 += (x[i, a] - x[j, a]) ** 2
+            slope = volume * cubic_spline_slope(math.sqrt(r2), h, dim) * (p[i] + p[j])
+            for a in range(dim):
+                out[i, a] += slope * (x[i, a] - x[j, a])
+
+
+@kernel
+def wall_velocity(u, x, kind, corner, normal, role, wall_u, radius, indptr, indices, axes):
+    """Velocity of wall particles: normal part from the wall, tangential part from the fluid.
+
+    The tangential part is the value at the wall of a linear fit through the fluid within
+    the radius, its slope damped by a tenth of the second moment: a bare linear fit through
+    one or two layers of particles multiplies their disorder. Corners move with the wall.
+
+    u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]
+    """
+    dim = len(axes)
+    radius2 = radius * radius
+    for i in range(len(indptr) - 1):
+        if kind[i] != WALL:
+            continue
+        for a in range(dim):
+            u[i, a] = wall_u[i, a]
+        if corner[i] or role[i] == DRY:
+            continue
+        _extrapolate(u, i, x, kind, normal, wall_u, radius2, indptr, indices, axes)
+
+
+@kernel
+def _extrapolate(u, i, x, kind, normal, wall_u, radius2, indptr, indices, axes):
+    """Fit u against the distance from the wall, and keep the tangential value at the wall."""
+    dim = len(axes)
+    s0, s1, s2 = 0.0, 0.0, 0.0
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        if kind[j] == WALL:
+            continue
+        w, _ = pair_weight(i, j, x, radius2, 0, axes)
+        y = _height(i, j, x, normal, axes)
+        s0, s1, s2 = s0 + w, s1 + w * y, s2 + w * y * y
+    if s0 == 0.0:
+        return
+    variance = s2 / s0 - (s1 / s0) ** 2 + 0.1 * radius2
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        if kind[j] == WALL:
+            continue
+        w, _ = pair_weight(i, j, x, radius2, 0, axes)
+        mean = s1 / s0
+        share = w / s0 * (1.0 - mean * (_height(i, j, x, normal, axes) - mean) / variance)
+        slip = 0.0
+        for a in range(dim):
+            slip += (u[j, a] - wall_u[i, a]) * normal[i, a]
+        for a in range(dim):
+            u[i, a] += share * (u[j, a] - wall_u[i, a] - slip * normal[i, a])
+
+
+@kernel
+def _height(i, j, x, normal, axes):
+    y = 0.0
+    for a in range(len(axes)):
+        y += (x[j, a] - x[i, a]) * normal[i, a]
+    return y

@@ -1,0 +1,92 @@
+"""First derivatives from a local fit by harmonic polynomials.
+
+Where lap f = 0 the quadratic terms of f span only the harmonic ones, so that a fit by
+(X, Y, X^2 - Y^2, XY) is of second order with far fewer neighbours than a full quadratic:
+that is what a one-sided stencil at a wall or at the surface has.
+"""
+
+import numpy as np
+
+from parisph.base.fields import DRY
+from parisph.kernels.jit import kernel
+from parisph.kernels.moments import cholesky, cholesky_solve
+from parisph.kernels.smoothing import quartic_weight
+
+
+@kernel
+def basis_size(axes):
+    """Return the number of harmonic polynomials of degree 1 and 2: 4 in 2D, 8 in 3D."""
+    dim = len(axes)
+    return dim + dim * (dim + 1) // 2 - 1
+
+
+@kernel
+def fill_basis(b, i, j, x, radius, axes):
+    """Write the harmonic polynomials at neighbour j, in units of the radius."""
+    dim = len(axes)
+    n = dim
+    for a in range(dim):
+        b[a] = (x[j, a] - x[i, a]) / radius
+    for a in range(dim - 1):
+        b[n] = b[a] * b[a] - b[a + 1] * b[a + 1]
+        n += 1
+    for a in range(dim):
+        for c in range(a):
+            b[n] = b[a] * b[c]
+            n += 1
+
+
+@kernel
+def coefficients(out, i, x, role, radius, work, b, indptr, indices, axes):
+    """Write c_j so that d f/dx_a (x_i) = sum_j c[j, a] (f_j - f_i) for harmonic f.
+
+    out : (at least the number of neighbours of i, dim), in the order of i's list [1/m]
+    work : (basis, basis), b : (basis,) scratch.
+    Returns False, with out undefined, when the neighbours do not span the basis.
+    """
+    dim, n = len(axes), basis_size(axes)
+    radius2 = radius * radius
+    work[:n, :n] = 0.0
+    found = 0
+    for k in range(indptr[i], indptr[i + 1]):
+        w = _weight(i, indices[k], x, role, radius2, axes)
+        if w == 0.0:
+            continue
+        found += 1
+        fill_basis(b, i, indices[k], x, radius, axes)
+        for r in range(n):
+            for c in range(r + 1):
+                work[r, c] += w * b[r] * b[c]
+    if found < n + 1 or not cholesky(work, n):
+        return False
+    for k in range(indptr[i], indptr[i + 1]):
+        row = k - indptr[i]
+        w = _weight(i, indices[k], x, role, radius2, axes)
+        if w == 0.0:
+            out[row, :] = 0.0
+            continue
+        fill_basis(b, i, indices[k], x, radius, axes)
+        cholesky_solve(work, b, n)
+        for a in range(dim):
+            out[row, a] = w * b[a] / radius
+    return True
+
+
+@kernel
+def _weight(i, j, x, role, radius2, axes):
+    if role[j] == DRY:
+        return 0.0
+    r2 = 0.0
+    for a in range(len(axes)):
+        r2 += (x[j, a] - x[i, a]) ** 2
+    return quartic_weight(r2, radius2)
+
+
+@kernel
+def scratch(indptr, axes):
+    """Return (coefficients, work, b) arrays that `coefficients` may use for any row."""
+    longest = 1
+    for i in range(len(indptr) - 1):
+        longest = max(longest, indptr[i + 1] - indptr[i])
+    n = basis_size(axes)
+    return np.empty((longest, len(axes))), np.empty((n, n)), np.empty(n)

@@ -1,0 +1,124 @@
+"""Weighted least-squares moments and the small systems that they lead to.
+
+SFDI (Zheng et al. 2017, Eq. 29) is first-order weighted least squares with the weight
+W/r^2; Eq. 28 is the same with W; the wall rows are its normal component. One moment
+kernel serves all three, in two and in three dimensions.
+"""
+
+import math
+
+from parisph.base.fields import DRY
+from parisph.kernels.jit import kernel
+from parisph.kernels.smoothing import quartic_weight
+
+# A pivot below this part of the largest diagonal entry means that the neighbours do not
+# span the basis: a system this flat multiplies rounding and disorder, not information.
+PIVOT_FLOOR = 2.0e-3
+
+
+@kernel
+def cholesky(a, n):
+    """Factorise the leading n x n block of a (lower triangle) in place; False if degenerate."""
+    largest = 0.0
+    for k in range(n):
+        largest = max(largest, a[k, k])
+    for k in range(n):
+        pivot = a[k, k]
+        for m in range(k):
+            pivot -= a[k, m] * a[k, m]
+        if not pivot > PIVOT_FLOOR * largest:
+            return False
+        root = math.sqrt(pivot)
+        a[k, k] = root
+        for row in range(k + 1, n):
+            value = a[row, k]
+            for m in range(k):
+                value -= a[row, m] * a[k, m]
+            a[row, k] = value / root
+    return True
+
+
+@kernel
+def cholesky_solve(a, b, n):
+    """Solve in place with the factor of `cholesky`: b becomes the solution."""
+    for k in range(n):
+        for m in range(k):
+            b[k] -= a[k, m] * b[m]
+        b[k] /= a[k, k]
+    for k in range(n - 1, -1, -1):
+        for m in range(k + 1, n):
+            b[k] -= a[m, k] * b[m]
+        b[k] /= a[k, k]
+
+
+@kernel
+def second_moment(m, i, x, role, radius2, power, indptr, indices, axes):
+    """Sum w r r^T over the neighbours of i, lengths in units of the radius.
+
+    w is the quartic weight over r^power: power 2 for SFDI, 0 for Zheng et al. 2017 Eq. 28.
+    Dry wall particles take no part. Returns the number of neighbours that did.
+    """
+    dim = len(axes)
+    for a in range(dim):
+        for b in range(dim):
+            m[a, b] = 0.0
+    found = 0
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        if role[j] == DRY:
+            continue
+        w, r2 = pair_weight(i, j, x, radius2, power, axes)
+        if w == 0.0:
+            continue
+        found += 1
+        for a in range(dim):
+            for b in range(a + 1):
+                m[a, b] += w * (x[j, a] - x[i, a]) * (x[j, b] - x[i, b]) / radius2
+    for a in range(dim):
+        for b in range(a):
+            m[b, a] = m[a, b]
+    return found
+
+
+@kernel
+def pair_weight(i, j, x, radius2, power, axes):
+    """Return the least-squares weight of a pair and its squared distance (0 beyond the radius)."""
+    r2 = 0.0
+    for a in range(len(axes)):
+        r2 += (x[j, a] - x[i, a]) ** 2
+    if r2 >= radius2 or r2 == 0.0:  # coincident particles carry no direction
+        return 0.0, r2
+    w = quartic_weight(r2, radius2)
+    if power == 2:
+        w *= radius2 / r2
+    return w, r2
+
+
+@kernel
+def invert(m, inverse, axes):
+    """Invert the dim x dim moment; return det/(trace/dim)^dim, 1 for isotropic, 0 for flat."""
+    dim = len(axes)
+    trace = 0.0
+    for a in range(dim):
+        trace += m[a, a]
+    if not trace > 0.0:
+        return 0.0
+    if dim == 2:
+        det = m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
+        if not det > 0.0:
+            return 0.0
+        inverse[0, 0], inverse[1, 1] = m[1, 1] / det, m[0, 0] / det
+        inverse[0, 1] = inverse[1, 0] = -m[0, 1] / det
+        return det / (0.5 * trace) ** 2
+    c00 = m[1, 1] * m[2, 2] - m[1, 2] * m[2, 1]
+    c01 = m[1, 2] * m[2, 0] - m[1, 0] * m[2, 2]
+    c02 = m[1, 0] * m[2, 1] - m[1, 1] * m[2, 0]
+    det = m[0, 0] * c00 + m[0, 1] * c01 + m[0, 2] * c02
+    if not det > 0.0:
+        return 0.0
+    inverse[0, 0], inverse[0, 1], inverse[0, 2] = c00 / det, c01 / det, c02 / det
+    inverse[1, 1] = (m[0, 0] * m[2, 2] - m[0, 2] * m[2, 0]) / det
+    inverse[1, 2] = (m[0, 2] * m[1, 0] - m[0, 0] * m[1, 2]) / det
+    inverse[2, 2] = (m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]) / det
+    inverse[1, 0], inverse[2, 0], inverse[2, 1] = inverse[0, 1], inverse[0, 2], inverse[1, 2]
+    return det / (trace / 3.0) ** 3

@@ -1,0 +1,136 @@
+"""Regularisation of positions: Fick shift, and what the position projection corrects."""
+
+import math
+
+import numpy as np
+
+from parisph.base.fields import DRY, FLUID, INNER, SURFACE, WALL
+from parisph.kernels.jit import kernel
+from parisph.kernels.mirrors import near_planes, reflect
+from parisph.kernels.smoothing import cubic_spline_slope
+
+
+@kernel
+def compression(e, alpha, role, x, kind, limit, reach, indptr, indices, axes):
+    """Relative density error that the position projection is asked to remove.
+
+    e = alpha - 1 at inner particles, clipped to +-limit, and only where positive if a surface
+    particle lies within the reach [m]: there alpha < 1 is the surface itself, not a void.
+    """
+    reach2 = reach * reach
+    for i in range(len(indptr) - 1):
+        e[i] = 0.0
+        if role[i] != INNER:
+            continue
+        e[i] = min(max(alpha[i] - 1.0, -limit), limit)
+        if e[i] >= 0.0:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] == FLUID and role[j] != INNER:
+                r2 = 0.0
+                for a in range(len(axes)):
+                    r2 += (x[j, a] - x[i, a]) ** 2
+                if r2 < reach2:
+                    e[i] = 0.0
+                    break
+
+
+@kernel
+def concentration_gradient(out, x, kind, corner, normal, h, full, indptr, indices, axes):
+    """Gradient of the density ratio at fluid particles, walls and mirror images included [1/m]."""
+    dim = len(axes)
+    points, normals, image = np.empty((dim, dim)), np.empty((dim, dim)), np.empty(dim)
+    for i in range(len(indptr) - 1):
+        out[i, :] = 0.0
+        if kind[i] != FLUID:
+            continue
+        walls = False
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            walls |= kind[j] == WALL
+            _add_slope(out, i, x[j], x, h, full, axes)
+        if not walls:
+            continue
+        planes = near_planes(points, normals, i, x, kind, corner, normal, indptr, indices, axes)
+        for subset in range(1, 1 << planes):
+            reflect(image, i, subset, points, normals, x, axes)
+            _add_slope(out, i, image, x, h, full, axes)
+            for k in range(indptr[i], indptr[i + 1]):
+                if kind[indices[k]] == FLUID:
+                    reflect(image, indices[k], subset, points, normals, x, axes)
+                    _add_slope(out, i, image, x, h, full, axes)
+
+
+@kernel
+def _add_slope(out, i, source, x, h, full, axes):
+    dim = len(axes)
+    r2 = 0.0
+    for a in range(dim):
+        r2 += (x[i, a] - source[a]) ** 2
+    slope = cubic_spline_slope(math.sqrt(r2), h, dim) / full
+    for a in range(dim):
+        out[i, a] += slope * (x[i, a] - source[a])
+
+
+@kernel
+def fick_shift(shift, gradient, role, x, kind, strength, cap, reach, indptr, indices, axes):
+    """Shift down the gradient of concentration, along the surface only where it is near.
+
+    dr = -strength grad alpha (Lind et al. 2012), |dr| <= cap; zero on the surface; within the
+    reach of a surface particle the part along the surface normal is removed, the normal being
+    the mean of the surface particles' grad alpha weighted by 1/r^2.
+
+    shift : (n_owned, dim) output [m]; gradient : (n_all, dim); strength : C h^2 [m^2]
+    """
+    dim = len(axes)
+    reach2 = reach * reach
+    direction = np.empty(dim)
+    for i in range(len(indptr) - 1):
+        shift[i, :] = 0.0
+        if role[i] != INNER:
+            continue
+        for a in range(dim):
+            shift[i, a] = -strength * gradient[i, a]
+        direction[:] = 0.0
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != FLUID or role[j] == INNER:
+                continue
+            r2 = 0.0
+            for a in range(dim):
+                r2 += (x[j, a] - x[i, a]) ** 2
+            if 0.0 < r2 < reach2:
+                for a in range(dim):
+                    direction[a] += gradient[j, a] / r2
+        _remove_along(shift, i, direction, axes)
+        limit_length(shift, i, cap, axes)
+
+
+@kernel
+def _remove_along(shift, i, direction, axes):
+    norm2, along = 0.0, 0.0
+    for a in range(len(axes)):
+        norm2 += direction[a] ** 2
+        along += direction[a] * shift[i, a]
+    if norm2 > 0.0:
+        for a in range(len(axes)):
+            shift[i, a] -= along / norm2 * direction[a]
+
+
+@kernel
+def limit_length(vector, i, cap, axes):
+    """Shorten row i of a vector field to the cap."""
+    length2 = 0.0
+    for a in range(len(axes)):
+        length2 += vector[i, a] ** 2
+    if length2 > cap * cap:
+        for a in range(len(axes)):
+            vector[i, a] *= cap / math.sqrt(length2)
+
+
+@kernel
+def limit_lengths(vector, n, cap, axes):
+    """Shorten the first n rows of a vector field to the cap."""
+    for i in range(n):
+        limit_length(vector, i, cap, axes)

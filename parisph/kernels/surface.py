@@ -1,0 +1,306 @@
+"""Density ratio, and which particles lie on the free surface or touch the fluid.
+
+The gap rule and the auxiliary functions divide the plane into angles and are for 2D; the
+density ratio and the wetness of walls are for any dimension.
+"""
+
+import math
+
+import numpy as np
+
+from parisph.base.fields import BALLISTIC, CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.kernels.jit import kernel
+from parisph.kernels.mirrors import near_planes, reflect
+from parisph.kernels.smoothing import cubic_spline
+
+
+@kernel
+def lattice_sum(spacing, h, axes):
+    """Return sum_j W(r_ij) over the full square or cubic lattice, i included [m^-dim]."""
+    dim = len(axes)
+    reach = int(2.0 * h / spacing) + 1
+    side = 2 * reach + 1
+    total = 0.0
+    for cell in range(side**dim):
+        rest, r2 = cell, 0.0
+        for a in range(dim):
+            r2 += (rest % side - reach) ** 2
+            rest //= side
+        total += cubic_spline(spacing * math.sqrt(r2), h, dim)
+    return total
+
+
+@kernel
+def density_ratio(alpha, x, kind, corner, normal, h, full, indptr, indices, axes):
+    """Kernel-sum density of fluid particles over its lattice value: 1 on a full lattice.
+
+    rho_i = sum_j m W_ij over fluid, wall particles and the mirror images of the fluid
+    (Zheng, Ma & Duan 2014, Sec. 2.4.2, completed at walls); `full` from `lattice_sum`.
+
+    alpha : (n_owned,) output; walls get 1
+    """
+    dim = len(axes)
+    points, normals, image = np.empty((dim, dim)), np.empty((dim, dim)), np.empty(dim)
+    self_value = cubic_spline(0.0, h, dim)
+    for i in range(len(indptr) - 1):
+        alpha[i] = 1.0
+        if kind[i] != FLUID:
+            continue
+        total = self_value
+        walls = False
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            walls |= kind[j] == WALL
+            r2 = 0.0
+            for a in range(dim):
+                r2 += (x[j, a] - x[i, a]) ** 2
+            total += cubic_spline(math.sqrt(r2), h, dim)
+        if walls:
+            planes = near_planes(points, normals, i, x, kind, corner, normal, indptr, indices, axes)
+            for subset in range(1, 1 << planes):
+                total += _image_value(i, i, subset, points, normals, image, x, h, axes)
+                for k in range(indptr[i], indptr[i + 1]):
+                    if kind[indices[k]] == FLUID:
+                        total += _image_value(i, indices[k], subset, points, normals, image, x, h, axes)
+        alpha[i] = total / full
+
+
+@kernel
+def _image_value(i, j, subset, points, normals, image, x, h, axes):
+    reflect(image, j, subset, points, normals, x, axes)
+    r2 = 0.0
+    for a in range(len(axes)):
+        r2 += (image[a] - x[i, a]) ** 2
+    return cubic_spline(math.sqrt(r2), h, len(axes))
+
+
+@kernel
+def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, leave, thin, indptr, indices,
+                   axes):
+    """Mark fluid particles on the surface by the largest angle free of neighbours (2D).
+
+    A particle joins the surface when the gap exceeds `enter` [rad], stays on it while the gap
+    exceeds `leave`, and lies on it anyway with fewer than four neighbours within the radius
+    or a density ratio below `thin`. The two thresholds keep a particle from blinking between
+    p = 0 and an equation of its own, which is felt as a pressure pulse.
+
+    role : output for owned fluid; was : role at the previous step (owned and ghost)
+    """
+    points, normals, image = np.empty((2, 2)), np.empty((2, 2)), np.empty(2)
+    angles = np.empty(1024)
+    radius2 = radius * radius
+    for i in range(len(indptr) - 1):
+        if kind[i] != FLUID:
+            continue
+        role[i] = INNER
+        on_surface = was[i] == SURFACE or was[i] == BALLISTIC
+        if alpha[i] < thin:
+            role[i] = SURFACE
+            continue
+        n, walls, octants = 0, False, 0
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            walls |= kind[j] == WALL
+            dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
+            if dx * dx + dy * dy >= radius2:
+                continue
+            octants |= 1 << _octant(dx, dy)
+            if n < len(angles):
+                angles[n] = k
+                n += 1
+        if n < 4 and not walls:
+            role[i] = SURFACE
+            continue
+        # eight occupied octants leave no gap above a right angle
+        if octants == 255 and (not on_surface or leave >= 0.5 * math.pi):
+            continue
+        for m in range(n):
+            j = indices[int(angles[m])]
+            angles[m] = math.atan2(x[j, 1] - x[i, 1], x[j, 0] - x[i, 0])
+        if walls:
+            planes = near_planes(points, normals, i, x, kind, corner, normal, indptr, indices, axes)
+            n = _image_angles(angles, n, i, planes, points, normals, image, x, kind, radius2, indptr,
+                              indices, axes)
+        gap = _largest_gap(angles, n)
+        if n < 4 or gap > enter or (on_surface and gap > leave):
+            role[i] = SURFACE
+
+
+@kernel
+def _octant(dx, dy):
+    return 4 * (dx < 0.0) + 2 * (dy < 0.0) + (abs(dx) < abs(dy))
+
+
+@kernel
+def _image_angles(angles, n, i, planes, points, normals, image, x, kind, radius2, indptr, indices, axes):
+    for subset in range(1, 1 << planes):
+        for k in range(indptr[i] - 1, indptr[i + 1]):
+            j = i if k < indptr[i] else indices[k]
+            if kind[j] != FLUID:
+                continue
+            reflect(image, j, subset, points, normals, x, axes)
+            dx, dy = image[0] - x[i, 0], image[1] - x[i, 1]
+            if 0.0 < dx * dx + dy * dy < radius2 and n < len(angles):
+                angles[n] = math.atan2(dy, dx)
+                n += 1
+    return n
+
+
+@kernel
+def _largest_gap(angles, n):
+    if n == 0:
+        return 2.0 * math.pi
+    for m in range(1, n):  # insertion sort: a dozen angles
+        value, k = angles[m], m - 1
+        while k >= 0 and angles[k] > value:
+            angles[k + 1] = angles[k]
+            k -= 1
+        angles[k + 1] = value
+    gap = angles[0] + 2.0 * math.pi - angles[n - 1]
+    for m in range(1, n):
+        gap = max(gap, angles[m] - angles[m - 1])
+    return gap
+
+
+@kernel
+def surface_by_auxiliary_functions(role, was, x, kind, corner, normal, alpha, radius, limit, indptr, indices,
+                                   axes):
+    """Mark the surface by density ratio and three auxiliary functions (2D).
+
+    Zheng, Ma & Duan (2014), Sec. 2.4.2, Eqs. 28-30, conditions (a) to (e), with limit = 0.90.
+    Only particles on the surface at the previous step and their neighbours are candidates.
+    Wall particles and mirror images count as occupants of a quadrant, as fluid does.
+    """
+    points, normals, image = np.empty((2, 2)), np.empty((2, 2)), np.empty(2)
+    radius2 = radius * radius
+    for i in range(len(indptr) - 1):
+        if kind[i] != FLUID:
+            continue
+        role[i] = INNER
+        near_surface = was[i] == SURFACE or was[i] == BALLISTIC
+        quadrants, shaded, inner, walls = 0, 0, 0, False
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            walls |= kind[j] == WALL
+            dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
+            if dx * dx + dy * dy >= radius2:
+                continue
+            near_surface |= kind[j] == FLUID and (was[j] == SURFACE or was[j] == BALLISTIC)
+            inner += kind[j] == FLUID and was[j] == INNER
+            quadrants |= _quadrant(dx, dy)
+            shaded |= _shaded(dx, dy)
+        if not near_surface:
+            continue
+        if walls:
+            planes = near_planes(points, normals, i, x, kind, corner, normal, indptr, indices, axes)
+            for subset in range(1, 1 << planes):
+                for k in range(indptr[i] - 1, indptr[i + 1]):
+                    j = i if k < indptr[i] else indices[k]
+                    if kind[j] != FLUID:
+                        continue
+                    reflect(image, j, subset, points, normals, x, axes)
+                    dx, dy = image[0] - x[i, 0], image[1] - x[i, 1]
+                    if 0.0 < dx * dx + dy * dy < radius2:
+                        quadrants |= _quadrant(dx, dy)
+                        shaded |= _shaded(dx, dy)
+        b, c = _bits(quadrants), _bits(shaded)
+        dense = alpha[i] > limit
+        if (inner == 0 or not dense or b < 4 or c < 4):
+            role[i] = SURFACE
+
+
+@kernel
+def _quadrant(dx, dy):
+    """Bits of the quadrants that a neighbour occupies; one on an axis lies in both."""
+    bits = 0
+    if dx >= 0.0 and dy >= 0.0:
+        bits |= 1
+    if dx <= 0.0 and dy >= 0.0:
+        bits |= 2
+    if dx <= 0.0 and dy <= 0.0:
+        bits |= 4
+    if dx >= 0.0 and dy <= 0.0:
+        bits |= 8
+    return bits
+
+
+@kernel
+def _shaded(dx, dy):
+    """Bits of the right-angled sectors about the axes that a neighbour occupies."""
+    bits = 0
+    if dx >= abs(dy):
+        bits |= 1
+    if dy >= abs(dx):
+        bits |= 2
+    if -dx >= abs(dy):
+        bits |= 4
+    if -dy >= abs(dx):
+        bits |= 8
+    return bits
+
+
+@kernel
+def _bits(mask):
+    return (mask & 1) + ((mask >> 1) & 1) + ((mask >> 2) & 1) + ((mask >> 3) & 1)
+
+
+@kernel
+def surface_by_density(role, was, kind, alpha, limit, indptr):
+    """Mark the surface by the density ratio alone (any dimension), alpha < limit."""
+    for i in range(len(indptr) - 1):
+        if kind[i] == FLUID:
+            role[i] = SURFACE if alpha[i] < limit else INNER
+
+
+@kernel
+def wet_walls(role, x, kind, corner, normal, spacing, indptr, indices, axes):
+    """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
+
+    Wet: an inner fluid particle within 2.1 spacings, and fluid on both sides along the wall
+    (in a corner the inner one suffices). Contact: not wet, and a surface particle stands
+    beside it. `role` of fluid must be known, ghosts included; that of owned walls is written.
+    """
+    dim = len(axes)
+    for i in range(len(indptr) - 1):
+        if kind[i] != WALL:
+            continue
+        inner, beside = False, False
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != FLUID:
+                continue
+            r2 = 0.0
+            away = 0.0
+            for a in range(dim):
+                r2 += (x[j, a] - x[i, a]) ** 2
+                away += (x[j, a] - x[i, a]) * normal[i, a]
+            inner |= role[j] == INNER and r2 < (2.1 * spacing) ** 2
+            # half a spacing to either side along the wall, one and a half away from it
+            beside |= (role[j] == SURFACE and 0.0 < away < 1.5 * spacing
+                       and r2 - away * away < (0.55 * spacing) ** 2)
+        if inner and (corner[i] or _fluid_on_both_sides(i, x, kind, normal, spacing, indptr, indices, axes)):
+            role[i] = WET
+        else:
+            role[i] = CONTACT if beside else DRY
+
+
+@kernel
+def _fluid_on_both_sides(i, x, kind, normal, spacing, indptr, indices, axes):
+    dim = len(axes)
+    for b in range(dim):  # the tangent along axis b is e_b - n_b n
+        if 1.0 - normal[i, b] ** 2 < 0.25:
+            continue
+        ahead, behind = False, False
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != FLUID:
+                continue
+            along, away = x[j, b] - x[i, b], 0.0
+            for a in range(dim):
+                away += (x[j, a] - x[i, a]) * normal[i, a]
+            along -= away * normal[i, b]
+            ahead |= along > 0.3 * spacing
+            behind |= along < -0.3 * spacing
+        if not (ahead and behind):
+            return False
+    return True

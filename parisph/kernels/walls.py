@@ -1,0 +1,94 @@
+"""Wall rows: the normal derivative of pressure at wall particles."""
+
+import numpy as np
+
+from parisph.base.fields import DRY, WET
+from parisph.kernels import harmonic
+from parisph.kernels.jit import kernel
+from parisph.kernels.moments import invert, pair_weight, second_moment
+
+# Below this det/(trace/dim)^dim the neighbours of a wall particle lie in a line.
+FLAT = 4.0e-3
+
+
+@kernel
+def sfdi_rows(count, columns, values, measure, x, role, normal, radius, indptr, indices, axes):
+    """Fill the rows of wet wall particles by SFDI (Zheng et al. 2014, Eq. 26b; Eq. A6 corrected).
+
+    n . grad p = sum_J Psi_IJ (p_J - p_I), that is Psi_II = -sum_J Psi_IJ, which the printed
+    Eq. A6 omits. With row_I(p) = p_I - sum_J values_J p_J the equation is
+    row_I(p) = -measure_I n . grad p, measure = 1/sum_J Psi_IJ [m]. A row without enough
+    neighbours for a normal derivative becomes their weighted mean, with measure 0.
+    """
+    dim = len(axes)
+    radius2 = radius * radius
+    m = np.empty((dim, dim))
+    inverse = np.empty((dim, dim))
+    for i in range(len(indptr) - 1):
+        if role[i] != WET:
+            continue
+        second_moment(m, i, x, role, radius2, 2, indptr, indices, axes)
+        sound = invert(m, inverse, axes) > FLAT
+        n, total, weights, first = 0, 0.0, 0.0, indptr[i]
+        for k in range(first, indptr[i + 1]):
+            j = indices[k]
+            if role[j] == DRY:
+                continue
+            w, _ = pair_weight(i, j, x, radius2, 2, axes)
+            if w == 0.0:
+                continue
+            psi = 0.0
+            if sound:
+                for a in range(dim):
+                    for b in range(dim):
+                        psi += normal[i, a] * inverse[a, b] * w * (x[j, b] - x[i, b]) / radius2
+            columns[first + n] = j
+            values[first + n] = psi
+            total += psi
+            weights += w
+            n += 1
+        count[i] = n
+        # a diagonal below a twentieth of 1/radius means that hardly any neighbour lies inwards
+        if sound and total * radius > 0.05:
+            measure[i] = 1.0 / total
+            for k in range(first, first + n):
+                values[k] /= total
+        else:
+            measure[i] = 0.0
+            _mean(i, first, n, columns, values, x, radius2, weights, axes)
+
+
+@kernel
+def _mean(i, first, n, columns, values, x, radius2, weights, axes):
+    for k in range(first, first + n):
+        w, _ = pair_weight(i, columns[k], x, radius2, 2, axes)
+        values[k] = w / weights
+
+
+@kernel
+def harmonic_rows(count, columns, values, measure, x, role, normal, radius, indptr, indices, axes):
+    """Replace SFDI wall rows by n . (harmonic stencil) wherever the neighbours allow it."""
+    dim = len(axes)
+    c, work, b = harmonic.scratch(indptr, axes)
+    for i in range(len(indptr) - 1):
+        if role[i] != WET:
+            continue
+        if not harmonic.coefficients(c, i, x, role, radius, work, b, indptr, indices, axes):
+            continue
+        total = 0.0
+        for k in range(indptr[i + 1] - indptr[i]):
+            psi = 0.0
+            for a in range(dim):
+                psi += normal[i, a] * c[k, a]
+            c[k, 0] = psi
+            total += psi
+        if not total * radius > 0.05:
+            continue
+        n, first = 0, indptr[i]
+        for k in range(first, indptr[i + 1]):
+            if c[k - first, 0] != 0.0:
+                columns[first + n] = indices[k]
+                values[first + n] = c[k - first, 0] / total
+                n += 1
+        count[i] = n
+        measure[i] = 1.0 / total

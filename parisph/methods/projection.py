@@ -1,0 +1,220 @@
+"""One time step of the projection methods, ISPH and ISPH_R."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.kernels import gradient as gradients
+from parisph.kernels import surface as surfaces
+from parisph.kernels.jit import axes_of
+from parisph.methods import regularise, schemes
+from parisph.pressure import groups
+from parisph.pressure.rows import PressureRows
+
+
+@dataclass(frozen=True)
+class StepReport:
+    """What one step did: the line of the run's record.
+
+    dt [s]; iterations, residual, reason, fallback, rebuilt, setup_seconds and solve_seconds of
+    the pressure solve; divergence: rms of div u after the step times dt; surface: fluid
+    particles with p = 0; isolated: particles in groups that no surface anchors; collisions:
+    pairs that collided; position_iterations: of the position projection, 0 without one.
+    """
+
+    dt: float
+    iterations: int
+    residual: float
+    reason: int
+    fallback: str
+    rebuilt: bool
+    setup_seconds: float
+    solve_seconds: float
+    divergence: float
+    surface: int
+    isolated: int
+    collisions: int
+    position_iterations: int
+
+
+class Projection:
+    """A projection method on the particles of one scene.
+
+    Parameters
+    ----------
+    numerics : resolved Numerics (every option has a value)
+    density : float [kg/m^3]
+    acceleration : callable (x (n, dim), t) -> (n, dim)
+        The body force per unit mass in the tank's frame [m/s^2].
+    particles, domain, solver, timers : the state of this run
+    closed : bool
+        Whether the fluid fills a closed tank: no free surface.
+    """
+
+    def __init__(self, numerics, density, acceleration, particles, domain, solver, timers, closed=False):
+        self.numerics, self.density, self.acceleration = numerics, density, acceleration
+        self.particles, self.domain, self.solver, self.timers = particles, domain, solver, timers
+        self.closed = closed
+        self.spacing = numerics.spacing
+        self.axes = axes_of(particles.dim)
+        scheme = schemes.SCHEMES[numerics.method]
+        radii = {"circle": schemes.CIRCLE, "mls": schemes.MLS, "wall": schemes.WALL, "sph": schemes.SPH}
+        self.rows = PressureRows(particles.dim, scheme, numerics.wall_rows, self.spacing, radii)
+        self.full = surfaces.lattice_sum(self.spacing, schemes.DENSITY * self.spacing, self.axes)
+        self.needs_alpha = (numerics.surface_rule in ("gap", "auxiliary", "density")
+                            or numerics.gamma > 0.0 or numerics.kappa > 0.0)
+
+    def step(self, time, dt):
+        """Advance one projection step of dt [s]: predict, solve for pressure, correct. Collective."""
+        p, timers = self.particles, self.timers
+        with timers("predict"):
+            self._predict(dt)
+        with timers("redistribute"):
+            renumbered = self.domain.refresh()
+            self.domain.update("u")
+        with timers("surface"):
+            self._classify()
+            self._wall_velocity()
+            self.domain.update("role", "u")
+        with timers("assemble"):
+            force = self.acceleration(p.x_all, time + 0.5 * dt)
+            matrix, right, isolated = self._assemble(force, dt)
+        with timers("solve"):
+            p.p[:], solve = self.solver.solve(*matrix, right, p.p, renumbered=renumbered)
+            self.domain.update("p")
+        with timers("correct"):
+            start = p.u.copy()
+            self._correct_velocity(force, dt)
+            collisions = regularise.velocity(self)
+            self._move(start, dt)
+        positions = 0
+        if self.numerics.kappa > 0.0 or self.numerics.shift > 0.0:
+            with timers("regularise"):
+                positions = regularise.positions(self)
+        with timers("record"):
+            divergence = self._divergence() * dt
+        return self._report(dt, solve, divergence, isolated, collisions, positions)
+
+    # -- the parts of the step, in order ---------------------------------------------------
+
+    def _predict(self, dt):
+        """Move to where the operators are evaluated (midpoint: r^n + dt/2 u^n is neutral)."""
+        p, stepping = self.particles, self.numerics.stepping
+        p.x0[:] = p.x
+        ahead = {"midpoint": 0.5 * dt, "start": 0.0, "predicted": dt, "symplectic": 0.0}[stepping]
+        if ahead:
+            fluid = p.kind == FLUID
+            p.x[fluid] += ahead * p.u[fluid]
+
+    def _classify(self):
+        """Find the free surface and the wet walls, in scenes whose surface may change."""
+        p, d, n = self.particles, self.domain, self.numerics
+        if self.needs_alpha:
+            surfaces.density_ratio(p.alpha, p.x_all, p.kind_all, p.corner_all, p.normal_all,
+                                   schemes.DENSITY * self.spacing, self.full, d.indptr, d.indices, self.axes)
+        if n.surface_rule == "frozen":
+            return
+        if n.surface_rule == "none":
+            p.role[:] = np.where(p.kind == FLUID, INNER, WET)
+            return
+        self._find_surface()
+        d.update("role")
+        surfaces.wet_walls(p.role_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, self.spacing,
+                           d.indptr, d.indices, self.axes)
+
+    def _find_surface(self):
+        p, d, n = self.particles, self.domain, self.numerics
+        was = p.role_all.copy()
+        where = (p.x_all, p.kind_all, p.corner_all, p.normal_all, p.alpha)
+        if n.surface_rule == "gap":
+            surfaces.surface_by_gap(p.role_all, was, *where, schemes.SURFACE_GAP * self.spacing, 2.3, 1.4, 0.55,
+                                    d.indptr, d.indices, self.axes)
+        elif n.surface_rule == "auxiliary":
+            surfaces.surface_by_auxiliary_functions(p.role_all, was, *where, schemes.WALL * self.spacing, 0.9,
+                                                    d.indptr, d.indices, self.axes)
+        else:
+            surfaces.surface_by_density(p.role_all, was, p.kind_all, p.alpha, 0.9, d.indptr)
+
+    def _wall_velocity(self):
+        p, d = self.particles, self.domain
+        gradients.wall_velocity(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all,
+                                np.zeros_like(p.u), schemes.WALL * self.spacing, d.indptr, d.indices, self.axes)
+
+    def _assemble(self, force, dt):
+        """Rows and right-hand side: Eq. 19 at inner particles, Eq. 25 at wet walls (2014 paper)."""
+        p, d, n = self.particles, self.domain, self.numerics
+        self.rows.fill(p.u_all + dt * force, p.x_all, p.role_all, p.normal_all, d.indptr, d.indices)
+        owned = slice(0, p.n_owned)
+        zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
+        target = self.density / dt * zeta * self.rows.div[owned]
+        if n.gamma > 0.0:
+            target += n.gamma * self.density / dt**2 * np.clip(1.0 - p.alpha, -0.1, 0.1) * (p.role == INNER)
+        walls = p.role == WET
+        target[walls] = self.density * np.einsum("ia,ia->i", p.normal[walls], force[owned][walls])
+        right = self.rows.right_hand_side(target)
+        matrix, isolated = self._matrix()
+        right[(p.role != INNER) & (p.role != WET)] = 0.0
+        return matrix, right, isolated
+
+    def _matrix(self):
+        """Compress to CSR; groups that nothing anchors get p = 0, for their level is arbitrary."""
+        p, d = self.particles, self.domain
+        *matrix, anchored = self.rows.csr(p.role_all, d.global_rows)
+        if self.closed:
+            return matrix, 0
+        alone = groups.isolated(p.comm, matrix[0], matrix[1], anchored)
+        count = p.comm.allreduce(int(alone.sum()))
+        if count:
+            p.role[alone] = np.where(p.kind[alone] == WALL, DRY, BALLISTIC)
+            d.update("role")
+            *matrix, _ = self.rows.csr(p.role_all, d.global_rows)
+        return matrix, count
+
+    def _correct_velocity(self, force, dt):
+        """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
+        p = self.particles
+        grad = self.pressure_gradient(p.p_all)
+        fluid = p.kind == FLUID
+        p.u[fluid] += dt * (force[:p.n_owned][fluid] - grad[fluid] / self.density)
+
+    def pressure_gradient(self, f):
+        """Gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim)."""
+        p, d, name = self.particles, self.domain, self.numerics.gradient
+        out = np.empty_like(p.u)
+        radius = schemes.GRADIENT[name] * self.spacing
+        if name == "symmetric":
+            gradients.symmetric_gradient(out, f, p.x_all, p.role_all, schemes.SPH * self.spacing,
+                                         self.spacing**p.dim, d.indptr, d.indices, self.axes)
+        else:
+            power, floor = (2, 0.2) if name == "sfdi" else (0, 0.05)
+            gradients.least_squares_gradient(out, f, p.x_all, p.role_all, radius, power, floor,
+                                             d.indptr, d.indices, self.axes)
+        if self.numerics.surface_gradient == "harmonic":
+            gradients.harmonic_gradient(out, f, p.x_all, p.role_all, schemes.WALL * self.spacing,
+                                        d.indptr, d.indices, self.axes)
+        return out
+
+    def _move(self, start, dt):
+        """Positions: the trapezoid of Eq. 16, or u^{n+1} alone for symplectic Euler."""
+        p = self.particles
+        fluid = p.kind == FLUID
+        u = p.u if self.numerics.stepping == "symplectic" else 0.5 * (start + p.u)
+        p.x[fluid] = p.x0[fluid] + dt * u[fluid]
+
+    def _divergence(self):
+        p = self.particles
+        self.domain.update("u")
+        div = np.empty(p.n_owned)
+        self.rows.divergence(div, p.u_all, p.role_all)
+        inner = p.role == INNER
+        total = np.array([div[inner] @ div[inner], inner.sum()])
+        total = p.comm.allreduce(total)
+        return float(np.sqrt(total[0] / max(total[1], 1.0)))
+
+    def _report(self, dt, solve, divergence, isolated, collisions, positions):
+        p = self.particles
+        counts = p.comm.allreduce(np.array([np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC))), collisions]))
+        return StepReport(dt, solve.iterations, solve.residual, solve.reason, solve.fallback, solve.rebuilt,
+                          solve.setup_seconds, solve.solve_seconds, divergence, int(counts[0]), isolated,
+                          int(counts[1]), positions)

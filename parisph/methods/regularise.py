@@ -1,0 +1,75 @@
+"""What a violent step does beside the projection: to velocities, then to positions."""
+
+import numpy as np
+
+from parisph.base.fields import FLUID
+from parisph.kernels import collisions, shifting
+from parisph.kernels import surface as surfaces
+from parisph.methods import schemes
+
+CAP = 0.1  # longest move of the position projection and of the shift, in spacings
+
+
+def velocity(method):
+    """Filter, pair collisions and wall guard, each if the scene has it. Collective.
+
+    Returns the number of collisions of owned particles.
+    """
+    p, d, n = method.particles, method.domain, method.numerics
+    hits = 0
+    if n.filter > 0.0:
+        d.update("u")
+        change = np.empty_like(p.u)
+        collisions.smooth_velocity(change, p.u_all, p.x_all, p.kind_all, p.role_all, n.filter,
+                                   schemes.MLS * method.spacing, d.indptr, d.indices, method.axes)
+        p.u[:] += change
+    if n.collision_distance > 0.0:
+        d.update("u")
+        change = np.empty_like(p.u)
+        hits = collisions.pair_collisions(change, p.u_all, p.x_all, p.kind_all,
+                                          n.collision_distance * method.spacing, n.restitution,
+                                          d.indptr, d.indices, method.axes)
+        p.u[:] += change
+    if n.wall_guard > 0.0:
+        collisions.wall_guard(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all,
+                              np.zeros_like(p.x_all), n.wall_guard * method.spacing,
+                              d.indptr, d.indices, method.axes)
+    return hits
+
+
+def positions(method):
+    """Position projection, then Fick shift: positions only, velocities untouched. Collective.
+
+    Returns the iterations of the position solve. The lists and the matrix are those of the
+    pressure: half a step has moved neighbours against each other by far less than a spacing.
+    """
+    p, d, n = method.particles, method.domain, method.numerics
+    h = schemes.DENSITY * method.spacing
+    d.update("x")
+    walls = (p.x_all, p.kind_all, p.corner_all, p.normal_all)
+    iterations = _project(method, walls, h) if n.kappa > 0.0 else 0
+    if n.shift > 0.0:
+        shifting.concentration_gradient(p.grad_alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
+        d.update("grad_alpha")
+        shift = np.empty_like(p.x)
+        shifting.fick_shift(shift, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, n.shift * h * h,
+                            CAP * method.spacing, 2.0 * method.spacing, d.indptr, d.indices, method.axes)
+        p.x[:] += shift
+    return iterations
+
+
+def _project(method, walls, h):
+    """Solve A phi = kappa e with the pressure matrix, and move by -grad phi."""
+    p, d, n = method.particles, method.domain, method.numerics
+    surfaces.density_ratio(p.alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
+    e = np.empty(p.n_owned)
+    shifting.compression(e, p.alpha, p.role_all, p.x_all, p.kind_all, 0.1, schemes.WALL * method.spacing,
+                         d.indptr, d.indices, method.axes)
+    p.phi[:], solve = method.solver.solve_again(method.rows.right_hand_side(-n.kappa * e), p.phi)
+    d.update("phi")
+    move = -method.pressure_gradient(p.phi_all)
+    shifting.limit_lengths(move, p.n_owned, CAP * method.spacing, method.axes)
+    fluid = p.kind == FLUID
+    p.x[fluid] += move[fluid]
+    d.update("x")
+    return solve.iterations
