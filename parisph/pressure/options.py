@@ -8,7 +8,20 @@ from parisph.base.errors import CaseError
 
 PREFIX = "pressure_"
 
-# Krylov methods that take the preconditioner from the right, where the residual that the
+# Below this many unknowns on all ranks, overlapping incomplete factors beat algebraic
+# multigrid. Milliseconds of set-up + solve to 1e-6 with a kept preconditioner, nonsymmetric
+# 2D rows of 21 entries, on one rank:
+#     unknowns            529         961         3025        10000       29929       99856
+#     BoomerAMG        0.9 + 1.1   1.1 + 1.2   3.9 + 4.5    12 + 14     38 + 60    140 + 170
+#     ILU(2), rcm      0.3 + 0.3   0.5 + 0.6   1.9 + 2.6     8 + 11     22 + 48     83 + 210
+#     LU               1.0 + 0.2   2.4 + 0.7    21 + 3.4   150 + 15    1200 + 73   7700 + 250
+# and on two ranks (ASM overlap 2 with ILU(2)): 3025: 2.8 + 5.4 against 7.8 + 10; 10000:
+# 6 + 16 against 18 + 18; 29929: 16 + 27 against 51 + 60 when the start is good, 35 against 70
+# when it is not. From there the iterations of ILU grow with the size of the domain (26-52 at
+# 1e5, 12 with multigrid), so the switch is where it still wins from any start.
+SMALL = 20_000
+
+# Krylov methods that can be preconditioned from the right, where the residual that the
 # iteration watches is the true one.
 _RIGHT = {"gmres", "fgmres", "lgmres", "dgmres", "pgmres", "gcr", "bcgs", "fbcgs", "bcgsl", "tfqmr"}
 
@@ -16,7 +29,7 @@ _KRYLOV = {"ksp_type": "gmres", "ksp_gmres_restart": "50", "ksp_max_it": "100"}
 
 # Aggressive coarsening with extended+i interpolation: the cheapest BoomerAMG for these
 # nonsymmetric M-like rows, iterations flat from 1e4 to 1e6 unknowns.
-_AMG = {
+_BOOMERAMG = {
     "pc_type": "hypre",
     "pc_hypre_type": "boomeramg",
     "pc_hypre_boomeramg_coarsen_type": "HMIS",
@@ -27,16 +40,66 @@ _AMG = {
     "pc_hypre_boomeramg_strong_threshold": "0.25",
 }
 
-# Gaussian elimination on a singular coarsest level divides by rounding errors.
-_AMG_CLOSED = {"pc_hypre_boomeramg_relax_type_coarse": "symmetric-SOR/Jacobi"}
+# Gaussian elimination on a (nearly) singular coarsest level amplifies rounding errors.
+_BOOMERAMG_CLOSED = {"pc_hypre_boomeramg_relax_type_coarse": "symmetric-SOR/Jacobi"}
+
+# Chebyshev smoothers, GAMG's own default, expect a symmetric matrix.
+_GAMG = {"pc_type": "gamg", "mg_levels_ksp_type": "richardson", "mg_levels_pc_type": "sor"}
 
 
-def primary(rtol, closed):
-    """Return our options of the first attempt, name without prefix -> value or None."""
-    options = dict(_KRYLOV, ksp_rtol=repr(float(rtol)), **_AMG)
-    if closed:
-        options.update(_AMG_CLOSED)
-    return options
+def _incomplete(ranks, levels):
+    """Return options of ILU(levels) on one rank, of overlapping ILU blocks on more."""
+    factor = {"pc_factor_levels": str(levels), "pc_factor_mat_ordering_type": "rcm"}
+    if ranks == 1:
+        return {"pc_type": "ilu", **factor}
+    return {"pc_type": "asm", "pc_asm_overlap": "2", "sub_pc_type": "ilu",
+            **{f"sub_{name}": value for name, value in factor.items()}}
+
+
+def primary(rtol, closed, ranks, unknowns, entries):
+    """Return our options of the first attempt, name without prefix -> value or None.
+
+    Parameters
+    ----------
+    rtol : float
+    closed : bool
+    ranks : int
+    unknowns, entries : int
+        Rows and matrix entries on all ranks.
+    """
+    if unknowns <= SMALL:
+        # Long rows fill up faster: keep the factors below some 100 entries a row.
+        length = entries / max(unknowns, 1)
+        preconditioner = _incomplete(ranks, 2 if length < 28 else 1 if length < 45 else 0)
+    elif PETSc.Sys.hasExternalPackage("hypre"):
+        preconditioner = dict(_BOOMERAMG, **(_BOOMERAMG_CLOSED if closed else {}))
+    else:
+        preconditioner = _GAMG
+    return dict(_KRYLOV, ksp_rtol=repr(float(rtol)), **preconditioner)
+
+
+def backup(stage, rtol, ranks):
+    """Return our options of a later attempt: "gamg", "asm" or "lu".
+
+    Another Krylov method with another kind of preconditioner each time, in the order of
+    rising cost and robustness.
+    """
+    krylov = {"ksp_type": "fgmres", "ksp_gmres_restart": "100", "ksp_rtol": repr(float(rtol))}
+    if stage == "gamg":
+        return dict(krylov, ksp_max_it="200", **_GAMG)
+    if stage == "asm":
+        return dict(krylov, ksp_max_it="500", **_incomplete(ranks, 3))
+    return dict(krylov, ksp_max_it="20", pc_type="lu", **_direct(ranks))
+
+
+def _direct(ranks):
+    """Return options of the best direct solver that this PETSc has."""
+    if PETSc.Sys.hasExternalPackage("mumps"):
+        # Null pivots are replaced: a singular but consistent system is solved.
+        return {"pc_factor_mat_solver_type": "mumps", "mat_mumps_icntl_24": "1"}
+    if ranks > 1 and PETSc.Sys.hasExternalPackage("superlu_dist"):
+        return {"pc_factor_mat_solver_type": "superlu_dist"}
+    return {"pc_factor_shift_type": "nonzero"}
 
 
 @contextmanager
@@ -57,10 +120,34 @@ def defaults(prefix, options):
             database.delValue(name)
 
 
-def right_side(ksp):
-    """Precondition from the right where the method can and the user did not choose."""
-    if ksp.getType() in _RIGHT and not PETSc.Options(ksp.getOptionsPrefix()).hasName("ksp_pc_side"):
+def configured(comm, prefix, options):
+    """Return a new KSP with our options and, above them, the user's. Collective.
+
+    Raises
+    ------
+    CaseError : PETSc rejects an option.
+    """
+    ksp = PETSc.KSP().create(comm)
+    ksp.setOptionsPrefix(prefix)
+    ksp.setInitialGuessNonzero(True)
+    try:
+        with defaults(prefix, options):
+            ksp.setFromOptions()
+    except PETSc.Error as error:
+        ksp.destroy()
+        raise CaseError(f"PETSc rejects an option of the pressure solve: {reason_of(error)}") from error
+    given = PETSc.Options(prefix)
+    if ksp.getType() in _RIGHT and not given.hasName("ksp_pc_side"):
         ksp.setPCSide(PETSc.PC.Side.RIGHT)
+    if ksp.getType() in ("preonly", "none"):
+        ksp.setInitialGuessNonzero(False)  # PETSc refuses the combination
+    return ksp
+
+
+def reason_of(error):
+    """Return the last line of a PETSc error's message: the cause, without PETSc's call stack."""
+    lines = [line for line in str(error).splitlines() if line.strip()]
+    return lines[-1].strip() if lines else "no message"
 
 
 class UserOptions:

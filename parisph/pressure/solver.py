@@ -9,18 +9,53 @@ from petsc4py import PETSc
 
 from parisph.base.errors import ParisphError, SolverDiverged, agree
 from parisph.pressure import options as opts
+from parisph.pressure.checks import row_fault, vector_fault
+from parisph.pressure.system import System
+
+# A kept preconditioner is rebuilt once it needs more than GROWTH x fresh + 2 iterations, fresh
+# being what it needed at first (at least FRESH: a start that is nearly exact says little), or
+# once particles have moved this many spacings since it was built.
+GROWTH, FRESH, DRIFT = 1.5, 4, 0.8
+
+# An attempt has failed if its true residual exceeds this many times the tolerance.
+SLACK = 10.0
+
+_BACKUPS = ("gamg", "asm", "lu")
+
+_NAMES = {
+    "fresh": "first method", "kept": "first method with the kept preconditioner", "rebuilt": "first method, rebuilt",
+    "gamg": "multigrid of PETSc", "asm": "incomplete factors", "lu": "direct factors",
+}
+
+_REFUSED = -100
+_REASONS = {
+    _REFUSED: "PETSc refused", 1: "converged", 2: "converged", 3: "converged", 4: "ended as asked", 5: "converged",
+    -2: "no progress", -3: "too many iterations", -4: "residual grew without bound", -5: "breakdown",
+    -6: "breakdown", -7: "method needs a symmetric matrix", -8: "indefinite preconditioner",
+    -9: "not a number", -10: "indefinite matrix", -11: "preconditioner could not be built",
+}
 
 
 @dataclass(frozen=True)
 class SolveRecord:
     """What happened in one solve; the same on every rank but for the seconds.
 
-    reason : PETSc's KSPConvergedReason of the last attempt (positive: converged)
-    iterations : Krylov iterations, of all attempts together
-    residual : true |b - A p| / |b|, computed after the solve
-    setup_seconds, solve_seconds : matrix and preconditioner; Krylov iterations [s]
-    fallback : "" or the attempt that succeeded after another failed
-    rebuilt : the preconditioner was built anew for this solve
+    Attributes
+    ----------
+    reason : int
+        PETSc's KSPConvergedReason of the last attempt (positive: converged); 0 if b = 0 and
+        nothing had to be solved.
+    iterations : int
+        Krylov iterations of all attempts together.
+    residual : float
+        True relative residual |b - A p| / |b|, computed after the solve. In a closed domain
+        |Q (b - A p)| / |Q b|: see System.
+    setup_seconds, solve_seconds : float
+        Matrix and preconditioner; Krylov iterations [s].
+    fallback : str
+        "", or the attempt that succeeded after others had failed: "rebuilt", "gamg", "asm", "lu".
+    rebuilt : bool
+        A preconditioner was built in this solve.
     """
 
     reason: int
@@ -33,68 +68,256 @@ class SolveRecord:
 
 
 class PressureSolver:
-    """Solves one nonsymmetric system a step.
+    """Solves A p = b for one nonsymmetric matrix a step, over all ranks.
+
+    Attempts, each only if those before it failed: the preconditioner kept from an earlier
+    matrix; the same rebuilt; flexible GMRES with PETSc's multigrid ("gamg"); with overlapping
+    incomplete factors ("asm"); with a direct factorisation ("lu"). An attempt fails if PETSc
+    says so (unless the true residual is within rtol all the same) or if the true residual is
+    above 10 rtol, or above 10 atol if the user set an absolute tolerance.
 
     Parameters
     ----------
     comm : mpi4py communicator
     options : list of str or None
-        PETSc options of the user, prefix `pressure_`; they win over the defaults.
+        PETSc options of the user as on a command line, prefix `pressure_`. They, and those in
+        PETSC_OPTIONS, win over our defaults. The later attempts have the prefixes
+        `pressure_gamg_`, `pressure_asm_` and `pressure_lu_`.
     rtol : float
         Relative tolerance on the true residual.
     closed : bool
-        No free surface: A has the constant as its null vector.
+        No free surface: see System for what is solved when A is singular. p has zero mean then.
+
+    Attributes
+    ----------
+    options : dict, name -> value: what the solver was configured with, the user's options included
+    setups : int, how often the first attempt's preconditioner was built
+
+    Raises
+    ------
+    CaseError : an option cannot be understood. On all ranks.
     """
 
     def __init__(self, comm, options=None, rtol=1e-6, closed=False):
+        if not rtol > 0.0:
+            raise ParisphError(f"relative tolerance {rtol} of the pressure solve must be positive")
+        self.setups = 0
+        self.options = {}
         self._comm = comm
         self._closed = closed
+        self._wanted = rtol
         self._user = opts.UserOptions(options)
-        self._ksp = PETSc.KSP().create(comm)
-        self._ksp.setOptionsPrefix(opts.PREFIX)
-        with opts.defaults(opts.PREFIX, opts.primary(rtol, closed)):
-            self._ksp.setFromOptions()
-        opts.right_side(self._ksp)
-        self._ksp.setInitialGuessNonzero(True)
-        self._rtol = self._ksp.getTolerances()[0]
-        self._matrix = None
-        self._vectors = None
+        self._system = System(comm, closed)
+        self._rows = None           # of this rank, when the preconditioner was built
+        self._total = 0
+        self._ksp = None
+        self._configure(0, 0)
 
-    def solve(self, indptr, indices, values, rhs, guess, renumbered=True, drift=0.0):
-        """Return (p (n_owned,), SolveRecord). Collective."""
+    def solve(self, indptr, indices, values, rhs, guess, renumbered=False, drift=0.0):
+        """Solve A p = b with a new matrix. Collective.
+
+        Parameters
+        ----------
+        indptr : (n_owned + 1,) int, indices : (nnz,) int, values : (nnz,) float
+            This rank's rows as CSR with global columns in any order; n_owned may be 0.
+        rhs : (n_owned,) float, b
+        guess : (n_owned,) float or None
+            Start of the iteration (the previous pressure); None for zero.
+        renumbered : bool
+            Rows changed their numbers, on any rank, since the previous matrix.
+        drift : float
+            How far a particle has moved at most since the previous matrix [spacings].
+
+        Returns
+        -------
+        p : (n_owned,) float, a new array, in the unit of b over A
+        record : SolveRecord
+
+        Raises
+        ------
+        SolverDiverged : a value is not finite, or no attempt reached the tolerance. On all ranks.
+        ParisphError : arrays do not fit together. On all ranks.
+        """
         start = perf_counter()
-        n = len(rhs)
-        if self._matrix is not None:
-            self._matrix.destroy()
-        if renumbered:
-            self._ksp.reset()
-        csr = [np.asarray(a, PETSc.IntType) for a in (indptr, indices)]
-        self._matrix = PETSc.Mat().createAIJ(((n, None), (n, None)), csr=(*csr, values), comm=self._comm)
-        self._ksp.setOperators(self._matrix)
-        self._ksp.setUp()
-        return self._run(rhs, guess, perf_counter() - start)
+        self._accept(indptr, indices, values, rhs, guess, renumbered, drift)
+        self._system.assemble(indptr, indices, values)
+        self._current = False
+        return self._run("new", rhs, guess, start)
 
     def solve_again(self, rhs, guess):
-        """Solve for another right-hand side with the same matrix. Collective."""
-        return self._run(rhs, guess, 0.0)
+        """Solve for another right-hand side with the matrix of the last `solve`. Collective.
 
-    def _run(self, rhs, guess, setup):
+        Parameters, results and errors as in `solve`.
+        """
         start = perf_counter()
-        b = PETSc.Vec().createWithArray(np.array(rhs, float), comm=self._comm)
-        x = PETSc.Vec().createWithArray(np.array(guess, float), comm=self._comm)
-        self._ksp.solve(b, x)
-        r = b.duplicate()
-        self._matrix.mult(x, r)
-        r.aypx(-1.0, b)
-        residual = r.norm() / max(b.norm(), 1e-300)
-        if not residual <= 10 * self._rtol:
-            raise SolverDiverged(f"pressure solve failed: reason {self._ksp.reason}, residual {residual:.1e}")
-        record = SolveRecord(self._ksp.reason, self._ksp.its, residual, setup, perf_counter() - start, "", True)
-        return x.array.copy(), record
+        error = None
+        if self._rows is None:
+            error = ParisphError("solve_again needs a matrix: call solve first")
+        else:
+            error = vector_fault("right-hand side", rhs, self._rows) or vector_fault("guess", guess, self._rows)
+        agree(self._comm, error)
+        return self._run("again", rhs, guess, start)
 
     def destroy(self):
-        """Free the PETSc objects. Collective."""
-        self._ksp.destroy()
-        if self._matrix is not None:
-            self._matrix.destroy()
-        self._user.withdraw()
+        """Free the PETSc objects and give the options database back. Collective."""
+        if self._ksp is not None:
+            self._ksp.destroy()
+            self._system.destroy()
+            self._user.withdraw()
+            self._ksp = None
+
+    # -- before the solve ---------------------------------------------------------------------
+
+    def _accept(self, indptr, indices, values, rhs, guess, renumbered, drift):
+        """Check the local arrays, agree on the sizes, and decide if the preconditioner stays."""
+        n = np.size(rhs)
+        changed = np.array([float(bool(renumbered) or n != self._rows), float(drift)])
+        if self._comm.size > 1:
+            self._comm.Allreduce(MPI.IN_PLACE, changed, MPI.MAX)
+        total = self._comm.allreduce(n) if changed[0] else self._total
+        agree(self._comm, row_fault(indptr, indices, values, n, total) or vector_fault("right-hand side", rhs, n)
+              or vector_fault("guess", guess, n))
+        if changed[0]:
+            if self._rows is None:
+                self._configure(total, self._comm.allreduce(len(indices)))
+            self._ksp.reset()
+            self._system.resize(n, total)
+            self._rows, self._total = n, total
+        self._moved += changed[1]
+        if changed[0] or self._moved > DRIFT or not self._may_keep:
+            self._usable = False
+
+    def _configure(self, unknowns, entries):
+        """Make the Krylov solver of the first attempt; its preconditioner depends on the size."""
+        self._chosen = opts.primary(self._wanted, self._closed, self._comm.size, unknowns, entries)
+        ksp = opts.configured(self._comm, opts.PREFIX, self._chosen)
+        if self._ksp is not None:
+            self._ksp.destroy()
+        self._ksp = ksp
+        self._rtol, self._atol = ksp.getTolerances()[:2]
+        given = PETSc.Options(opts.PREFIX)
+        self._may_keep = given.getBool("ksp_reuse_preconditioner", True)
+        self.options = {opts.PREFIX + name: value for name, value in {**self._chosen, **given.getAll()}.items()}
+        self._usable = False        # a preconditioner is there, of this matrix or an earlier one
+        self._current = False       # it was made from this matrix
+        self._moved = 0.0           # since it was made [spacings]
+        self._fresh = {}            # iterations that it needed at first, for each kind of solve
+
+    # -- the solve ----------------------------------------------------------------------------
+
+    def _run(self, kind, rhs, guess, start):
+        """Load the vectors, go through the attempts until one succeeds, and report."""
+        system = self._system
+        system.load(np.asarray(rhs, float), guess)
+        self._seconds = [perf_counter() - start, 0.0]
+        if system.norm == 0.0:
+            return np.zeros(np.size(rhs)), SolveRecord(0, 0, 0.0, self._seconds[0], 0.0, "", False)
+        tried = []
+        best, least = system.x.array.copy(), 1.0
+        for name in self._attempts():
+            reason, iterations = self._backup(name) if name in _BACKUPS else self._attempt(name)
+            residual = float(system.residual())
+            tried.append((name, reason, iterations, residual))
+            if self._succeeded(reason, residual):
+                break
+            if residual < least:
+                best, least = system.x.array.copy(), residual
+            system.start_from(best)
+        else:
+            raise SolverDiverged(self._obituary(tried))
+        self._judge(kind, name, iterations)
+        record = SolveRecord(reason, sum(t[2] for t in tried), residual, *self._seconds,
+                             fallback=name if len(tried) > 1 else "", rebuilt=any(t[0] != "kept" for t in tried))
+        return system.solution(), record
+
+    def _attempts(self):
+        """Yield the names of the attempts, in their order."""
+        if self._usable:
+            yield "kept"
+            if not self._current:
+                yield "rebuilt"
+        else:
+            yield "fresh"
+        yield from _BACKUPS
+
+    def _attempt(self, name):
+        """Solve with the first attempt's method; return (reason, iterations). Collective."""
+        ksp, system = self._ksp, self._system
+        start = perf_counter()
+        try:
+            # The matrix and its pattern are new in each step. With the flag set, PETSc leaves the
+            # preconditioner alone whatever operators it is given, and drops the old matrix.
+            ksp.getPC().setReusePreconditioner(name == "kept")
+            ksp.setOperators(system.operator, system.preconditioned)
+            if name != "kept":
+                self._build()
+            middle = perf_counter()
+            self._seconds[0] += middle - start
+            ksp.solve(system.b, system.x)
+            self._seconds[1] += perf_counter() - middle
+            return ksp.getConvergedReason(), ksp.getIterationNumber()
+        except PETSc.Error:
+            return _REFUSED, 0
+
+    def _build(self):
+        """Build the first attempt's preconditioner from the present matrix. Collective."""
+        self.setups += 1
+        self._usable = self._current = False
+        # Blocks and levels read their options when they are set up.
+        with opts.defaults(opts.PREFIX, self._chosen):
+            self._ksp.setUp()
+            self._ksp.setUpOnBlocks()
+        self._usable = self._current = True
+        self._moved = 0.0
+        self._fresh = {}
+
+    def _backup(self, stage):
+        """Solve with one of the later attempts; return (reason, iterations). Collective."""
+        system = self._system
+        prefix = f"{opts.PREFIX}{stage}_"
+        chosen = opts.backup(stage, self._rtol, self._comm.size)
+        start = perf_counter()
+        ksp = opts.configured(self._comm, prefix, chosen)
+        try:
+            with opts.defaults(prefix, chosen):
+                ksp.setOperators(system.operator, system.preconditioned)
+                ksp.setUp()
+                ksp.setUpOnBlocks()
+            middle = perf_counter()
+            self._seconds[0] += middle - start
+            ksp.solve(system.b, system.x)
+            self._seconds[1] += perf_counter() - middle
+            return ksp.getConvergedReason(), ksp.getIterationNumber()
+        except PETSc.Error:
+            return _REFUSED, 0
+        finally:
+            ksp.destroy()
+
+    # -- after the solve ----------------------------------------------------------------------
+
+    def _succeeded(self, reason, residual):
+        """Judge an attempt by its true residual; NaN fails every comparison."""
+        floor = self._atol / self._system.norm
+        if reason > 0:
+            return residual <= SLACK * max(self._rtol, floor)
+        return residual <= max(self._rtol, floor)
+
+    def _judge(self, kind, name, iterations):
+        """Decide if the next solve may start with the preconditioner that is there."""
+        if name in _BACKUPS:
+            self._usable = False
+            return
+        fresh = self._fresh.setdefault(kind, iterations)
+        if iterations > GROWTH * max(fresh, FRESH) + 2:
+            self._usable = False
+
+    def _obituary(self, tried):
+        """Return the message of a solve that no attempt could save. Collective."""
+        attempts = "; ".join(
+            f"{_NAMES[name]}: {_REASONS.get(reason, f'reason {reason}')} after {iterations} iterations, "
+            f"residual {residual:.1e}" for name, reason, iterations, residual in tried)
+        zeros = self._system.zero_diagonals()
+        cause = (f"{zeros} rows have no diagonal entry" if zeros else
+                 "often a group of particles without contact with the free surface, or particles on top of each other")
+        return (f"the pressure equation ({self._total} unknowns) could not be solved to a relative residual of "
+                f"{self._rtol:g}. Attempts: {attempts}. Cause: {cause}")

@@ -1,0 +1,170 @@
+"""One linear system over the ranks: matrix, right-hand side, start, residual, null space."""
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+# |A v| below this part of the largest entry is rounding: v is a null vector.
+_NULL = 1e-9
+
+
+class System:
+    """The PETSc objects of A p = b, reused while the sizes stay.
+
+    Parameters
+    ----------
+    comm : mpi4py communicator
+    closed : bool
+        No Dirichlet row is expected. If A has the null vector v (1 on every row, 0 on
+        identity rows), the system solved is Q A p = Q b with Q = I - v v^T / v.v, that is
+        A p = b up to one constant c in all rows of v. That constant is what remains of b
+        when the sources do not add up: the left null vector w of nonsymmetric rows is not
+        the constant, so taking the mean off b would leave w.b != 0 and no solution, whereas
+        Q A p = Q b has one for every b (w.v != 0, as w > 0 for such rows). Of all p + const
+        the one with zero mean is returned. A matrix that is not singular is solved as it is.
+
+    Attributes
+    ----------
+    b, x : PETSc.Vec, right-hand side and unknown
+    matrix : PETSc.Mat, A
+    operator : PETSc.Mat, what is solved: A, or Q A
+    preconditioned : PETSc.Mat, what preconditioners are made from: A, or A with the diagonal of
+        one row doubled, which no factorisation or coarse solve can find singular
+    norm : |b|, or |Q b|
+    """
+
+    def __init__(self, comm, closed):
+        self.comm = comm
+        self.matrix = self.operator = self.preconditioned = None
+        self.b = self.x = self._r = None
+        self.norm = 0.0
+        self._closed = closed
+        self._null = None
+        self._sizes = None
+
+    def resize(self, n, total):
+        """Prepare vectors for n rows of `total` on this rank. Collective."""
+        self.destroy()
+        self._sizes = ((n, total), (n, total))
+        self._arrays = [np.zeros(n) for _ in range(3)]
+        self.x, self.b, self._r = (
+            PETSc.Vec().createWithArray(array, size=(n, total), comm=self.comm) for array in self._arrays)
+
+    def assemble(self, indptr, indices, values):
+        """Make the matrix from this rank's rows (global columns, any order). Collective."""
+        self._drop_matrix()
+        csr = (np.asarray(indptr, PETSc.IntType), np.asarray(indices, PETSc.IntType), np.asarray(values, float))
+        self.matrix = PETSc.Mat().createAIJ(self._sizes, csr=csr, comm=self.comm)
+        self.operator = self.preconditioned = self.matrix
+        if self._closed:
+            self._find_null_vector(csr)
+
+    def load(self, rhs, guess):
+        """Set b and the start of the iteration, and find |b|. Collective.
+
+        A guess whose residual is not below |b| is worse than none: start from zero then.
+        """
+        x, b, r = self._arrays
+        b[:] = rhs
+        x[:] = 0.0 if guess is None else guess
+        self._touch(self.b, self.x)
+        if self._null:
+            self._null.remove(self.b)
+            self._null.remove(self.x)
+        self.operator.mult(self.x, self._r)
+        bb, rr, given = self.sum(b @ b, np.sum((b - r) ** 2), np.dot(rhs, rhs))
+        self.norm = np.sqrt(bb) if bb > 1e-28 * given else 0.0
+        if not rr < bb:
+            x[:] = 0.0
+            self._touch(self.x)
+
+    def start_from(self, values):
+        """Set the start of the iteration to an array of owned values."""
+        self._arrays[0][:] = values
+        self._touch(self.x)
+
+    def residual(self):
+        """Return |b - A x| / |b| of the present x (with Q, in a closed domain). Collective."""
+        _, b, r = self._arrays
+        self.operator.mult(self.x, self._r)
+        return np.sqrt(self.sum(np.sum((b - r) ** 2))[0]) / self.norm
+
+    def solution(self):
+        """Return a copy of the owned part of x, with zero mean in a closed domain. Collective."""
+        if self._null:
+            self._null.remove(self.x)
+        return self._arrays[0].copy()
+
+    def sum(self, *local):
+        """Return the sums over the ranks of some numbers. Collective."""
+        numbers = np.array(local)
+        if self.comm.size > 1:
+            self.comm.Allreduce(MPI.IN_PLACE, numbers)
+        return numbers
+
+    def zero_diagonals(self):
+        """Return how many rows, on all ranks, have no diagonal entry. Collective."""
+        self.matrix.getDiagonal(self._r)
+        return int(self.sum(float(np.count_nonzero(self._arrays[2] == 0.0)))[0])
+
+    def destroy(self):
+        """Free the PETSc objects. Collective."""
+        self._drop_matrix()
+        for vector in (self.b, self.x, self._r):
+            if vector:
+                vector.destroy()
+        self.b = self.x = self._r = None
+
+    def _drop_matrix(self):
+        for thing in {id(t): t for t in (self.operator, self.preconditioned, self.matrix, self._null) if t}.values():
+            thing.destroy()
+        self.matrix = self.operator = self.preconditioned = self._null = None
+
+    @staticmethod
+    def _touch(*vectors):
+        # The arrays are written behind PETSc's back, and PETSc remembers norms of vectors.
+        for vector in vectors:
+            vector.stateIncrease()
+
+    def _find_null_vector(self, csr):
+        indptr, _, values = csr
+        x, b, r = self._arrays
+        alone = np.diff(indptr) == 1
+        count = self.sum(float(np.count_nonzero(~alone)))[0]
+        x[:] = ~alone
+        self._touch(self.x)
+        self.matrix.mult(self.x, self._r)
+        worst = np.array([np.abs(r).max(initial=0.0), np.abs(values).max(initial=0.0)])
+        if self.comm.size > 1:
+            self.comm.Allreduce(MPI.IN_PLACE, worst, MPI.MAX)
+        if count == 0 or worst[0] > _NULL * worst[1]:
+            return
+        x[:] /= np.sqrt(count)
+        self._touch(self.x)
+        self._null = PETSc.NullSpace().create(constant=False, vectors=(self.x.copy(),), comm=self.comm)
+        self.operator = PETSc.Mat().createPython(self._sizes, _Projected(self.matrix, self._null), comm=self.comm)
+        self.operator.setUp()
+        self.preconditioned = self._pinned(alone)
+
+    def _pinned(self, alone):
+        """Return A with the diagonal of the first row that is not an identity row doubled."""
+        pinned = self.matrix.duplicate(copy=True)
+        first = self.matrix.getOwnershipRange()[0]
+        mine = np.flatnonzero(~alone)
+        candidate = first + int(mine[0]) if mine.size else self._sizes[0][1]
+        row = self.comm.allreduce(candidate, MPI.MIN)
+        if row == candidate:
+            pinned.setValue(row, row, 2.0 * self.matrix.getValue(row, row))
+        pinned.assemble()
+        return pinned
+
+
+class _Projected:
+    """Python side of the operator Q A."""
+
+    def __init__(self, matrix, null):
+        self._matrix, self._null = matrix, null
+
+    def mult(self, _, x, y):
+        self._matrix.mult(x, y)
+        self._null.remove(y)
