@@ -1,13 +1,21 @@
 """Which particles are where, and who is near whom: the particles' domain, spread over ranks."""
 
 import numpy as np
+from mpi4py import MPI
 
-from parisph.base.errors import ParticleLost, agree
+from parisph.base.errors import CaseError, ParisphError
+from parisph.base.fields import FIELDS
 from parisph.kernels.cells import neighbour_lists
+from parisph.parallel.halo import ROUNDING, Halo
+from parisph.parallel.migrate import migrate
+from parisph.parallel.partition import UNIT, Grid, Partition, imbalance, particle_weights, split
+from parisph.parallel.survey import survey
+
+STRAY = 0.25  # of the grid's side: particles farther outside ask for another grid
 
 
 class Domain:
-    """Keeps particles on the rank and in the order they belong, with neighbour lists.
+    """Keeps particles on the rank and in the order they belong, with ghosts and neighbour lists.
 
     Parameters
     ----------
@@ -21,59 +29,182 @@ class Domain:
         How far a particle may move until the lists are rebuilt [m].
     closed : bool
         Whether the box is a closed tank: a particle farther outside than `radius` is lost.
+    tolerated : float
+        Imbalance (max/mean of the ranks' loads) above which work is spread anew.
+    balance_every : int
+        The imbalance is looked at in each so many calls of `redistribute`.
 
     Attributes
     ----------
     indptr : (n_owned + 1,) int32, indices : (nnz,) int32
-        Neighbours of each owned particle, among all local ones: at least those within
-        `radius`, and not all of them (pairs up to `radius + 2 list_skin` are listed).
-    global_rows : (n_all,) integer, global row of each local particle
+        Neighbours of each owned particle among all local ones: those within
+        `radius + 2 list_skin` when the lists were made, so those within `radius` ever since.
+    global_rows : (n_all,) int32 (int64 beyond 2^31 rows), global row of each local particle
+    n_plans, n_lists : int, how often particles were redistributed, and lists rebuilt, so far
+
+    Raises
+    ------
+    CaseError : lengths that make no sense. Nothing is communicated here.
     """
 
-    def __init__(self, particles, lower, upper, radius, skin, list_skin=0.0, closed=False):
+    def __init__(self, particles, lower, upper, radius, skin, list_skin=0.0, closed=False,
+                 tolerated=1.15, balance_every=100):
         self.particles = particles
         self.lower, self.upper = np.array(lower, float), np.array(upper, float)
         self.radius, self.skin, self.list_skin, self.closed = radius, skin, list_skin, closed
-        self.indptr, self.indices, self.global_rows = np.zeros(1, np.int32), np.zeros(0, np.int32), None
-        self._plan_x = self._list_x = None
+        self.tolerated, self.balance_every = tolerated, balance_every
+        self._validate()
+        # Two particles may approach by the skin each before the next plan, and pairs are listed
+        # as far as the lists reach.
+        self.width = radius + 2.0 * skin + 2.0 * list_skin
+        self.indptr, self.indices = np.zeros(1, np.int32), np.zeros(0, np.int32)
+        self.global_rows = np.zeros(0, np.int32)
+        self.n_plans = self.n_lists = 0
+        self._partition = self._halo = self._plan_x = self._list_x = None
+        self._load, self._calls = 0.0, 0
+
+    def _validate(self):
+        shape = (self.particles.dim,)
+        if self.lower.shape != shape or self.upper.shape != shape or not (self.lower < self.upper).all():
+            raise CaseError(f"the box from {self.lower} to {self.upper} has no inside in {shape[0]} dimensions")
+        if not (self.radius > 0.0 and self.skin >= 0.0 and self.list_skin >= 0.0):
+            raise CaseError(f"radius {self.radius} must be positive; skins {self.skin}, {self.list_skin} not negative")
+
+    # -- what a step calls -----------------------------------------------------------------
 
     def redistribute(self, force=False):
         """Put particles where they belong if they have moved by more than the skin. Collective.
 
-        Returns True when row numbers have changed; arrays held outside `particles` are stale then.
+        Also if forced, or if measured work has become uneven: then cells change owners. Owned
+        particles are sorted along the Hilbert curve, ghosts made, and all `exchanged` fields of
+        the ghosts filled.
+
+        Returns True when row numbers have changed: arrays held outside `particles` are stale then.
         Raises ParticleLost on every rank if a position is not finite, or outside a closed tank.
         """
-        p = self.particles
-        self._check()
-        if not force and self._plan_x is not None and _drift(p.x, self._plan_x) <= self.skin:
-            return False
-        self._plan_x, self._list_x = p.x.copy(), None
-        self.global_rows = np.arange(p.n_owned, dtype=np.int32)
-        return True
+        return self._redistribute(force, self._survey())
 
     def refresh(self):
-        """Make ghosts and neighbour lists valid at the positions of now. Collective.
+        """Make ghosts' positions and neighbour lists valid for the positions of now. Collective.
 
-        Returns and raises as `redistribute`.
+        Redistributes if due. Returns and raises as `redistribute`.
         """
-        p = self.particles
-        renumbered = self.redistribute()
-        if self._list_x is None or _drift(p.x, self._list_x) > self.list_skin:
-            self.indptr, self.indices = neighbour_lists(p.x_all, p.n_owned, self.radius + 2.0 * self.list_skin)
-            self._list_x = p.x.copy()
+        found = self._survey()
+        renumbered = self._redistribute(False, found)
+        if not renumbered:
+            self.update("x")
+        if renumbered or found.list_drift > self.list_skin:
+            self._rebuild_lists()
         return renumbered
 
     def update(self, *names):
-        """Bring the named fields of the ghosts up to date with their owners. Collective."""
+        """Bring the named fields of the ghosts up to date with their owners, in one message. Collective.
+
+        Raises ParisphError: no such field.
+        """
+        unknown = [name for name in names if name not in FIELDS]
+        if unknown:
+            raise ParisphError(f"no such particle field: {', '.join(unknown)} (there are {', '.join(FIELDS)})")
+        if self._halo is not None and names:
+            self._halo.update(*names)
 
     def record_load(self, seconds):
-        """Add measured work of this rank, for rebalancing [s]. Not collective."""
+        """Add measured work of this rank, without waiting for others, for rebalancing [s]. Not collective."""
+        self._load += seconds
 
-    def _check(self):
-        bad = ~np.isfinite(self.particles.x).all(axis=1)
-        error = ParticleLost(f"{bad.sum()} particles have no finite position") if bad.any() else None
-        agree(self.particles.comm, error)
+    def destroy(self):
+        """Free what the halo holds of MPI and PETSc. Collective."""
+        if self._halo is not None:
+            self._halo.destroy()
+            self._halo = None
 
+    # -- when ------------------------------------------------------------------------------
 
-def _drift(x, reference):
-    return np.sqrt(((x - reference) ** 2).sum(axis=1).max(initial=0.0))
+    def _survey(self):
+        grid = (self.lower, self.upper)
+        if self._partition is not None:
+            grid = (self._partition.grid.origin, self._partition.grid.upper)
+        tank = (self.lower - self.radius, self.upper + self.radius) if self.closed else None
+        return survey(self.particles, self._plan_x, self._list_x, grid, tank)
+
+    def _redistribute(self, force, found):
+        self._calls += 1
+        partition = self._next_partition(found.stray)
+        if not (force or partition is not self._partition or found.plan_drift > self.skin):
+            return False
+        self._partition = partition
+        self._settle()
+        return True
+
+    def _next_partition(self, stray):
+        """Return the partition to use from now on, the same object when it need not change."""
+        old = self._partition
+        if old is None:
+            return self._partition_now(UNIT)
+        weight = self._weight_if_uneven()
+        if stray > STRAY * (old.grid.upper - old.grid.origin).max():
+            return self._partition_now(weight or UNIT)
+        if weight is None:
+            return old
+        new = self._partition_now(weight, old.grid)
+        # Cells may be too coarse to do better: renumbering costs, so not in vain.
+        return old if np.array_equal(new.splitters, old.splitters) else new
+
+    def _weight_if_uneven(self):
+        """Return the weight of this rank's particles if it is time to rebalance, else None."""
+        comm = self.particles.comm
+        if comm.size == 1 or self._calls % self.balance_every:
+            return None
+        loads, counts = np.array(comm.allgather((self._load, self.particles.n_owned))).T
+        self._load = 0.0
+        if not loads.any():
+            loads = counts
+        if imbalance(loads) <= self.tolerated:
+            return None
+        return int(particle_weights(loads, counts)[comm.rank])
+
+    # -- how -------------------------------------------------------------------------------
+
+    def _partition_now(self, weight, grid=None):
+        """Make a partition of equal work for the particles where they are now."""
+        p = self.particles
+        grid = grid or Grid.covering(*self._bounds(), self.width * ROUNDING)
+        if p.comm.size == 1:
+            return Partition(grid, np.array([0, grid.end]))
+        return Partition(grid, split(p.comm, grid.cells(grid.keys(p.x)), weight, grid.end))
+
+    def _bounds(self):
+        """Corners of the box around the scene and all particles."""
+        p = self.particles
+        both = np.concatenate([-self.lower, self.upper])
+        if p.n_owned:
+            both = np.maximum(both, np.concatenate([-p.x.min(axis=0), p.x.max(axis=0)]))
+        if p.comm.size > 1:
+            p.comm.Allreduce(MPI.IN_PLACE, both, op=MPI.MAX)
+        return -both[:p.dim], both[p.dim:]
+
+    def _settle(self):
+        """Move particles to their owners, sort them, and make ghosts."""
+        p, grid = self.particles, self._partition.grid
+        self.destroy()
+        p.resize(p.n_owned, 0)
+        keys = grid.keys(p.x)
+        if p.comm.size > 1:
+            owners = self._partition.owners(grid.cells(keys))
+            arrived = migrate(p, owners)
+            keys = np.concatenate([keys[owners == p.comm.rank], grid.keys(p.x[p.n_owned - arrived:])])
+        order = np.argsort(keys, kind="stable")
+        p.reorder(order)
+        rows = np.arange(p.offset, p.offset + p.n_owned)
+        if p.comm.size > 1:
+            self._halo = Halo(p, self._partition, grid.cells(keys[order]), self.width)
+            rows = np.concatenate([rows, self._halo.rows])
+        self.global_rows = rows.astype(np.int32 if p.n_global < 2**31 else np.int64)
+        self._plan_x, self._list_x = p.x.copy(), None
+        self.n_plans += 1
+
+    def _rebuild_lists(self):
+        p = self.particles
+        self.indptr, self.indices = neighbour_lists(p.x_all, p.n_owned, self.radius + 2.0 * self.list_skin)
+        self._list_x = p.x.copy()
+        self.n_lists += 1

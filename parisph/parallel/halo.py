@@ -1,0 +1,221 @@
+"""Ghosts: the copies that a rank holds of other ranks' particles near its own."""
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph.base.errors import ParisphError
+from parisph.base.fields import FIELDS
+from parisph.kernels.jit import kernel
+from parisph.parallel.hilbert import key_of, machine
+from parisph.parallel.messages import exchange, pack, unpack
+from parisph.parallel.partition import cell_along
+
+# Rounding of a cell's border must not lose a pair that is exactly the halo's width apart.
+ROUNDING = 1.0 + 1e-9
+
+
+class Halo:
+    """The ghosts of one plan, and how to bring them up to date. Making it is collective.
+
+    A rank gets every particle of another rank that lies within `width` of any cell it owns,
+    whether there is a particle in that cell or not. The owner finds that out alone: it looks
+    at the cells around those of its own particles. One message brings each rank its ghosts,
+    with all fields that are `exchanged`, and their numbers, from which the plan for further
+    exchanges is made (PETSc's star forest: roots are the particles that someone has a ghost of).
+
+    Parameters
+    ----------
+    particles : Particles, on the ranks that own them; gets ghosts
+    partition : Partition
+    cells : (n_owned,) int64, keys of the particles' cells
+    width : float, at most the size of the partition's cells / ROUNDING [m]
+
+    Attributes
+    ----------
+    rows : (n_ghost,) int64, global rows of the ghosts, which come in the order of their owners
+    """
+
+    def __init__(self, particles, partition, cells, width):
+        self.particles = particles
+        self._units = {}
+        particles.resize(particles.n_owned, 0)
+        ranks, which = senders(particles.x, cells, partition, width * ROUNDING, particles.comm.rank)
+        self._roots, root = np.unique(which, return_inverse=True)
+        owner, leaf_root = self._first_message(ranks, which, root)
+        self._forest = _star_forest(particles.comm, len(self._roots), owner, leaf_root)
+
+    def _first_message(self, ranks, which, root):
+        """Fill the ghosts; return the owner of each, and its number among the owner's roots."""
+        p = self.particles
+        names = [name for name, field in FIELDS.items() if field.exchanged]
+        records = pack(p, names, which, [("root", np.int32), ("row", np.int64)])
+        records["root"] = root
+        records["row"] = p.offset + which
+        arrived, counts = exchange(p.comm, records, np.bincount(ranks, minlength=p.comm.size))
+        p.resize(p.n_owned, len(arrived))
+        for name, field in FIELDS.items():
+            if not field.exchanged:
+                getattr(p, f"{name}_all")[p.n_owned:] = 0
+        unpack(p, names, arrived, p.n_owned)
+        self.rows = arrived["row"].copy()
+        return np.repeat(np.arange(p.comm.size), counts), arrived["root"]
+
+    def update(self, *names):
+        """Send the named fields of the owners to the ghosts, all in one message. Collective.
+
+        Raises ParisphError, on all ranks if all ask for the same fields: no such field.
+        """
+        p = self.particles
+        widths = [_width(name, p.dim) for name in names]
+        root, leaf = np.empty((len(self._roots), sum(widths))), np.empty((p.n_ghost, sum(widths)))
+        column = 0
+        for name, width in zip(names, widths, strict=True):
+            values = _as_doubles(getattr(p, name)[self._roots])
+            root[:, column:column + width] = values.reshape(len(root), width)
+            column += width
+        unit = self._unit(column)
+        self._forest.bcastBegin(unit, root, leaf, MPI.REPLACE)
+        self._forest.bcastEnd(unit, root, leaf, MPI.REPLACE)
+        column = 0
+        for name, width in zip(names, widths, strict=True):
+            ghosts = getattr(p, f"{name}_all")[p.n_owned:]
+            ghosts[...] = _from_doubles(leaf[:, column:column + width], ghosts.dtype).reshape(ghosts.shape)
+            column += width
+
+    def _unit(self, columns):
+        if columns not in self._units:
+            self._units[columns] = MPI.DOUBLE.Create_contiguous(columns).Commit()
+        return self._units[columns]
+
+    def destroy(self):
+        """Free the plan; the ghosts stay as they are. Collective."""
+        self._forest.destroy()
+        for unit in self._units.values():
+            unit.Free()
+        self._units.clear()
+
+
+def _width(name, dim):
+    """Number of doubles that a field takes in a message."""
+    if name not in FIELDS:
+        raise ParisphError(f"no such particle field: {name} (there are {', '.join(FIELDS)})")
+    return dim if FIELDS[name].shape == "vector" else 1
+
+
+def _as_doubles(values):
+    # Eight bytes go as they are: a particle's number may need all of them.
+    return values.view(np.float64) if values.dtype.itemsize == 8 else values.astype(np.float64)
+
+
+def _from_doubles(values, dtype):
+    return np.ascontiguousarray(values).view(dtype) if dtype.itemsize == 8 else values.astype(dtype)
+
+
+def _star_forest(comm, n_roots, owner, root):
+    """Return the plan by which leaf k copies root[k] of rank owner[k]. Collective."""
+    from petsc4py import PETSc  # here, because the import starts PETSc
+
+    forest = PETSc.SF().create(comm=comm)
+    remote = np.stack([owner, root], axis=1).astype(PETSc.IntType)
+    forest.setGraph(n_roots, None, remote.ravel())
+    forest.setUp()
+    return forest
+
+
+def senders(x, cells, partition, width, rank):
+    """Find who needs a ghost of whom.
+
+    Parameters
+    ----------
+    x : (n_owned, dim) positions [m]
+    cells : (n_owned,) int64, keys of their cells; fast if they are sorted
+    partition : Partition
+    width : float [m]
+    rank : int, this one
+
+    Returns
+    -------
+    ranks, which : (m,) int64, rank `ranks[k]` needs particle `which[k]`; sorted by rank, then
+        by particle
+    """
+    grid = partition.grid
+    pairs = _senders(x, cells, partition.splitters, width, rank, grid.origin, grid.size, grid.bits, *machine(grid.dim))
+    order = np.argsort(pairs[:, 0], kind="stable")
+    return pairs[order, 0], pairs[order, 1]
+
+
+@kernel
+def _senders(x, cells, splitters, width, rank, origin, size, bits, place, following):
+    n, dim = x.shape
+    pairs = np.empty((n // 8 + 64, 2), np.int64)
+    found = 0
+    offsets = np.empty((3**dim, dim), np.int64)  # of the surrounding cells with foreign owners,
+    owners = np.empty(3**dim, np.int64)          # and these owners
+    cell = np.empty(dim, np.int64)
+    end = 0
+    while end < n:
+        start = end
+        while end < n and cells[end] == cells[start]:
+            end += 1
+        for a in range(dim):
+            cell[a] = cell_along(x[start, a], origin[a], size, 2.0**bits)
+        foreign = _foreign_around(offsets, owners, cell, splitters, rank, bits, place, following)
+        if foreign == 0:
+            continue
+        room = found + (end - start) * foreign
+        if room > len(pairs):
+            larger = np.empty((2 * room, 2), np.int64)
+            larger[:found] = pairs[:found]
+            pairs = larger
+        for i in range(start, end):
+            for k in range(foreign):
+                if _is_near(x[i], cell, offsets[k], width, origin, size) and not _told(pairs, found, i, owners[k]):
+                    pairs[found, 0], pairs[found, 1] = owners[k], i
+                    found += 1
+    return pairs[:found]
+
+
+@kernel
+def _foreign_around(offsets, owners, cell, splitters, rank, bits, place, following):
+    """List the cells around `cell` that other ranks own; return their number."""
+    dim = len(cell)
+    there = np.empty(dim, np.int64)
+    n = 0
+    for number in range(3**dim):
+        rest, inside = number, True
+        for a in range(dim):
+            offsets[n, a] = rest % 3 - 1
+            rest //= 3
+            there[a] = cell[a] + offsets[n, a]
+            inside = inside and 0 <= there[a] < 2**bits
+        if inside:
+            key = key_of(there, bits, place, following)
+            if key < splitters[rank] or key >= splitters[rank + 1]:
+                owners[n] = np.searchsorted(splitters[1:-1], key, side="right")
+                n += 1
+                if n == len(owners):
+                    break
+    return n
+
+
+@kernel
+def _is_near(point, cell, offset, width, origin, size):
+    """Whether a point is within `width` of the cell at `offset` from its own cell."""
+    d2 = 0.0
+    for a in range(len(point)):
+        if offset[a] < 0:
+            d2 += max(point[a] - (origin[a] + cell[a] * size), 0.0) ** 2
+        elif offset[a] > 0:
+            d2 += max(origin[a] + (cell[a] + 1) * size - point[a], 0.0) ** 2
+    return d2 <= width * width
+
+
+@kernel
+def _told(pairs, found, i, owner):
+    """Whether the pair of this owner and this particle is among the last ones already."""
+    k = found - 1
+    while k >= 0 and pairs[k, 1] == i:
+        if pairs[k, 0] == owner:
+            return True
+        k -= 1
+    return False

@@ -1,0 +1,38 @@
+"""Particles move to the ranks that own them."""
+
+import numpy as np
+
+from parisph.base.fields import FIELDS
+from parisph.parallel.messages import exchange, pack, unpack
+
+
+def migrate(particles, owners):
+    """Move each owned particle to its owner, with all fields that migrate. Collective.
+
+    Parameters
+    ----------
+    particles : Particles; loses its ghosts; those that stay keep their order and come first
+    owners : (n_owned,) rank of each
+
+    Fields that do not migrate are zero on the particles that have moved.
+
+    Returns
+    -------
+    int, how many have arrived: they come last
+    """
+    comm = particles.comm
+    names = [name for name, field in FIELDS.items() if field.migrates]
+    leaving = np.flatnonzero(owners != comm.rank)
+    leaving = leaving[np.argsort(owners[leaving], kind="stable")]
+    counts = np.bincount(owners[leaving], minlength=comm.size)
+    arrived, _ = exchange(comm, pack(particles, names, leaving), counts)
+    if len(leaving):
+        particles.reorder(np.flatnonzero(owners == comm.rank))
+    stayed = particles.n_owned
+    particles.resize(stayed + len(arrived), 0)
+    for name, field in FIELDS.items():
+        if not field.migrates:
+            getattr(particles, name)[stayed:] = 0
+    unpack(particles, names, arrived, stayed)
+    particles.renumber()
+    return len(arrived)

@@ -1,0 +1,161 @@
+"""Which rank owns which piece of space: ranges of the Hilbert curve, of equal work."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph.kernels.jit import kernel
+from parisph.parallel.hilbert import KEY_BITS, key_of, machine
+
+SORT_LEVELS = 2   # particles are sorted by cells finer than those that ranks own, by this many levels
+UNIT = 1024       # the weight of an average particle: weights are integers, so that sums are exact
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cubic cells that cover all space: those on the border reach to infinity.
+
+    Attributes
+    ----------
+    origin : (dim,) lower corner [m]
+    size : float, side of a cell, at least the halo's width [m]
+    bits : int; there are 2^bits cells along each axis
+    fine : int; a key has `fine` levels below the cell, for sorting inside it
+    """
+
+    origin: np.ndarray
+    size: float
+    bits: int
+    fine: int
+
+    @classmethod
+    def covering(cls, lower, upper, width):
+        """Return the grid over a box, (dim,) corners [m], with cells at least `width` [m] wide."""
+        dim = len(lower)
+        extent = max(float(np.max(upper - lower)), width)
+        needed = int(np.ceil(np.log2(extent / width))) + 1  # + 1: no particle lies on the far border
+        bits = min(needed, KEY_BITS // dim)
+        return cls(np.array(lower, float), width * 2.0 ** (needed - bits), bits,
+                   min(SORT_LEVELS, KEY_BITS // dim - bits))
+
+    @property
+    def dim(self):
+        return len(self.origin)
+
+    @property
+    def end(self):
+        """One past the last cell's key."""
+        return 1 << (self.dim * self.bits)
+
+    @property
+    def upper(self):
+        """(dim,) upper corner [m]."""
+        return self.origin + self.size * 2.0**self.bits
+
+    def keys(self, x):
+        """Return the fine keys (n,) int64 of positions (n, dim) [m]: sort by them."""
+        keys = np.empty(len(x), np.int64)
+        _position_keys(keys, x, self.origin, self.size / 2.0**self.fine, self.bits + self.fine, *machine(self.dim))
+        return keys
+
+    def cells(self, keys):
+        """Return the cells' keys that belong to fine keys."""
+        return keys >> (self.dim * self.fine)
+
+
+@kernel
+def cell_along(x, origin, size, count):
+    """Return the cell of a coordinate; what lies outside belongs to the border's cells."""
+    # Compare as floats: far outside, the quotient does not fit an integer.
+    return int(min(max(np.floor((x - origin) / size), 0.0), count - 1.0))
+
+
+@kernel
+def _position_keys(keys, x, origin, size, bits, place, following):
+    dim = len(origin)
+    count = 2.0**bits
+    cell = np.empty(dim, np.int64)
+    for i in range(len(x)):
+        for a in range(dim):
+            cell[a] = cell_along(x[i, a], origin[a], size, count)
+        keys[i] = key_of(cell, bits, place, following)
+
+
+@dataclass(frozen=True)
+class Partition:
+    """Ranges of cells, one for each rank, some perhaps empty.
+
+    Attributes
+    ----------
+    grid : Grid
+    splitters : (ranks + 1,) int64; rank r owns the cells with splitters[r] <= key < splitters[r + 1]
+    """
+
+    grid: Grid
+    splitters: np.ndarray
+
+    def owners(self, cells):
+        """Return the ranks (n,) that own the cells of the given keys (n,)."""
+        return np.searchsorted(self.splitters[1:-1], cells, side="right")
+
+
+def split(comm, cells, weight, end):
+    """Cut the curve into one range for each rank, of equal weight as far as cells allow. Collective.
+
+    All cuts are found at once by bisection of the range of keys; each round needs one sum over
+    ranks of a vector as long as there are cuts, and no particle moves.
+
+    Parameters
+    ----------
+    cells : (n,) int64 keys of this rank's particles' cells, in any order
+    weight : int, weight of each particle of this rank
+    end : int, one past the last key
+
+    Returns
+    -------
+    splitters : (ranks + 1,) int64, the same on all ranks
+    """
+    cells = np.sort(cells)
+    total = comm.allreduce(weight * len(cells))
+    targets = np.array([rank * total // comm.size for rank in range(1, comm.size)], np.int64)
+
+    def below(keys):
+        found = weight * np.searchsorted(cells, keys).astype(np.int64)
+        comm.Allreduce(MPI.IN_PLACE, found)
+        return found
+
+    # Smallest key with at least the target below it.
+    low, high = np.zeros_like(targets), np.full_like(targets, end)
+    while (low < high).any():
+        middle = (low + high) // 2
+        enough = below(middle) >= targets
+        low, high = np.where(enough, low, middle + 1), np.where(enough, middle, high)
+    # The cut one cell before may be nearer to the target.
+    before = np.maximum(high - 1, 0)
+    nearer = targets - below(before) < below(high) - targets
+    cuts = np.maximum.accumulate(np.where(nearer, before, high))
+    return np.concatenate([[0], cuts, [end]])
+
+
+def imbalance(loads):
+    """Return max/mean of the ranks' loads, at least 1; 1 when there is no load at all."""
+    mean = np.mean(loads)
+    return float(np.max(loads) / mean) if mean > 0.0 else 1.0
+
+
+def particle_weights(loads, counts):
+    """Return the integer weight of a particle on each rank: its rank's load per particle.
+
+    Parameters
+    ----------
+    loads : (ranks,) measured work of each rank, in any unit; counts : (ranks,) its particles
+
+    A weight is at most 4 times the mean and at least a quarter of it: measurements are noisy.
+    """
+    loads, counts = np.asarray(loads, float), np.asarray(counts, float)
+    mean = loads.sum() / max(counts.sum(), 1.0)
+    if mean <= 0.0:
+        return np.full(len(loads), UNIT, np.int64)
+    relative = loads / np.maximum(counts, 1.0) / mean
+    return np.round(UNIT * np.clip(relative, 0.25, 4.0)).astype(np.int64)
