@@ -1,0 +1,94 @@
+"""Groups of unknowns without contact with a known pressure, found before the solve.
+
+Rows of a pressure equation are weakly diagonally dominant: entries sum to zero, except in rows
+that know a pressure (an identity row, or one from which a neighbour with p = 0 was dropped).
+Such a matrix is regular if and only if every row leads, along its entries, to one of those
+anchored rows (Shivakumar & Chew 1974, on weakly chained diagonal dominance). Entries are followed
+in their direction, for they are not symmetric: a wall particle leans on fluid that may not lean
+on it.
+"""
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph.base.errors import ParisphError, agree
+from parisph.kernels import reach
+
+
+def isolated_rows(comm, offset, indptr, indices, anchored):
+    """Return which rows lead to no anchored row. Collective.
+
+    Such rows lead only to each other, so p = 0 (or any other pin) in one of each group makes
+    the equation regular without touching the rest.
+
+    Parameters
+    ----------
+    comm : mpi4py communicator
+    offset : int
+        Global number of this rank's first row; rows are numbered contiguously, rank by rank.
+    indptr : (n_owned + 1,) int, indices : (nnz,) int
+        This rank's rows as CSR with global columns.
+    anchored : (n_owned,) bool
+        Rows that know a pressure.
+
+    Returns
+    -------
+    isolated : (n_owned,) bool
+
+    Raises
+    ------
+    ParisphError : arrays do not fit together, or a column is no row of any rank. On all ranks.
+    """
+    anchored = np.asarray(anchored, bool)
+    fits = indptr.shape == (anchored.size + 1,) and indptr[0] == 0 and indptr[-1] == indices.size
+    agree(comm, None if fits else ParisphError(
+        f"{anchored.size} anchored flags do not fit rows with indptr {indptr.shape} and {indices.size} columns"))
+    reached = anchored.copy()
+    pending = np.flatnonzero(~anchored).astype(np.int32)
+    pending = reach.spread(reached, pending, indptr, indices, offset)
+    if comm.size > 1 and comm.allreduce(pending.size):
+        _spread_over_ranks(comm, offset, reached, pending, indptr, indices)
+    return ~reached
+
+
+def _spread_over_ranks(comm, offset, reached, pending, indptr, indices):
+    """Pull marks from other ranks and spread them, until no rank gains any."""
+    rows, columns = reach.outside(pending, indptr, indices, offset, reached.size)
+    remote, slot = np.unique(columns, return_inverse=True)
+    lookup = _Lookup(comm, offset, reached.size, remote)
+    while True:
+        marks = lookup.pull(reached)
+        reached[rows[marks[slot]]] = True
+        left = pending[~reached[pending]]
+        left = reach.spread(reached, left, indptr, indices, offset)
+        gained = pending.size - left.size
+        pending = left
+        if not comm.allreduce(gained):
+            return
+
+
+class _Lookup:
+    """Reads marks of rows on other ranks, as often as wanted, from one exchange of addresses."""
+
+    def __init__(self, comm, offset, n, remote):
+        self._comm = comm
+        spans = np.array(comm.allgather((offset, n)), dtype=np.int64)
+        total = spans[:, 1].sum()
+        bad = remote.size and not 0 <= remote[0] <= remote[-1] < total
+        agree(comm, ParisphError(f"a pressure row refers to column {remote[0]} or {remote[-1]} of {total}")
+              if bad else None)
+        # Ranks without rows share their first number with the next rank: take the last of them.
+        owner = np.searchsorted(spans[:, 0], remote, side="right") - 1
+        self._asked = np.bincount(owner, minlength=comm.size).astype(np.int32)
+        self._wanted = np.empty(comm.size, np.int32)
+        comm.Alltoall(self._asked, self._wanted)
+        addresses = np.empty(self._wanted.sum(), np.int64)
+        comm.Alltoallv((remote, self._asked, MPI.INT64_T), (addresses, self._wanted, MPI.INT64_T))
+        self._addresses = addresses - offset
+        self._marks = np.empty(remote.size, bool)
+
+    def pull(self, reached):
+        """Return the marks of the remote rows, in their order. Collective."""
+        send = (reached[self._addresses], self._wanted, MPI.C_BOOL)
+        self._comm.Alltoallv(send, (self._marks, self._asked, MPI.C_BOOL))
+        return self._marks

@@ -1,0 +1,103 @@
+"""Rows without contact with a known pressure are found, and only those."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.base.errors import ParisphError
+from parisph.pressure.groups import isolated_rows
+from tests import systems
+from tests.digraphs import leads_nowhere, random_rows, to_csr
+
+SELF = MPI.COMM_SELF
+
+
+def flags(n, *marked):
+    anchored = np.zeros(n, bool)
+    anchored[list(marked)] = True
+    return anchored
+
+
+def find(columns, *marked):
+    return isolated_rows(SELF, 0, *to_csr(columns), flags(len(columns), *marked)).tolist()
+
+
+def test_one_of_two_groups_has_no_anchor():
+    columns = [[0, 1], [1, 0, 2], [2, 1], [3, 4], [4, 3]]
+    assert find(columns, 2) == [False, False, False, True, True]
+    assert find(columns, 2, 3) == [False] * 5
+    assert find(columns) == [True] * 5
+
+
+def test_entries_are_followed_in_their_direction_only():
+    # Row 0 is a wall that leans on fluid 1 and 2; these do not lean on it, so its anchor is none of theirs.
+    columns = [[0, 1, 2], [1, 2], [2, 1]]
+    assert find(columns, 0) == [False, True, True]
+    assert find(columns, 2) == [False, False, False]
+
+
+def test_the_matrix_is_regular_exactly_when_no_row_is_isolated():
+    rng = np.random.default_rng(4)
+    seen = set()
+    for seed in range(60):
+        n = 12
+        indptr, indices = random_rows(n, 2.0, seed)
+        anchored = rng.random(n) < 0.25
+        matrix = np.zeros((n, n))
+        for i in range(n):
+            for j in indices[indptr[i]:indptr[i + 1]]:
+                if j != i:
+                    matrix[i, j] -= 1.0
+            matrix[i, i] = -matrix[i].sum() + anchored[i]
+        regular = np.linalg.matrix_rank(matrix) == n
+        isolated = isolated_rows(SELF, 0, indptr, indices, anchored).any()
+        assert regular == (not isolated)
+        seen.add(regular)
+    assert seen == {True, False}
+
+
+@pytest.mark.parametrize("mean", [0.8, 1.5, 4.0])
+def test_random_graphs_as_by_brute_force(mean):
+    for seed in range(20):
+        indptr, indices = random_rows(150, mean, seed)
+        anchored = np.random.default_rng(seed + 100).random(150) < 0.03
+        expected = leads_nowhere(indptr, indices, anchored)
+        np.testing.assert_array_equal(isolated_rows(SELF, 0, indptr, indices, anchored), expected)
+
+
+def test_a_long_chain_in_bad_order_is_followed_to_its_end():
+    # Sweeps alone would need hundreds of passes here.
+    n = 3000
+    order = np.random.default_rng(2).permutation(n)
+    columns = [None] * n
+    for here, there in zip(order[:-1], order[1:]):
+        columns[here] = [here, there]
+    columns[order[-1]] = [order[-1]]
+    assert not any(find(columns, order[-1]))
+    middle = find(columns, order[1000])
+    assert [i for i in range(n) if middle[i]] == sorted(order[1001:])
+
+
+def test_pressure_rows_of_an_open_and_a_closed_tank():
+    _, fixed, indptr, indices, _ = systems.square(20)
+    assert not isolated_rows(SELF, 0, indptr, indices, fixed).any()
+    _, fixed, indptr, indices, _ = systems.square(20, closed=True)
+    assert isolated_rows(SELF, 0, indptr, indices, fixed).all()
+
+
+def test_no_rows_at_all():
+    nothing = np.zeros(0, np.int32)
+    assert isolated_rows(SELF, 0, np.zeros(1, np.int32), nothing, np.zeros(0, bool)).shape == (0,)
+
+
+def test_input_is_left_alone():
+    anchored = flags(3, 0)
+    indptr, indices = to_csr([[0], [1, 0], [2, 1]])
+    isolated_rows(SELF, 0, indptr, indices, anchored)
+    assert anchored.tolist() == [True, False, False]
+
+
+def test_flags_that_do_not_fit_are_refused():
+    indptr, indices = to_csr([[0], [1]])
+    with pytest.raises(ParisphError, match="3 anchored flags"):
+        isolated_rows(SELF, 0, indptr, indices, flags(3))
