@@ -6,6 +6,7 @@ import numpy as np
 
 from parisph.base.fields import DRY, FLUID, WALL
 from parisph.kernels.jit import kernel
+from parisph.kernels.mirrors import height, near_planes
 from parisph.kernels.rankine import _first_row_of_inverse
 from parisph.kernels.smoothing import quartic_weight
 
@@ -44,40 +45,64 @@ def pair_collisions(change, u, x, kind, distance, restitution, indptr, indices, 
 
 
 @kernel
-def wall_guard(u, x, kind, corner, normal, wall_u, distance, indptr, indices, axes):
-    """Stop fluid nearer to a wall than the distance from moving further into it.
+def wall_guard(u, x, kind, corner, normal, distance, dt, indptr, indices, axes):
+    """Stop fluid from coming nearer to a wall than the distance within the next dt [s].
 
-    The normal velocity relative to the wall becomes zero if it points into the wall; the
-    wall is the plane of each nearby wall particle. Returns the number of particles stopped.
+    The velocity into the wall is cut to what the room in front of it allows, to nothing where
+    there is none: a particle beyond the wall sees its neighbours on the wrong side, and the
+    pressure that this gives is without bound. u of the wall particles is the wall's normal
+    velocity. Returns the number of particles slowed down.
     """
     dim = len(axes)
-    stopped = 0
+    member = np.empty(dim, np.int64)
+    slowed = 0
     for i in range(len(indptr) - 1):
         if kind[i] != FLUID:
             continue
         hit = False
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if kind[j] != WALL or corner[j]:
-                continue
-            away, inward, beside = 0.0, 0.0, 0.0
+        for p in range(near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)):
+            wall = member[p]
+            outward = 0.0
             for a in range(dim):
-                away += (x[i, a] - x[j, a]) * normal[j, a]
-                inward += (u[i, a] - wall_u[j, a]) * normal[j, a]
-                beside += (x[i, a] - x[j, a]) ** 2
-            if away < distance and inward < 0.0 and beside - away * away < 4.0 * distance * distance:
+                outward += (u[i, a] - u[wall, a]) * normal[wall, a]
+            allowed = min(distance - height(i, wall, x, normal, axes), 0.0) / dt
+            if outward < allowed:
                 hit = True
                 for a in range(dim):
-                    u[i, a] -= inward * normal[j, a]
-        stopped += hit
-    return stopped
+                    u[i, a] += (allowed - outward) * normal[wall, a]
+        slowed += hit
+    return slowed
+
+
+@kernel
+def keep_off_walls(move, x, kind, corner, normal, distance, indptr, indices, axes):
+    """Cut the part of a displacement that would bring fluid nearer to a wall than the distance.
+
+    move : (n_owned, dim) [m], changed in place
+    """
+    dim = len(axes)
+    member = np.empty(dim, np.int64)
+    for i in range(len(indptr) - 1):
+        if kind[i] != FLUID:
+            continue
+        for p in range(near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)):
+            wall = member[p]
+            outward = 0.0
+            for a in range(dim):
+                outward += move[i, a] * normal[wall, a]
+            allowed = min(distance - height(i, wall, x, normal, axes), 0.0)
+            if outward < allowed:
+                for a in range(dim):
+                    move[i, a] += (allowed - outward) * normal[wall, a]
 
 
 @kernel
 def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices, axes):
     """Velocity change -strength (u - linear MLS of u) at fluid particles, the particle included.
 
-    A harmonic velocity has no Laplacian, so the wave itself passes almost untouched.
+    A harmonic velocity has no Laplacian, so the wave itself passes almost untouched. Where the
+    neighbours do not span a plane (jets, drops) nothing is changed: an extrapolation from two
+    of them has no bound.
     """
     dim = len(axes)
     radius2 = radius * radius
@@ -103,6 +128,9 @@ def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices,
         if m[0, 0] < 1.0 + 1.0e-12:
             continue
         _first_row_of_inverse(c, m, axes)
+        # the share of the particle itself in its own mean: 1 where the fit runs through it
+        if not 0.0 < c[0] < 0.6:
+            continue
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             w = _weight(i, j, x, role, radius2, axes)

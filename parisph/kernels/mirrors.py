@@ -12,10 +12,11 @@ PARALLEL = 0.9  # cosine above which two wall normals belong to the same plane
 
 
 @kernel
-def near_planes(points, normals, i, x, kind, corner, normal, indptr, indices, axes):
-    """Collect the walls next to particle i, one plane per orientation, nearest first choice.
+def near_planes(member, i, x, kind, corner, normal, indptr, indices, axes):
+    """Find the walls next to particle i: one wall particle for each orientation.
 
-    points, normals : (dim, dim) output, a point on each plane and its normal.
+    member : (dim,) int64 output; the plane of member p goes through x[member[p]] with the
+        normal of that particle. Of parallel walls the one nearest to i is taken.
     Returns the number of planes, at most dim.
     """
     dim = len(axes)
@@ -28,42 +29,38 @@ def near_planes(points, normals, i, x, kind, corner, normal, indptr, indices, ax
         for p in range(found):
             cosine = 0.0
             for a in range(dim):
-                cosine += normals[p, a] * normal[j, a]
+                cosine += normal[member[p], a] * normal[j, a]
             if cosine > PARALLEL:
                 same = p
         if same >= 0:
-            if height(i, points[same], normals[same], x, axes) <= height(i, x[j], normal[j], x, axes):
-                continue
+            if height(i, j, x, normal, axes) < height(i, member[same], x, normal, axes):
+                member[same] = j
         elif found < dim:
-            same = found
+            member[found] = j
             found += 1
-        else:
-            continue
-        for a in range(dim):
-            points[same, a] = x[j, a]
-            normals[same, a] = normal[j, a]
     return found
 
 
 @kernel
-def height(i, point, direction, x, axes):
-    """Return the distance of particle i from a plane, positive on the fluid's side."""
+def height(i, wall, x, normal, axes):
+    """Return the distance of particle i from the plane of a wall particle, positive inside."""
     h = 0.0
     for a in range(len(axes)):
-        h += (x[i, a] - point[a]) * direction[a]
+        h += (x[i, a] - x[wall, a]) * normal[wall, a]
     return h
 
 
 @kernel
-def reflect(image, j, subset, points, normals, x, axes):
+def reflect(image, j, subset, member, x, normal, axes):
     """Write the image of particle j in the planes whose bits are set in subset."""
     dim = len(axes)
     for a in range(dim):
         image[a] = x[j, a]
     for p in range(dim):
         if (subset >> p) & 1:
+            wall = member[p]
             h = 0.0
             for a in range(dim):
-                h += (image[a] - points[p, a]) * normals[p, a]
+                h += (image[a] - x[wall, a]) * normal[wall, a]
             for a in range(dim):
-                image[a] -= 2.0 * h * normals[p, a]
+                image[a] -= 2.0 * h * normal[wall, a]

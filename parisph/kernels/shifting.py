@@ -40,7 +40,7 @@ def compression(e, alpha, role, x, kind, limit, reach, indptr, indices, axes):
 def concentration_gradient(out, x, kind, corner, normal, h, full, indptr, indices, axes):
     """Gradient of the density ratio at fluid particles, walls and mirror images included [1/m]."""
     dim = len(axes)
-    points, normals, image = np.empty((dim, dim)), np.empty((dim, dim)), np.empty(dim)
+    member, image = np.empty(dim, np.int64), np.empty(dim)
     for i in range(len(indptr) - 1):
         out[i, :] = 0.0
         if kind[i] != FLUID:
@@ -52,13 +52,13 @@ def concentration_gradient(out, x, kind, corner, normal, h, full, indptr, indice
             _add_slope(out, i, x[j], x, h, full, axes)
         if not walls:
             continue
-        planes = near_planes(points, normals, i, x, kind, corner, normal, indptr, indices, axes)
+        planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
         for subset in range(1, 1 << planes):
-            reflect(image, i, subset, points, normals, x, axes)
+            reflect(image, i, subset, member, x, normal, axes)
             _add_slope(out, i, image, x, h, full, axes)
             for k in range(indptr[i], indptr[i + 1]):
                 if kind[indices[k]] == FLUID:
-                    reflect(image, indices[k], subset, points, normals, x, axes)
+                    reflect(image, indices[k], subset, member, x, normal, axes)
                     _add_slope(out, i, image, x, h, full, axes)
 
 

@@ -40,7 +40,7 @@ def density_ratio(alpha, x, kind, corner, normal, h, full, indptr, indices, axes
     alpha : (n_owned,) output; walls get 1
     """
     dim = len(axes)
-    points, normals, image = np.empty((dim, dim)), np.empty((dim, dim)), np.empty(dim)
+    member, image = np.empty(dim, np.int64), np.empty(dim)
     self_value = cubic_spline(0.0, h, dim)
     for i in range(len(indptr) - 1):
         alpha[i] = 1.0
@@ -56,18 +56,18 @@ def density_ratio(alpha, x, kind, corner, normal, h, full, indptr, indices, axes
                 r2 += (x[j, a] - x[i, a]) ** 2
             total += cubic_spline(math.sqrt(r2), h, dim)
         if walls:
-            planes = near_planes(points, normals, i, x, kind, corner, normal, indptr, indices, axes)
+            planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
             for subset in range(1, 1 << planes):
-                total += _image_value(i, i, subset, points, normals, image, x, h, axes)
+                total += _image_value(i, i, subset, member, image, x, normal, h, axes)
                 for k in range(indptr[i], indptr[i + 1]):
                     if kind[indices[k]] == FLUID:
-                        total += _image_value(i, indices[k], subset, points, normals, image, x, h, axes)
+                        total += _image_value(i, indices[k], subset, member, image, x, normal, h, axes)
         alpha[i] = total / full
 
 
 @kernel
-def _image_value(i, j, subset, points, normals, image, x, h, axes):
-    reflect(image, j, subset, points, normals, x, axes)
+def _image_value(i, j, subset, member, image, x, normal, h, axes):
+    reflect(image, j, subset, member, x, normal, axes)
     r2 = 0.0
     for a in range(len(axes)):
         r2 += (image[a] - x[i, a]) ** 2
@@ -86,7 +86,7 @@ def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, lea
 
     role : output for owned fluid; was : role at the previous step (owned and ghost)
     """
-    points, normals, image = np.empty((2, 2)), np.empty((2, 2)), np.empty(2)
+    member, image = np.empty(2, np.int64), np.empty(2)
     angles = np.empty(1024)
     radius2 = radius * radius
     for i in range(len(indptr) - 1):
@@ -118,8 +118,8 @@ def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, lea
             j = indices[int(angles[m])]
             angles[m] = math.atan2(x[j, 1] - x[i, 1], x[j, 0] - x[i, 0])
         if walls:
-            planes = near_planes(points, normals, i, x, kind, corner, normal, indptr, indices, axes)
-            n = _image_angles(angles, n, i, planes, points, normals, image, x, kind, radius2, indptr,
+            planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
+            n = _image_angles(angles, n, i, planes, member, image, x, kind, normal, radius2, indptr,
                               indices, axes)
         gap = _largest_gap(angles, n)
         if n < 4 or gap > enter or (on_surface and gap > leave):
@@ -132,13 +132,13 @@ def _octant(dx, dy):
 
 
 @kernel
-def _image_angles(angles, n, i, planes, points, normals, image, x, kind, radius2, indptr, indices, axes):
+def _image_angles(angles, n, i, planes, member, image, x, kind, normal, radius2, indptr, indices, axes):
     for subset in range(1, 1 << planes):
         for k in range(indptr[i] - 1, indptr[i + 1]):
             j = i if k < indptr[i] else indices[k]
             if kind[j] != FLUID:
                 continue
-            reflect(image, j, subset, points, normals, x, axes)
+            reflect(image, j, subset, member, x, normal, axes)
             dx, dy = image[0] - x[i, 0], image[1] - x[i, 1]
             if 0.0 < dx * dx + dy * dy < radius2 and n < len(angles):
                 angles[n] = math.atan2(dy, dx)
@@ -171,7 +171,7 @@ def surface_by_auxiliary_functions(role, was, x, kind, corner, normal, alpha, ra
     Only particles on the surface at the previous step and their neighbours are candidates.
     Wall particles and mirror images count as occupants of a quadrant, as fluid does.
     """
-    points, normals, image = np.empty((2, 2)), np.empty((2, 2)), np.empty(2)
+    member, image = np.empty(2, np.int64), np.empty(2)
     radius2 = radius * radius
     for i in range(len(indptr) - 1):
         if kind[i] != FLUID:
@@ -192,13 +192,13 @@ def surface_by_auxiliary_functions(role, was, x, kind, corner, normal, alpha, ra
         if not near_surface:
             continue
         if walls:
-            planes = near_planes(points, normals, i, x, kind, corner, normal, indptr, indices, axes)
+            planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
             for subset in range(1, 1 << planes):
                 for k in range(indptr[i] - 1, indptr[i + 1]):
                     j = i if k < indptr[i] else indices[k]
                     if kind[j] != FLUID:
                         continue
-                    reflect(image, j, subset, points, normals, x, axes)
+                    reflect(image, j, subset, member, x, normal, axes)
                     dx, dy = image[0] - x[i, 0], image[1] - x[i, 1]
                     if 0.0 < dx * dx + dy * dy < radius2:
                         quadrants |= _quadrant(dx, dy)

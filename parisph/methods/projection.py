@@ -86,7 +86,7 @@ class Projection:
         with timers("correct"):
             start = p.u.copy()
             self._correct_velocity(force, dt)
-            collisions = regularise.velocity(self)
+            collisions = regularise.velocity(self, dt)
             self._move(start, dt)
         positions = 0
         if self.numerics.kappa > 0.0 or self.numerics.shift > 0.0:

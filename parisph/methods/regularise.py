@@ -10,7 +10,7 @@ from parisph.methods import schemes
 CAP = 0.1  # longest move of the position projection and of the shift, in spacings
 
 
-def velocity(method):
+def velocity(method, dt):
     """Filter, pair collisions and wall guard, each if the scene has it. Collective.
 
     Returns the number of collisions of owned particles.
@@ -32,8 +32,7 @@ def velocity(method):
         p.u[:] += change
     if n.wall_guard > 0.0:
         collisions.wall_guard(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all,
-                              np.zeros_like(p.x_all), n.wall_guard * method.spacing,
-                              d.indptr, d.indices, method.axes)
+                              n.wall_guard * method.spacing, dt, d.indptr, d.indices, method.axes)
     return hits
 
 
@@ -54,7 +53,7 @@ def positions(method):
         shift = np.empty_like(p.x)
         shifting.fick_shift(shift, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, n.shift * h * h,
                             CAP * method.spacing, 2.0 * method.spacing, d.indptr, d.indices, method.axes)
-        p.x[:] += shift
+        _move(method, shift)
     return iterations
 
 
@@ -69,7 +68,16 @@ def _project(method, walls, h):
     d.update("phi")
     move = -method.pressure_gradient(p.phi_all)
     shifting.limit_lengths(move, p.n_owned, CAP * method.spacing, method.axes)
-    fluid = p.kind == FLUID
-    p.x[fluid] += move[fluid]
+    _move(method, move)
     d.update("x")
     return solve.iterations
+
+
+def _move(method, move):
+    """Displace the owned fluid, but not into a wall."""
+    p, d, n = method.particles, method.domain, method.numerics
+    if n.wall_guard > 0.0:
+        collisions.keep_off_walls(move, p.x_all, p.kind_all, p.corner_all, p.normal_all,
+                                  n.wall_guard * method.spacing, d.indptr, d.indices, method.axes)
+    fluid = p.kind == FLUID
+    p.x[fluid] += move[fluid]
