@@ -1,0 +1,79 @@
+"""`parisph` and `python -m parisph`: run a command line, and see that every rank ends."""
+
+import sys
+import time
+import traceback
+
+from parisph.base import environment
+from parisph.base.errors import CaseError, Interrupted, ParisphError, ParticleLost, SolverDiverged, StoreError
+
+# The first class that fits gives the exit code.
+CODES = ((CaseError, 2), (SolverDiverged, 3), (ParticleLost, 3), (Interrupted, 4), (KeyboardInterrupt, 4), (StoreError, 5))
+OTHER = 1
+PATIENCE = 5.0    # [s] that a rank with an error waits for the others to come to theirs
+
+
+def main(words=None):
+    """Carry out a command line (default: that of this process) and return the exit code."""
+    environment.prepare()
+    from parisph import cli
+
+    words = sys.argv[1:] if words is None else words
+    try:
+        return cli.execute(words)
+    except (Exception, KeyboardInterrupt) as error:
+        return _fail(error, words)
+
+
+def _fail(error, words):
+    """Say what went wrong, leave together with the other ranks, return the exit code.
+
+    An error that parisph raises on purpose is on all ranks, and the first one says it. Any other
+    is a fault, perhaps of this rank alone, while the others wait for it in a collective: this
+    rank says it, with the traceback, and ends them all.
+    """
+    meant = isinstance(error, (ParisphError, KeyboardInterrupt))
+    first = environment.launched()[0] == 0
+    if first or not meant:
+        _say(error, trace=not meant or "--debug" in words)
+    code = next((code for kind, code in CODES if isinstance(error, kind)), OTHER)
+    comm = _running_world()
+    if comm is not None and not _all_come(comm):
+        if meant and not first:
+            _say(error, trace=True)
+        comm.Abort(code)
+    return code
+
+
+def _say(error, trace):
+    if trace:
+        traceback.print_exception(error)
+    text = str(error) or "interrupted"
+    if not isinstance(error, (ParisphError, KeyboardInterrupt)):
+        text = f"{type(error).__name__}: {text} (a fault in parisph or in a library)"
+    print(f"parisph: error: {text}", file=sys.stderr, flush=True)
+
+
+def _running_world():
+    """Return the communicator of all ranks if there are several and MPI is up, else None."""
+    if "mpi4py.MPI" not in sys.modules:
+        return None
+    from mpi4py import MPI
+
+    up = MPI.Is_initialized() and not MPI.Is_finalized()
+    return MPI.COMM_WORLD if up and MPI.COMM_WORLD.size > 1 else None
+
+
+def _all_come(comm):
+    """Return whether all ranks arrive here within a few seconds."""
+    request = comm.Ibarrier()
+    deadline = time.monotonic() + PATIENCE
+    while not request.Test():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.01)
+    return True
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,284 @@
+"""The command line: verbs and their options. What a verb does is done elsewhere."""
+
+import argparse
+import json
+from pathlib import Path
+
+from parisph import __version__
+from parisph.base import environment
+from parisph.base.errors import CaseError, ParisphError, agree
+
+EXIT_CODES = "exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 files, 1 anything else"
+
+
+class _Parser(argparse.ArgumentParser):
+    """Raises CaseError where argparse would exit, and is silent on all ranks but the first."""
+
+    def error(self, message):
+        raise CaseError(f"{message}\n{self.format_usage().strip()}")
+
+    def _print_message(self, message, file=None):
+        if environment.launched()[0] == 0:
+            super()._print_message(message, file)
+
+
+def parse(words):
+    """Return the namespace of a command line; `.work` is the function that does it.
+
+    Raises CaseError with the usage. What follows a lone `--` goes to PETSc.
+    """
+    cut = words.index("--") if "--" in words else len(words)
+    ours, petsc = list(words[:cut]), list(words[cut + 1:])
+    args, unknown = _parser().parse_known_args(ours)
+    if unknown:
+        hint = "; options for PETSc come after a lone --" if unknown[0].startswith(("-pressure_", "-log", "-ksp", "-pc")) else ""
+        raise CaseError(f"unknown argument {unknown[0]}{hint} (parisph {args.verb} -h lists the arguments)")
+    if petsc and not hasattr(args, "petsc"):
+        raise CaseError(f"parisph {args.verb} takes no options for PETSc")
+    args.petsc = petsc
+    return args
+
+
+def execute(words):
+    """Carry out one command line; return the exit code. Collective for run, restart, doctor --trial.
+
+    Raises ParisphError, on every rank.
+    """
+    args = _everywhere(lambda: parse(words))
+    if not getattr(args, "collective", False) and not getattr(args, "trial", False):
+        _everywhere(lambda: _alone(args.verb))
+    return args.work(args) or 0
+
+
+def _alone(verb):
+    if environment.launched()[1] > 1:
+        raise CaseError(f"parisph {verb} runs in one process: start it without mpirun")
+
+
+def _everywhere(action):
+    """Return action(), done on each rank for itself before anything of MPI is loaded.
+
+    An error on one rank is raised on all, which loads MPI if this process has been launched with
+    others.
+    """
+    result, error = None, None
+    try:
+        result = action()
+    except ParisphError as problem:
+        error = problem
+    if environment.launched()[1] == 1:
+        if error is not None:
+            raise error
+        return result
+    try:
+        agree(_world(), error)
+    except ParisphError:
+        if error is not None:
+            raise error from None    # without "rank 0:", as every rank that has it says it
+        raise
+    return result
+
+
+def _world():
+    """Return the communicator of all ranks.
+
+    Raises ParisphError where a launcher has started several ranks and MPI sees one: each would
+    run the whole case, all into the same folder.
+    """
+    from mpi4py import MPI
+
+    launched = environment.launched()[1]
+    if launched != MPI.COMM_WORLD.size == 1:
+        raise ParisphError(
+            f"{launched} processes were launched, but the MPI library of mpi4py sees one. mpirun and mpi4py "
+            "belong to different MPI libraries: see parisph doctor")
+    return MPI.COMM_WORLD
+
+
+def _parser():
+    parser = _Parser(prog="parisph", description="Violent water waves by incompressible SPH, on any number of MPI ranks.",
+                     epilog=EXIT_CODES, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--version", action="version", version=f"parisph {__version__}")
+    verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
+    _add_running(verbs)
+    _add_looking(verbs)
+    verb = _verb(verbs, "doctor", _doctor, "is this machine fit to run parisph?")
+    verb.add_argument("--trial", action="store_true",
+                      help="only a small solve and a file, on the ranks this is started on (mpirun -n 4 parisph doctor --trial)")
+    return parser
+
+
+def _verb(verbs, name, work, text):
+    verb = verbs.add_parser(name, help=text, description=text[0].upper() + text[1:], epilog=EXIT_CODES)
+    verb.set_defaults(work=work)
+    verb.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    return verb
+
+
+def _add_running(verbs):
+    verb = _verb(verbs, "run", _run, "run a case: mpirun -n 2 parisph run CASE [options] [-- PETSc options]")
+    _add_case(verb)
+    verb.add_argument("-o", "--out", metavar="DIR", help="folder of the run (default: runs/NAME of the case, or the first free runs/NAME-2, ...)")
+    _add_progress(verb)
+    verb = _verb(verbs, "restart", _restart, "go on from a checkpoint, on any number of ranks")
+    verb.add_argument("path", metavar="DIR", help="folder of a run, or a checkpoint file in it")
+    verb.add_argument("--until", type=float, metavar="T", help="new end time [s]")
+    verb.add_argument("-o", "--out", metavar="DIR", help="folder for what follows (default: the same)")
+    _add_progress(verb)
+    verb = _verb(verbs, "check", _check, "validate a case, and say what running it takes")
+    _add_case(verb)
+
+
+def _add_case(verb):
+    verb.add_argument("case", metavar="CASE", help="Python file with a function case(...), or the case.json of a run")
+    verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="give a parameter of case(...) another value")
+
+
+def _add_progress(verb):
+    verb.add_argument("-q", "--quiet", action="store_true", help="no progress lines")
+    verb.set_defaults(petsc=[], collective=True)
+
+
+def _add_looking(verbs):
+    verb = _verb(verbs, "info", _info, "what is in a run, how it was made, how it went")
+    _add_run(verb)
+    verb.add_argument("--short", action="store_true", help="only the table of how it went")
+    verb.add_argument("--json", action="store_true", help="print summary.json instead")
+    verb = _verb(verbs, "plot", _plot, "pictures of the flow and of the probes; by itself, the whole run on one page")
+    _add_run(verb)
+    verb.add_argument("--time", type=float, metavar="T", help="the flow at the snapshot nearest this time [s]")
+    verb.add_argument("--peak", metavar="PROBE", help="the flow at the snapshot nearest the greatest value of a probe")
+    verb.add_argument("--probe", action="append", metavar="NAME", help="the series of this probe (may be repeated)")
+    _add_drawing(verb)
+    verb = _verb(verbs, "movie", _movie, "animation of the flow")
+    _add_run(verb)
+    _add_drawing(verb)
+    verb = _verb(verbs, "compare", _compare, "error of a probe against a reference series")
+    _add_run(verb)
+    verb.add_argument("reference", metavar="REFERENCE.csv", help="a CSV file with one header line")
+    verb.add_argument("--json", action="store_true", help="print as JSON")
+    for option, text in (("--probe", "which probe, where there are several"), ("--column", "which of its columns"),
+                         ("--time", "the reference's column of times (default: the first)"),
+                         ("--value", "the reference's column of values (default: the second)")):
+        verb.add_argument(option, metavar="NAME", help=text)
+    for option, default, text in (
+            ("--offset", 0.0, "truth = offset + scale * value"), ("--scale", 1.0, "see --offset"),
+            ("--time-scale", 1.0, "seconds for one unit of the reference's time"), ("--shift", 0.0, "added to the run's time [s]"),
+            ("--best-shift", None, "take the best shift of at most this many seconds either way"),
+            ("--rest", None, "level at rest: the error is then a share of the wave alone")):
+        verb.add_argument(option, type=float, default=default, metavar="X", help=text)
+
+
+def _add_run(verb):
+    verb.add_argument("run", metavar="DIR", help="folder of a run")
+
+
+def _add_drawing(verb):
+    verb.add_argument("--field", metavar="NAME", help="pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
+    verb.add_argument("--surface", action="store_true", help="mark the particles of the free surface")
+    verb.add_argument("--normalise", action="store_true", help="lengths by H, times by sqrt(H/g), pressures by rho g H")
+    verb.add_argument("-o", "--out", metavar="FILE", help="where to write (default: in the folder of the run)")
+
+
+# ---- the verbs
+
+def _run(args):
+    case = _everywhere(lambda: _load(args))
+    comm = _world()
+    out = comm.bcast(_everywhere(lambda: _folder(args)))
+    from parisph import driver
+
+    summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet)
+    _tell(comm, summary, out)
+
+
+def _restart(args):
+    comm = _world()
+    from parisph import driver
+
+    summary = driver.restart(args.path, comm, until=args.until, out=args.out, petsc_options=args.petsc,
+                             progress=not args.quiet)
+    _tell(comm, summary, args.out or args.path)
+
+
+def _check(args):
+    case = _load(args)
+    from parisph import driver
+
+    print(driver.describe(case))
+
+
+def _doctor(args):
+    from parisph import doctor
+
+    if not args.trial:
+        findings = doctor.examine()
+        print(doctor.report(findings))
+        return int(not all(finding.ok for finding in findings))
+    comm = _world()
+    result = doctor.trial(comm)
+    if comm.rank == 0:
+        print(json.dumps(result))
+    return 0
+
+
+def _load(args):
+    from parisph.case.load import load
+
+    return load(args.case, args.set)
+
+
+def _folder(args):
+    """Return the folder for a new run; one that holds a run already is never taken."""
+    if args.out is not None:
+        if (Path(args.out) / "case.json").exists():
+            raise CaseError(f"{args.out} holds a run already: give another folder with -o, or remove it")
+        return args.out
+    case = Path(args.case)
+    name = case.resolve().parent.name if case.name == "case.json" else case.stem
+    number = 1
+    while (folder := Path("runs") / (name if number == 1 else f"{name}-{number}")).exists():
+        number += 1
+    return str(folder)
+
+
+def _tell(comm, summary, folder):
+    from parisph.io import describe
+
+    if comm.rank == 0:
+        print("\n".join([*describe.table(summary), f"{'folder':<16}{folder}"]))
+
+
+def _info(args):
+    from parisph.io import describe, reader
+
+    run = reader.open_run(args.run)
+    if args.json:
+        print(json.dumps(run.summary, indent=2))
+    else:
+        print("\n".join(describe.outcome(run)) if args.short else describe.describe(run))
+
+
+def _compare(args):
+    from parisph.io import reader
+    from parisph.study import compare
+
+    names = ("probe", "column", "time", "value", "offset", "scale", "time_scale", "shift", "best_shift", "rest")
+    result = compare.compare(reader.open_run(args.run), args.reference, **{name: getattr(args, name) for name in names})
+    print(json.dumps(result, indent=2) if args.json else compare.text(result))
+
+
+def _plot(args):
+    from parisph.io import pictures, reader
+
+    if args.time is not None and args.peak is not None:
+        raise CaseError("--time and --peak both choose the snapshot: give one of them")
+    for path in pictures.plot(reader.open_run(args.run), args.time, args.peak, args.field, args.probe,
+                              args.surface, args.normalise, args.out):
+        print(path)
+
+
+def _movie(args):
+    from parisph.io import pictures, reader
+
+    print(pictures.animate(reader.open_run(args.run), args.field, args.surface, args.normalise, args.out))

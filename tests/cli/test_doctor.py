@@ -1,0 +1,116 @@
+"""doctor finds what is wrong, and says what to do."""
+
+import sys
+
+import pytest
+
+from parisph import doctor
+from parisph.base.errors import ParisphError
+from tests.launch import mpirun, parisph
+
+
+def by_name(findings):
+    return {finding.name: finding for finding in findings}
+
+
+def test_this_machine_is_fit():
+    done = parisph("doctor", timeout=200)
+    assert done.returncode == 0, done.stdout + done.stderr
+    for word in ("PETSc", "hypre", "parallel", "numba", "numpy", "two ranks", "error"):
+        assert word in done.stdout
+    assert "PROBLEM" not in done.stdout and "parisph can run here." in done.stdout
+
+
+def test_trial_on_three_ranks(tmp_path):
+    done = mpirun(3, ["-m", "parisph", "doctor", "--trial"], cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count('"ranks": 3') == 1 and '"file": true' in done.stdout
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture
+def only_mpirun(tmp_path, monkeypatch):
+    """Put a fake mpirun first on PATH, and let the libraries be fine."""
+    def install(text):
+        path = tmp_path / "mpirun"
+        path.write_text(f"#!/bin/sh\n{text}\n")
+        path.chmod(0o755)
+        monkeypatch.setenv("PATH", f"{tmp_path}:/usr/bin:/bin")
+        monkeypatch.setattr(doctor, "_LIBRARIES", ())
+        return by_name(doctor.examine())["two ranks"]
+    return install
+
+
+def test_mpirun_of_another_library(only_mpirun):
+    """It starts the processes, and each is alone."""
+    found = only_mpirun('shift 2; "$@"; "$@"')
+    assert not found.ok and "gave 1 rank" in found.detail and "different MPI libraries" in found.remedy
+
+
+def test_mpirun_that_hangs(only_mpirun, monkeypatch):
+    monkeypatch.setattr(doctor, "LIMIT", 1.0)
+    found = only_mpirun("sleep 100")
+    assert not found.ok and "no answer in 1 s" in found.detail and "by hand" in found.remedy
+
+
+def test_mpirun_that_fails(only_mpirun):
+    found = only_mpirun("echo 'some noise' >&2; echo 'Error: no slots' >&2; echo ------- >&2; exit 7")
+    assert not found.ok and found.detail == "Error: no slots"
+
+
+def test_no_mpirun(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(doctor, "_LIBRARIES", ())
+    from parisph.__main__ import main
+
+    assert main(["doctor"]) == 1
+    shown = capsys.readouterr().out
+    assert "PROBLEM mpirun     not on PATH" in shown and "remedy:" in shown and "1 problem found." in shown
+
+
+@pytest.mark.parametrize(("program", "says"), [
+    ("echo 'ModuleNotFoundError: no numpy' >&2; exit 1", "ModuleNotFoundError: no numpy"),
+    ("kill -SEGV $$", "ended with code -11"),
+    ("echo '{half a line'", "ended with code 0"),
+])
+def test_library_that_fails_or_crashes(tmp_path, monkeypatch, program, says):
+    python = tmp_path / "python"
+    python.write_text(f"#!/bin/sh\n{program}\n")
+    python.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(python))
+    found = doctor._library("numpy", doctor._judge_numpy, "pip install numpy")
+    assert not found.ok and says in found.detail and found.remedy == "pip install numpy"
+
+
+PETSC = {"PETSc": "3.26.1", "petsc4py": "3.26.1", "hypre": "3.0.0", "scalar": "float64", "integer": "int64"}
+
+
+@pytest.mark.parametrize(("change", "ok", "word"), [
+    ({}, True, "hypre 3.0.0"),
+    ({"hypre": ""}, True, "version unknown"),
+    ({"hypre": None}, False, "without hypre"),
+    ({"scalar": "complex128"}, False, "complex128"),
+    ({"PETSc": "3.9.4"}, False, "3.9.4"),
+    ({"PETSc": "3.18.5"}, True, "3.18.5"),
+])
+def test_judging_petsc(change, ok, word):
+    found_ok, detail, _ = doctor._judge_petsc({**PETSC, **change})
+    assert found_ok == ok and word in detail
+
+
+def test_judging_the_rest():
+    assert not doctor._judge_hdf5({"version": "1.14", "h5py": "3.11", "parallel": False})[0]
+    assert doctor._judge_hdf5({"version": "1.14", "h5py": "3.11", "parallel": True})[0]
+    right = {"ranks": 2, "iterations": 9, "error": 1e-9, "file": True}
+    assert doctor._judge_trial(right)[0]
+    for wrong in ({"error": 1e-3}, {"file": False}, {"ranks": 1}, {"error": float("nan")}):
+        assert not doctor._judge_trial({**right, **wrong})[0]
+
+
+def test_serial_h5py_ends_the_trial_in_words(monkeypatch):
+    import h5py
+    from mpi4py import MPI
+
+    monkeypatch.setattr(h5py, "get_config", lambda: type("Config", (), {"mpi": False}))
+    with pytest.raises(ParisphError, match="not parallel"):
+        doctor._write_together(MPI.COMM_SELF)

@@ -1,0 +1,109 @@
+"""What a process of parisph finds in its environment, and how it starts others."""
+
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+
+from parisph.base import environment, launch
+from tests.launch import ROOT, clean_environment, mpirun, run
+
+
+def test_prepare_sets_one_thread_and_leaves_what_the_user_chose():
+    variables = {"NUMBA_NUM_THREADS": "4"}
+    environment.prepare(variables)
+    assert variables["NUMBA_NUM_THREADS"] == "4" and variables["OMP_NUM_THREADS"] == "1"
+    assert variables["H5PY_ALWAYS_USE_MPI"] == "1"
+
+
+@pytest.mark.parametrize(("variables", "ranks"), [
+    ({}, (0, 1)),
+    ({"OMPI_COMM_WORLD_RANK": "3", "OMPI_COMM_WORLD_SIZE": "4", "SLURM_PROCID": "0", "SLURM_STEP_NUM_TASKS": "2"}, (3, 4)),
+    ({"PMI_RANK": "1", "PMI_SIZE": "2"}, (1, 2)),
+    ({"SLURM_PROCID": "5", "SLURM_STEP_NUM_TASKS": "8"}, (5, 8)),
+    ({"SLURM_PROCID": "0", "SLURM_NTASKS": "8"}, (0, 1)),    # the batch script itself
+])
+def test_launched(variables, ranks):
+    assert environment.launched(variables) == ranks
+
+
+def test_for_launching_takes_out_an_outer_launcher_and_keeps_the_user(monkeypatch):
+    outer = {"OMPI_COMM_WORLD_SIZE": "2", "PMIX_RANK": "1", "OMPI_MCA_ess_base_vpid": "1", "SLURM_JOB_ID": "7",
+             "OMPI_MCA_mpi_yield_when_idle": "0", "PATH": "/bin", "OMPI_MCA_pml": "ob1"}
+    before = dict(outer)
+    inner = environment.for_launching(outer)
+    assert outer == before
+    assert not {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "OMPI_MCA_ess_base_vpid", "SLURM_JOB_ID"} & set(inner)
+    assert inner["PATH"] == "/bin" and inner["OMPI_MCA_pml"] == "ob1" and inner["OMPI_MCA_mpi_yield_when_idle"] == "0"
+    assert inner["OMPI_MCA_rmaps_base_oversubscribe"] == "1" and inner["NUMBA_NUM_THREADS"] == "1"
+    assert ("OMPI_ALLOW_RUN_AS_ROOT" in inner) == (os.geteuid() == 0)
+
+
+def sourced(**settings):
+    """Return the variables that run_scripts/env sets in an otherwise empty shell."""
+    done = subprocess.run(["bash", "-c", '. "$0/run_scripts/env"; env', ROOT], env={"PATH": os.environ["PATH"], **settings},
+                          capture_output=True, text=True, check=True, timeout=20)
+    found = dict(line.split("=", 1) for line in done.stdout.splitlines())
+    return {name: value for name, value in found.items() if name.startswith("OMPI_")}
+
+
+def test_env_file_says_the_same_as_the_package():
+    as_root = environment.AS_ROOT if os.geteuid() == 0 else {}
+    assert sourced() == {**environment.ONE_MACHINE, **as_root}
+    assert sourced(SLURM_JOB_ID="7") == as_root
+    assert sourced(OMPI_MCA_mpi_yield_when_idle="0")["OMPI_MCA_mpi_yield_when_idle"] == "0"
+
+
+def test_mpirun_inside_mpirun(tmp_path):
+    """A test, or doctor, may itself run under mpirun."""
+    inner = tmp_path / "inner.py"
+    inner.write_text("from mpi4py import MPI\nprint('inner', MPI.COMM_WORLD.size)\n")
+    outer = tmp_path / "outer.py"
+    outer.write_text("import sys\nfrom mpi4py import MPI\nfrom tests.launch import mpirun\n"
+                     "print(mpirun(2, [sys.argv[1]]).stdout if MPI.COMM_WORLD.rank == 0 else '')\n")
+    done = mpirun(2, [outer, inner])
+    assert done.returncode == 0 and done.stdout.count("inner 2") == 2, done.stderr
+
+
+def test_a_hang_is_ended_with_its_children(tmp_path):
+    program = tmp_path / "hang.py"
+    program.write_text("import os, time\nfrom mpi4py import MPI\nr = MPI.COMM_WORLD.rank\n"
+                       "open(f'pid{r}', 'w').write(str(os.getpid()))\nif r == 0: MPI.COMM_WORLD.recv(source=1)\ntime.sleep(600)\n")
+    start = time.monotonic()
+    with pytest.raises(subprocess.TimeoutExpired):
+        mpirun(2, [program], timeout=6, cwd=tmp_path)
+    assert time.monotonic() - start < 20
+    for rank in (0, 1):
+        assert _ends(int((tmp_path / f"pid{rank}").read_text()))
+
+
+def _ends(pid, within=5.0):
+    """Return whether a process is gone, or a dead child of nobody, within some seconds."""
+    deadline = time.monotonic() + within
+    while time.monotonic() < deadline:
+        try:
+            if open(f"/proc/{pid}/stat").read().rpartition(")")[2].split()[0] == "Z":
+                return True
+        except FileNotFoundError:
+            return True
+        time.sleep(0.1)
+    return False
+
+
+def test_launch_kills_what_ignores_a_gentle_end(monkeypatch):
+    monkeypatch.setattr(launch, "GRACE", 0.5)
+    stubborn = "import signal, time\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\nprint('here', flush=True)\ntime.sleep(600)"
+    with pytest.raises(subprocess.TimeoutExpired) as caught:
+        launch.run([sys.executable, "-c", stubborn], 2, clean_environment())
+    assert caught.value.output == "here\n"
+
+
+@pytest.mark.parametrize("script", ["setup", "test", "demo", "env", "dam_break.slurm"])
+def test_scripts_are_valid_shell(script):
+    assert run(["bash", "-n", ROOT / "run_scripts" / script]).returncode == 0
+
+
+def test_ci_runs_the_tests():
+    assert (ROOT / ".ci" / "run").read_text().rstrip().endswith('run_scripts/test"')

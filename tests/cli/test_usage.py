@@ -1,0 +1,191 @@
+"""Bad input on the command line: one clear message, the right exit code, nothing done."""
+
+import sys
+import types
+
+import pytest
+
+from parisph import __main__ as entry
+from parisph import cli
+from parisph.base import errors
+from tests.launch import mpirun, parisph
+
+CASE = '''
+from parisph import Box, Case, Fluid, Numerics, Tank
+def case(spacing: float = 0.1, title: str = "tank") -> Case:
+    return Case(title=title, fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), gravity=(0.0, -9.81),
+                walls=Tank(width=1.0, height=1.0), numerics=Numerics(spacing=spacing), end_time=1.0)
+'''
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    """A good case file, in an empty folder that is the current one."""
+    path = tmp_path / "tank.py"
+    path.write_text(CASE)
+    monkeypatch.chdir(tmp_path)
+    return path
+
+
+@pytest.fixture
+def driver(monkeypatch):
+    """A driver that notes its calls and does nothing, or raises `driver.error`."""
+    fake = types.ModuleType("parisph.driver")
+    fake.calls, fake.error = [], None
+
+    def call(*args, **options):
+        fake.calls.append((args, options))
+        if fake.error is not None:
+            raise fake.error
+        return {"status": "completed", "particles": 12345, "volume_drift": 0.0123}
+
+    fake.run = fake.restart = call
+    fake.describe = lambda case: f"stages of {case.title}"
+    monkeypatch.setitem(sys.modules, "parisph.driver", fake)
+    monkeypatch.setattr("parisph.driver", fake, raising=False)
+    return fake
+
+
+@pytest.mark.parametrize(("words", "says"), [
+    ([], "required: VERB"),
+    (["swim"], "invalid choice: 'swim'"),
+    (["run"], "required: CASE"),
+    (["run", "nowhere.py"], "nowhere.py: there is no such case file"),
+    (["run", "tank.py", "--set", "spacing"], "must be name=value"),
+    (["run", "tank.py", "--set", "spaceing=1"], "did you mean 'spacing'"),
+    (["run", "tank.py", "--set", "spacing=wide"], "must be a number"),
+    (["run", "tank.py", "--set", "spacing=-1"], "spacing"),
+    (["check", "tank.py", "--sets", "spacing=1"], "unknown argument --sets"),
+    (["run", "tank.py", "-pressure_ksp_view"], "come after a lone --"),
+    (["check", "tank.py", "--", "-pressure_ksp_view"], "takes no options for PETSc"),
+    (["restart"], "required: DIR"),
+    (["restart", "runs/tank", "--until", "late"], "invalid float value: 'late'"),
+    (["compare", "runs/tank"], "required: REFERENCE.csv"),
+])
+def test_bad_usage_is_one_message_and_code_2(case, driver, capsys, words, says):
+    assert entry.main(words) == 2
+    shown = capsys.readouterr()
+    assert shown.err.startswith("parisph: error: ") and says in shown.err
+    assert "Traceback" not in shown.err and shown.out == ""
+    assert driver.calls == [] and not (case.parent / "runs").exists()
+
+
+def test_debug_shows_the_traceback(case, capsys):
+    assert entry.main(["run", "nowhere.py", "--debug"]) == 2
+    assert "Traceback" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("error", "code"), [
+    (errors.CaseError("x"), 2), (errors.SolverDiverged("x"), 3), (errors.ParticleLost("x"), 3),
+    (errors.Interrupted("x"), 4), (KeyboardInterrupt(), 4), (errors.StoreError("x"), 5),
+    (errors.ParisphError("x"), 1), (ZeroDivisionError("x"), 1),
+])
+def test_exit_codes(case, driver, capsys, error, code):
+    driver.error = error
+    assert entry.main(["run", "tank.py"]) == code
+    meant = isinstance(error, (errors.ParisphError, KeyboardInterrupt))
+    shown = capsys.readouterr().err
+    assert "parisph: error: " in shown and ("Traceback" in shown) is not meant
+
+
+def test_run_hands_over_the_case_and_petsc_options(case, driver, capsys):
+    assert entry.main(["run", "tank.py", "--set", "spacing=0.05", "--set", "title=two = three", "-q", "--", "-pressure_ksp_rtol", "1e-9"]) == 0
+    (given, comm, out), options = driver.calls[0]
+    assert (given.numerics.spacing, given.title) == (0.05, "two = three")
+    assert comm.size == 1 and out == "runs/tank"
+    assert options == {"petsc_options": ["-pressure_ksp_rtol", "1e-9"], "progress": False}
+    shown = capsys.readouterr().out
+    assert "12,345" in shown and "+1.23%" in shown and "runs/tank" in shown
+
+
+def test_a_new_run_never_takes_the_folder_of_another(case, driver, capsys):
+    (case.parent / "runs" / "tank").mkdir(parents=True)
+    (case.parent / "mine").mkdir()
+    (case.parent / "mine" / "case.json").write_text("{}")
+    assert entry.main(["run", "tank.py"]) == 0
+    assert driver.calls[0][0][2] == "runs/tank-2"
+    assert entry.main(["run", "tank.py", "-o", "mine"]) == 2
+    assert "mine holds a run already" in capsys.readouterr().err and len(driver.calls) == 1
+
+
+def test_restart_hands_over(driver):
+    assert entry.main(["restart", "runs/tank", "--until", "2.5", "-o", "more", "--", "-log_view"]) == 0
+    (path, _), options = driver.calls[0]
+    assert path == "runs/tank"
+    assert options == {"until": 2.5, "out": "more", "petsc_options": ["-log_view"], "progress": True}
+
+
+def test_check_describes(case, driver, capsys):
+    assert entry.main(["check", "tank.py"]) == 0
+    assert capsys.readouterr().out == "stages of tank\n"
+
+
+def test_info_of_what_is_no_run(tmp_path, capsys):
+    assert entry.main(["info", str(tmp_path)]) == 5
+    assert "is not the folder of a run" in capsys.readouterr().err
+
+
+def test_every_verb_explains_itself(capsys):
+    for verb in ("run", "restart", "check", "info", "plot", "movie", "compare", "doctor"):
+        with pytest.raises(SystemExit) as end:
+            cli.parse([verb, "-h"])
+        assert end.value.code == 0 and f"usage: parisph {verb}" in capsys.readouterr().out
+
+
+def test_bad_case_on_two_ranks_is_said_once(case):
+    done = mpirun(2, ["-m", "parisph", "run", "tank.py", "--set", "depth=1"], cwd=case.parent)
+    assert done.returncode == 2
+    assert done.stderr.count("parisph: error: ") == 1 and "no parameter 'depth'" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_case_that_fails_on_one_rank_ends_all(case):
+    case.write_text(CASE + "\nimport os\nassert os.environ.get('OMPI_COMM_WORLD_RANK', os.environ.get('PMI_RANK')) != '1', 'no such file here'\n")
+    done = mpirun(2, ["-m", "parisph", "run", "tank.py"], cwd=case.parent)
+    assert done.returncode == 2
+    assert done.stderr.count("parisph: error: ") == 1
+    assert "rank 1: " in done.stderr and "no such file here" in done.stderr
+
+
+FAULT = '''
+import sys, types
+from mpi4py import MPI
+def run(case, comm, out, **options):
+    if comm.rank == 1:
+        raise {error}
+    comm.barrier()
+driver = types.ModuleType("parisph.driver")
+driver.run = run
+sys.modules["parisph.driver"] = driver
+import parisph
+parisph.driver = driver
+from parisph.__main__ import main
+from parisph.base.errors import StoreError
+sys.exit(main(["run", "tank.py"]))
+'''
+
+
+@pytest.mark.parametrize(("error", "code", "says"), [
+    ("ZeroDivisionError('at the rank')", 1, "ZeroDivisionError: at the rank"),
+    ("StoreError('disk of one rank')", 5, "parisph: error: disk of one rank"),
+])
+def test_fault_of_one_rank_ends_the_others(case, error, code, says):
+    """The other rank waits in a collective that never comes."""
+    program = case.parent / "fault.py"
+    program.write_text(FAULT.format(error=error))
+    done = mpirun(2, [program], timeout=40, cwd=case.parent)
+    assert done.returncode == code
+    assert says in done.stderr and "Traceback" in done.stderr
+
+
+def test_looking_needs_no_mpirun(case):
+    done = mpirun(2, ["-m", "parisph", "check", "tank.py"], cwd=case.parent)
+    assert done.returncode == 2 and done.stderr.count("start it without mpirun") == 1
+
+
+def test_mpirun_of_another_mpi_library_is_noticed(case):
+    """Each process would take itself for the only rank, and all would write into one folder."""
+    done = parisph("run", "tank.py", cwd=case.parent, PMI_RANK="0", PMI_SIZE="2")
+    assert done.returncode == 1
+    assert "belong to different MPI libraries" in done.stderr
+    assert not (case.parent / "runs").exists()
