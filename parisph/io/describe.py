@@ -1,0 +1,60 @@
+"""A run in words: the short table at its end, and what `parisph info` prints. Not collective."""
+
+from parisph.io.layout import INDEX
+
+
+def table(summary):
+    """Return the lines of a short table of summary.json; what the summary lacks is left out."""
+    return [f"{name:<16}{text}" for name, text in _entries(summary) if text is not None]
+
+
+def outcome(run):
+    """Return the table of a Run as lines; one line that says so while it has no summary."""
+    return table(run.summary) if run.summary else ["no summary.json: the run goes on, or was killed"]
+
+
+def describe(run):
+    """Return the text about a Run (io.reader): what is in it, how it was made, how it went."""
+    lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
+    lines += ["", *outcome(run)]
+    if len(run):
+        lines += ["", f"{'snapshots':<16}{len(run)}, t = {run.times[0]:.6g} to {run.times[-1]:.6g} s ({run.folder / INDEX})"]
+    checkpoints = sorted((run.folder / "checkpoints").glob("*.h5"))
+    if checkpoints:
+        lines.append(f"{'checkpoints':<16}{', '.join(path.name for path in checkpoints)}")
+    for name in run.probe_names:
+        columns = (f"{column} [{unit}]" if unit else column for column, unit in run.units(name).items()
+                   if column not in ("time", "step"))
+        lines.append(f"{'probe':<16}{name}: {', '.join(columns)}")
+    about = run.about
+    if about:
+        lines += ["", *(f"{name:<16}{value}" for name, value in sorted(about.items()))]
+    return "\n".join(lines)
+
+
+def _entries(summary):
+    get = summary.get
+    yield "status", get("status")
+    yield "cause", get("cause") or get("error")
+    yield "method", get("method")
+    yield "ranks", _number(get("ranks"), "d")
+    yield "particles", _number(get("particles"), ",d")
+    yield "steps", _number(get("steps"), ",d")
+    yield "time", _number(get("time"), ".6g", " s")
+    yield "wall time", _number(get("wall_seconds"), ".1f", " s")
+    yield "CPU time", _number(get("cpu_seconds"), ".1f", " s")
+    iterations = get("iterations")
+    if iterations:
+        words = (f"{name} {iterations[name]:.0f}" for name in ("median", "p99", "max") if iterations.get(name) is not None)
+        yield "iterations", ", ".join(words)
+    fallbacks = get("fallbacks")
+    if fallbacks:
+        yield "fallbacks", ", ".join(f"{name} {n}" for name, n in fallbacks.items()) if isinstance(fallbacks, dict) else str(fallbacks)
+    yield "volume drift", _number(get("volume_drift"), "+.2%")
+    yield "energy drift", _number(get("energy_drift"), "+.2%")
+    for probe, error in (get("errors") or {}).items():
+        yield f"error of {probe}", _number(error.get("relative_l2"), ".3g", " (relative L2)")
+
+
+def _number(value, form, unit=""):
+    return None if value is None else format(value, form) + unit

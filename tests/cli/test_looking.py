@@ -1,0 +1,141 @@
+"""info, plot, movie and compare on a small run, as from a shell and without MPI's launcher."""
+
+import json
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph import Box, Case, Fluid, Numerics, PressureTap, Tank, Volume
+from parisph.__main__ import main
+from parisph.case import geometry
+from parisph.io.store import Store, provenance
+from parisph.parallel.particles import Particles
+
+CASE = Case(title="small tank", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), gravity=(0.0, -9.81),
+            walls=Tank(width=1.0, height=1.0), numerics=Numerics(spacing=0.1), end_time=1.0,
+            probes=[PressureTap("P2", at=(1.0, 0.1)), Volume("volume")])
+SUMMARY = {"status": "completed", "method": "ISPH_R", "ranks": 2, "particles": 3200, "steps": 1250, "time": 1.0,
+           "iterations": {"median": 11, "p99": 21, "max": 30}, "volume_drift": -0.0042, "energy_drift": -0.07,
+           "errors": {"P2": {"relative_l2": 0.0123}}}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A run of 11 steps of .1 s; p = 0 but for the tap, which rises to its peak at .5 s and falls again."""
+    particles = Particles(MPI.COMM_SELF, 2)
+    particles.assign(geometry.build(CASE))
+    store = Store.create(MPI.COMM_SELF, tmp_path / "run", CASE.model_dump_json(), provenance("ISPH_R", "-ksp_type gmres", PETSc="3.18.5"))
+    store.add_series("steps", {"dt": "s", "iterations": ""})
+    store.add_series("probes/P2", {"pressure": "Pa"})
+    store.add_series("probes/volume", {"volume": "m2"})
+    for step in range(11):
+        store.append(0.1 * step, step, {"steps": (0.1, 9), "probes/P2": (100.0 - 20 * abs(step - 5),), "probes/volume": (0.5,)})
+        if step % 2:
+            store.snapshot(particles, 0.1 * step, step)
+    store.summary(SUMMARY)
+    store.close()
+    return tmp_path / "run"
+
+
+def lines_of(capsys):
+    return capsys.readouterr().out.strip().splitlines()
+
+
+def test_info_says_how_it_went(folder, capsys):
+    assert main(["info", str(folder)]) == 0
+    words = {" ".join(line.split()) for line in lines_of(capsys)}
+    assert {"small tank", "status completed", "particles 3,200", "steps 1,250", "iterations median 11, p99 21, max 30",
+            "volume drift -0.42%", "error of P2 0.0123 (relative L2)", "probe P2: pressure [Pa]"} <= words
+    assert any(word.startswith("snapshots 5, t = 0.1 to 0.9 s") for word in words)
+    assert any(word == "petsc_options -ksp_type gmres" for word in words)
+
+
+def test_info_in_short(folder, capsys):
+    assert main(["info", str(folder), "--short"]) == 0
+    lines = lines_of(capsys)
+    assert lines[0].split() == ["status", "completed"] and not any("snapshots" in line for line in lines)
+
+
+def test_info_as_json_and_of_an_unfinished_run(folder, capsys):
+    assert main(["info", str(folder), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == SUMMARY
+    (folder / "summary.json").unlink()
+    assert main(["info", str(folder)]) == 0
+    assert "no summary.json" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("words", "name"), [
+    ([], "overview.png"),
+    (["--time", "0.24"], "flow_pressure_0.3000s.png"),
+    (["--peak", "P2", "--surface"], "flow_pressure_0.5000s.png"),
+    (["--field", "speed", "--normalise"], "flow_speed_0.9000s.png"),
+    (["--probe", "P2", "--probe", "volume"], "probes_P2_volume.png"),
+])
+def test_plot_names_the_picture_it_made(folder, capsys, words, name):
+    assert main(["plot", str(folder), *words]) == 0
+    assert lines_of(capsys) == [str(folder / name)]
+    assert (folder / name).read_bytes().startswith(b"\x89PNG") and (folder / name).stat().st_size > 5000
+
+
+def test_plot_of_flow_and_probe_makes_two(folder, capsys):
+    assert main(["plot", str(folder), "--time", "0.5", "--probe", "P2"]) == 0
+    assert lines_of(capsys) == [str(folder / "flow_pressure_0.5000s.png"), str(folder / "probes_P2.png")]
+
+
+@pytest.mark.parametrize(("words", "code", "says"), [
+    (["plot", "--time", "1", "--peak", "P2"], 2, "--time and --peak both"),
+    (["plot", "--time", "1", "--probe", "P2", "-o", "x.png"], 2, "two pictures"),
+    (["plot", "--probe", "P9"], 5, "no probe 'P9' (it has: P2, volume)"),
+    (["plot", "--field", "salt"], 5, "no quantity 'salt'"),
+    (["plot", "--probe", "P2", "-o", "x.unknown"], 5, "cannot write the picture"),
+    (["movie", "-o", "x.txt"], 5, "ends in .gif or .mp4"),
+])
+def test_plot_that_cannot_be(folder, capsys, words, code, says):
+    assert main([words[0], str(folder), *words[1:]]) == code
+    assert says in capsys.readouterr().err
+
+
+def test_movie(folder, tmp_path, capsys):
+    assert main(["movie", str(folder), "-o", str(tmp_path / "a.gif")]) == 0
+    assert lines_of(capsys) == [str(tmp_path / "a.gif")]
+    assert (tmp_path / "a.gif").read_bytes()[:4] == b"GIF8"
+
+
+@pytest.fixture
+def reference(tmp_path):
+    """The tap's own series, 2 % too high, with its peak at .52 s."""
+    t = np.linspace(0.02, 1.02, 51)
+    path = tmp_path / "reference.csv"
+    np.savetxt(path, np.transpose([t, 1.02 * (100.0 - 200 * np.abs(t - 0.52)), t]), delimiter=",", header="t,p,other", comments="")
+    return str(path)
+
+
+def test_compare_finds_a_known_error_and_shift(folder, reference, capsys):
+    words = ["compare", str(folder), reference, "--probe", "P2", "--json"]
+    assert main([*words, "--shift", "0.02"]) == 0
+    assert json.loads(capsys.readouterr().out)["relative_l2"] == pytest.approx(0.02 / 1.02, rel=1e-6)
+    assert main([*words, "--best-shift", "0.1"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["shift"] == pytest.approx(0.02, abs=2e-3)
+    assert main(words) == 0
+    assert json.loads(capsys.readouterr().out)["relative_l2"] > 0.05
+    assert main([*words, "--shift", "0.02", "--scale", str(1 / 1.02)]) == 0
+    assert json.loads(capsys.readouterr().out)["relative_l2"] < 1e-9
+
+
+def test_compare_in_words(folder, reference, capsys):
+    assert main(["compare", str(folder), reference, "--probe", "P2", "--shift", "0.02"]) == 0
+    assert "relative L2 error  0.01961 of the reference" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("words", "code", "says"), [
+    ([], 2, "has the probes P2, volume: choose one with --probe"),
+    (["--probe", "P9"], 2, "there is no 'P9'"),
+    (["--probe", "P2", "--column", "u"], 2, "P2 has the columns pressure; there is no 'u'"),
+    (["--probe", "P2", "--value", "q"], 5, "no column 'q' (it has: t, p, other)"),
+    (["--probe", "P2", "--shift", "9"], 2, "share fewer than two samples"),
+])
+def test_compare_that_cannot_be(folder, reference, capsys, words, code, says):
+    assert main(["compare", str(folder), reference, *words]) == code
+    assert says in capsys.readouterr().err
