@@ -1,0 +1,136 @@
+"""How pictures speak: quantities with their labels, units and colours, and a scene's own scales."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from parisph.base.errors import StoreError
+from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WET
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A field as it is shown.
+
+    Attributes
+    ----------
+    needs : name in the field registry
+    of : function of that array (n, ...) -> (n,)
+    symbol, unit : for the colour bar
+    colours : name of a matplotlib colour map
+    scale : which of a scene's Scales makes it dimensionless, "" for none
+    centre : None, or the value in the middle of a diverging colour map
+    """
+
+    needs: str
+    of: callable
+    symbol: str
+    unit: str
+    colours: str
+    scale: str
+    centre: float = None
+
+
+# Sequential maps are perceptually uniform, so that equal steps look equal.
+QUANTITIES = {
+    "pressure": Quantity("p", lambda p: p, "pressure $p$", "Pa", "viridis", "pressure"),
+    "speed": Quantity("u", lambda u: np.linalg.norm(u, axis=1), r"speed $|\mathbf{u}|$", "m/s", "plasma", "speed"),
+    "velocity_x": Quantity("u", lambda u: u[:, 0], "velocity $u$", "m/s", "RdBu_r", "speed", 0.0),
+    "velocity_y": Quantity("u", lambda u: u[:, 1], "velocity $v$", "m/s", "RdBu_r", "speed", 0.0),
+    "density_ratio": Quantity("alpha", lambda a: a, r"kernel-sum density $\alpha$", "", "RdBu_r", "", 1.0),
+    "role": Quantity("role", lambda r: r, "role", "", "", ""),
+}
+ALIASES = {"p": "pressure", "u": "speed", "velocity": "speed", "alpha": "density_ratio"}
+
+# Part a particle plays: name and colour (apart in brightness too, for those who do not tell hues).
+ROLES = {
+    INNER: ("inner", "#a6cee3"), SURFACE: ("free surface", "#d62728"), BALLISTIC: ("ballistic", "#ff9f1c"),
+    WET: ("wet wall", "#4d4d4d"), DRY: ("dry wall", "#cfcfcf"), CONTACT: ("contact line", "#111111"),
+}
+WALL_COLOUR = "#333333"
+LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")  # Okabe & Ito
+
+
+def quantity(name):
+    """Return the Quantity of that name. Raises StoreError naming those there are."""
+    found = QUANTITIES.get(ALIASES.get(name, name))
+    if found is None:
+        raise StoreError(f"no quantity {name!r} to show (there are: {', '.join(QUANTITIES)})")
+    return found
+
+
+@dataclass(frozen=True)
+class Scales:
+    """A scene's own units. Those that it does not have are None.
+
+    Attributes
+    ----------
+    length : height H of the fluid at the start [m]
+    time : sqrt(H/g) [s]; speed : sqrt(g H) [m/s]; pressure : rho g H [Pa]
+    """
+
+    length: float
+    time: float = None
+    speed: float = None
+    pressure: float = None
+
+
+def scales(case):
+    """Return the Scales of a case (dict, as in case.json)."""
+    low, high = fluid_bounds(case)
+    height, density = high[-1] - low[-1], case["fluid"]["density"]
+    try:
+        g = float(np.linalg.norm([float(component) for component in case["gravity"]]))
+    except ValueError:  # an expression of place or time has no one g
+        g = 0.0
+    if g == 0.0:
+        return Scales(height)
+    return Scales(height, np.sqrt(height / g), np.sqrt(g * height), density * g * height)
+
+
+def fluid_bounds(case):
+    """Return the lower and upper corner [m] of the fluid of a case (dict) at the start."""
+    shape = case["fluid"]["shape"]
+    if shape["kind"] == "polygon":
+        points = np.array(shape["points"], dtype=float)
+        return points.min(axis=0), points.max(axis=0)
+    at = np.array(shape["at"], dtype=float)
+    if shape["kind"] == "disc":
+        return at - shape["radius"], at + shape["radius"]
+    return at, at + np.array([shape["width"], shape["height"]])
+
+
+def time_label(time, own):
+    """Return "t = 0.512 s", with the dimensionless time behind it where the scene has gravity."""
+    label = rf"$t$ = {time:.3f} s"
+    if own.time is None:
+        return label
+    return label + rf",   $t\sqrt{{g/H}}$ = {time / own.time:.2f}"
+
+
+def with_prefix(largest, unit):
+    """Return (factor, unit) that bring values up to `largest` to a readable size: 12000 Pa -> (1e-3, "kPa")."""
+    if unit == "Pa" and largest >= 2000.0:
+        return 1e-3, "kPa"
+    if unit == "m" and 0.0 < largest < 0.02:
+        return 1e3, "mm"
+    return 1.0, unit
+
+
+def drawing():
+    """Return matplotlib's module `figure`, or raise StoreError that says how to get it."""
+    try:
+        from matplotlib import figure
+    except ImportError:
+        raise StoreError("pictures need matplotlib: pip install 'parisph[plot]'") from None
+    return figure
+
+
+def save(picture, path, dpi=150):
+    """Write a figure to `path` (the ending says the format); nothing if path is None. Raises StoreError."""
+    if path is None:
+        return
+    try:
+        picture.savefig(path, dpi=dpi, bbox_inches="tight")
+    except (OSError, ValueError) as error:
+        raise StoreError(f"cannot write the picture {path}: {error}") from None

@@ -1,0 +1,212 @@
+"""Pictures: what a reader of them relies on - sizes, scales, units, walls, marks - and clear errors."""
+
+import json
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.base.errors import StoreError
+from parisph.base.fields import BALLISTIC, FIELDS, FLUID, INNER, SURFACE, WALL, WET
+from parisph.case.schema import Box, Case, Disc, Energy, Fluid, Numerics, PressureTap, SurfaceGauge, Tank, Volume
+from parisph.io import curves, style, view
+from parisph.io.reader import open_run
+from parisph.io.store import Store
+
+pytest.importorskip("matplotlib")
+S = 0.05  # particle spacing [m]
+
+
+def basin(**changes):
+    """Water of 1 m x 0.5 m in a tank of 1 m x 0.8 m."""
+    about = dict(title="Basin", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 0.8), gravity=(0.0, -9.81),
+                 numerics=Numerics(spacing=S), end_time=1.0,
+                 probes=[PressureTap("P1", at=(0.0, 0.1)), SurfaceGauge("left", at=0.0), Energy("energy"), Volume("volume")])
+    return Case(**{**about, **changes})
+
+
+def water(spike=0.0):
+    """Particles of the basin at rest, one of them with another pressure [Pa]."""
+    across, up = (np.arange(S, end + S / 2, S) for end in (1.0 - S, 0.5))
+    fluid = np.array([(x, y) for x in across for y in up])
+    wall = np.array([(0.0, y) for y in np.arange(0.0, 0.8, S)] + [(x, 0.0) for x in across])
+    arrays = {name: field.empty(len(fluid) + len(wall), 2) for name, field in FIELDS.items()}
+    arrays["id"][:] = np.arange(len(arrays["id"]))
+    arrays["x"][:] = np.concatenate((fluid, wall))
+    arrays["kind"][len(fluid):] = WALL
+    top = fluid[:, 1] > 0.5 - S / 2
+    arrays["role"][:] = np.concatenate((np.where(top, SURFACE, INNER), np.full(len(wall), WET)))
+    arrays["role"][3] = BALLISTIC
+    arrays["p"][:] = 9810.0 * np.maximum(0.5 - arrays["x"][:, 1], 0.0)
+    arrays["p"][5] += spike
+    arrays["u"][:, 0] = 2.0
+    return SimpleNamespace(dim=2, offset=0, n_owned=len(arrays["id"]), n_global=len(arrays["id"]), **arrays)
+
+
+def written(folder, case, particles, count=3):
+    store = Store.create(MPI.COMM_SELF, folder, case.model_dump_json(), fields=("u", "p"))
+    store.add_series("steps", {"dt": "s", "iterations": ""})
+    store.add_series("probes/P1", {"pressure": "Pa"})
+    store.add_series("probes/left", {"height": "m"})
+    store.add_series("probes/energy", {"kinetic": "J/m", "potential": "J/m"})
+    store.add_series("probes/volume", {"volume": ""})
+    for step in range(100):
+        store.append(0.01 * step, step, {"steps": (0.01, 8), "probes/P1": (3924.0 + step,), "probes/left": (0.5,),
+                                         "probes/energy": (1.0, 2.0), "probes/volume": (1.0,)})
+    for step in range(count):
+        store.snapshot(particles, 0.1 * step, step)
+    store.close()
+    return open_run(folder)
+
+
+@pytest.fixture
+def run(tmp_path):
+    return written(tmp_path / "run", basin(), water())
+
+
+def discs(picture):
+    """The layers of discs: ground, particles and, if asked for, rings of each kind."""
+    return picture.axes[0].collections
+
+
+def test_particles_are_discs_of_their_spacing_in_the_units_of_the_axes(run):
+    for normalise, length in ((False, 1.0), (True, 0.5)):
+        picture = view.plot_field(run, normalise=normalise)
+        particles = discs(picture)[1]
+        picture.draw_without_rendering()
+        axes = picture.axes[0]
+        metre = axes.transData.transform((1.0, 0.0))[0] - axes.transData.transform((0.0, 0.0))[0]
+        scale = particles.get_transform().transform((1.0, 0.0))[0] - particles.get_transform().transform((0.0, 0.0))[0]
+        radius = scale * particles.get_transforms()[:, 0, 0] / metre  # of a circle of radius 1
+        np.testing.assert_allclose(radius, view.DISC * S / length / 2, rtol=1e-6)
+        np.testing.assert_allclose(particles.get_offsets()[0], [S / length, S / length])
+        assert axes.get_aspect() == 1.0
+
+
+def test_axes_colour_bar_and_title_have_units(run):
+    picture = view.plot_field(run, 2)
+    axes, bar = picture.axes[0], discs(picture)[1].colorbar.ax
+    assert (axes.get_xlabel(), axes.get_ylabel(), bar.get_ylabel()) == ("$x$ [m]", "$y$ [m]", "pressure $p$ [kPa]")
+    title = axes.get_title(loc="left")
+    assert title.startswith("Basin\n") and "0.200 s" in title and title.endswith("= 0.89")  # 0.2 sqrt(9.81/0.5)
+    picture = view.plot_field(run, 2, "speed", normalise=True)
+    assert picture.axes[0].get_xlabel() == "$x/H$" and r"\sqrt{gH}" in discs(picture)[1].colorbar.ax.get_ylabel()
+    np.testing.assert_allclose(discs(picture)[1].get_array(), 2.0 / np.sqrt(9.81 * 0.5))
+
+
+def test_pressure_is_shown_in_kilopascal_and_a_spike_does_not_dim_it(tmp_path):
+    run = written(tmp_path / "spike", basin(), water(spike=1e7))
+    picture = view.plot_field(run)
+    particles = discs(picture)[1]
+    low, high = particles.get_clim()
+    assert low == 0.0 and 4.0 < high < 5.0  # rho g d = 4.9 kPa
+    assert particles.colorbar.extend == "max"
+    assert particles.get_array().max() == pytest.approx(1e4, rel=1e-3)  # clipped in colour, not in value
+    assert view.plot_field(run, limits=(0.0, 2.0)).axes[0].collections[1].get_clim() == (0.0, 2.0)
+
+
+@pytest.mark.parametrize("lid", [False, True])
+def test_walls_are_lines_and_a_lid_is_drawn_if_there_is_one(tmp_path, lid):
+    run = written(tmp_path / "run", basin(walls=Tank(1.0, 0.6, lid=lid)), water())
+    line = view.plot_field(run).axes[0].lines[0]
+    corners = [(0.0, 0.6), (0.0, 0.0), (1.0, 0.0), (1.0, 0.6)] + ([(0.0, 0.6)] if lid else [])
+    np.testing.assert_allclose(np.transpose(line.get_data()), corners)
+
+
+def test_only_wet_walls_fill_the_gap_to_the_wall_and_only_for_the_pressure(run):
+    fluid = water().kind == FLUID
+    inner, wet = np.sum(water().role[fluid] == INNER), np.sum(~fluid)
+    assert len(discs(view.plot_field(run))[0].get_offsets()) == inner + wet
+    assert len(discs(view.plot_field(run, field="speed"))[0].get_offsets()) == inner
+    assert len(discs(view.plot_field(run))[1].get_offsets()) == np.sum(fluid)
+
+
+def test_surface_particles_are_ringed_on_request(run):
+    role = water().role
+    picture = view.plot_field(run, surface=True)
+    assert len(discs(picture)) == 4 and len(discs(view.plot_field(run))) == 2
+    assert [len(rings.get_offsets()) for rings in discs(picture)[2:]] == [np.sum(role == SURFACE), 1]
+    assert [text.get_text() for text in picture.axes[0].get_legend().get_texts()] == ["free surface", "ballistic"]
+
+
+def test_signed_quantities_have_colours_about_zero_and_roles_a_legend(run):
+    low, high = discs(view.plot_field(run, field="velocity_x"))[1].get_clim()
+    assert low == -high == -2.0
+    texts = view.plot_field(run, field="role").axes[0].get_legend().get_texts()
+    assert {text.get_text() for text in texts} == {"inner", "free surface", "ballistic", "wet wall"}
+
+
+def test_a_scene_without_tank_and_gravity_has_no_dimensionless_time(tmp_path):
+    case = basin(fluid=Fluid(Disc(0.25, at=(0.5, 0.25)), density=1000.0), walls=None, gravity=("-x", "-y"), probes=[])
+    run = written(tmp_path / "drop", case, water())
+    picture = view.plot_field(run)
+    assert picture.axes[0].get_title(loc="left") == "Basin\n$t$ = 0.200 s" and not picture.axes[0].lines
+    with pytest.raises(StoreError, match="no constant gravity"):
+        view.plot_field(run, normalise=True)
+
+
+def test_pictures_and_movies_are_written(run, tmp_path):
+    from PIL import Image
+
+    view.plot_field(run, path=tmp_path / "a.png")
+    curves.plot_overview(run, tmp_path / "b.png")
+    curves.plot_probe(run, path=tmp_path / "c.pdf")
+    view.movie(run, tmp_path / "d.gif", dpi=40)
+    with Image.open(tmp_path / "a.png") as picture, Image.open(tmp_path / "d.gif") as frames:
+        assert picture.width > 800 and frames.n_frames == 3
+    assert (tmp_path / "b.png").stat().st_size > 20000 and (tmp_path / "c.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_probes_of_one_unit_share_axes_and_the_truth_lies_over_its_probe(run):
+    few, many = np.linspace(0.0, 2.0, 20), np.linspace(0.0, 0.9, 100)
+    picture = curves.plot_probe(run, truth={"P1": (few, 3924.0 + 0 * few), "left": (many, 0.5 + 0 * many)})
+    labels = {axes.get_ylabel() for axes in picture.axes}
+    assert labels == {"pressure $p$ [kPa]", "energy [J/m]", "surface height $y$ [m]", "volume $V/V_0$ [-]"}
+    pressure = next(axes for axes in picture.axes if "pressure" in axes.get_ylabel())
+    probe, reference = pressure.lines
+    assert probe.get_ydata()[0] == pytest.approx(3.924) and reference.get_ydata()[0] == pytest.approx(3.924)
+    assert reference.get_marker() == "o" and reference.get_xdata().max() <= 0.99  # few samples; only where the run is
+    energy = next(axes for axes in picture.axes if "energy" in axes.get_ylabel())
+    assert [text.get_text() for text in energy.get_legend().get_texts()] == ["energy: kinetic", "energy: potential"]
+
+
+def test_a_normalised_probe_has_the_scenes_own_units(run):
+    axes = curves.plot_probe(run, "P1", normalise=True).axes[0]
+    time, pressure = axes.lines[0].get_data()
+    assert pressure[0] == pytest.approx(3924.0 / (9810.0 * 0.5)) and time[-1] == pytest.approx(0.99 * np.sqrt(9.81 / 0.5))
+    assert axes.get_xlabel() == r"$t\sqrt{g/H}$" and axes.get_ylabel() == r"pressure $p$$\,/\,(\rho g H)$"
+
+
+def test_truths_named_in_the_case_are_read(run, tmp_path):
+    (tmp_path / "truth.csv").write_text("t,eta\n0,0\n1,0.1\n")
+    run.case["probes"][1]["truth"] = {"file": "truth.csv", "time": "t", "value": "eta", "offset": 0.5, "scale": 2.0}
+    (time, value), = curves.truths(run, tmp_path).values()
+    np.testing.assert_allclose(time, [0.0, 1.0])
+    np.testing.assert_allclose(value, [0.5, 0.7])
+
+
+@pytest.mark.parametrize("what, message", [
+    ({"field": "vorticity"}, "no quantity 'vorticity' to show .there are: pressure"),
+    ({"field": "density_ratio"}, "'alpha' was not written"), ({"which": 7}, "3 snapshots"),
+    ({"path": "/no/such/folder/a.png"}, "cannot write the picture"), ({"path": "a.xyz"}, "cannot write the picture"),
+])
+def test_what_cannot_be_drawn_is_said(run, what, message):
+    with pytest.raises(StoreError, match=message):
+        view.plot_field(run, **what)
+
+
+def test_a_run_without_snapshots_or_probes_is_said(tmp_path):
+    Store.create(MPI.COMM_SELF, tmp_path / "run", json.dumps({"title": "empty"}))
+    for draw in (view.plot_field, curves.plot_overview, curves.plot_probe):
+        with pytest.raises(StoreError, match="has no"):
+            draw(tmp_path / "run")
+    with pytest.raises(StoreError, match="has no snapshots"):
+        view.movie(tmp_path / "run", tmp_path / "a.gif")
+
+
+def test_without_matplotlib_the_remedy_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(StoreError, match=r"pip install 'parisph\[plot\]'"):
+        style.drawing()
