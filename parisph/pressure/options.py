@@ -59,6 +59,8 @@ def _incomplete(ranks, levels):
 def primary(rtol, closed, ranks, unknowns, entries):
     """Return our options of the first attempt, name without prefix -> value or None.
 
+    They go with the user's `-pressure_pc_type` if there is one, else with the size.
+
     Parameters
     ----------
     rtol : float
@@ -67,14 +69,17 @@ def primary(rtol, closed, ranks, unknowns, entries):
     unknowns, entries : int
         Rows and matrix entries on all ranks.
     """
-    if unknowns <= SMALL:
+    kind = PETSc.Options(PREFIX).getString("pc_type", "")
+    if not kind:
+        kind = "incomplete" if unknowns <= SMALL else "hypre" if PETSc.Sys.hasExternalPackage("hypre") else "gamg"
+    if kind == "incomplete":
         # Long rows fill up faster: keep the factors below some 100 entries a row.
         length = entries / max(unknowns, 1)
         preconditioner = _incomplete(ranks, 2 if length < 28 else 1 if length < 45 else 0)
-    elif PETSc.Sys.hasExternalPackage("hypre"):
+    elif kind == "hypre":
         preconditioner = dict(_BOOMERAMG, **(_BOOMERAMG_CLOSED if closed else {}))
     else:
-        preconditioner = _GAMG
+        preconditioner = _GAMG if kind == "gamg" else {}  # the user's own
     return dict(_KRYLOV, ksp_rtol=repr(float(rtol)), **preconditioner)
 
 

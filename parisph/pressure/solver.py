@@ -7,7 +7,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from parisph.base.errors import ParisphError, SolverDiverged, agree
+from parisph.base.errors import CaseError, ParisphError, SolverDiverged, agree
 from parisph.pressure import options as opts
 from parisph.pressure.checks import row_fault, vector_fault
 from parisph.pressure.system import System
@@ -106,12 +106,16 @@ class PressureSolver:
         self._comm = comm
         self._closed = closed
         self._wanted = rtol
-        self._user = opts.UserOptions(options)
         self._system = System(comm, closed)
         self._rows = None           # of this rank, when the preconditioner was built
         self._total = 0
         self._ksp = None
-        self._configure(0, 0)
+        self._user = opts.UserOptions(options)
+        try:
+            self._configure(0, 0)   # the size is not known yet, but bad options are
+        except CaseError:
+            self._user.withdraw()
+            raise
 
     def solve(self, indptr, indices, values, rhs, guess, renumbered=False, drift=0.0):
         """Solve A p = b with a new matrix. Collective.
@@ -135,7 +139,7 @@ class PressureSolver:
 
         Raises
         ------
-        SolverDiverged : a value is not finite, or no attempt reached the tolerance. On all ranks.
+        SolverDiverged : a value is not finite, a row has no diagonal entry, or no attempt reached the tolerance. On all ranks.
         ParisphError : arrays do not fit together. On all ranks.
         """
         start = perf_counter()
@@ -178,9 +182,8 @@ class PressureSolver:
         agree(self._comm, row_fault(indptr, indices, values, n, total) or vector_fault("right-hand side", rhs, n)
               or vector_fault("guess", guess, n))
         if changed[0]:
-            if self._rows is None:
-                self._configure(total, self._comm.allreduce(len(indices)))
-            self._ksp.reset()
+            # A new solver, for PETSc's reset forgets viewers and keeps subdomains of the old rows.
+            self._configure(total, self._comm.allreduce(len(indices)))
             self._system.resize(n, total)
             self._rows, self._total = n, total
         self._moved += changed[1]
@@ -312,12 +315,10 @@ class PressureSolver:
             self._usable = False
 
     def _obituary(self, tried):
-        """Return the message of a solve that no attempt could save. Collective."""
+        """Return the message of a solve that no attempt could save."""
         attempts = "; ".join(
             f"{_NAMES[name]}: {_REASONS.get(reason, f'reason {reason}')} after {iterations} iterations, "
             f"residual {residual:.1e}" for name, reason, iterations, residual in tried)
-        zeros = self._system.zero_diagonals()
-        cause = (f"{zeros} rows have no diagonal entry" if zeros else
-                 "often a group of particles without contact with the free surface, or particles on top of each other")
         return (f"the pressure equation ({self._total} unknowns) could not be solved to a relative residual of "
-                f"{self._rtol:g}. Attempts: {attempts}. Cause: {cause}")
+                f"{self._rtol:g}. Attempts: {attempts}. The cause is often a group of particles without contact "
+                "with the free surface, or particles on top of each other")

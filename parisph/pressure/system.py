@@ -4,6 +4,8 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from parisph.base.errors import SolverDiverged
+
 # |A v| below this part of the largest entry is rounding: v is a null vector.
 _NULL = 1e-9
 
@@ -56,6 +58,8 @@ class System:
         csr = (np.asarray(indptr, PETSc.IntType), np.asarray(indices, PETSc.IntType), np.asarray(values, float))
         self.matrix = PETSc.Mat().createAIJ(self._sizes, csr=csr, comm=self.comm)
         self.operator = self.preconditioned = self.matrix
+        self.matrix.getDiagonal(self._r)
+        self._zeros = float(np.count_nonzero(self._arrays[2] == 0.0))
         if self._closed:
             self._find_null_vector(csr)
 
@@ -63,6 +67,11 @@ class System:
         """Set b and the start of the iteration, and find |b|. Collective.
 
         A guess whose residual is not below |b| is worse than none: start from zero then.
+
+        Raises
+        ------
+        SolverDiverged : a row has no diagonal entry, or zero there (PETSc's incomplete factors
+            may read beyond such a row's end instead of failing). On all ranks.
         """
         x, b, r = self._arrays
         b[:] = rhs
@@ -72,7 +81,9 @@ class System:
             self._null.remove(self.b)
             self._null.remove(self.x)
         self.operator.mult(self.x, self._r)
-        bb, rr, given = self.sum(b @ b, np.sum((b - r) ** 2), np.dot(rhs, rhs))
+        bb, rr, given, zeros = self.sum(b @ b, np.sum((b - r) ** 2), np.dot(rhs, rhs), self._zeros)
+        if zeros:
+            raise SolverDiverged(f"{zeros:.0f} rows of the pressure equation have no diagonal entry")
         self.norm = np.sqrt(bb) if bb > 1e-28 * given else 0.0
         if not rr < bb:
             x[:] = 0.0
@@ -101,11 +112,6 @@ class System:
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, numbers)
         return numbers
-
-    def zero_diagonals(self):
-        """Return how many rows, on all ranks, have no diagonal entry. Collective."""
-        self.matrix.getDiagonal(self._r)
-        return int(self.sum(float(np.count_nonzero(self._arrays[2] == 0.0)))[0])
 
     def destroy(self):
         """Free the PETSc objects. Collective."""

@@ -1,0 +1,173 @@
+"""PETSc options of the pressure solve: the user's win, ours leave no trace."""
+
+import sys
+
+import pytest
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from parisph.base.errors import CaseError, ParisphError
+from parisph.pressure import options as opts
+from parisph.pressure.solver import PressureSolver
+from tests import systems
+from tests.launch import run
+
+SELF = MPI.COMM_SELF
+
+
+def database():
+    return PETSc.Options().getAll()
+
+
+@pytest.fixture
+def make():
+    """Return a function that makes solvers, which are destroyed after the test."""
+    made = []
+
+    def new(*words, **settings):
+        made.append(PressureSolver(SELF, list(words), **settings))
+        return made[-1]
+
+    yield new
+    for solver in made:
+        solver.destroy()
+
+
+def solved(solver, n=20):
+    x, _, *rows = systems.square(n)
+    return solver.solve(*rows, systems.product(rows, x[:, 0] * 0 + x[:, 1] ** 2), None)[1]
+
+
+def test_tolerance_of_the_user_wins(make):
+    ours = solved(make(rtol=1e-4))
+    theirs = solved(make("-pressure_ksp_rtol", "1e-11", rtol=1e-4))
+    assert 1e-6 < ours.residual <= 1e-4 and theirs.residual <= 1e-10
+
+
+def test_method_of_the_user_wins_and_takes_part_in_the_defaults(make):
+    solver = make("-pressure_ksp_type", "bcgs", "-pressure_pc_type", "jacobi", "-pressure_ksp_max_it", "400")
+    record = solved(solver)
+    ksp = solver._ksp
+    assert (ksp.getType(), ksp.getPC().getType()) == ("bcgs", "jacobi")
+    assert ksp.getPCSide() == PETSc.PC.Side.RIGHT and record.fallback == ""
+    assert solver.options["pressure_ksp_type"] == "bcgs"
+
+
+def test_side_of_the_user_wins(make):
+    solver = make("-pressure_ksp_pc_side", "left")
+    assert solved(solver).fallback == "" and solver._ksp.getPCSide() == PETSc.PC.Side.LEFT
+
+
+def test_a_direct_solver_of_the_user_wins(make):
+    record = solved(make("-pressure_ksp_type", "preonly", "-pressure_pc_type", "lu"))
+    assert record.iterations == 1 and record.residual < 1e-12 and record.fallback == ""
+
+
+def test_detail_of_the_default_preconditioner_may_be_changed(make):
+    plain = solved(make()).iterations
+    solver = make("-pressure_pc_factor_levels", "0")
+    assert solved(solver).iterations > plain
+    assert solver._ksp.getPC().getType() == "ilu"
+
+
+def test_multigrid_of_the_user_gets_the_tuning(make):
+    solver = make("-pressure_pc_type", "hypre")
+    solved(solver)
+    assert solver.options["pressure_pc_hypre_boomeramg_agg_nl"] == "1"
+    assert "pressure_pc_factor_levels" not in solver.options
+
+
+def test_the_user_may_forbid_to_keep_the_preconditioner(make):
+    solver = make("-pressure_ksp_reuse_preconditioner", "false")
+    assert [solved(solver).rebuilt for _ in range(3)] == [True] * 3
+
+
+def test_a_later_attempt_can_be_steered_too(make):
+    solver = make("-pressure_ksp_max_it", "1", "-pressure_gamg_pc_type", "lu", rtol=1e-8)
+    record = solved(solver)
+    assert record.fallback == "gamg" and record.residual < 1e-11
+
+
+def test_options_leave_no_trace():
+    before = database()
+    solver = PressureSolver(SELF, ["-pressure_ksp_rtol", "1e-9", "-pressure_ksp_max_it", "1"])
+    given = {"pressure_ksp_rtol": "1e-9", "pressure_ksp_max_it": "1"}
+    assert database() == {**before, **given}
+    for n in (12, 20):
+        assert solved(solver, n).fallback == "gamg"
+        assert database() == {**before, **given}
+    solver.destroy()
+    solver.destroy()
+    assert database() == before
+
+
+def test_options_given_before_are_put_back():
+    PETSc.Options().setValue("pressure_ksp_rtol", "1e-3")
+    try:
+        PressureSolver(SELF, ["-pressure_ksp_rtol", "1e-9"]).destroy()
+        assert database()["pressure_ksp_rtol"] == "1e-3"
+    finally:
+        PETSc.Options().delValue("pressure_ksp_rtol")
+
+
+def test_many_solvers_do_not_fill_the_database():
+    for _ in range(100):  # the database holds 512 options
+        PressureSolver(SELF).destroy()
+    solver = PressureSolver(SELF, ["-pressure_ksp_max_it", "7"])
+    assert solver.options["pressure_ksp_max_it"] == "7"
+    solver.destroy()
+
+
+@pytest.mark.parametrize("words, message", [
+    (["-ksp_rtol", "1e-8"], "write -pressure_ksp_rtol"),
+    (["-pc_type", "lu"], "write -pressure_pc_type"),
+    (["1e-8"], "'1e-8' among the PETSc options"),
+    (["-pressure_ksp_rtol", "1e-8", "1e-9"], "'1e-9' among the PETSc options"),
+    (["-pressure_ksp_type", "nonsense"], "PETSc rejects .*nonsense"),
+    (["-pressure_pc_type", "nonsense"], "PETSc rejects .*nonsense"),
+    (["-pressure_ksp_rtol", "many"], "PETSc rejects"),
+])
+def test_options_that_cannot_be_meant_are_refused_before_any_work(words, message):
+    before = database()
+    with pytest.raises(CaseError, match=message):
+        PressureSolver(SELF, words)
+    assert database() == before
+
+
+def test_negative_numbers_are_values(make):
+    assert opts.UserOptions(["-pressure_x", "-1.5"]).given == {"pressure_x": "-1.5"}
+    PETSc.Options().delValue("pressure_x")
+
+
+@pytest.mark.parametrize("rtol", [0.0, -1.0, float("nan")])
+def test_tolerance_must_be_positive(rtol):
+    with pytest.raises(ParisphError, match="must be positive"):
+        PressureSolver(SELF, rtol=rtol)
+
+
+SCRIPT = """
+from mpi4py import MPI
+import numpy as np
+from parisph.pressure.solver import PressureSolver
+solver = PressureSolver(MPI.COMM_SELF, {words!r})
+n = 50
+indptr = np.arange(n + 1) * 2
+indices = np.column_stack([np.arange(n), (np.arange(n) + 1) % n]).ravel()
+values = np.tile([1.0, -0.5], n)
+record = solver.solve(indptr, indices, values, np.ones(n), None)[1]
+print("iterations", record.iterations, "restart", solver.options["pressure_ksp_gmres_restart"])
+"""
+
+
+def test_environment_variable_wins_over_us_and_the_command_line_over_it():
+    settings = "-pressure_ksp_gmres_restart 7 -pressure_ksp_type fgmres"
+    done = run([sys.executable, "-c", SCRIPT.format(words=[])], PETSC_OPTIONS=settings)
+    assert "restart 7" in done.stdout, done.stderr
+    done = run([sys.executable, "-c", SCRIPT.format(words=["-pressure_ksp_gmres_restart", "9"])], PETSC_OPTIONS=settings)
+    assert "restart 9" in done.stdout, done.stderr
+
+
+def test_ksp_view_prints_as_petsc_users_expect():
+    done = run([sys.executable, "-c", SCRIPT.format(words=["-pressure_ksp_view"])])
+    assert "KSP Object: (pressure_) 1 MPI process" in done.stdout, done.stderr
+    assert "right preconditioning" in done.stdout and "restart=50" in done.stdout
