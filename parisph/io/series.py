@@ -36,7 +36,7 @@ class Series:
         self._file = open(self.path, "a", encoding="utf-8")
 
     def append(self, time, step, values):
-        """Add one line: time [s], step and one value (number or str) for each further column."""
+        """Add one line: time [s], step and one value (number, str, None for none) for each further column."""
         if len(values) != len(self.columns) - 2:
             raise ValueError(f"{self.path.name} has {len(self.columns) - 2} values a line, got {len(values)}")
         self._file.write(",".join(_text(value) for value in (time, step, *values)) + "\n")
@@ -126,7 +126,7 @@ def _column(name, cells):
 
 
 def _text(value):
-    if isinstance(value, str):
-        return value
+    if value is None or isinstance(value, str):
+        return value or ""
     value = value.item() if hasattr(value, "item") else value
     return repr(value)  # the shortest text that reads back as the same number

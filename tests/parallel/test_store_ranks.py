@@ -15,6 +15,7 @@ from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
 from parisph.io import checkpoint, files, rows, snapshot
 from parisph.io.store import Store
+from parisph.parallel.particles import Particles
 from tests.owned_rows import OwnedRows, everything
 
 WORLD = MPI.COMM_WORLD
@@ -90,6 +91,22 @@ def test_more_ranks_than_particles(folder):
     found = checkpoint.read(WORLD, folder / "00000000.h5")
     assert len(found.arrays["x"]) == (WORLD.rank == 0)
     assert found.arrays["x"].shape[1:] == (2,)
+
+
+def test_particles_go_into_a_checkpoint_and_come_back(folder):
+    """The container of a run, with ghosts or without: only owned rows are written, and `assign` takes what is read."""
+    particles = Particles(WORLD, 2)
+    source = OwnedRows(spreads(WORLD.size)[1], WORLD.rank)  # all on the first rank
+    particles.assign({name: getattr(source, name) for name in FIELDS})
+    checkpoint.write(WORLD, folder, particles, 0.0, 0, 0.1, CASE, {}, {})
+    found = checkpoint.read(WORLD, folder / "00000000.h5")
+    again = Particles(WORLD, 2)
+    again.assign(found.arrays)
+    assert again.n_global == 11 and again.offset == found.offset
+    share = np.array_split(np.arange(11), WORLD.size)[WORLD.rank]
+    np.testing.assert_array_equal(again.u, everything(11)["u"][share])
+    snapshot.write(WORLD, folder / "a.vtkhdf", again, 0.0, 0, ("u",), {})
+    np.testing.assert_array_equal(snapshot.read(folder / "a.vtkhdf")["id"], np.arange(11))
 
 
 def damage(path):

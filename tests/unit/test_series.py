@@ -34,12 +34,13 @@ def test_a_line_is_in_the_file_as_soon_as_it_is_appended(tmp_path):
     table.close()
 
 
-def test_numpy_numbers_and_nan_are_written_as_plain_ones(tmp_path):
-    table = Series(tmp_path / "p.csv", {"a": "", "b": ""})
-    table.append(np.float64(0.5), np.int64(1), (np.float32(0.25), math.nan))
+def test_numpy_numbers_nan_and_none_are_written_as_plain_ones(tmp_path):
+    table = Series(tmp_path / "p.csv", {"a": "", "b": "", "c": ""})
+    table.append(np.float64(0.5), np.int64(1), (np.float32(0.25), math.nan, None))
     table.close()
-    assert (tmp_path / "p.csv").read_text().splitlines()[-1] == "0.5,1,0.25,nan"
-    assert np.isnan(series.read(tmp_path / "p.csv")["b"][0])
+    assert (tmp_path / "p.csv").read_text().splitlines()[-1] == "0.5,1,0.25,nan,"
+    found = series.read(tmp_path / "p.csv")
+    assert np.isnan(found["b"][0]) and np.isnan(found["c"][0])
 
 
 def test_restart_keeps_the_lines_up_to_its_step_and_drops_a_cut_one(tmp_path):
