@@ -61,7 +61,7 @@ class Domain:
         self.global_rows = np.zeros(0, np.int32)
         self.n_plans = self.n_lists = 0
         self._partition = self._halo = self._plan_x = self._list_x = None
-        self._load, self._calls = 0.0, 0
+        self._load, self._calls, self._assigned = 0.0, 0, particles.n_assigned
 
     def _validate(self):
         shape = (self.particles.dim,)
@@ -121,6 +121,9 @@ class Domain:
     # -- when ------------------------------------------------------------------------------
 
     def _survey(self):
+        if self._assigned != self.particles.n_assigned:  # other particles: no earlier positions
+            self._assigned = self.particles.n_assigned
+            self._plan_x = self._list_x = None
         grid = (self.lower, self.upper)
         if self._partition is not None:
             grid = (self._partition.grid.origin, self._partition.grid.upper)

@@ -24,12 +24,13 @@ class Particles:
     offset : int, global row of the first owned particle; they are contiguous on a rank
     offsets : (ranks + 1,) int64, the same of all ranks, with the total at the end
     n_global : int, over all ranks
+    n_assigned : int, how often `assign` has replaced all particles
     """
 
     def __init__(self, comm, dim):
         if dim not in (2, 3):
             raise CaseError(f"dimension {dim}: particles live in 2 or 3 dimensions")
-        vars(self).update(comm=comm, dim=dim, n_owned=0, n_ghost=0,
+        vars(self).update(comm=comm, dim=dim, n_owned=0, n_ghost=0, n_assigned=0,
                           offsets=np.zeros(comm.size + 1, np.int64), _store={})
         self._reserve(0)
         self._expose()
@@ -72,6 +73,7 @@ class Particles:
         self.resize(len(arrays["x"]), 0)
         for name in FIELDS:
             getattr(self, name)[...] = arrays.get(name, 0)
+        self.n_assigned += 1
         self.renumber()
 
     def _fault(self, arrays):
