@@ -22,7 +22,7 @@ def neighbour_lists(x, n_owned, radius):
 
     Raises
     ------
-    ValueError : radius is not positive, or a position is not finite.
+    ValueError : radius is not positive, or a position or the distance of two is not finite.
     """
     x = np.ascontiguousarray(x)
     if not radius > 0.0:
@@ -30,21 +30,23 @@ def neighbour_lists(x, n_owned, radius):
     if n_owned == 0:
         return np.zeros(1, np.int32), np.zeros(0, np.int32)
     lower, upper = x.min(axis=0), x.max(axis=0)
-    if not (np.isfinite(lower).all() and np.isfinite(upper).all()):
-        raise ValueError("a position is not finite")
-    counts, size = _grid(lower, upper, radius, len(x))
+    with np.errstate(over="ignore", invalid="ignore"):
+        extent = upper - lower
+    if not np.isfinite(extent).all():
+        raise ValueError("a position, or the distance of two, is not finite")
+    counts, size = _grid(extent, radius, len(x))
     axes = axes_of(x.shape[1])
     start, member = _sort(x, lower, size, counts, axes)
     return _search(x, n_owned, radius, lower, size, counts, start, member, axes)
 
 
-def _grid(lower, upper, radius, n):
+def _grid(extent, radius, n):
     """Choose the cells: at least the radius wide, and not many more than points."""
     size = radius
     while True:
-        counts = np.floor((upper - lower) / size).astype(np.int64) + 1
-        if np.prod(counts.astype(float)) <= 4.0 * n + 1024.0:
-            return counts, size
+        counts = np.floor(extent / size) + 1.0
+        if np.prod(counts) <= 4.0 * n + 1024.0:
+            return counts.astype(np.int64), size
         size *= 1.5  # one droplet far away must not blow up the grid
 
 

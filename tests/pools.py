@@ -1,0 +1,164 @@
+"""Blocks and tanks of particles for the tests of kernels, in 2D and in 3D."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from parisph.base.fields import CONTACT, FLUID, INNER, SURFACE, WALL, WET
+from parisph.kernels.cells import neighbour_lists
+from parisph.kernels.jit import axes_of
+
+
+@dataclass
+class Pool:
+    """Particles with their neighbour lists; every field is an (n, ...) array as kernels take it.
+
+    index : (n, dim) lattice index of each particle; spacing : s [m]; top : (dim,) far lattice index
+    """
+
+    x: np.ndarray
+    kind: np.ndarray
+    corner: np.ndarray
+    normal: np.ndarray
+    role: np.ndarray
+    index: np.ndarray
+    top: np.ndarray
+    spacing: float
+    reach: float = 2.6
+
+    def __post_init__(self):
+        self.relist()
+
+    def relist(self):
+        """Rebuild the neighbour lists, after x was changed."""
+        self.indptr, self.indices = neighbour_lists(self.x, len(self.x), self.reach * self.spacing)
+
+    @property
+    def n(self):
+        return len(self.x)
+
+    @property
+    def dim(self):
+        return self.x.shape[1]
+
+    @property
+    def axes(self):
+        return axes_of(self.dim)
+
+    @property
+    def fluid(self):
+        return self.kind == FLUID
+
+    @property
+    def walls(self):
+        """The arguments that kernels with mirror images take: x, kind, corner, normal."""
+        return self.x, self.kind, self.corner, self.normal
+
+    @property
+    def csr(self):
+        return self.indptr, self.indices, self.axes
+
+    def far_inside(self, layers):
+        """Return which particles are at least so many lattice layers away from the rim of the lattice, (n,) bool."""
+        return np.all((self.index >= layers) & (self.index <= self.top - layers), axis=1)
+
+    def at(self, *index):
+        """Return the number of the particle with this lattice index."""
+        found = np.flatnonzero((self.index == index).all(axis=1))
+        assert found.size == 1, f"{found.size} particles at {index}"
+        return int(found[0])
+
+
+def block(dim, side, jitter=0.0, spacing=0.1, reach=2.6, seed=0):
+    """Return a square or cube of side^dim inner fluid particles without walls."""
+    return free(np.stack(np.meshgrid(*[np.arange(side)] * dim, indexing="ij"), axis=-1).reshape(-1, dim),
+                jitter, spacing, reach, seed)
+
+
+def free(index, jitter=0.0, spacing=0.1, reach=2.6, seed=0):
+    """Return inner fluid particles at the lattice indices (n, dim), without walls, each moved by jitter (Rn - 1/2) s."""
+    index = np.asarray(index)
+    n, dim = index.shape
+    x = spacing * (index + jitter * (np.random.default_rng(seed).random((n, dim)) - 0.5))
+    none = np.zeros(n, np.int8)
+    return Pool(x, none + np.int8(FLUID), none.copy(), np.zeros((n, dim)), none + np.int8(INNER), index,
+                index.max(axis=0), spacing, reach)
+
+
+def tank(cells, lid=False, jitter=0.0, spacing=0.1, reach=2.6, seed=0):
+    """Return an open tank of fluid, or a full closed one.
+
+    Walls lie on lattice planes, fluid one spacing inside. Without a lid the last axis ends at the
+    free surface, which lies on the lattice plane `cells[-1]` and is not jittered.
+    """
+    cells = np.array(cells)
+    dim = len(cells)
+    index = np.stack(np.meshgrid(*[np.arange(c + 1) for c in cells], indexing="ij"), axis=-1).reshape(-1, dim)
+    upper = index == cells
+    upper[:, -1] &= lid
+    inward = (index == 0).astype(float) - upper
+    planes = np.abs(inward).sum(axis=1)
+    kind = np.where(planes > 0, WALL, FLUID).astype(np.int8)
+    surface = ~upper[:, -1] & (index[:, -1] == cells[-1])
+    role = np.where(kind == WALL, np.where(surface, CONTACT, WET), np.where(surface, SURFACE, INNER))
+    x = spacing * index
+    moved = (kind == FLUID) & ~surface
+    x[moved] += jitter * spacing * (np.random.default_rng(seed).random((np.count_nonzero(moved), dim)) - 0.5)
+    normal = np.where(planes[:, None] > 0, inward / np.sqrt(np.maximum(planes, 1))[:, None], 0.0)
+    return Pool(x, kind, (planes > 1).astype(np.int8), normal, role.astype(np.int8), index, cells, spacing, reach)
+
+
+class Rows:
+    """Buffers for the kernels that fill matrix rows, and what the filled rows do to a field."""
+
+    def __init__(self, pool):
+        nnz = len(pool.indices)
+        self.pool = pool
+        self.count = np.zeros(pool.n, np.int32)
+        self.columns = np.full(nnz, -1, np.int32)
+        self.values = np.full(nnz, np.nan)
+        self.measure = np.full(pool.n, np.nan)
+        self.flux = np.full((nnz, pool.dim), np.nan)
+        self.div = np.full(pool.n, np.nan)
+
+    @property
+    def matrix(self):
+        return self.count, self.columns, self.values, self.measure
+
+    def entries(self, i):
+        """Return columns and values of row i."""
+        own = slice(self.pool.indptr[i], self.pool.indptr[i] + self.count[i])
+        return self.columns[own], self.values[own]
+
+    def applied(self, p):
+        """Return row_I(p) = p_I - sum_J values_J p_J for every row, (n,)."""
+        out = np.array(p, float)
+        for i in range(self.pool.n):
+            columns, values = self.entries(i)
+            out[i] -= values @ p[columns]
+        return out
+
+    def sums(self):
+        """Return the sum of the values of every row, (n,)."""
+        return np.array([self.entries(i)[1].sum() for i in range(self.pool.n)])
+
+
+def monomials(x, degree):
+    """Return all monomials of exactly this degree (1 or 2) with their gradients and Laplacians.
+
+    List of (f (n,), gradient (n, dim), Laplacian float).
+    """
+    dim = x.shape[1]
+    unit = np.eye(dim)
+    if degree == 1:
+        return [(x[:, a], np.tile(unit[a], (len(x), 1)), 0.0) for a in range(dim)]
+    return [(x[:, a] * x[:, b], x[:, [a]] * unit[b] + x[:, [b]] * unit[a], 2.0 * (a == b))
+            for a in range(dim) for b in range(a + 1)]
+
+
+def harmonic_quadratics(x):
+    """Return harmonic quadratics that span them all, with gradients: list of (f (n,), gradient (n, dim))."""
+    dim, unit = x.shape[1], np.eye(x.shape[1])
+    found = [(x[:, a] ** 2 - x[:, a + 1] ** 2, 2.0 * x[:, [a]] * unit[a] - 2.0 * x[:, [a + 1]] * unit[a + 1])
+             for a in range(dim - 1)]
+    return found + [(f, grad) for f, grad, laplacian in monomials(x, 2) if laplacian == 0.0]
