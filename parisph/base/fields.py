@@ -12,7 +12,7 @@ INNER = 0      # fluid, an equation of its own
 SURFACE = 1    # fluid on the free surface, p = 0
 WET = 2        # wall in contact with fluid, a Neumann row
 DRY = 3        # wall without fluid, in no stencil
-CONTACT = 4    # wall node at the contact line, p = 0
+CONTACT = 4    # wall node at the contact line, in no stencil either
 BALLISTIC = 5  # fluid with too few neighbours for any stencil, p = 0 and free flight
 
 

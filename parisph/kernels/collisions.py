@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import DRY, FLUID, WALL
+from parisph.base.fields import FLUID
 from parisph.kernels.jit import kernel
 from parisph.kernels.mirrors import height, near_planes
 from parisph.kernels.rankine import _first_row_of_inverse
+from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
 
@@ -145,7 +146,7 @@ def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices,
 
 @kernel
 def _weight(i, j, x, role, radius2, axes):
-    if role[j] == DRY:
+    if outside(role[j]):
         return 0.0
     r2 = 0.0
     for a in range(len(axes)):

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import BALLISTIC, DRY, INNER, SURFACE, WALL
+from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
 from parisph.kernels import harmonic
 from parisph.kernels.jit import kernel
 from parisph.kernels.moments import invert, pair_weight, second_moment
+from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline_slope
 
 
@@ -39,7 +40,7 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
         right[:] = 0.0
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
-            if role[j] == DRY:
+            if outside(role[j]):
                 continue
             w, _ = pair_weight(i, j, x, radius2, power, axes)
             for a in range(dim):
@@ -81,7 +82,7 @@ def symmetric_gradient(out, p, x, role, h, volume, indptr, indices, axes):
             continue
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
-            if role[j] == DRY:
+            if outside(role[j]):
                 continue
             r2 = 0.0
             for a in range(dim):
@@ -108,7 +109,7 @@ def wall_velocity(u, x, kind, corner, normal, role, wall_u, radius, indptr, indi
             continue
         for a in range(dim):
             u[i, a] = wall_u[i, a]
-        if corner[i] or role[i] == DRY:
+        if corner[i] or outside(role[i]):
             continue
         _extrapolate(u, i, x, kind, normal, wall_u, radius2, indptr, indices, axes)
 

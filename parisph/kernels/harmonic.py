@@ -7,9 +7,9 @@ that is what a one-sided stencil at a wall or at the surface has.
 
 import numpy as np
 
-from parisph.base.fields import DRY
 from parisph.kernels.jit import kernel
 from parisph.kernels.moments import cholesky, cholesky_solve
+from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
 
@@ -74,7 +74,7 @@ def coefficients(out, i, x, role, radius, work, b, indptr, indices, axes):
 
 @kernel
 def _weight(i, j, x, role, radius2, axes):
-    if role[j] == DRY:
+    if outside(role[j]):
         return 0.0
     r2 = 0.0
     for a in range(len(axes)):

@@ -2,8 +2,9 @@
 
 import math
 
-from parisph.base.fields import DRY, INNER
+from parisph.base.fields import INNER
 from parisph.kernels.jit import kernel
+from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline_slope
 
 
@@ -22,7 +23,7 @@ def isph_rows(count, columns, values, measure, x, role, h, volume, indptr, indic
         n, total, first = 0, 0.0, indptr[i]
         for k in range(first, indptr[i + 1]):
             j = indices[k]
-            if role[j] == DRY:
+            if outside(role[j]):
                 continue
             r2 = 0.0
             for a in range(dim):

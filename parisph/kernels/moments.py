@@ -7,8 +7,8 @@ kernel serves all three, in two and in three dimensions.
 
 import math
 
-from parisph.base.fields import DRY
 from parisph.kernels.jit import kernel
+from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
 # A pivot below this part of the largest diagonal entry means that the neighbours do not
@@ -65,7 +65,7 @@ def second_moment(m, i, x, role, radius2, power, indptr, indices, axes):
     found = 0
     for k in range(indptr[i], indptr[i + 1]):
         j = indices[k]
-        if role[j] == DRY:
+        if outside(role[j]):
             continue
         w, r2 = pair_weight(i, j, x, radius2, power, axes)
         if w == 0.0:

@@ -14,10 +14,11 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import DRY, INNER
+from parisph.base.fields import INNER
 from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import kernel
 from parisph.kernels.moments import PIVOT_FLOOR, cholesky, cholesky_solve
+from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
 
@@ -71,7 +72,7 @@ def rankine_rows(count, columns, values, measure, flux, div, u, x, role, unit, c
         n = 0
         for k in range(first, indptr[i + 1]):
             j = indices[k]
-            if role[j] != DRY:
+            if not outside(role[j]):
                 columns[first + n] = j
                 for a in range(dim):
                     near[n, a] = (x[j, a] - x[i, a]) / radius

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import DRY, FLUID, INNER, SURFACE, WALL
+from parisph.base.fields import FLUID, INNER, WALL
 from parisph.kernels.jit import kernel
 from parisph.kernels.mirrors import near_planes, reflect
 from parisph.kernels.smoothing import cubic_spline_slope

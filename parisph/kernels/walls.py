@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from parisph.base.fields import DRY, WET
+from parisph.base.fields import WET
 from parisph.kernels import harmonic
 from parisph.kernels.jit import kernel
 from parisph.kernels.moments import invert, pair_weight, second_moment
+from parisph.kernels.roles import outside
 
 # Below this det/(trace/dim)^dim the neighbours of a wall particle lie in a line.
 FLAT = 4.0e-3
@@ -32,7 +33,7 @@ def sfdi_rows(count, columns, values, measure, x, role, normal, radius, indptr, 
         n, total, weights, first = 0, 0.0, 0.0, indptr[i]
         for k in range(first, indptr[i + 1]):
             j = indices[k]
-            if role[j] == DRY:
+            if outside(role[j]):
                 continue
             w, _ = pair_weight(i, j, x, radius2, 2, axes)
             if w == 0.0:

@@ -163,7 +163,7 @@ class Projection:
         *matrix, anchored = self.rows.csr(p.role_all, d.global_rows)
         if self.closed:
             return matrix, 0
-        alone = groups.isolated(p.comm, matrix[0], matrix[1], anchored)
+        alone = groups.isolated_rows(p.comm, p.offset, matrix[0], matrix[1], anchored)
         count = p.comm.allreduce(int(alone.sum()))
         if count:
             p.role[alone] = np.where(p.kind[alone] == WALL, DRY, BALLISTIC)

@@ -1,0 +1,60 @@
+"""How a run tells on rank 0 how far it is."""
+
+import sys
+from time import perf_counter
+
+from parisph.base.log import logger
+
+TERMINAL, BATCH = 0.5, 15.0  # seconds between lines
+
+
+class Progress:
+    """One live line on a terminal; plain lines, ever more rarely, in a batch log.
+
+    Parameters
+    ----------
+    end_time : float [s]
+    shown : bool, whether anything is shown at all (rank 0, and not asked to be quiet)
+    """
+
+    def __init__(self, end_time, shown, stream=None):
+        self.end_time, self.stream = end_time, stream or sys.stderr
+        self.shown, self.live = shown, shown and self.stream.isatty()
+        self._began = self._last = perf_counter()
+        self._first = self._steps = None
+
+    def step(self, simulation, report):
+        """Tell of a step if it is time to. Not collective."""
+        if not self.shown:
+            return
+        now = perf_counter()
+        if self._first is None:
+            self._first, self._steps = simulation.time, simulation.steps
+        if now - self._last < (TERMINAL if self.live else min(BATCH, 2.0 + 0.1 * (now - self._began))):
+            return
+        self._last = now
+        text = self._text(simulation, report, now - self._began)
+        if self.live:
+            self.stream.write(f"\r\x1b[2K{text}")
+            self.stream.flush()
+        else:
+            logger.info(text)
+
+    def close(self):
+        """End the live line."""
+        if self.live:
+            self.stream.write("\r\x1b[2K")
+            self.stream.flush()
+
+    def _text(self, simulation, report, elapsed):
+        done = (simulation.time - self._first) or 1e-300
+        left = max(self.end_time - simulation.time, 0.0) * elapsed / done
+        rate = (simulation.steps - self._steps) / elapsed
+        return (f"t {simulation.time:.4g} of {self.end_time:.4g} s  dt {report.dt:.2e}  {rate:.1f} steps/s  "
+                f"{report.iterations} iterations  div u dt {report.divergence:.1e}  {_clock(left)} left")
+
+
+def _clock(seconds):
+    minutes, seconds = divmod(int(seconds + 0.5), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"

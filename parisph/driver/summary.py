@@ -1,0 +1,107 @@
+"""The account of a run: what summary.json says, also of a run that failed."""
+
+import resource
+from time import perf_counter, process_time
+
+import numpy as np
+
+from parisph.base.errors import ParisphError
+from parisph.case.schema import Energy, Volume
+from parisph.io import probes, reader
+from parisph.study import truth
+
+
+class Account:
+    """Collects what a run costs and conserves, over restarts.
+
+    Made by `Account.new` or `Account.resumed`.
+    """
+
+    def __init__(self, before):
+        self.before = before
+        self.wall, self.cpu = perf_counter(), process_time()
+        self.fallbacks = 0
+        self.divergence = None
+
+    @classmethod
+    def new(cls, simulation):
+        """Return the account of a run that begins."""
+        return cls({"wall": 0.0, "cpu": 0.0, "phases": {}, "fallbacks": 0, "energy": None, "volume": None})
+
+    @classmethod
+    def resumed(cls, simulation, state):
+        """Return the account of a run that goes on from a checkpoint's state."""
+        return cls(state["account"])
+
+    def start(self, simulation, samplers):
+        """Take energy and volume at the start of the run. Collective."""
+        watched = (Energy(name="energy"), *((Volume(name="volume"),) if simulation.case.dim == 2 else ()))
+        self._watch = probes.build(simulation.case.model_copy(update={"probes": watched}), simulation.comm)
+        if self.before["energy"] is None:
+            self.before.update(self._conserved(simulation))
+
+    def step(self, report):
+        """Count a step. Not collective."""
+        self.fallbacks += report.fallback != ""
+        self.divergence = report.divergence
+
+    def state(self, simulation):
+        """Return what a checkpoint must hold to go on counting. Collective."""
+        comm = simulation.comm
+        phases = simulation.timers.reduce(comm)
+        return {"account": {
+            **self.before, "wall": self.before["wall"] + perf_counter() - self.wall,
+            "cpu": self.before["cpu"] + comm.allreduce(process_time() - self.cpu),
+            "phases": {name: self.before["phases"].get(name, 0.0) + value["max"] for name, value in phases.items()},
+            "fallbacks": self.before["fallbacks"] + self.fallbacks,
+        }}
+
+    def summary(self, simulation, samplers, store, status):
+        """Return the content of summary.json. Collective."""
+        s, comm = simulation, simulation.comm
+        account = self.state(s)["account"]
+        peak = comm.allgather(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+        end = self._at_the_end(s, status)
+        content = {
+            "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": comm.size,
+            "particles": int(s.particles.n_global), "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,
+            "status": status, "wall_seconds": account["wall"], "cpu_seconds": account["cpu"],
+            "phases": account["phases"], "fallbacks": account["fallbacks"],
+            "volume_drift": _drift(end["volume"], account["volume"]),
+            "energy_drift": _drift(end["energy"], account["energy"]),
+            "divergence": self.divergence, "peak_memory_mb": peak,
+        }
+        if comm.rank == 0:
+            content["iterations"], content["errors"] = _from_files(s.case, store)
+        return content
+
+    def _at_the_end(self, simulation, status):
+        """Energy and volume now; None where a failed run leaves nothing to measure."""
+        if status.startswith("failed"):
+            return {"energy": None, "volume": None}
+        return self._conserved(simulation)
+
+    def _conserved(self, simulation):
+        found = probes.sample_all(self._watch, simulation.particles, simulation.domain, simulation.time)
+        named = {w.name: dict(zip(w.columns, found[w.name])) for w in self._watch}
+        return {"energy": named["energy"]["total"], "volume": named.get("volume", {}).get("cell")}
+
+
+def _drift(end, start):
+    if end is None or not start or not np.isfinite(end):
+        return None
+    return end / start - 1.0
+
+
+def _from_files(case, store):
+    """Return (iterations, errors) of the whole run, as its files hold them, earlier parts included."""
+    try:
+        run = reader.open_run(store.folder)
+        counts = run.steps["iterations"]
+        iterations = None
+        if len(counts):
+            iterations = {"median": float(np.median(counts)), "p99": float(np.percentile(counts, 99)),
+                          "max": int(counts.max())}
+        return iterations, truth.errors(case, run)
+    except ParisphError as error:
+        return None, {"unavailable": str(error)}
