@@ -70,6 +70,18 @@ def test_detail_of_the_default_preconditioner_may_be_changed(make):
     assert solver._ksp.getPC().getType() == "ilu"
 
 
+@pytest.mark.parametrize("unknowns, entries, ranks, expected", [
+    (1000, 21_000, 1, {"pc_type": "ilu", "pc_factor_levels": "2"}),
+    (1000, 38_000, 1, {"pc_type": "ilu", "pc_factor_levels": "1"}),
+    (1000, 90_000, 1, {"pc_type": "ilu", "pc_factor_levels": "0"}),
+    (1000, 21_000, 4, {"pc_type": "asm", "sub_pc_type": "ilu", "sub_pc_factor_levels": "2"}),
+    (100_000, 2_100_000, 4, {"pc_type": "hypre", "pc_hypre_type": "boomeramg"}),
+])
+def test_default_preconditioner_goes_by_size_and_row_length(unknowns, entries, ranks, expected):
+    chosen = opts.primary(1e-6, False, ranks, unknowns, entries)
+    assert {name: chosen[name] for name in expected} == expected
+
+
 def test_multigrid_of_the_user_gets_the_tuning(make):
     solver = make("-pressure_pc_type", "hypre")
     solved(solver)
