@@ -13,7 +13,8 @@ def isph_rows(count, columns, values, measure, x, role, h, volume, indptr, indic
     """Fill the rows of inner particles with the SPH Laplacian (Zheng, Ma & Duan 2014, Eq. 20a).
 
     lap p_i = sum_j 2 V (r_ij . grad W_ij)/(r_ij^2 + delta^2) (p_i - p_j), delta = 0.1 h. With
-    row_I(p) = p_I - sum_J values_J p_J the equation is row_I(p) = -measure_I lap p.
+    row_I(p) = p_I - sum_J values_J p_J the equation is row_I(p) = -measure_I lap p. A row without
+    neighbours within the kernel's reach is empty, with measure 0.
     """
     dim = len(axes)
     delta2 = (0.1 * h) ** 2
@@ -33,7 +34,8 @@ def isph_rows(count, columns, values, measure, x, role, h, volume, indptr, indic
             values[first + n] = max(c, 0.0)
             total += values[first + n]
             n += 1
-        count[i] = n
+        # listed neighbours may all be out of the kernel's reach, or in the particle's own place
+        count[i] = n if total > 0.0 else 0
         measure[i] = 1.0 / total if total > 0.0 else 0.0
-        for k in range(first, first + n):
+        for k in range(first, first + count[i]):
             values[k] /= total

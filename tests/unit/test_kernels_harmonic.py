@@ -1,0 +1,117 @@
+"""Derivatives from the fit by harmonic polynomials, one-sided ones above all."""
+
+import numpy as np
+import pytest
+
+from parisph.base.fields import CONTACT, DRY, SURFACE
+from parisph.kernels import gradient, harmonic
+from tests.pools import block, free, harmonic_quadratics, monomials, tank
+
+dims = pytest.mark.parametrize("dim", [2, 3])
+
+
+def coefficients(pool, i, radius=2.6):
+    """Return (success, c (neighbours of i, dim))."""
+    c, work, b = harmonic.scratch(pool.indptr, pool.axes)
+    c[:] = np.nan
+    sound = harmonic.coefficients(c, i, pool.x, pool.role, radius * pool.spacing, work, b, *pool.csr)
+    return sound, c[: pool.indptr[i + 1] - pool.indptr[i]]
+
+
+def derivative(pool, i, f, radius=2.6):
+    sound, c = coefficients(pool, i, radius)
+    assert sound
+    near = pool.indices[pool.indptr[i]:pool.indptr[i + 1]]
+    return c.T @ (f[near] - f[i])
+
+
+def one_sided(dim, faces, jitter):
+    """Return a block and its particle in the middle of a face, of an edge or in a corner."""
+    side = 9 if dim == 2 else 7
+    pool = block(dim, side, jitter)
+    return pool, pool.at(*[0] * faces, *[side // 2] * (dim - faces))
+
+
+@dims
+@pytest.mark.parametrize("faces", [0, 1, 2])
+@pytest.mark.parametrize("jitter", [0.0, 0.8])
+def test_harmonic_quadratics_are_exact_even_one_sided(dim, faces, jitter):
+    pool, i = one_sided(dim, faces, jitter)
+    for f, grad, _ in monomials(pool.x, 1):
+        np.testing.assert_allclose(derivative(pool, i, 5.0 + f), grad[i], atol=1e-10)
+    for f, grad in harmonic_quadratics(pool.x):
+        np.testing.assert_allclose(derivative(pool, i, f), grad[i], atol=1e-10)
+
+
+def test_corner_of_a_cube():
+    pool, i = one_sided(3, 3, 0.4)
+    for f, grad in harmonic_quadratics(pool.x):
+        np.testing.assert_allclose(derivative(pool, i, f), grad[i], atol=1e-10)
+
+
+@dims
+def test_what_is_not_harmonic_is_not_exact(dim):
+    pool, i = one_sided(dim, 1, 0.0)
+    f = (pool.x**2).sum(axis=1)
+    error = np.abs(derivative(pool, i, f) - 2.0 * pool.x[i]).max()
+    assert error > 0.1 * pool.spacing
+
+
+@dims
+def test_size_of_the_basis(dim):
+    assert harmonic.basis_size(tuple(range(dim))) == {2: 4, 3: 8}[dim]
+    pool = free([[0] * dim, range(1, dim + 1)], spacing=1.0)
+    b = np.full(8, np.nan)
+    harmonic.fill_basis(b, 0, 1, pool.x, 2.0, pool.axes)
+    expected = {2: [0.5, 1.0, 0.25 - 1.0, 0.5], 3: [0.5, 1.0, 1.5, 0.25 - 1.0, 1.0 - 2.25, 0.5, 0.75, 1.5]}[dim]
+    np.testing.assert_allclose(b[: len(expected)], expected, rtol=1e-14)
+    assert np.isnan(b[len(expected):]).all()
+
+
+@dims
+@pytest.mark.parametrize("shape", ["alone", "line", "plane", "cross", "few", "coincident"])
+def test_neighbours_that_do_not_span_the_basis_are_refused(dim, shape):
+    zero, unit = np.zeros((1, dim)), np.eye(dim)
+    index = {
+        "alone": zero,
+        "line": np.arange(-3, 4)[:, None] * unit[:1],
+        "plane": np.stack(np.meshgrid(*[np.arange(-2, 3)] * (dim - 1), [0], indexing="ij"), -1).reshape(-1, dim),
+        "cross": np.concatenate([zero] + [k * unit for k in (-2, -1, 1, 2)]),  # xy vanishes on it
+        "few": np.concatenate([zero, 0.7 + 0.5 * np.random.default_rng(0).random(({2: 4, 3: 8}[dim], dim))]),
+        "coincident": np.concatenate([np.zeros((20, dim)), unit]),
+    }[shape]
+    pool = free(index)
+    i = int(np.flatnonzero((pool.index == 0).all(axis=1))[0])
+    assert not coefficients(pool, i)[0]
+
+
+@dims
+def test_particles_outside_the_stencil_have_no_weight(dim):
+    pool, i = one_sided(dim, 0, 0.8)
+    near = pool.indices[pool.indptr[i]:pool.indptr[i + 1]]
+    pool.role[near[0]], pool.role[near[1]] = DRY, CONTACT
+    sound, c = coefficients(pool, i, radius=2.2)
+    distance = np.linalg.norm(pool.x[near] - pool.x[i], axis=1)
+    out = (distance >= 2.2 * pool.spacing) | np.isin(np.arange(len(near)), (0, 1))
+    assert sound and np.all(c[out] == 0.0) and np.all(np.abs(c[~out]).max(axis=1) > 0.0)
+    for f, grad in harmonic_quadratics(pool.x):
+        np.testing.assert_allclose(derivative(pool, i, f, 2.2), grad[i], atol=1e-10)
+
+
+@dims
+def test_gradient_is_replaced_on_the_surface_only(dim):
+    pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.4)
+    out = np.full((pool.n, dim), 7.0)
+    f, grad = harmonic_quadratics(pool.x)[0]
+    gradient.harmonic_gradient(out, f, pool.x, pool.role, 2.6 * pool.spacing, *pool.csr)
+    surface = pool.role == SURFACE
+    np.testing.assert_allclose(out[surface], grad[surface], atol=1e-9)
+    assert np.all(out[~surface] == 7.0)
+
+
+def test_gradient_of_a_surface_without_support_stays():
+    pool = free([[0, 0], [1, 0], [2, 0]])
+    pool.role[:] = SURFACE
+    out = np.full((3, 2), 7.0)
+    gradient.harmonic_gradient(out, np.arange(3.0), pool.x, pool.role, 2.6 * pool.spacing, *pool.csr)
+    assert np.all(out == 7.0)
