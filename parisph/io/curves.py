@@ -13,6 +13,7 @@ KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
     "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum",
 }
+COLUMNS = {("volume", "count"): "cells counted"}  # where one column is something else
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity"}
 
 
@@ -135,7 +136,10 @@ def _draw_truth(axes, name, series, factor, by_time, curves):
 
 def _value_label(case, curves, unit, shown, scale):
     kinds = {probe["kind"] for probe in case.get("probes", ()) if probe["name"] in {name for name, *_ in curves}}
-    what = KINDS.get(kinds.pop(), "") if len(kinds) == 1 else UNITS.get(unit, "")
+    what = UNITS.get(unit, "")
+    if len(kinds) == 1:
+        kind, column = kinds.pop(), curves[0][1]
+        what = COLUMNS.get((kind, column), KINDS.get(kind, ""))
     if scale:
         return what + {"Pa": r"$\,/\,(\rho g H)$", "m": r"$\,/\,H$", "m/s": r"$\,/\,\sqrt{gH}$"}[unit]
     return f"{what} [{shown or '-'}]"

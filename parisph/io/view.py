@@ -11,7 +11,7 @@ from parisph.io.reader import Run, open_run
 
 # Diameters in spacings: a drawn particle; and the ground below those inside, which closes the gaps that
 # discs leave between them, without making the surface thicker than half a particle.
-DISC, GROUND = 1.05, 1.6
+DISC, GROUND = 1.05, 1.8
 
 
 def plot_field(run, which=-1, field="pressure", path=None, surface=False, normalise=False, limits=None):
@@ -140,9 +140,7 @@ class FieldView:
         """Limits of the colours for all snapshots together; a few moments of impact do not dim the rest."""
         if self.name == "role":
             return None
-        found = [self.limits(self.values(snapshot)[snapshot["kind"] == FLUID]) for snapshot in snapshots]
-        low, high = np.transpose(found)
-        return min(low), np.percentile(high, 90)
+        return self.limits(self._fluid_values(snapshots))
 
     def add_colour_bar(self, picture, axes, discs, snapshots):
         """Add the colour bar of `discs`, pointed where values of the snapshots lie beyond it; nothing for roles.
@@ -151,7 +149,7 @@ class FieldView:
         """
         if discs is None:
             return
-        values = np.concatenate([self.values(snapshot)[snapshot["kind"] == FLUID] for snapshot in snapshots])
+        values = self._fluid_values(snapshots)
         beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
         low, high = discs.get_clim()
         extend = beyond[bool(np.any(values < low)), bool(np.any(values > high))]
@@ -159,6 +157,9 @@ class FieldView:
         bar = picture.colorbar(discs, extend=extend, **beside)
         bar.set_label(self._label())
         bar.outline.set_linewidth(0.5)
+
+    def _fluid_values(self, snapshots):
+        return np.concatenate([self.values(snapshot)[snapshot["kind"] == FLUID] for snapshot in snapshots])
 
     def _factor(self):
         scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else None

@@ -51,10 +51,10 @@ def written(folder, case, particles, count=3):
     store.add_series("probes/P1", {"pressure": "Pa"})
     store.add_series("probes/left", {"height": "m"})
     store.add_series("probes/energy", {"kinetic": "J/m", "potential": "J/m"})
-    store.add_series("probes/volume", {"volume": ""})
+    store.add_series("probes/volume", {"cell": "", "count": "particles"})
     for step in range(100):
         store.append(0.01 * step, step, {"steps": (0.01, 8), "probes/P1": (3924.0 + step,), "probes/left": (0.5,),
-                                         "probes/energy": (1.0, 2.0), "probes/volume": (1.0,)})
+                                         "probes/energy": (1.0, 2.0), "probes/volume": (1.0, 9.5)})
     for step in range(count):
         store.snapshot(particles, 0.1 * step, step)
     store.close()
@@ -163,7 +163,8 @@ def test_probes_of_one_unit_share_axes_and_the_truth_lies_over_its_probe(run):
     few, many = np.linspace(0.0, 2.0, 20), np.linspace(0.0, 0.9, 100)
     picture = curves.plot_probe(run, truth={"P1": (few, 3924.0 + 0 * few), "left": (many, 0.5 + 0 * many)})
     labels = {axes.get_ylabel() for axes in picture.axes}
-    assert labels == {"pressure $p$ [kPa]", "energy [J/m]", "surface height $y$ [m]", "volume $V/V_0$ [-]"}
+    assert labels == {"pressure $p$ [kPa]", "energy [J/m]", "surface height $y$ [m]", "volume $V/V_0$ [-]",
+                      "cells counted [particles]"}
     pressure = next(axes for axes in picture.axes if "pressure" in axes.get_ylabel())
     probe, reference = pressure.lines
     assert probe.get_ydata()[0] == pytest.approx(3.924) and reference.get_ydata()[0] == pytest.approx(3.924)
