@@ -55,12 +55,13 @@ def compile_expression(text, names):
     return evaluate
 
 
+@lru_cache(maxsize=64)
 def vector_field(components, with_time):
-    """Compile the components of a vector field of position (and time).
+    """Compile the components of a vector field of position (and time), once.
 
     Parameters
     ----------
-    components : sequence of float or str, one for each dimension
+    components : tuple of float or str, one for each dimension
     with_time : bool, whether t may occur
 
     Returns

@@ -3,7 +3,7 @@
 Motions are data, so that a stored run can go on without the script that made it.
 """
 
-from functools import cached_property
+from functools import lru_cache
 from typing import Annotated, Literal, Union
 
 import numpy as np
@@ -91,13 +91,8 @@ class Tabulated(Motion):
             raise ValueError(f"times[{late[0] + 1}] = {self.times[late[0] + 1]}: must be later than the time before it")
         return self
 
-    @cached_property
-    def _spline(self):
-        t, y = np.array(self.times), np.array(self.values)
-        return t, y, _spline_second_derivatives(t, y)
-
     def _series(self, t):
-        knots, y, m = self._spline
+        knots, y, m = _spline(self.times, self.values)
         if t < knots[0]:
             return y[0], 0.0, 0.0
         if t > knots[-1]:
@@ -109,6 +104,13 @@ class Tabulated(Motion):
         value = a * y[k] + b * y[k + 1] + ((a**3 - a) * m[k] + (b**3 - b) * m[k + 1]) * h * h / 6.0
         slope = (y[k + 1] - y[k]) / h + ((3 * b * b - 1) * m[k + 1] - (3 * a * a - 1) * m[k]) * h / 6.0
         return value, slope, a * m[k] + b * m[k + 1]
+
+
+@lru_cache(maxsize=8)
+def _spline(times, values):
+    """Return knots, values and second derivatives (n,) of the spline, computed once for each series."""
+    t, y = np.array(times), np.array(values)
+    return t, y, _spline_second_derivatives(t, y)
 
 
 def _spline_second_derivatives(t, y):

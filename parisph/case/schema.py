@@ -1,6 +1,5 @@
 """The description of a scene: frozen, validated, JSON in and out."""
 
-from functools import cached_property
 from typing import Optional, Union
 
 import numpy as np
@@ -83,11 +82,7 @@ class Case(Model):
 
     def body_force(self, x, t):
         """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity less the tank's acceleration."""
-        return self._gravity(x, t) - self.frame.acceleration(t)
-
-    @cached_property
-    def _gravity(self):
-        return vector_field(self.gravity, with_time=True)
+        return vector_field(self.gravity, with_time=True)(x, t) - self.frame.acceleration(t)
 
     def changed(self, **values):
         """Return a validated copy with other values; a dot reaches inside: changed(**{"numerics.cfl": 0.3}).

@@ -1,5 +1,6 @@
 """The case as data: frozen, stored as JSON, presets, and what is derived from it."""
 
+import pickle
 import subprocess
 import sys
 
@@ -77,6 +78,14 @@ def test_body_force_is_gravity_less_the_tanks_acceleration():
     x = np.array([[1.0, 0.5], [2.0, 0.5]])
     assert case.body_force(x, 0.0) == pytest.approx(np.array([[-0.4, -9.81]] * 2))
     assert case.body_force(x, 3.0)[:, 0] == pytest.approx(3.0 * x[:, 0] - 0.4 * np.cos(6.0))
+
+
+def test_travels_between_ranks_after_use():
+    case = scene(gravity=("x*t", -9.81), frame=Tabulated((0.0, 1.0, 2.0, 3.0), (0.0, 0.1, 0.0, 0.2)))
+    case.body_force(np.zeros((1, 2)), 0.5)
+    again = pickle.loads(pickle.dumps(case))
+    assert again == case == scene(gravity=case.gravity, frame=case.frame)
+    assert np.array_equal(again.body_force(np.ones((3, 2)), 0.5), case.body_force(np.ones((3, 2)), 0.5))
 
 
 def test_changed_reaches_inside_and_validates():
