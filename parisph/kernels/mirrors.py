@@ -5,7 +5,7 @@ image of j is never nearer to i than j itself, so every image within a radius be
 neighbour within that radius: the neighbour lists already hold all that is needed.
 """
 
-from parisph.base.fields import WALL
+from parisph.base.fields import FLUID, WALL
 from parisph.kernels.jit import kernel
 
 PARALLEL = 0.9  # cosine above which two wall normals belong to the same plane
@@ -64,3 +64,18 @@ def reflect(image, j, subset, member, x, normal, axes):
                 h += (image[a] - x[wall, a]) * normal[wall, a]
             for a in range(dim):
                 image[a] -= 2.0 * h * normal[wall, a]
+
+
+@kernel
+def casts_image(j, subset, member, x, kind, normal, thin, axes):
+    """Return whether particle j has an image of its own in the planes whose bits are set in subset.
+
+    All fluid has one. A wall particle on one of the planes (nearer than `thin` [m]) is its own
+    image; one on another wall goes on behind the plane, which the corners of a tank need.
+    """
+    if kind[j] == FLUID:
+        return True
+    for p in range(len(axes)):
+        if (subset >> p) & 1 and height(j, member[p], x, normal, axes) < thin:
+            return False
+    return True

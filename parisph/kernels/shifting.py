@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.base.fields import FLUID, INNER, WALL
 from parisph.kernels.jit import kernel
-from parisph.kernels.mirrors import near_planes, reflect
+from parisph.kernels.mirrors import casts_image, near_planes, reflect
 from parisph.kernels.smoothing import cubic_spline_slope
 
 
@@ -57,7 +57,7 @@ def concentration_gradient(out, x, kind, corner, normal, h, full, indptr, indice
             reflect(image, i, subset, member, x, normal, axes)
             _add_slope(out, i, image, x, h, full, axes)
             for k in range(indptr[i], indptr[i + 1]):
-                if kind[indices[k]] == FLUID:
+                if casts_image(indices[k], subset, member, x, kind, normal, 0.1 * h, axes):
                     reflect(image, indices[k], subset, member, x, normal, axes)
                     _add_slope(out, i, image, x, h, full, axes)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.jit import kernel
-from parisph.kernels.mirrors import near_planes, reflect
+from parisph.kernels.mirrors import casts_image, near_planes, reflect
 from parisph.kernels.smoothing import cubic_spline
 
 
@@ -34,7 +34,7 @@ def lattice_sum(spacing, h, axes):
 def density_ratio(alpha, x, kind, corner, normal, h, full, indptr, indices, axes):
     """Kernel-sum density of fluid particles over its lattice value: 1 on a full lattice.
 
-    rho_i = sum_j m W_ij over fluid, wall particles and the mirror images of the fluid
+    rho_i = sum_j m W_ij over fluid, wall particles and the mirror images of both
     (Zheng, Ma & Duan 2014, Sec. 2.4.2, completed at walls); `full` from `lattice_sum`.
 
     alpha : (n_owned,) output; walls get 1
@@ -60,7 +60,7 @@ def density_ratio(alpha, x, kind, corner, normal, h, full, indptr, indices, axes
             for subset in range(1, 1 << planes):
                 total += _image_value(i, i, subset, member, image, x, normal, h, axes)
                 for k in range(indptr[i], indptr[i + 1]):
-                    if kind[indices[k]] == FLUID:
+                    if casts_image(indices[k], subset, member, x, kind, normal, 0.1 * h, axes):
                         total += _image_value(i, indices[k], subset, member, image, x, normal, h, axes)
         alpha[i] = total / full
 
