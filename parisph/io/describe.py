@@ -35,7 +35,6 @@ def describe(run):
 def _entries(summary):
     get = summary.get
     yield "status", get("status")
-    yield "cause", get("cause") or get("error")
     yield "method", get("method")
     yield "ranks", _number(get("ranks"), "d")
     yield "particles", _number(get("particles"), ",d")
@@ -53,7 +52,10 @@ def _entries(summary):
     yield "volume drift", _number(get("volume_drift"), "+.2%")
     yield "energy drift", _number(get("energy_drift"), "+.2%")
     for probe, error in (get("errors") or {}).items():
-        yield f"error of {probe}", _number(error.get("relative_l2"), ".3g", " (relative L2)")
+        if isinstance(error, dict):
+            yield f"error of {probe}", _number(error.get("relative_l2"), ".3g", " (relative L2)")
+        else:
+            yield f"error of {probe}", str(error)
 
 
 def _number(value, form, unit=""):
