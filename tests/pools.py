@@ -162,3 +162,9 @@ def harmonic_quadratics(x):
     found = [(x[:, a] ** 2 - x[:, a + 1] ** 2, 2.0 * x[:, [a]] * unit[a] - 2.0 * x[:, [a + 1]] * unit[a + 1])
              for a in range(dim - 1)]
     return found + [(f, grad) for f, grad, laplacian in monomials(x, 2) if laplacian == 0.0]
+
+
+def part(pool, keep):
+    """Return the Pool of the particles that are kept, (n,) bool."""
+    fields = (getattr(pool, name)[keep] for name in ("x", "kind", "corner", "normal", "role", "index"))
+    return Pool(*fields, pool.top, pool.spacing, pool.reach)

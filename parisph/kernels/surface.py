@@ -102,7 +102,7 @@ def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, lea
             j = indices[k]
             walls |= kind[j] == WALL
             dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
-            if dx * dx + dy * dy >= radius2:
+            if not 0.0 < dx * dx + dy * dy < radius2:  # one in the same place is in no direction
                 continue
             octants |= 1 << _octant(dx, dy)
             if n < len(angles):
@@ -183,7 +183,7 @@ def surface_by_auxiliary_functions(role, was, x, kind, corner, normal, alpha, ra
             j = indices[k]
             walls |= kind[j] == WALL
             dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
-            if dx * dx + dy * dy >= radius2:
+            if not 0.0 < dx * dx + dy * dy < radius2:  # one in the same place is in no direction
                 continue
             near_surface |= kind[j] == FLUID and (was[j] == SURFACE or was[j] == BALLISTIC)
             inner += kind[j] == FLUID and was[j] == INNER
