@@ -235,3 +235,27 @@ def divergence(div, u, role, count, columns, flux, indptr, axes):
         for k in range(indptr[i], indptr[i] + count[i]):
             for a in range(len(axes)):
                 div[i] += flux[k, a] * (u[columns[k], a] - u[i, a])
+
+
+@kernel
+def second_invariant(out, u, role, count, columns, flux, indptr, axes):
+    """tr((grad u)^2) of a velocity at inner particles, from the stored flux coefficients [1/s^2].
+
+    (dim/R) times the mean of u_b n_a over the circle is d u_b/dx_a for linear u, as it is the
+    divergence for a = b.
+    """
+    dim = len(axes)
+    g = np.empty((dim, dim))
+    for i in range(len(indptr) - 1):
+        out[i] = 0.0
+        if role[i] != INNER:
+            continue
+        g[:, :] = 0.0
+        for k in range(indptr[i], indptr[i] + count[i]):
+            j = columns[k]
+            for a in range(dim):
+                for b in range(dim):
+                    g[a, b] += flux[k, a] * (u[j, b] - u[i, b])
+        for a in range(dim):
+            for b in range(dim):
+                out[i] += g[a, b] * g[b, a]

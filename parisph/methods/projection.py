@@ -96,6 +96,20 @@ class Projection:
             divergence = self._divergence() * dt
         return self._report(dt, solve, divergence, isolated, collisions, positions)
 
+    def pressure_now(self, time, dt):
+        """Solve for the pressure where the particles are, and move nothing. Collective.
+
+        For the picture at the start of a run, which no step has given a pressure yet; dt [s]
+        only weighs the divergence of the start velocity.
+        """
+        p = self.particles
+        self.domain.refresh()
+        self._classify()
+        self._wall_velocity()
+        self.domain.update("role", "u")
+        matrix, right, _ = self._assemble(self.acceleration(p.x_all, time), dt)
+        p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
+
     # -- the parts of the step, in order ---------------------------------------------------
 
     def _predict(self, dt):

@@ -49,7 +49,7 @@ def test_dam_break():
     assert np.count_nonzero(arrays["kind"] == 0) == 3200 and np.count_nonzero(arrays["role"] == CONTACT) == 2
     assert np.count_nonzero(arrays["role"] == SURFACE) == 80 + 40 - 1
     assert {probe.name for probe in case.probes} >= {"P1", "P2", "front", "column", "energy", "volume", "momentum"}
-    assert load(CASES / "dam_break.py", ["time_step=none"]).numerics.time_step is None
+    assert load(CASES / "dam_break.py", ["courant=none"]).numerics.time_step is None
 
 
 @pytest.mark.parametrize("spacing, count", [(0.1, 190), (0.05, 780), (0.025, 3160)])
