@@ -21,7 +21,7 @@ ONLY_IN = {
     "h5py": ("io", "doctor"),
     "matplotlib": ("io", "study"),
 }
-WHOLE_WORLD = ("COMM_WORLD", "COMM_SELF")
+WHOLE_WORLD = "COMM_WORLD"
 WHOLE_WORLD_IN = ("cli", "__main__")
 
 
@@ -82,10 +82,10 @@ def _starts(module, beginnings):
 
 def _worlds(tree):
     for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute) and node.attr in WHOLE_WORLD:
+        if isinstance(node, ast.Attribute) and node.attr == WHOLE_WORLD:
             yield node, node.attr
         elif isinstance(node, ast.ImportFrom):
-            yield from ((node, alias.name) for alias in node.names if alias.name in WHOLE_WORLD)
+            yield from ((node, alias.name) for alias in node.names if alias.name == WHOLE_WORLD)
 
 
 def _cycles(graph):
