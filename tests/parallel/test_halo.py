@@ -45,10 +45,26 @@ def test_first_plan_fills_every_exchanged_field_and_finds_every_pair(comm, make,
     n = p.n_global
     assert domain.refresh() is True
     check_ghosts(domain, [name for name in stamps(p.id, dim) if FIELDS[name].exchanged])
+    domain.update("phi", "x0")
+    domain.redistribute(force=True)
     for name in ("phi", "x0"):  # not exchanged: zero, and not what happened to lie in memory
         assert not getattr(p, f"{name}_all")[p.n_owned:].any()
+    assert domain.refresh() is False
     check_lists(comm, domain, n, RADIUS + 2 * LIST_SKIN, drifted=False)
     assert comm.size == 1 or kind == "corner" or comm.allreduce(p.n_ghost) > 0
+
+
+@pytest.mark.parametrize("dim, n", [(2, 3000), (3, 2000)])
+def test_ghosts_are_all_that_can_come_near_until_the_next_plan(comm, make, dim, n):
+    """Both of a pair may move by the skin; and the lists reach farther than the radius."""
+    p, domain = make("lattice", dim, n)
+    domain.refresh()
+    x = gathered(comm, p, "x")
+    here = np.isin(np.arange(len(x)), p.id_all)
+    reach = RADIUS + 2 * SKIN + 2 * LIST_SKIN
+    for i in p.id:
+        assert here[((x - x[i]) ** 2).sum(axis=1) < reach**2].all()
+    assert comm.size == 1 or not here.all()  # or the test would say nothing
 
 
 @pytest.mark.parametrize("dim", [2, 3])

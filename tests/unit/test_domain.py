@@ -78,6 +78,7 @@ def test_forced():
     _, domain = made()
     domain.refresh()
     assert domain.redistribute(force=True) is True
+    assert domain.refresh() is False and domain.n_lists == 2  # local numbers may have changed
 
 
 def test_without_skins_every_move_counts():
