@@ -256,9 +256,10 @@ def surface_by_density(role, was, kind, alpha, limit, indptr):
 def wet_walls(role, x, kind, corner, normal, spacing, indptr, indices, axes):
     """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
 
-    Wet: an inner fluid particle within 2.1 spacings, and fluid on both sides along the wall
-    (in a corner the inner one suffices). Contact: not wet, and a surface particle stands
-    beside it. `role` of fluid must be known, ghosts included; that of owned walls is written.
+    Wet: an inner fluid particle within 2.1 spacings, and fluid on both sides along the wall, or
+    beside a corner the other wall in its place (in the corner itself the inner particle
+    suffices). Contact: not wet, and a surface particle stands beside it. `role` of fluid must
+    be known, ghosts included; that of owned walls is written.
     """
     dim = len(axes)
     for i in range(len(indptr) - 1):
@@ -278,14 +279,14 @@ def wet_walls(role, x, kind, corner, normal, spacing, indptr, indices, axes):
             # half a spacing to either side along the wall, one and a half away from it
             beside |= (role[j] == SURFACE and 0.0 < away < 1.5 * spacing
                        and r2 - away * away < (0.55 * spacing) ** 2)
-        if inner and (corner[i] or _fluid_on_both_sides(i, x, kind, normal, spacing, indptr, indices, axes)):
+        if inner and (corner[i] or _covered_on_both_sides(i, x, kind, normal, spacing, indptr, indices, axes)):
             role[i] = WET
         else:
             role[i] = CONTACT if beside else DRY
 
 
 @kernel
-def _fluid_on_both_sides(i, x, kind, normal, spacing, indptr, indices, axes):
+def _covered_on_both_sides(i, x, kind, normal, spacing, indptr, indices, axes):
     dim = len(axes)
     for b in range(dim):  # the tangent along axis b is e_b - n_b n
         if 1.0 - normal[i, b] ** 2 < 0.25:
@@ -293,14 +294,16 @@ def _fluid_on_both_sides(i, x, kind, normal, spacing, indptr, indices, axes):
         ahead, behind = False, False
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
-            if kind[j] != FLUID:
-                continue
-            along, away = x[j, b] - x[i, b], 0.0
+            along, away, cosine = x[j, b] - x[i, b], 0.0, 0.0
             for a in range(dim):
                 away += (x[j, a] - x[i, a]) * normal[i, a]
+                cosine += normal[j, a] * normal[i, a]
             along -= away * normal[i, b]
-            ahead |= along > 0.3 * spacing
-            behind |= along < -0.3 * spacing
+            # one spacing from a corner the other wall, facing i, stands where fluid would be
+            facing = normal[j, b] - cosine * normal[i, b]
+            covers = kind[j] == FLUID or (along * facing < -0.5 * abs(along) and abs(along) < 1.5 * spacing)
+            ahead |= covers and along > 0.3 * spacing
+            behind |= covers and along < -0.3 * spacing
         if not (ahead and behind):
             return False
     return True

@@ -1,0 +1,156 @@
+"""Which wall particles touch the fluid."""
+
+import numpy as np
+import pytest
+
+from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WALL, WET
+from parisph.kernels import surface
+from tests.pools import part, tank
+
+dims = pytest.mark.parametrize("dim", [2, 3])
+
+
+def wetted(pool):
+    role = np.where(pool.fluid, pool.role, DRY).astype(np.int8)
+    surface.wet_walls(role, pool.x, pool.kind, pool.corner, pool.normal, pool.spacing, *pool.csr)
+    assert np.array_equal(role[pool.fluid], pool.role[pool.fluid])
+    return role
+
+
+def filled(cells, depth, width=None, jitter=0.0):
+    """Return an open tank with fluid up to the layer `depth`, and up to the column `width` along x only."""
+    pool = tank(cells, jitter=jitter)
+    index = pool.index
+    keep = (pool.kind == WALL) | (index[:, -1] <= depth)
+    if width is not None:
+        keep &= (pool.kind == WALL) | (index[:, 0] <= width)
+    pool.role[pool.fluid] = INNER
+    top = pool.fluid & (index[:, -1] == depth)
+    if width is not None:
+        top |= pool.fluid & (index[:, 0] == width)
+    pool.role[top] = SURFACE
+    return part(pool, keep)
+
+
+@dims
+@pytest.mark.parametrize("jitter", [0.0, 0.4])
+def test_tank_filled_in_part(dim, jitter):
+    depth = 5
+    pool = filled((9,) * dim if dim == 2 else (6, 6, 8), depth, jitter=jitter)
+    role, walls = wetted(pool), ~pool.fluid
+    height = pool.index[:, -1]
+    np.testing.assert_array_equal(role[walls & (height < depth)], WET)
+    np.testing.assert_array_equal(role[walls & (height > depth)], DRY)
+    # the wall node beside the surface: the contact line; in a vertical edge nothing stands beside it
+    line = walls & (height == depth)
+    np.testing.assert_array_equal(role[line & (pool.corner == 0)], CONTACT)
+    if dim == 3:
+        assert np.count_nonzero(line & (pool.corner == 1)) == 4
+    inside = walls & (pool.corner == 1) & (height == 0)
+    assert np.count_nonzero(inside) and np.all(role[inside] == WET)
+
+
+@dims
+def test_column_on_a_dry_bed(dim):
+    pool = filled((12, 7) if dim == 2 else (10, 5, 7), 5, width=4)
+    role = wetted(pool)
+    bed = ~pool.fluid & (pool.index[:, -1] == 0) & (pool.corner == 0)
+    x = pool.index[:, 0]
+    np.testing.assert_array_equal(role[bed & (x < 4)], WET)
+    np.testing.assert_array_equal(role[bed & (x == 4)], CONTACT)
+    np.testing.assert_array_equal(role[bed & (x > 4)], DRY)
+    far = ~pool.fluid & (x == pool.top[0])
+    assert np.all(role[far] == DRY)
+
+
+@dims
+def test_empty_tank_is_dry(dim):
+    pool = tank((6,) * dim)
+    empty = part(pool, ~pool.fluid)
+    assert np.all(wetted(empty) == DRY)
+
+
+def beside_wall(*offsets, role=INNER):
+    """Return the role of a bed node with fluid of one role at these offsets from it [s]."""
+    pool = tank((12, 8))
+    pool = part(pool, ~pool.fluid | ((pool.index[:, 0] < len(offsets) + 1) & (pool.index[:, 1] == 1)))
+    i = pool.at(6, 0)
+    pool.x[pool.fluid] = pool.x[i] + pool.spacing * np.array(offsets, float)
+    pool.role[pool.fluid] = role
+    pool.relist()
+    return wetted(pool)[i]
+
+
+@pytest.mark.parametrize(("offsets", "role", "expected"), [
+    ([(-0.5, 1.0), (0.5, 1.0)], INNER, WET),
+    ([(-0.5, 1.0), (0.5, 1.0)], SURFACE, CONTACT),           # no inner particle near
+    ([(-0.5, 1.0), (0.5, 1.0)], BALLISTIC, DRY),             # spray wets nothing
+    ([(0.0, 1.0), (0.5, 1.0)], INNER, DRY),                  # fluid on one side only
+    ([(-0.31, 2.0), (0.31, 2.0)], INNER, WET),
+    ([(-0.29, 2.0), (0.29, 2.0)], INNER, DRY),               # on neither side
+    ([(-0.5, 2.1), (0.5, 2.1)], INNER, DRY),                 # farther than 2.1 spacings
+    ([(0.0, 1.0)], SURFACE, CONTACT),
+    ([(0.54, 1.4)], SURFACE, CONTACT),
+    ([(0.56, 1.4)], SURFACE, DRY),                           # not beside it
+    ([(0.0, 1.6)], SURFACE, DRY),                            # not at the wall
+])
+def test_limits(offsets, role, expected):
+    assert beside_wall(*offsets, role=role) == expected
+
+
+def test_both_sides_may_be_surface_if_one_inner_particle_is_near():
+    pool = tank((12, 8))
+    pool = part(pool, ~pool.fluid | ((pool.index[:, 0] < 4) & (pool.index[:, 1] == 1)))
+    i = pool.at(6, 0)
+    fluid = np.flatnonzero(pool.fluid)
+    pool.x[fluid] = pool.x[i] + pool.spacing * np.array([(0.0, 1.2), (-1.0, 1.0), (1.0, 1.0)])
+    pool.role[fluid] = [INNER, SURFACE, SURFACE]
+    pool.relist()
+    assert wetted(pool)[i] == WET
+    pool.role[fluid[0]] = SURFACE
+    assert wetted(pool)[i] == CONTACT
+
+
+@dims
+def test_corner_needs_an_inner_particle_only(dim):
+    pool = tank((8,) * dim)
+    one = part(pool, ~pool.fluid | (pool.index == 1).all(axis=1))
+    i = one.at(*[0] * dim)
+    for role, expected in ((INNER, WET), (SURFACE, DRY)):
+        one.role[one.fluid] = role
+        found = wetted(one)[i]
+        assert found == expected or (role == SURFACE and found == CONTACT)
+
+
+def test_wall_in_three_dimensions_needs_fluid_on_all_four_sides():
+    pool = tank((8, 8, 8))
+    i_index = np.array([4, 4, 0])
+    sides = i_index + np.array([[1, 0, 1], [-1, 0, 1], [0, 1, 1], [0, -1, 1]])
+    keep = ~pool.fluid | (pool.index[:, None] == sides).all(axis=2).any(axis=1)
+    four = part(pool, keep)
+    four.role[four.fluid] = INNER
+    assert wetted(four)[four.at(*i_index)] == WET
+    three = part(four, ~(four.index == sides[3]).all(axis=1))
+    assert wetted(three)[three.at(*i_index)] == DRY
+
+
+def test_slanting_wall():
+    # a wall at 45 degrees: both sides along it, not along the axes
+    pool = tank((12, 8))
+    turn = np.array([[1.0, -1.0], [1.0, 1.0]]) / np.sqrt(2.0)
+    pool.x, pool.normal = pool.x @ turn.T, pool.normal @ turn.T
+    pool.relist()
+    straight = tank((12, 8))
+    np.testing.assert_array_equal(wetted(pool), wetted(straight))
+
+
+def test_node_beside_a_corner_has_the_other_wall_at_its_side():
+    # fluid starts one spacing from the walls: none fits between the corner and the node beside it
+    pool = filled((9, 9), 6)
+    role = wetted(pool)
+    for index in ((1, 0), (0, 1), (8, 0), (9, 1), (0, 0), (9, 0)):
+        assert role[pool.at(*index)] == WET, index
+    # two spacings from the corner a pocket of air fits in
+    pocket = part(pool, ~pool.fluid | (pool.index[:, 0] > 2))
+    role = wetted(pocket)
+    assert role[pocket.at(2, 0)] == role[pocket.at(1, 0)] == DRY and role[pocket.at(4, 0)] == WET
