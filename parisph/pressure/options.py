@@ -8,18 +8,21 @@ from parisph.base.errors import CaseError
 
 PREFIX = "pressure_"
 
-# Below this many unknowns on all ranks, overlapping incomplete factors beat algebraic
-# multigrid. Milliseconds of set-up + solve to 1e-6 with a kept preconditioner, nonsymmetric
-# 2D rows of 21 entries, on one rank:
-#     unknowns            529         961         3025        10000       29929       99856
-#     BoomerAMG        0.9 + 1.1   1.1 + 1.2   3.9 + 4.5    12 + 14     38 + 60    140 + 170
-#     ILU(2), rcm      0.3 + 0.3   0.5 + 0.6   1.9 + 2.6     8 + 11     22 + 48     83 + 210
-#     LU               1.0 + 0.2   2.4 + 0.7    21 + 3.4   150 + 15    1200 + 73   7700 + 250
-# and on two ranks (ASM overlap 2 with ILU(2)): 3025: 2.8 + 5.4 against 7.8 + 10; 10000:
-# 6 + 16 against 18 + 18; 29929: 16 + 27 against 51 + 60 when the start is good, 35 against 70
-# when it is not. From there the iterations of ILU grow with the size of the domain (26-52 at
-# 1e5, 12 with multigrid), so the switch is where it still wins from any start.
-SMALL = 20_000
+# Up to this many unknowns on all ranks, incomplete factors beat algebraic multigrid. CPU
+# milliseconds on one rank of set-up + one solve to 1e-6 (iterations) from zero, nonsymmetric 2D
+# rows of 21 entries with a new pattern each time (so nothing of an old set-up can be used again):
+#     unknowns          529            961             3025            10000           29929
+#     BoomerAMG   0.7 + 0.7 (11)  1.6 + 2.1 (12)  4.8 + 6.3 (14)   12 + 20 (14)    39 + 75 (17)
+#     ILU(0)      0.6 + 0.3 (15)  1.1 + 0.9 (20)  3.3 + 4.7 (33)   11 + 46 (60)   38 + 215 (121)
+#     ILU(1)      1.3 + 0.4 (10)  2.4 + 0.9 (12)  7.2 + 3.1 (19)   24 + 22 (34)   94 + 136 (59)
+#     ILU(2)      2.2 + 0.4 (8)   4.1 + 0.8 (9)   13 + 3.7 (14)    40 + 21 (24)   160 + 106 (40)
+#     LU          1.8 + 0.1       4.6 + 0.2       29 + 1.1
+# In the first steps of a dam break (3840 unknowns, warm start, two solves a step) the whole step
+# took: factors made anew in each step: ILU(1) 14 (15), ILU(2) 24 (10), BoomerAMG 19 (9); kept as
+# long as they worked: ILU(1) 12.2 (20), ILU(2) 12.5 (14), BoomerAMG 14.6 (12), ILU(0) 13.8 (35).
+# So: one level of fill where factors do not last, two where they do, and multigrid where the
+# iterations of incomplete factors, which grow with the domain, cost more than its levels.
+SMALL = 6_000
 
 # Krylov methods that can be preconditioned from the right, where the residual that the
 # iteration watches is the true one.
@@ -56,7 +59,7 @@ def _incomplete(ranks, levels):
             **{f"sub_{name}": value for name, value in factor.items()}}
 
 
-def primary(rtol, closed, ranks, unknowns, entries):
+def primary(rtol, closed, ranks, unknowns, entries, lasting=True):
     """Return our options of the first attempt, name without prefix -> value or None.
 
     They go with the user's `-pressure_pc_type` if there is one, else with the size.
@@ -68,15 +71,15 @@ def primary(rtol, closed, ranks, unknowns, entries):
     ranks : int
     unknowns, entries : int
         Rows and matrix entries on all ranks.
+    lasting : bool
+        The preconditioner can be expected to serve for several matrices.
     """
     kind = PETSc.Options(PREFIX).getString("pc_type", "")
     if not kind:
         kind = "incomplete" if unknowns <= SMALL else "hypre" if PETSc.Sys.hasExternalPackage("hypre") else "gamg"
     if kind == "incomplete":
-        # Long rows fill up faster. Set-up + solve of 3025 unknowns [ms] with levels 1 and 2: rows of
-        # 21 entries 1.2 + 2.8, 1.9 + 2.7; of 37 entries 6.7 + 5.5, 13 + 8.
-        length = entries / max(unknowns, 1)
-        preconditioner = _incomplete(ranks, 2 if length < 32 else 1 if length < 60 else 0)
+        # Long rows fill up faster: with 37 entries a row, each level doubles the set-up.
+        preconditioner = _incomplete(ranks, int(entries < 32 * unknowns) + int(lasting))
     elif kind == "hypre":
         preconditioner = dict(_BOOMERAMG, **(_BOOMERAMG_CLOSED if closed else {}))
     else:

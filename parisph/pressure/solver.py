@@ -14,8 +14,9 @@ from parisph.pressure.system import System
 
 # A kept preconditioner is rebuilt once it needs more than GROWTH x fresh + 2 iterations, fresh
 # being what it needed at first (at least FRESH: a start that is nearly exact says little), or
-# once particles have moved this many spacings since it was built.
-GROWTH, FRESH, DRIFT = 1.5, 4, 0.8
+# once the fastest particle has moved this many spacings since it was built. It is expected to
+# last if rows kept their numbers for LASTING matrices before.
+GROWTH, FRESH, DRIFT, LASTING = 1.5, 4, 4.0, 4
 
 # An attempt has failed if its true residual exceeds this many times the tolerance.
 SLACK = 10.0
@@ -109,6 +110,7 @@ class PressureSolver:
         self._system = System(comm, closed)
         self._rows = None           # of this rank, when the preconditioner was built
         self._total = 0
+        self._matrices = None       # since rows were renumbered
         self._ksp = None
         self._user = opts.UserOptions(options)
         try:
@@ -185,14 +187,16 @@ class PressureSolver:
             # A new solver, for PETSc's reset forgets viewers and keeps subdomains of the old rows.
             self._configure(total, self._comm.allreduce(len(indices)))
             self._system.resize(n, total)
-            self._rows, self._total = n, total
+            self._rows, self._total, self._matrices = n, total, 0
+        self._matrices += 1
         self._moved += changed[1]
         if changed[0] or self._moved > DRIFT or not self._may_keep:
             self._usable = False
 
     def _configure(self, unknowns, entries):
         """Make the Krylov solver of the first attempt; its preconditioner depends on the size."""
-        self._chosen = opts.primary(self._wanted, self._closed, self._comm.size, unknowns, entries)
+        lasting = self._matrices is None or self._matrices >= LASTING
+        self._chosen = opts.primary(self._wanted, self._closed, self._comm.size, unknowns, entries, lasting)
         ksp = opts.configured(self._comm, opts.PREFIX, self._chosen)
         if self._ksp is not None:
             self._ksp.destroy()

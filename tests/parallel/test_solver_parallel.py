@@ -73,7 +73,7 @@ def test_default_preconditioner_goes_by_the_rows_of_all_ranks(comm, make):
     solver = make()
     Problem(comm, 10).solve(solver)
     assert solver.options["pressure_pc_type"] == ("ilu" if comm.size == 1 else "asm")
-    large = Problem(comm, 145)
+    large = Problem(comm, 90)
     assert large.p.size > opts.SMALL
     found, record = large.solve(solver, renumbered=True)
     assert solver.options["pressure_pc_type"] == "hypre" and record.iterations <= 20
@@ -101,7 +101,7 @@ def test_one_rank_that_renumbers_makes_all_rebuild(comm, make):
 
 def test_the_largest_drift_counts(comm, make):
     problem, solver = Problem(comm), make()
-    built = [problem.solve(solver, drift=0.3 * (comm.rank == comm.size - 1))[1].rebuilt for _ in range(4)]
+    built = [problem.solve(solver, drift=1.5 * (comm.rank == comm.size - 1))[1].rebuilt for _ in range(4)]
     assert built == [True, False, False, True]
 
 
@@ -258,7 +258,7 @@ def test_memory_is_flat(comm, make):
         with open("/proc/self/statm") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") // 1024
 
-    steps(150)
+    steps(100)
     before = resident()
-    steps(500)
+    steps(250)
     assert resident() - before < 2000, "kB; one matrix kept a step would be 40 kB each"

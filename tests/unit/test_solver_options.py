@@ -70,15 +70,16 @@ def test_detail_of_the_default_preconditioner_may_be_changed(make):
     assert solver._ksp.getPC().getType() == "ilu"
 
 
-@pytest.mark.parametrize("unknowns, entries, ranks, expected", [
-    (1000, 21_000, 1, {"pc_type": "ilu", "pc_factor_levels": "2"}),
-    (1000, 38_000, 1, {"pc_type": "ilu", "pc_factor_levels": "1"}),
-    (1000, 90_000, 1, {"pc_type": "ilu", "pc_factor_levels": "0"}),
-    (1000, 21_000, 4, {"pc_type": "asm", "sub_pc_type": "ilu", "sub_pc_factor_levels": "2"}),
-    (100_000, 2_100_000, 4, {"pc_type": "hypre", "pc_hypre_type": "boomeramg"}),
+@pytest.mark.parametrize("unknowns, entries, ranks, lasting, expected", [
+    (1000, 21_000, 1, True, {"pc_type": "ilu", "pc_factor_levels": "2"}),
+    (1000, 21_000, 1, False, {"pc_type": "ilu", "pc_factor_levels": "1"}),
+    (1000, 38_000, 1, True, {"pc_type": "ilu", "pc_factor_levels": "1"}),
+    (1000, 38_000, 1, False, {"pc_type": "ilu", "pc_factor_levels": "0"}),
+    (1000, 21_000, 4, True, {"pc_type": "asm", "sub_pc_type": "ilu", "sub_pc_factor_levels": "2"}),
+    (100_000, 2_100_000, 4, True, {"pc_type": "hypre", "pc_hypre_type": "boomeramg"}),
 ])
-def test_default_preconditioner_goes_by_size_and_row_length(unknowns, entries, ranks, expected):
-    chosen = opts.primary(1e-6, False, ranks, unknowns, entries)
+def test_default_preconditioner_goes_by_size_and_row_length(unknowns, entries, ranks, lasting, expected):
+    chosen = opts.primary(1e-6, False, ranks, unknowns, entries, lasting)
     assert {name: chosen[name] for name in expected} == expected
 
 
