@@ -142,7 +142,6 @@ def _add_progress(verb):
 def _add_looking(verbs):
     verb = _verb(verbs, "info", _info, "what is in a run, how it was made, how it went")
     _add_run(verb)
-    verb.add_argument("--short", action="store_true", help="only the table of how it went")
     verb.add_argument("--json", action="store_true", help="print summary.json instead")
     verb = _verb(verbs, "plot", _plot, "pictures of the flow and of the probes; by itself, the whole run on one page")
     _add_run(verb)
@@ -253,10 +252,7 @@ def _info(args):
     from parisph.io import describe, reader
 
     run = reader.open_run(args.run)
-    if args.json:
-        print(json.dumps(run.summary, indent=2))
-    else:
-        print("\n".join(describe.outcome(run)) if args.short else describe.describe(run))
+    print(json.dumps(run.summary, indent=2) if args.json else describe.describe(run))
 
 
 def _compare(args):

@@ -8,15 +8,10 @@ def table(summary):
     return [f"{name:<16}{text}" for name, text in _entries(summary) if text is not None]
 
 
-def outcome(run):
-    """Return the table of a Run as lines; one line that says so while it has no summary."""
-    return table(run.summary) if run.summary else ["no summary.json: the run goes on, or was killed"]
-
-
 def describe(run):
     """Return the text about a Run (io.reader): what is in it, how it was made, how it went."""
     lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
-    lines += ["", *outcome(run)]
+    lines += ["", *(table(run.summary) if run.summary else ["no summary.json: the run goes on, or was killed"])]
     if len(run):
         lines += ["", f"{'snapshots':<16}{len(run)}, t = {run.times[0]:.6g} to {run.times[-1]:.6g} s ({run.folder / INDEX})"]
     checkpoints = sorted((run.folder / "checkpoints").glob("*.h5"))

@@ -51,12 +51,6 @@ def test_info_says_how_it_went(folder, capsys):
     assert any(word == "petsc_options -ksp_type gmres" for word in words)
 
 
-def test_info_in_short(folder, capsys):
-    assert main(["info", str(folder), "--short"]) == 0
-    lines = lines_of(capsys)
-    assert lines[0].split() == ["status", "completed"] and not any("snapshots" in line for line in lines)
-
-
 def test_info_as_json_and_of_an_unfinished_run(folder, capsys):
     assert main(["info", str(folder), "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == SUMMARY
