@@ -128,7 +128,8 @@ def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices,
                     m[a + 1, b + 1] += d * (x[j, b] - x[i, b]) / radius
         if m[0, 0] < 1.0 + 1.0e-12:
             continue
-        _first_row_of_inverse(c, m, axes)
+        if not _first_row_of_inverse(c, m, axes):
+            continue
         # the share of the particle itself in its own mean: 1 where the fit runs through it
         if not 0.0 < c[0] < 0.6:
             continue

@@ -198,7 +198,7 @@ def _add_point(shape, normal_shape, near, n, unit, distance, w, c, m, axes):
 
 @kernel
 def _first_row_of_inverse(c, m, axes):
-    """Solve m c = e_0; where the points do not span a plane, keep the constant (Shepard)."""
+    """Solve m c = e_0; where the points do not span a plane, keep the constant (Shepard): False."""
     n = len(axes) + 1
     weight = m[0, 0]
     for r in range(n):
@@ -211,7 +211,7 @@ def _first_row_of_inverse(c, m, axes):
         if not m[r, r] > PIVOT_FLOOR * weight:
             c[:] = 0.0
             c[0] = 1.0 / weight if weight > 0.0 else 0.0
-            return
+            return False
         m[r, r] = math.sqrt(m[r, r])
     c[0] = 1.0 / m[0, 0]
     for r in range(1, n):
@@ -223,6 +223,7 @@ def _first_row_of_inverse(c, m, axes):
         for s in range(r + 1, n):
             c[r] -= m[s, r] * c[s]
         c[r] /= m[r, r]
+    return True
 
 
 @kernel

@@ -45,7 +45,10 @@ def cell_areas(area, chosen, x, reach, indptr, indices):
 
 @kernel
 def _clip(px, py, n, dx, dy, limit, qx, qy):
-    """Keep the part of the polygon where r . d <= limit; return its number of corners."""
+    """Keep the part of the polygon where r . d <= limit; return its number of corners.
+
+    A polygon with more corners than fit is given up: 0, and the cell counts as not closed.
+    """
     count = 0
     for m in range(n):
         o = m + 1 if m + 1 < n else 0
@@ -53,12 +56,12 @@ def _clip(px, py, n, dx, dy, limit, qx, qy):
         if here <= 0.0:
             qx[count], qy[count] = px[m], py[m]
             count += 1
-        if (here < 0.0 < there or there < 0.0 < here) and count < len(qx):
+        if here < 0.0 < there or there < 0.0 < here:
             t = here / (here - there)
             qx[count], qy[count] = px[m] + t * (px[o] - px[m]), py[m] + t * (py[o] - py[m])
             count += 1
-        if count >= len(qx):
-            break
+        if count > len(qx) - 2:  # the next corner may add two
+            return 0
     for m in range(count):
         px[m], py[m] = qx[m], qy[m]
     return count

@@ -133,6 +133,21 @@ def test_flux_divergence_of_linear_velocity_is_exact(dim, jitter):
 
 
 @dims
+@jitters
+def test_second_invariant_of_linear_velocity_is_exact(dim, jitter):
+    pool, _ = cloud(dim, jitter)
+    slope = np.random.default_rng(7).normal(size=(dim, dim))
+    u = pool.x @ slope.T + 1.0
+    rows = filled(pool, u)
+    pool.role[pool.at(*[4] * dim)] = SURFACE
+    out = np.full(pool.n, np.nan)
+    rankine.second_invariant(out, u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes)
+    deep = pool.far_inside(2) & (pool.role == INNER)
+    np.testing.assert_allclose(out[deep], np.trace(slope @ slope), atol=1e-9)
+    assert out[pool.at(*[4] * dim)] == 0.0
+
+
+@dims
 def test_flux_divergence_is_the_mean_of_the_outflow(dim):
     # (dim/R) mean of n . u over the points, u by moving least squares there
     pool, _ = cloud(dim, 0.8)

@@ -1,0 +1,241 @@
+"""Pair collisions, the wall guard and the velocity filter."""
+
+import numpy as np
+import pytest
+
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL
+from parisph.kernels import collisions
+from tests.pools import block, free, part, tank
+
+dims = pytest.mark.parametrize("dim", [2, 3])
+
+
+def collided(pool, u, distance=0.85, restitution=0.2):
+    """Return (velocity change (n, dim), number of collisions)."""
+    change = np.full((pool.n, pool.dim), np.nan)
+    pairs = collisions.pair_collisions(change, u, pool.x, pool.kind, distance * pool.spacing, restitution, *pool.csr)
+    return change, pairs
+
+
+def guarded(pool, u, distance=0.5, dt=0.01):
+    u = u.copy()
+    slowed = collisions.wall_guard(u, *pool.walls, distance * pool.spacing, dt, *pool.csr)
+    return u, slowed
+
+
+# -- pair collisions ----------------------------------------------------------------------------------
+
+
+@dims
+@pytest.mark.parametrize("restitution", [0.0, 0.2, 1.0])
+def test_single_pair(dim, restitution):
+    random = np.random.default_rng(0)
+    direction = random.normal(size=dim)
+    direction /= np.linalg.norm(direction)
+    pool = free(np.vstack([np.zeros(dim), 0.8 * direction]))
+    u = random.normal(size=(2, dim))
+    approach = (u[0] - u[1]) @ direction
+    u[0] += (1.0 - approach) * direction  # approaching at 1 m/s
+    change, pairs = collided(pool, u, restitution=restitution)
+    after = u + change
+    assert pairs == 2, "once for each particle"
+    assert (after[0] - after[1]) @ direction == pytest.approx(-restitution, abs=1e-14)
+    np.testing.assert_allclose(after.sum(axis=0), u.sum(axis=0), atol=1e-14)
+    tangential = change - np.outer(change @ direction, direction)
+    np.testing.assert_allclose(tangential, 0.0, atol=1e-14)
+    lost = 0.5 * (u**2).sum() - 0.5 * (after**2).sum()
+    assert lost == pytest.approx(0.25 * (1.0 - restitution**2), abs=1e-13)
+
+
+@dims
+@pytest.mark.parametrize(("apart", "speed"), [(0.8, -1.0), (0.8, 0.0), (0.86, 1.0), (0.0, 1.0)])
+def test_pairs_that_are_left_alone(dim, apart, speed):
+    # receding, sliding past, too far apart, in the same place
+    axis = np.eye(dim)[0]
+    pool = free(np.vstack([np.zeros(dim), apart * axis]))
+    u = np.vstack([speed * axis, np.zeros(dim)]) + np.eye(dim)[1] * [[3.0], [-3.0]]
+    change, pairs = collided(pool, u)
+    assert pairs == 0 and np.all(change == 0.0)
+
+
+@dims
+def test_momentum_of_a_crowd_is_conserved_and_energy_lost(dim):
+    pool = block(dim, 8 if dim == 2 else 5, jitter=1.2)
+    u = np.random.default_rng(1).normal(size=pool.x.shape)
+    change, pairs = collided(pool, u, restitution=0.2)
+    assert pairs > 20 and pairs % 2 == 0
+    np.testing.assert_allclose(change.sum(axis=0), 0.0, atol=1e-12)
+    # a pair of its own loses energy; in a crowd, impulses of one moment add up, in sum still a loss
+    assert ((u + change) ** 2).sum() < (u**2).sum()
+
+
+@dims
+def test_result_does_not_depend_on_the_order(dim):
+    pool = block(dim, 6 if dim == 2 else 4, jitter=1.2)
+    u = np.random.default_rng(2).normal(size=pool.x.shape)
+    change, pairs = collided(pool, u)
+    order = np.random.default_rng(3).permutation(pool.n)
+    other = part(pool, order)
+    mixed, again = collided(other, u[order])
+    assert again == pairs
+    np.testing.assert_allclose(mixed, change[order], atol=1e-14)
+
+
+def test_walls_take_no_part():
+    pool = tank((5, 5))
+    pool.x[pool.fluid, 0] -= 0.4 * pool.spacing
+    pool.relist()
+    u = np.where(pool.fluid[:, None], [-1.0, 0.0], [5.0, 0.0])
+    change, pairs = collided(pool, u, distance=0.9)
+    assert pairs == 0 and np.all(change == 0.0)
+
+
+# -- the wall guard -----------------------------------------------------------------------------------
+
+
+@dims
+@pytest.mark.parametrize("dt", [1e-4, 0.01, 1.0])
+def test_no_particle_gets_nearer_than_the_distance(dim, dt):
+    pool = tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.8)
+    u = np.where(pool.fluid[:, None], np.random.default_rng(0).normal(scale=0.1 / dt, size=pool.x.shape), 0.0)
+    after, slowed = guarded(pool, u, dt=dt)
+    moved = pool.x + dt * after
+    room = np.concatenate([moved, (pool.top * pool.spacing - moved)[:, :-1]], axis=1)[pool.fluid]
+    assert room.min() >= 0.5 * pool.spacing * (1.0 - 1e-9)
+    changed = np.any(after != u, axis=1)
+    assert slowed == np.count_nonzero(changed) > 0
+    # who stays off anyway keeps its velocity
+    free_flight = pool.x + dt * u
+    safe = np.concatenate([free_flight, (pool.top * pool.spacing - free_flight)[:, :-1]], axis=1)
+    unhurt = pool.fluid & (safe > 0.5 * pool.spacing * (1.0 + 1e-9)).all(axis=1)
+    assert np.count_nonzero(unhurt) > 0 and not changed[unhurt].any() and not changed[~pool.fluid].any()
+
+
+@dims
+def test_guard_takes_the_part_into_the_wall_only(dim):
+    pool = tank((8,) * dim)
+    i = pool.at(*[4] * (dim - 1), 1)
+    u = np.zeros((pool.n, dim))
+    u[i] = np.arange(1.0, dim + 1.0)
+    u[i, -1] = -100.0
+    after, slowed = guarded(pool, u, dt=0.01)
+    assert slowed == 1
+    np.testing.assert_array_equal(after[i, :-1], u[i, :-1])
+    assert after[i, -1] == pytest.approx(-0.5 * pool.spacing / 0.01, rel=1e-12)
+
+
+def test_particle_that_is_too_near_may_leave_but_not_come_nearer():
+    pool = tank((8, 8))
+    i = pool.at(4, 1)
+    pool.x[i, 1] = 0.2 * pool.spacing
+    pool.relist()
+    u = np.zeros((pool.n, 2))
+    for velocity, expected in ((-1.0, 0.0), (1.0, 1.0)):
+        u[i] = 0.3, velocity
+        after, _ = guarded(pool, u)
+        np.testing.assert_allclose(after[i], [0.3, expected], atol=1e-15)
+
+
+def test_guard_in_a_corner_holds_both_walls():
+    pool = tank((8, 8))
+    i = pool.at(1, 1)
+    u = np.zeros((pool.n, 2))
+    u[i] = -100.0, -200.0
+    after, slowed = guarded(pool, u)
+    assert slowed == 1
+    np.testing.assert_allclose(after[i], -0.5 * pool.spacing / 0.01, rtol=1e-12)
+
+
+def test_guard_moves_with_the_wall():
+    pool = tank((8, 8))
+    i = pool.at(4, 1)
+    u = np.zeros((pool.n, 2))
+    u[pool.kind == WALL] = 0.0, 2.0
+    after, slowed = guarded(pool, u, dt=1.0)
+    # the wall comes up by 2 m a second, the particle keeps its distance
+    assert slowed > 0 and after[i, 1] == pytest.approx(2.0 - 0.5 * pool.spacing, rel=1e-12)
+
+
+@dims
+def test_displacements_keep_off_walls(dim):
+    pool = tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.8)
+    move = np.random.default_rng(4).normal(scale=0.6 * pool.spacing, size=pool.x.shape)
+    before = move.copy()
+    collisions.keep_off_walls(move, *pool.walls, 0.5 * pool.spacing, *pool.csr)
+    moved = pool.x + move
+    room = np.concatenate([moved, (pool.top * pool.spacing - moved)[:, :-1]], axis=1)[pool.fluid]
+    assert room.min() >= 0.5 * pool.spacing * (1.0 - 1e-9)
+    np.testing.assert_array_equal(move[~pool.fluid], before[~pool.fluid])
+    free_move = pool.x + before
+    safe = np.concatenate([free_move, (pool.top * pool.spacing - free_move)[:, :-1]], axis=1)
+    unhurt = pool.fluid & (safe > 0.5 * pool.spacing * (1.0 + 1e-9)).all(axis=1)
+    assert np.count_nonzero(unhurt) > 0
+    np.testing.assert_array_equal(move[unhurt], before[unhurt])
+
+
+# -- the filter ---------------------------------------------------------------------------------------
+
+
+def smoothed(pool, u, strength=0.03):
+    change = np.full((pool.n, pool.dim), np.nan)
+    collisions.smooth_velocity(change, u, pool.x, pool.kind, pool.role, strength, 2.1 * pool.spacing, *pool.csr)
+    return change
+
+
+@dims
+@pytest.mark.parametrize("jitter", [0.0, 0.8])
+def test_linear_velocity_passes(dim, jitter):
+    pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=jitter)
+    random = np.random.default_rng(0)
+    u = pool.x @ random.normal(size=(dim, dim)) + random.normal(size=dim)
+    np.testing.assert_allclose(smoothed(pool, u, 1.0), 0.0, atol=1e-12)
+
+
+@dims
+def test_roughness_is_reduced_and_walls_are_left_alone(dim):
+    pool = tank((12, 12) if dim == 2 else (7, 7, 7), jitter=0.4)
+    u = np.random.default_rng(1).normal(size=pool.x.shape)
+    change = smoothed(pool, u)
+    assert np.all(change[~pool.fluid] == 0.0)
+    inside = pool.far_inside(2)
+    work = (change[inside] * u[inside]).sum()
+    assert work < 0.0
+    # white noise loses strength (1 - the particle's share in its own mean), a half or more
+    assert -work / (u[inside] ** 2).sum() == pytest.approx(0.03 * 0.75, rel=0.2)
+    np.testing.assert_allclose(smoothed(pool, u, 0.06), 2.0 * change, rtol=1e-12, atol=1e-15)
+
+
+def test_alternating_velocity_decays_and_a_long_wave_hardly():
+    pool = block(2, 24)
+    inside = pool.far_inside(4)
+    alternating = np.where(pool.index.sum(axis=1) % 2 == 0, 1.0, -1.0)[:, None] * np.ones(2)
+    k = 2.0 * np.pi / (24.0 * pool.spacing)
+    wave = np.stack([np.cos(k * pool.x[:, 0]) * np.exp(k * pool.x[:, 1]),
+                     np.sin(k * pool.x[:, 0]) * np.exp(k * pool.x[:, 1])], axis=1)
+    rates = []
+    for u in (alternating, wave):
+        change = smoothed(pool, u)
+        rates.append(-(change[inside] * u[inside]).sum() / (u[inside] ** 2).sum())
+    assert rates[0] > 0.03 * 0.9
+    assert abs(rates[1]) < 1e-4 * rates[0], "a harmonic velocity has no Laplacian"
+
+
+def test_filter_leaves_dry_walls_out():
+    pool = tank((8, 8), jitter=0.4)
+    pool.role[pool.kind == WALL] = DRY
+    u = np.where(pool.fluid[:, None], pool.x, np.nan)
+    change = smoothed(pool, u, 1.0)
+    np.testing.assert_allclose(change[pool.fluid], 0.0, atol=1e-12)
+
+
+@dims
+@pytest.mark.parametrize("shape", ["alone", "pair", "line", "wavy line", "coincident"])
+def test_filter_leaves_degenerate_neighbourhoods_alone(dim, shape):
+    rng = np.random.default_rng(0)
+    line = np.arange(9)[:, None] * np.eye(dim)[0]
+    index = {"alone": np.zeros((1, dim)), "pair": line[:2], "line": line + 0.3 * rng.random((9, 1)) * np.eye(dim)[0],
+             "wavy line": line + 0.1 * rng.random((9, dim)), "coincident": np.zeros((4, dim))}[shape]
+    pool = free(index)
+    u = pool.x @ rng.normal(size=(dim, dim)) + 1.0
+    np.testing.assert_allclose(smoothed(pool, u, 1.0), 0.0, atol=1e-12)
+    assert np.all(smoothed(pool, rng.normal(size=pool.x.shape), 1.0) == 0.0)
