@@ -139,7 +139,8 @@ def senders(x, cells, partition, width, rank):
         by particle
     """
     grid = partition.grid
-    pairs = _senders(x, cells, partition.splitters, width, rank, grid.origin, grid.size, grid.bits, *machine(grid.dim))
+    pairs = _senders(x, cells, partition.splitters, width, rank,
+                     grid.origin, grid.size, grid.bits, *machine(grid.dim))
     order = np.argsort(pairs[:, 0], kind="stable")
     return pairs[order, 0], pairs[order, 1]
 

@@ -47,14 +47,16 @@ def exchange(comm, records, counts):
     received = np.empty(senders.sum(), records.dtype)
     # Counted in records, a message of more than 2 GB needs no care.
     kind = MPI.BYTE.Create_contiguous(records.dtype.itemsize).Commit()
-    requests = [comm.Irecv([part.view(np.uint8), len(part), kind], rank, _TAG) for rank, part in _parts(received, senders)]
-    requests += [comm.Isend([part.view(np.uint8), len(part), kind], rank, _TAG) for rank, part in _parts(records, counts)]
+    requests = [comm.Irecv(message, rank, _TAG) for rank, message in _messages(received, senders, kind)]
+    requests += [comm.Isend(message, rank, _TAG) for rank, message in _messages(records, counts, kind)]
     MPI.Request.Waitall(requests)
     kind.Free()
     return received, senders
 
 
-def _parts(records, counts):
+def _messages(records, counts, kind):
+    """Give each rank that has any its run of the records, as mpi4py wants a message."""
     ends = np.cumsum(counts)
     for rank in np.flatnonzero(counts):
-        yield rank, records[ends[rank] - counts[rank]:ends[rank]]
+        part = records[ends[rank] - counts[rank]:ends[rank]]
+        yield rank, [part.view(np.uint8), len(part), kind]

@@ -56,7 +56,8 @@ class Grid:
     def keys(self, x):
         """Return the fine keys (n,) int64 of positions (n, dim) [m]: sort by them."""
         keys = np.empty(len(x), np.int64)
-        _position_keys(keys, x, self.origin, self.size / 2.0**self.fine, self.bits + self.fine, *machine(self.dim))
+        size, bits = self.size / 2.0**self.fine, self.bits + self.fine
+        _position_keys(keys, x, self.origin, size, bits, *machine(self.dim))
         return keys
 
     def cells(self, keys):
