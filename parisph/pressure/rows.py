@@ -27,7 +27,9 @@ class PressureRows:
         self.scheme, self.wall_rows, self.spacing = scheme, wall_rows, spacing
         self.radii = {name: value * spacing for name, value in radii.items()}
         self.unit = rankine.directions(dim)
-        self.columns = np.empty(0, np.int32)
+        self.columns, self.count = np.empty(0, np.int32), np.empty(0, np.int32)
+        self.values, self.measure, self.div = np.empty(0), np.empty(0), np.empty(0)
+        self.flux = np.empty((0, dim))
 
     def fill(self, u, x, role, normal, indptr, indices):
         """Fill the rows of all owned particles, and the flux divergence of u.
@@ -80,7 +82,7 @@ class PressureRows:
             self.columns = np.empty(room, np.int32)
             self.values = np.empty(room)
             self.flux = np.empty((room, len(self.axes)))
-        if not hasattr(self, "count") or n > len(self.count):
+        if n > len(self.count):
             room = n + n // 8
             self.count = np.empty(room, np.int32)
             self.measure, self.div = np.empty(room), np.empty(room)

@@ -1,0 +1,128 @@
+"""The pressure matrix of one rank: which row comes from which kernel, and the CSR of it all."""
+
+import numpy as np
+import pytest
+
+from parisph.base.fields import BALLISTIC, CONTACT, INNER, SURFACE, WET
+from parisph.methods.schemes import CIRCLE, MLS, SCHEMES, SPH, WALL
+from parisph.pressure.rows import PressureRows
+from tests.pools import block, tank
+
+dims = pytest.mark.parametrize("dim", [2, 3])
+RADII = {"circle": CIRCLE, "mls": MLS, "wall": WALL, "sph": SPH}
+
+
+def rows_of(pool, method="ISPH_R", wall_rows="sfdi", u=None, made=None):
+    rows = made or PressureRows(pool.dim, SCHEMES[method], wall_rows, pool.spacing, RADII)
+    rows.fill(np.zeros_like(pool.x) if u is None else u, pool.x, pool.role, pool.normal, pool.indptr, pool.indices)
+    return rows
+
+
+def dense(pool, indptr, columns, values):
+    matrix = np.zeros((pool.n, pool.n))
+    np.add.at(matrix, (np.repeat(np.arange(pool.n), np.diff(indptr)), columns), values)
+    return matrix
+
+
+def cells(dim):
+    return (9, 8) if dim == 2 else (5, 5, 6)
+
+
+@dims
+@pytest.mark.parametrize("wall_rows", ["sfdi", "harmonic"])
+@pytest.mark.parametrize("jitter", [0.0, 0.8])
+def test_water_at_rest_is_an_exact_solution(dim, wall_rows, jitter):
+    # p = rho g depth: no Laplacian, n . grad p = rho n . g at the walls, p = 0 on the surface
+    pool = tank(cells(dim), jitter=jitter)
+    rows = rows_of(pool, wall_rows=wall_rows)
+    depth = pool.top[-1] * pool.spacing - pool.x[:, -1]
+    gravity = -np.eye(dim)[-1]
+    target = np.where(pool.role == WET, pool.normal @ gravity, 0.0)
+    indptr, columns, values, _ = rows.csr(pool.role, np.arange(pool.n, dtype=np.int32))
+    right = rows.right_hand_side(target)
+    unknown = np.isin(pool.role, (INNER, WET))
+    right[~unknown] = 0.0
+    matrix = dense(pool, indptr, columns, values)
+    np.testing.assert_allclose(matrix @ np.where(unknown, depth, 0.0), right, atol=1e-13)
+    np.testing.assert_allclose(np.linalg.solve(matrix, right)[unknown], depth[unknown], atol=1e-10)
+
+
+@dims
+def test_known_pressures_become_identity_rows_and_leave_the_other_rows(dim):
+    pool = tank(cells(dim), jitter=0.4)
+    lone = pool.at(*[2] * dim)
+    pool.role[lone] = BALLISTIC
+    rows = rows_of(pool)
+    numbers = np.random.default_rng(0).permutation(1000)[: pool.n].astype(np.int32)
+    indptr, columns, values, anchored = rows.csr(pool.role, numbers)
+    assert indptr.dtype == columns.dtype == np.int32 and indptr[-1] == len(columns) == len(values)
+    known = np.isin(pool.role, (SURFACE, CONTACT, BALLISTIC))
+    local = np.full(1000, -1)
+    local[numbers] = np.arange(pool.n)
+    for i in range(pool.n):
+        row = slice(indptr[i], indptr[i + 1])
+        assert columns[indptr[i]] == numbers[i] and values[indptr[i]] == 1.0, "the diagonal comes first"
+        others = local[columns[row]][1:]
+        assert np.all(others >= 0) and i not in others and not known[others].any()
+        used = rows.columns[rows.indptr[i]:rows.indptr[i] + rows.count[i]]
+        felt = used[rows.values[rows.indptr[i]:rows.indptr[i] + rows.count[i]] != 0.0]
+        if known[i]:
+            assert len(others) == 0 and anchored[i]
+        else:
+            assert set(others) == set(felt[~known[felt]]) and anchored[i] == known[felt].any()
+            assert values[row].sum() == pytest.approx(0.0, abs=1e-12) or anchored[i]
+
+
+def test_methods_differ_in_the_rows_of_inner_particles_only():
+    pool = tank((9, 8), jitter=0.8, reach=3.6)
+    u = np.random.default_rng(0).normal(size=pool.x.shape)
+    made = {name: rows_of(pool, name, u=u) for name in SCHEMES}
+    first = made["ISPH_R"]
+    for name, rows in made.items():
+        walls = np.flatnonzero(pool.role == WET)
+        for i in walls:
+            own = slice(rows.indptr[i], rows.indptr[i] + rows.count[i])
+            np.testing.assert_array_equal(rows.values[own], first.values[own])
+        inner = pool.role == INNER
+        np.testing.assert_array_equal(rows.div[: pool.n][inner], first.div[: pool.n][inner])
+        if name != "ISPH_R":
+            assert np.all(rows.measure[: pool.n][inner] != first.measure[: pool.n][inner])
+        again = np.empty(pool.n)
+        rows.divergence(again, u, pool.role)
+        np.testing.assert_allclose(again[inner], rows.div[: pool.n][inner], atol=1e-11)
+
+
+def test_right_hand_side_is_minus_measure_times_target():
+    pool = block(2, 7, jitter=0.4)
+    rows = rows_of(pool)
+    target = np.random.default_rng(0).normal(size=pool.n)
+    np.testing.assert_array_equal(rows.right_hand_side(target), -rows.measure[: pool.n] * target)
+    f = (pool.x**2).sum(axis=1)
+    indptr, columns, values, _ = rows.csr(pool.role, np.arange(pool.n, dtype=np.int32))
+    inside = pool.far_inside(3)
+    np.testing.assert_allclose((dense(pool, indptr, columns, values) @ f)[inside],
+                               rows.right_hand_side(np.full(pool.n, 4.0))[inside], atol=1e-13)
+
+
+def test_buffers_grow_and_are_used_again():
+    small, large = block(2, 5), block(2, 12, jitter=0.8)
+    made = rows_of(small)
+    kept = made.columns
+    rows_of(large, made=made)
+    assert len(made.columns) >= len(large.indices) > len(kept)
+    grown = made.columns
+    fresh = rows_of(small)
+    rows_of(small, made=made)
+    assert made.columns is grown
+    for a, b in zip(made.csr(small.role, np.arange(25, dtype=np.int32)), fresh.csr(small.role, np.arange(25, dtype=np.int32))):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_no_particles():
+    pool = block(2, 5)
+    rows = PressureRows(2, SCHEMES["ISPH_R"], "harmonic", 0.1, RADII)
+    none = np.empty((0, 2))
+    rows.fill(none, none, np.empty(0, np.int8), none, np.zeros(1, np.int32), np.empty(0, np.int32))
+    indptr, columns, values, anchored = rows.csr(np.empty(0, np.int8), np.empty(0, np.int32))
+    assert indptr.tolist() == [0] and len(columns) == len(values) == len(anchored) == 0
+    assert rows.right_hand_side(np.empty(0)).shape == (0,) and pool.n == 25
