@@ -1,0 +1,231 @@
+"""What a run watches: gauges, pressure taps, the water front, energy, momentum and volume.
+
+`samplers = build(case, comm)` once, then `sample_all(samplers, particles, domain, time)` as often
+as wanted.
+"""
+
+import numpy as np
+
+from parisph.base.errors import CaseError, agree
+from parisph.io.sampling import WIDTH, Sampler, Scene, sample_all
+from parisph.io.surface import COLUMN, bodies, surface_height
+from parisph.kernels.interior import interior_cells
+
+__all__ = ["SAMPLERS", "build", "sample_all"]
+
+# Lengths in spacings.
+COLUMN_GAP = 1.5    # air in a column: more than this between one particle and the next above it
+BED = 2.0           # water on the bed is as near to it as this
+BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradients do
+NODES = 4.0         # surface particles that may serve a gauge
+INSIDE = 2.1        # cells inside the fluid are farther from the surface
+
+ROUNDING = 1.0 + 1e-9
+HEIGHT, BODY = 0.0, 1.0  # what a row is: a surface particle (x, y), or a body (lower end, upper end, particles)
+
+
+def build(case, comm):
+    """Return the samplers of the case's probes, in their order. Collective.
+
+    Raises
+    ------
+    CaseError on every rank: a probe that exists in 2D only in a case that has three dimensions.
+    """
+    error, samplers = None, []
+    try:
+        scene = Scene.of(case)
+        samplers = [SAMPLERS[probe.kind](probe, scene) for probe in case.probes]
+    except CaseError as problem:
+        error = problem
+    agree(comm, error)
+    return samplers
+
+
+class _Column(Sampler):
+    """Bodies of water in the column at x = `at`."""
+
+    columns = {"y": "m"}
+
+    def rows(self, view):
+        x, y = view.body
+        chosen = np.abs(x - self.probe.at) <= COLUMN * self.scene.spacing * ROUNDING
+        return _body_rows(bodies(y[chosen], COLUMN_GAP * self.scene.spacing))
+
+    def top(self, rows):
+        """Return the height of the water that stands on the bed, or of the largest body without a bed [m].
+
+        The bed itself where it is dry; nan where there is no water and no bed.
+        """
+        found, bed = _bodies_of_all(rows, COLUMN_GAP * self.scene.spacing), self.scene.bed
+        if bed is not None:
+            return found[0, 1] if len(found) and found[0, 0] <= bed + BED_GAP * self.scene.spacing else bed
+        return found[np.argmax(found[:, 2]), 1] if len(found) else np.nan
+
+
+class ColumnHeight(_Column):
+    """Height of the topmost particle of the water that stands on the bed within 1.5 spacings of x = `at`.
+
+    Surface particles of the lattice lie on the surface: nothing is added to their height. Air of
+    more than 1.5 spacings ends the column. A dry bed gives the height of the bed.
+    """
+
+    def __init__(self, probe, scene):
+        super().__init__(probe, scene)
+        self.title = f"Height of the water column at x = {probe.at:g} m"
+
+    def values(self, sums, rows):
+        return (self.top(rows),)
+
+
+class SurfaceGauge(_Column):
+    """Height of the free surface above x = `at`: a smooth fit where there is a smooth surface.
+
+    See surface.surface_height. A surface that breaks there gives the height of the column (as of
+    ColumnHeight), a dry bed the height of the bed.
+    """
+
+    dims = (2,)
+
+    def __init__(self, probe, scene):
+        super().__init__(probe, scene)
+        self.title = f"Height of the free surface above x = {probe.at:g} m"
+        reach = NODES * scene.spacing
+        sides = (scene.lower[0], scene.upper[0]) if scene.tank else ()
+        self.mirrors = [side for side in sides if abs(side - probe.at) < reach]
+
+    def rows(self, view):
+        x, y = view.surface
+        chosen = np.abs(x - self.probe.at) <= NODES * self.scene.spacing
+        heights = np.zeros((np.count_nonzero(chosen), WIDTH - 1))
+        heights[:, 0], heights[:, 1], heights[:, 2] = HEIGHT, x[chosen], y[chosen]
+        return np.concatenate([heights, super().rows(view)])
+
+    def values(self, sums, rows):
+        height = rows[:, 0] == HEIGHT
+        top = self.top(rows[~height])
+        if not height.any() or not top > (self.scene.bed if self.scene.tank else -np.inf):
+            return (top,)
+        return (surface_height(self.probe.at, rows[height, 1], rows[height, 2], top, self.scene.spacing, self.mirrors),)
+
+
+class WaterFront(Sampler):
+    """Foremost x of the water on the bed that is connected to its main body.
+
+    On the bed: within 2 spacings of it. The main body is the largest that has no gap of more than
+    2.1 spacings along x, so that a droplet ahead is not the front. Without a tank the same of all
+    the fluid.
+    """
+
+    columns = {"x": "m"}
+
+    def __init__(self, probe, scene):
+        super().__init__(probe, scene)
+        self.title = "Position of the water's foremost particle along the bed" if scene.tank else "Foremost position of the fluid"
+
+    def rows(self, view):
+        x, y = view.body
+        if self.scene.tank:
+            x = x[y <= self.scene.bed + BED * self.scene.spacing * ROUNDING]
+        return _body_rows(bodies(x, BED_GAP * self.scene.spacing))
+
+    def values(self, sums, rows):
+        found = _bodies_of_all(rows, BED_GAP * self.scene.spacing)
+        return (found[np.argmax(found[:, 2]), 1] if len(found) else np.nan,)
+
+
+def _body_rows(found):
+    rows = np.empty((len(found), WIDTH - 1))
+    rows[:, 0], rows[:, 1:] = BODY, found
+    return rows
+
+
+def _bodies_of_all(rows, gap):
+    return bodies(rows[:, 1], gap, counts=rows[:, 3], ends=rows[:, 2])
+
+
+class PressureTap(Sampler):
+    """Pressure on a wall, interpolated linearly between the wall particles on either side.
+
+    A tap at a wall particle has its value. A dry wall has p = 0.
+    """
+
+    columns = {"pressure": "Pa"}
+
+    def __init__(self, probe, scene):
+        super().__init__(probe, scene)
+        self.title = f"Pressure on the wall at ({', '.join(f'{a:g}' for a in probe.at)}) m"
+        self.at = np.array(probe.at)
+
+    def sums(self, view):
+        x, p = view.walls
+        # the product of hat functions is zero at all wall particles but those of the tap's own wall
+        weight = np.clip(1.0 - np.abs(x - self.at) / self.scene.step, 0.0, None).prod(axis=1)
+        return weight @ p, weight.sum()
+
+    def values(self, sums, rows):
+        return (sums[0] / sums[1] if sums[1] > 0.0 else np.nan,)
+
+
+class Energy(Sampler):
+    """Kinetic and potential energy of all fluid, free flight included, in the tank's frame.
+
+    Potential: of a uniform, constant body force, from the tank's lower corner (without a tank from
+    the lower corner of the fluid at the start); 0 for any other force.
+    """
+
+    def __init__(self, probe, scene):
+        super().__init__(probe, scene)
+        unit = "J/m" if scene.dim == 2 else "J"
+        self.columns = {"kinetic": unit, "potential": unit, "total": unit}
+        self.title = "Energy of the fluid"
+
+    def sums(self, view):
+        x, u, ones = view.particles.x, view.particles.u, view.ones
+        height = self.scene.gravity @ (ones.sum() * self.scene.lower - ones @ x)
+        return 0.5 * (ones @ (u * u)).sum(), height
+
+    def values(self, sums, rows):
+        kinetic, potential = self.scene.mass * sums
+        return kinetic, potential, kinetic + potential
+
+
+class Momentum(Sampler):
+    """Momentum of all fluid, in the tank's frame."""
+
+    def __init__(self, probe, scene):
+        super().__init__(probe, scene)
+        unit = "kg/s" if scene.dim == 2 else "kg m/s"
+        self.columns = {f"p{axis}": unit for axis in "xyz"[:scene.dim]}
+        self.title = "Momentum of the fluid"
+
+    def sums(self, view):
+        return view.ones @ view.particles.u
+
+    def values(self, sums, rows):
+        return self.scene.mass * sums
+
+
+class Volume(Sampler):
+    """Mean Voronoi cell inside the fluid over spacing^2, and how many cells were averaged.
+
+    It is 1 on the lattice of the start. Inside: inner particles farther than 2.1 spacings from
+    every surface and ballistic particle. nan where nothing is that deep.
+    """
+
+    columns = {"cell": "", "count": "particles"}
+    ghosts = ("x",)
+    dims = (2,)
+    title = "Mean Voronoi cell inside the fluid over the square of the spacing"
+
+    def sums(self, view):
+        p, d, s = view.particles, view.domain, self.scene.spacing
+        return interior_cells(p.x_all, p.role_all, INSIDE * s, d.radius, d.indptr, d.indices)
+
+    def values(self, sums, rows):
+        return (sums[0] / (sums[1] * self.scene.spacing**2) if sums[1] else np.nan), sums[1]
+
+
+SAMPLERS = {
+    "surface_gauge": SurfaceGauge, "pressure_tap": PressureTap, "water_front": WaterFront,
+    "column_height": ColumnHeight, "energy": Energy, "momentum": Momentum, "volume": Volume,
+}

@@ -1,0 +1,176 @@
+"""How probes look at particles that are spread over ranks: everything of all probes in two messages.
+
+Each rank looks at its own particles only, through sums and a few rows of numbers (the ends of its
+bodies of water, the surface particles at a gauge). One Allreduce adds up the sums of all probes
+and one Allgatherv brings their rows together, whatever the number of probes.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph.base.errors import CaseError
+from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
+from parisph.case import expressions, geometry
+
+WIDTH = 5  # numbers of a row: its probe, what it is, and three more
+
+
+def sample_all(samplers, particles, domain, time):
+    """Return {name of the probe: tuple of floats, in the order of its `columns`}. Collective.
+
+    Every rank gets the same values. Positions of ghosts are brought up to date where a sampler
+    needs them; nothing else changes. `domain` must have been refreshed since particles were
+    assigned. A probe that finds nothing to measure gives nan.
+
+    time : of the particles [s]
+    """
+    if not samplers:
+        return {}
+    stale = sorted({name for sampler in samplers for name in sampler.ghosts})
+    if stale:
+        domain.update(*stale)
+    view = View(particles, domain)
+    parts = [np.asarray(sampler.sums(view), float) for sampler in samplers]
+    rows = [_numbered(number, sampler.rows(view)) for number, sampler in enumerate(samplers)]
+    sums, rows = _together(particles.comm, np.concatenate(parts), np.concatenate(rows))
+    split = np.split(sums, np.cumsum([len(part) for part in parts])[:-1])
+    return {sampler.name: tuple(float(v) for v in sampler.values(own, rows[rows[:, 0] == number, 1:]))
+            for number, (sampler, own) in enumerate(zip(samplers, split))}
+
+
+def _numbered(number, rows):
+    """Put the number of the sampler in front of its rows (n, 4)."""
+    table = np.empty((len(rows), WIDTH))
+    table[:, 0], table[:, 1:] = number, rows
+    return table
+
+
+def _together(comm, sums, rows):
+    """Return the sums over all ranks and the rows of all ranks. Collective."""
+    if comm.size == 1:
+        return sums, rows
+    # how many rows each rank has travels with the sums
+    packed = np.concatenate([sums, np.zeros(comm.size)])
+    packed[len(sums) + comm.rank] = len(rows)
+    comm.Allreduce(MPI.IN_PLACE, packed, op=MPI.SUM)
+    counts = packed[len(sums):].astype(int)
+    everyone = np.empty((counts.sum(), WIDTH))
+    if len(everyone):
+        comm.Allgatherv(rows, [everyone, WIDTH * counts])
+    return packed[:len(sums)], everyone
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What samplers need to know of the case.
+
+    spacing [m]; step (dim,) of the lattice [m]; mass of a fluid particle [kg, kg/m in 2D];
+    lower, upper (dim,) corners of the tank, or of the fluid without one [m]; tank : whether
+    there is one; gravity (dim,) [m/s2], zero where the body force is not uniform and constant.
+    """
+
+    dim: int
+    spacing: float
+    step: np.ndarray
+    mass: float
+    lower: np.ndarray
+    upper: np.ndarray
+    tank: bool
+    gravity: np.ndarray
+
+    @classmethod
+    def of(cls, case):
+        """Return the Scene of a Case."""
+        s = case.numerics.spacing
+        return cls(case.dim, s, geometry.lattice(case).step, case.fluid.density * s**case.dim,
+                   *geometry.domain(case), case.walls is not None, _uniform(case.gravity))
+
+    @property
+    def bed(self):
+        """Height of the tank's bed [m], or None."""
+        return self.lower[-1] if self.tank else None
+
+
+def _uniform(gravity):
+    """Return the body force (dim,) [m/s2] if it is the same everywhere and always, else zeros: no potential."""
+    try:
+        return np.array([expressions.number(str(component)) for component in gravity])
+    except ValueError:
+        return np.zeros(len(gravity))
+
+
+class View:
+    """This rank's particles, as several samplers want them; each part is computed at most once."""
+
+    def __init__(self, particles, domain):
+        self.particles, self.domain = particles, domain
+
+    @cached_property
+    def fluid(self):
+        """Bool (n_owned,)."""
+        return self.particles.kind == FLUID
+
+    @cached_property
+    def ones(self):
+        """1.0 for fluid and 0.0 for walls, (n_owned,): sums over the fluid are products with it."""
+        return self.fluid.astype(float)
+
+    @cached_property
+    def body(self):
+        """Along and up: x and the vertical coordinate of fluid that is not in free flight, (n,) each [m]."""
+        p = self.particles
+        chosen = self.fluid & (p.role != BALLISTIC)
+        return p.x[chosen, 0], p.x[chosen, -1]
+
+    @cached_property
+    def surface(self):
+        """x and the vertical coordinate of fluid particles on the free surface, (n,) each [m]."""
+        p = self.particles
+        chosen = self.fluid & (p.role == SURFACE)
+        return p.x[chosen, 0], p.x[chosen, -1]
+
+    @cached_property
+    def walls(self):
+        """Positions (n, dim) [m] and pressures (n,) [Pa] of the wall particles; dry ones have none."""
+        p = self.particles
+        wall = np.flatnonzero(p.kind == WALL)
+        return p.x[wall], np.where(p.role[wall] == DRY, 0.0, p.p[wall])
+
+
+class Sampler:
+    """One probe of a run.
+
+    Attributes
+    ----------
+    name, title : str
+    columns : dict of column name -> unit
+    ghosts : fields of the ghosts that must be of now
+    """
+
+    columns = {}
+    ghosts = ()
+    dims = (2, 3)
+
+    def __init__(self, probe, scene):
+        if scene.dim not in self.dims:
+            raise CaseError(f"probe {probe.name!r}: {probe.kind} exists in 2D only; leave it out of a scene in {scene.dim}D")
+        self.name, self.probe, self.scene = probe.name, probe, scene
+
+    def sample(self, particles, domain, time):
+        """Return the values, a tuple of floats in the order of `columns`. Collective; as sample_all."""
+        return sample_all([self], particles, domain, time)[self.name]
+
+    def sums(self, view):
+        """Return what is to be added up over ranks. Not collective."""
+        return ()
+
+    def rows(self, view):
+        """Return the rows (n, 4) that all ranks shall see: what it is, three numbers. Not collective."""
+        return np.empty((0, WIDTH - 1))
+
+    def values(self, sums, rows):
+        """Return the values from the sums and the rows of all ranks. Not collective."""
+        raise NotImplementedError

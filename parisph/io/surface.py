@@ -1,0 +1,84 @@
+"""Where the water ends: bodies of water along a line, and the height of the free surface (2D).
+
+Of the few particles near a gauge. Nothing is collective.
+"""
+
+import numpy as np
+
+COLUMN = 1.5    # half the width of the column of water at a gauge, in spacings
+SLOPE = 2.0     # steeper than this between two particles is not one smooth surface
+CLOSEST = 0.05  # nor are two particles nearer to each other along x, in spacings
+
+
+def bodies(z, gap, counts=None, ends=None):
+    """Return the connected bodies (n, 3) along a line: lower end [m], upper end [m], particles; in order.
+
+    Neighbours along the line belong to one body unless they are farther apart than `gap` [m].
+
+    z : (n,) positions of particles, or lower ends of bodies, in any order [m]
+    counts, ends : (n,), of bodies found before (each rank finds those of its own particles, and
+        the bodies of these are those of all particles)
+    """
+    order = np.argsort(z)
+    z = z[order]
+    if len(z) == 0:
+        return np.empty((0, 3))
+    reach = z if ends is None else np.maximum.accumulate(ends[order])
+    first = np.flatnonzero(np.concatenate([[True], z[1:] - reach[:-1] > gap]))
+    last = np.append(first[1:], len(z)) - 1
+    number = np.ones(len(z)) if counts is None else counts[order]
+    return np.column_stack([z[first], reach[last], np.add.reduceat(number, first)])
+
+
+def surface_height(at, x, y, top, spacing, walls):
+    """Return the height [m] of the free surface above x = `at`, from the particles on it.
+
+    Where the surface is smooth and single-valued: the polynomial through the two particles on
+    either side, of fourth order in the spacing, continuous when a particle passes the gauge. At a
+    vertical wall d(eta)/dx = 0: particles are mirrored in it, and the polynomial through
+    (-b, y2), (-a, y1), (a, y1), (b, y2) is at the wall (y1 b^2 - y2 a^2)/(b^2 - a^2). With steps
+    steeper than SLOPE only the nearest particles count, and in the end only `top`.
+
+    x, y : (n,) particles on the surface, in any order [m]
+    top : highest water within COLUMN spacings of the gauge [m]
+    walls : positions x of vertical walls [m]
+    """
+    points = [(a, b) for a, b in zip(x.tolist(), y.tolist())]
+    points += [(2.0 * wall - a, b) for wall in walls for a, b in points]
+    points = [point for point in points if _reachable(*point, at, top, spacing)]
+    points.sort(key=lambda point: (abs(point[0] - at), -point[1]))
+    left, right = [], []
+    for point in points:
+        side = left if point[0] < at else right
+        if len(side) < 2 and not _covered(*point, points, spacing):
+            side.append(point)
+    if not left or not right or not _smooth(left[0], right[0], spacing):
+        return float(top)
+    nodes = [left[0], right[0], *(side[1] for side in (left, right) if len(side) == 2 and _smooth(*side, spacing))]
+    return _through(nodes, at)
+
+
+def _reachable(x, y, at, top, spacing):
+    """Whether a surface of at most SLOPE can rise from the top near the gauge to (x, y); spray is higher."""
+    return y - top <= SLOPE * max(abs(x - at) - COLUMN * spacing, 0.0)
+
+
+def _covered(x, y, points, spacing):
+    """Whether another surface lies above, closer along x than a surface of at most SLOPE rises to it."""
+    return any(abs(a - x) < spacing and b - y > SLOPE * max(abs(a - x), 0.5 * spacing) for a, b in points)
+
+
+def _smooth(one, other, spacing):
+    step = abs(one[0] - other[0])
+    return step >= CLOSEST * spacing and abs(one[1] - other[1]) <= SLOPE * step
+
+
+def _through(nodes, at):
+    """Value at `at` of the polynomial through the points (Lagrange)."""
+    value = 0.0
+    for i, (x, y) in enumerate(nodes):
+        for j, (other, _) in enumerate(nodes):
+            if j != i:
+                y *= (at - other) / (x - other)
+        value += y
+    return value

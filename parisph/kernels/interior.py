@@ -1,0 +1,97 @@
+"""Voronoi cells inside the fluid (2D): the measure of volume that disorder does not bias.
+
+A kernel-sum density is wrong by several per cent on disordered particles, and the union of
+discs hides losses. The mean area of the cells inside the fluid does neither. A cell is walked
+around along its edges: at each corner the next edge is that of the neighbour whose bisector is
+met first, which visits each of the half dozen edges once and sorts nothing.
+"""
+
+import math
+
+import numpy as np
+
+from parisph.base.fields import BALLISTIC, INNER, SURFACE
+from parisph.kernels.jit import kernel
+
+MOST = 256  # neighbours of one particle; a cell with more is left out
+
+
+@kernel
+def interior_cells(x, role, away, reach, indptr, indices):
+    """Return (sum of the areas [m^2], number) of the Voronoi cells of owned particles inside the fluid.
+
+    Inside are the inner fluid particles farther than `away` from every surface and ballistic
+    particle. Fluid and wall particles are the sites. A cell that the neighbours within the
+    reach do not close is left out, for its area would be that of the lists.
+
+    x : (n_all, 2) [m]; role : (n_all,); away <= reach : radii of the lists or less [m]
+    """
+    rx, ry, limit, along = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST)
+    total, count = 0.0, 0
+    for i in range(len(indptr) - 1):
+        if role[i] != INNER:
+            continue
+        n = _neighbours(rx, ry, limit, i, x, role, away, reach, indptr, indices)
+        area, farthest2 = _walk(rx, ry, limit, along, n)
+        # what is beyond the reach can only cut off corners farther than half of it
+        if 4.0 * farthest2 < reach * reach:
+            total += area
+            count += 1
+    return total, count
+
+
+@kernel
+def _neighbours(rx, ry, limit, i, x, role, away, reach, indptr, indices):
+    """Write r_ij and |r_ij|^2/2 of the neighbours within the reach; return their number, 0 near the surface."""
+    n = 0
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
+        d2 = dx * dx + dy * dy
+        if (role[j] == SURFACE or role[j] == BALLISTIC) and d2 < away * away:
+            return 0
+        if d2 < reach * reach:
+            if n == len(rx):
+                return 0
+            rx[n], ry[n], limit[n] = dx, dy, 0.5 * d2
+            n += 1
+    return n
+
+
+@kernel
+def _walk(rx, ry, limit, along, n):
+    """Return the area of the cell { p : p . r_j <= |r_j|^2/2 } and its farthest corner's distance squared.
+
+    The distance is infinite if the cell is open.
+    """
+    if n == 0:
+        return 0.0, math.inf
+    first = 0
+    for j in range(1, n):
+        if limit[j] < limit[first]:
+            first = j
+    here = first  # the bisector with the nearest neighbour is an edge, with its foot on it
+    px, py = 0.5 * rx[here], 0.5 * ry[here]
+    twice, farthest2 = 0.0, 0.0
+    for _ in range(n):
+        ex, ey = -ry[here], rx[here]
+        tiny = 1e-9 * limit[here]
+        # how far along the edge each bisector is met; two plain loops, which the compiler vectorises
+        for j in range(n):
+            ahead = rx[j] * ex + ry[j] * ey
+            along[j] = (limit[j] - rx[j] * px - ry[j] * py) / ahead if ahead > tiny else math.inf
+        t = math.inf
+        for j in range(n):
+            t = min(t, along[j])
+        if not t < math.inf:
+            break
+        here = 0
+        while along[here] != t:
+            here += 1
+        qx, qy = px + t * ex, py + t * ey
+        twice += px * qy - py * qx
+        farthest2 = max(farthest2, qx * qx + qy * qy)
+        px, py = qx, qy
+        if here == first:
+            return 0.5 * (twice + 0.5 * (px * ry[first] - py * rx[first])), farthest2
+    return 0.0, math.inf

@@ -1,0 +1,50 @@
+"""How far the probes of a run are from their truths: the `errors` of summary.json."""
+
+from parisph.base.errors import ParisphError
+from parisph.case.probes import read_truth
+from parisph.io.reader import open_run
+from parisph.study import errors as norms
+
+# The column that a truth is of; the first one of other probes.
+COLUMNS = {"energy": "total", "volume": "cell"}
+
+
+def errors(case, run):
+    """Return {probe name: how far it is from its truth} for the probes that have one. Not collective.
+
+    case : Case; run : Run, or the folder of one
+
+    Returns
+    -------
+    dict of dicts: relative_l2 (of the wave part where Truth.wave says so); paper, the norm of Zheng,
+    Ma & Duan (2014), Er_p and Er_eta, which includes the depth; paper_2017, for waves, that of Zheng
+    et al. (2017), Eq 35 (it falls with the number of samples); points, samples of the truth that were
+    compared. Where nothing can be compared: relative_l2 None and `reason`.
+
+    Raises
+    ------
+    StoreError : there is no run in the folder
+    """
+    run = open_run(run) if not hasattr(run, "probe") else run
+    return {probe.name: _error(probe, run) for probe in case.probes if probe.truth is not None}
+
+
+def _error(probe, run):
+    try:
+        found = run.probe(probe.name)
+        column = COLUMNS.get(probe.kind, next(name for name in found.dtype.names if name not in ("time", "step")))
+        return _judged(probe.truth, found["time"], found[column])
+    except (ParisphError, ValueError) as problem:
+        # a run too short for its truth, or a truth that has moved away: no reason to lose the summary
+        return {"relative_l2": None, "reason": str(problem)}
+
+
+def _judged(truth, time, values):
+    reference = read_truth(truth)
+    if not truth.wave:
+        found = norms.judge(time, values, *reference)
+        return {"relative_l2": found["relative_l2"], "paper": found["z14"], "points": found["samples"]}
+    found = norms.judge(time, values, *reference, rest=truth.offset)
+    _, value, exact = norms.on_reference(time, values, *reference)
+    return {"relative_l2": found["relative_l2"], "paper": found["z14"],
+            "paper_2017": norms.z17_elevation(value - truth.offset, exact - truth.offset), "points": found["samples"]}

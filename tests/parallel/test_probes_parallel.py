@@ -1,0 +1,138 @@
+"""Probes of particles that are spread over ranks give what one rank with all of them gives, on every rank."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.base.errors import CaseError
+from parisph.base.fields import FLUID, SURFACE, WALL
+from parisph.case.schema import (
+    ColumnHeight, Disc, Energy, Momentum, PressureTap, SurfaceGauge, Volume, WaterFront,
+)
+from parisph.io import probes
+from parisph.io.sampling import Scene
+from parisph.kernels.cells import neighbour_lists
+from parisph.parallel.particles import Particles
+from tests.watched import DENSITY, G, Watch, scene
+
+ALL = [
+    *(SurfaceGauge(name=f"gauge{k}", at=at) for k, at in enumerate((0.0, 0.123, 0.5, 0.72, 1.0))),
+    *(PressureTap(name=f"tap{k}", at=at) for k, at in enumerate(((0.0, 0.21), (0.5, 0.0), (1.0, 0.4)))),
+    WaterFront(name="front"), ColumnHeight(name="left", at=0.0), ColumnHeight(name="middle", at=0.52),
+    Energy(name="energy"), Volume(name="volume"), Momentum(name="momentum"),
+]
+WAVE = {"spacing": 0.025, "elevation": "0.04*cos(3*pi*x)", "velocity": ("sin(pi*x)", "y"), "jitter": 0.5}
+
+
+def pressed(arrays):
+    """Give each particle a pressure that depends on its place."""
+    arrays["p"][:] = DENSITY * G * (0.5 - arrays["x"][:, 1]) * np.cos(3.0 * arrays["x"][:, 0])
+
+
+def stir(p, by):
+    """Move the fluid by up to `by` [m], whatever the rank and the order of its particles."""
+    fluid = p.kind == FLUID
+    phase = 7.0 * p.id[fluid]
+    p.x[fluid] += by * np.stack([np.cos(phase), np.sin(phase)], axis=1)
+    p.u[fluid] += np.stack([np.sin(phase), np.cos(phase)], axis=1)
+
+
+def same_as_on_one_rank(comm, watch, alone):
+    found, truth = watch.sample(), alone.sample()
+    assert list(found) == list(truth)
+    for name in truth:
+        for other in comm.allgather(found[name]):
+            np.testing.assert_array_equal(other, found[name], err_msg=name)
+        np.testing.assert_allclose(found[name], truth[name], rtol=1e-12, atol=1e-12, err_msg=name)
+    return found
+
+
+@pytest.mark.parametrize("shape", ["wave", "column", "drop"])
+def test_ranks_agree_with_each_other_and_with_one(comm, shape):
+    options = {"wave": WAVE, "column": {"width": 0.5, "depth": 0.9, "spacing": 0.025, "jitter": 0.8},
+               "drop": {"shape": Disc(radius=0.2, at=(0.5, 0.225)), "spacing": 0.025}}[shape]
+    case = scene(ALL, **options)
+    watch, alone = Watch(case, comm, pressed), Watch(case, MPI.COMM_SELF, pressed)
+    found = same_as_on_one_rank(comm, watch, alone)
+    assert found["energy"][1] > 0.0 and found["volume"][1] > 10 and found["middle"] != found["left"]
+    watch.destroy()
+
+
+def test_after_particles_have_moved_and_changed_owners(comm):
+    case = scene(ALL, **WAVE)
+    watch, alone = Watch(case, comm, pressed), Watch(case, MPI.COMM_SELF, pressed)
+    plans = watch.domain.n_plans
+    for _ in range(3):
+        for each in (watch, alone):
+            stir(each.particles, 0.006)
+            each.domain.refresh()
+        same_as_on_one_rank(comm, watch, alone)
+    assert watch.domain.n_plans > plans
+    watch.destroy()
+
+
+def test_volume_sees_ghosts_where_they_are_now(comm):
+    """As after a step: positions have changed since ghosts and lists were made."""
+    case = scene([Volume(name="volume")], spacing=0.025)
+    watch, alone = Watch(case, comm), Watch(case, MPI.COMM_SELF)
+    before = watch.sample()["volume"]
+    for each in (watch, alone):
+        stir(each.particles, 0.004)
+    ghosts = watch.particles.x_all[watch.particles.n_owned:].copy()
+    found = same_as_on_one_rank(comm, watch, alone)["volume"]
+    assert abs(found[0] - before[0]) > 1e-6
+    assert comm.size == 1 or not np.array_equal(ghosts, watch.particles.x_all[watch.particles.n_owned:])
+    watch.destroy()
+
+
+def test_water_in_many_pieces_on_many_ranks(comm):
+    """Each rank sees pieces only; together they are one body with a gap or two."""
+    def torn(arrays):
+        x, y = arrays["x"][:, 0], arrays["x"][:, 1]
+        gone = (arrays["kind"] == FLUID) & (((x > 0.61) & (x < 0.69)) | ((y > 0.31) & (y < 0.39)))
+        for name in arrays:
+            arrays[name] = arrays[name][~gone]
+
+    case = scene([WaterFront(name="front"), ColumnHeight(name="column", at=0.3)], spacing=0.025)
+    watch = Watch(case, comm, torn)
+    found = watch.sample()
+    assert found["front"] == pytest.approx((0.6,)) and found["column"] == pytest.approx((0.3,))
+    watch.destroy()
+
+
+def test_ranks_without_particles_take_part(comm):
+    case = scene(ALL, **WAVE)
+    alone = Watch(case, MPI.COMM_SELF, pressed)
+    mine = slice(None if comm.rank == comm.size - 1 else 0)  # all of them on the last rank
+    p = Particles(comm, 2)
+    p.assign({name: getattr(alone.particles, name)[mine] for name in ("id", "kind", "x", "u", "p", "role")})
+    radius = alone.domain.radius
+    indptr, indices = neighbour_lists(p.x_all, p.n_owned, radius)
+    domain = SimpleNamespace(indptr=indptr, indices=indices, radius=radius, update=lambda *names: None)
+    found, truth = probes.sample_all(alone.samplers, p, domain, 0.0), alone.sample()
+    assert p.n_owned == (alone.particles.n_owned if comm.rank == comm.size - 1 else 0)
+    for name in truth:
+        np.testing.assert_allclose(found[name], truth[name], rtol=1e-12, atol=1e-12, err_msg=name)
+
+
+def test_what_exists_in_2d_only_is_refused_on_every_rank(comm, monkeypatch):
+    real = Scene.of
+    cube = Scene(3, 0.1, np.full(3, 0.1), 1.0, np.zeros(3), np.ones(3), True, np.zeros(3))
+    monkeypatch.setattr(Scene, "of", classmethod(lambda cls, case: cube if comm.rank == comm.size - 1 else real(case)))
+    with pytest.raises(CaseError, match="'volume': volume exists in 2D only"):
+        probes.build(scene([Volume(name="volume")]), comm)
+
+
+
+def test_a_surface_particle_of_another_rank_is_near(comm):
+    """Deep means deep under all surface particles, those of other ranks too."""
+    def spotted(arrays):
+        arrays["role"][(arrays["id"] % 97 == 0) & (arrays["kind"] != WALL)] = SURFACE
+
+    case = scene([Volume(name="volume")], spacing=0.025, lid=True, depth=1.0)
+    watch, alone = Watch(case, comm, spotted), Watch(case, MPI.COMM_SELF, spotted)
+    count = same_as_on_one_rank(comm, watch, alone)["volume"][1]
+    assert 0.7 * 39 * 39 < count < 39 * 39
+    watch.destroy()

@@ -1,0 +1,340 @@
+"""Probes on particles whose answers are known exactly."""
+
+import typing
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.base.errors import CaseError
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL
+from parisph.case import probes as descriptions
+from parisph.case.schema import (
+    Box, ColumnHeight, Disc, Energy, Momentum, PressureTap, SurfaceGauge, Volume, WaterFront,
+)
+from parisph.io import probes
+from parisph.io.sampling import Scene
+from parisph.io.surface import bodies, surface_height
+from tests.watched import DENSITY, G, Watch, add_fluid, only, scene
+
+S = 0.05
+
+
+def value(probe, change=None, **options):
+    """Return what one probe with one column gives for a scene."""
+    return only(Watch(scene([probe], **options), MPI.COMM_SELF, change).sample())
+
+
+# -- surface gauge ------------------------------------------------------------------------
+
+def wave_error(at, spacing, phase="cos(pi*x)"):
+    found = value(SurfaceGauge(name="g", at=at), spacing=spacing, elevation=f"0.05*{phase}")
+    return abs(found - 0.5 - 0.05 * eval(phase, {"cos": np.cos, "sin": np.sin, "pi": np.pi, "x": at}))
+
+
+@pytest.mark.parametrize("at", [0.0, 0.013, 0.02, 0.317, 1 / 3, 0.72, 0.99, 1.0])
+def test_the_gauge_is_of_fourth_order_on_a_wave_between_walls(at):
+    errors = [wave_error(at, spacing) for spacing in (0.1, 0.05, 0.025)]
+    assert errors[0] < 2e-4 and errors[1] < 2e-5 and errors[2] < 1.5e-6  # of an amplitude of 0.05
+
+
+def test_the_gauge_mirrors_in_walls_only():
+    """A wave with a slope at the wall is not what a wall allows: there the gauge sees its even continuation."""
+    assert wave_error(0.0, 0.05, "sin(pi*x)") > 1e-3
+    assert wave_error(0.5, 0.05, "sin(pi*x)") < 1e-9  # a particle is there
+    assert wave_error(0.231, 0.05, "sin(pi*x)") < 3e-5
+
+
+@pytest.mark.parametrize("wall, side", [(0.0, 1), (1.0, -1)])
+def test_at_a_wall_it_is_the_even_parabola_through_the_nearest_two(wall, side):
+    a, b, y1, y2 = 0.8 * S, 2.1 * S, 0.512, 0.497
+
+    def change(arrays):
+        lid = np.flatnonzero((arrays["role"] == SURFACE) & (np.abs(arrays["x"][:, 0] - wall) < 2.5 * S))
+        lid = lid[np.argsort(np.abs(arrays["x"][lid, 0] - wall))]
+        arrays["x"][lid] = [(wall + side * a, y1), (wall + side * b, y2)]
+
+    found = value(SurfaceGauge(name="g", at=wall), change)
+    assert found == pytest.approx((y1 * b**2 - y2 * a**2) / (b**2 - a**2), abs=1e-14)
+
+
+def test_the_gauge_does_not_jump_when_a_particle_passes_it():
+    def moved(by):
+        def change(arrays):
+            fluid = arrays["kind"] == FLUID
+            arrays["x"][fluid, 0] += by * np.sin(np.pi * arrays["x"][fluid, 0])
+        return change
+
+    before, after = (value(SurfaceGauge(name="g", at=0.4), moved(by), elevation="0.05*cos(3*pi*x)") for by in (-1e-9, 1e-9))
+    assert before == pytest.approx(after, abs=1e-9)
+    assert value(SurfaceGauge(name="g", at=0.4), moved(0.02), elevation="0.05*cos(3*pi*x)") != pytest.approx(after, abs=1e-4)
+
+
+@pytest.mark.parametrize("x, role", [
+    ([(0.5, 0.62)], SURFACE),                            # a droplet above
+    ([(0.5, 0.62)], BALLISTIC),
+    ([(0.46, 0.70), (0.5, 0.71), (0.54, 0.70)], SURFACE),
+    ([(0.41, 0.62), (0.57, 0.65)], SURFACE),              # droplets beside
+    ([(0.595, 0.53)], BALLISTIC),
+    ([(0.49, 0.38), (0.53, 0.36), (0.51, 0.30)], SURFACE),  # the surface of a cavity below
+])
+def test_spray_and_cavities_do_not_touch_a_smooth_surface(x, role):
+    probe = SurfaceGauge(name="g", at=0.51)
+    clean = value(probe, elevation="0.02*sin(pi*x)")
+    assert clean == pytest.approx(0.5 + 0.02 * np.sin(np.pi * 0.51), abs=1e-5)
+    assert value(probe, lambda arrays: add_fluid(arrays, x, role), elevation="0.02*sin(pi*x)") == clean
+
+
+def test_at_a_vertical_front_the_gauge_gives_the_top_of_the_column():
+    options = {"width": 0.5, "depth": 0.8}
+    for at, truth in ((0.5, 0.8), (0.52, 0.8), (0.47, 0.8), (0.2, 0.8), (0.7, 0.0)):
+        assert value(SurfaceGauge(name="g", at=at), **options) == pytest.approx(truth, abs=1e-12), at
+
+
+@pytest.mark.parametrize("points, height", [
+    ([(-1.5, 0.0), (-0.5, 0.0), (0.5, 0.0), (1.5, -4.0)], 0.0),       # an edge: the parabola of the other three
+    ([(-1.5, 0.1), (-0.5, 0.0), (0.5, 0.1), (1.5, -4.0)], 0.025),
+    ([(-1.6, 0.0), (-0.6, 0.3), (0.6, -3.0), (1.6, -3.0)], 1.0),      # a step right here: the top
+    ([(-1.5, 0.0), (-0.5, 0.0)], 1.0),
+    ([(-0.5, 0.0), (0.5, 0.2)], 0.1),
+    ([(-1.5, -0.1), (-0.5, 0.0), (0.0, 0.1), (0.0, 0.4), (0.5, 0.0)], 0.4),
+    ([(-1.0, 0.0), (-0.02, 0.1), (0.02, -1.6), (1.0, 0.0)], 0.1 / 0.9996),  # a cavity below
+    ([(-0.01, 0.0), (0.01, 0.01)], 1.0),                              # as good as one particle
+])
+def test_what_is_no_smooth_surface_is_left_out(points, height):
+    x, y = np.array(points).T
+    for order in (slice(None), slice(None, None, -1)):
+        found = surface_height(2.0, 2.0 + 0.1 * x[order], 0.1 * y[order], 0.1, 0.1, [])
+        assert found == pytest.approx(0.1 * height, abs=1e-12)
+
+
+def test_without_water_the_gauge_gives_the_bed_and_without_a_bed_nothing():
+    assert value(SurfaceGauge(name="g", at=2.9), width=0.5, tank=(1.0, 1.0), at=(2.0, 3.0)) == 3.0
+    assert np.isnan(value(SurfaceGauge(name="g", at=0.8), width=0.5, tank=None))
+    assert value(SurfaceGauge(name="g", at=0.0), shape=Disc(radius=0.5), tank=None) == pytest.approx(0.5)
+
+
+# -- water column and front ---------------------------------------------------------------
+
+@pytest.mark.parametrize("at, height", [(0.0, 0.8), (0.3, 0.8), (0.5, 0.8), (0.574, 0.8), (0.576, 0.0), (1.0, 0.0)])
+def test_the_column_is_as_high_as_its_topmost_particle(at, height):
+    assert value(ColumnHeight(name="c", at=at), width=0.5, depth=0.8) == pytest.approx(height)
+
+
+@pytest.mark.parametrize("x, role, height", [
+    ([(0.3, 0.94)], SURFACE, 0.8),              # air below
+    ([(0.3, 0.84)], BALLISTIC, 0.8),            # in free flight
+    ([(0.3, 0.84)], SURFACE, 0.84),
+    ([(0.35, 0.84), (0.28, 0.9)], SURFACE, 0.9),
+    ([(0.7, 0.9)], SURFACE, 0.8),               # elsewhere
+])
+def test_the_column_stands_on_the_bed(x, role, height):
+    found = value(ColumnHeight(name="c", at=0.3), lambda arrays: add_fluid(arrays, x, role), width=0.5, depth=0.8)
+    assert found == pytest.approx(height)
+
+
+def test_a_drop_on_its_way_down_is_no_column():
+    assert value(ColumnHeight(name="c", at=0.5), shape=Disc(radius=0.2, at=(0.5, 0.6))) == 0.0
+    assert value(ColumnHeight(name="c", at=0.5), shape=Disc(radius=0.2, at=(0.5, 0.6)), tank=None) == pytest.approx(0.8)
+
+
+@pytest.mark.parametrize("x, role, front", [
+    ([], SURFACE, 0.5),
+    ([(0.58, 0.03), (0.66, 0.04)], SURFACE, 0.66),                       # a tongue
+    ([(0.58, 0.03), (0.66, 0.04)], BALLISTIC, 0.5),
+    ([(0.62, 0.03), (0.67, 0.04), (0.7, 0.02), (0.66, 0.08)], SURFACE, 0.5),  # droplets ahead
+    ([(0.55, 0.4), (0.6, 0.4)], SURFACE, 0.5),                          # far above the bed
+])
+def test_the_front_is_that_of_the_main_body_on_the_bed(x, role, front):
+    found = value(WaterFront(name="f"), lambda arrays: add_fluid(arrays, np.reshape(x, (-1, 2)), role), width=0.5)
+    assert found == pytest.approx(front)
+
+
+def test_the_front_without_a_tank_is_that_of_all_the_fluid():
+    assert value(WaterFront(name="f"), shape=Disc(radius=0.5, at=(0.3, 0.0)), tank=None) == pytest.approx(0.8)
+
+
+def test_the_main_body_is_that_of_most_particles_not_of_most_ranks():
+    (front,) = probes.build(scene([WaterFront(name="f")]), MPI.COMM_SELF)
+    rows = np.array([[1.0, 0.05, 0.5, 20.0], [1.0, 0.8, 0.82, 2.0], [1.0, 0.85, 0.9, 3.0]])  # of three ranks
+    assert front.values((), rows) == (0.5,)
+
+
+def test_bodies_of_parts_are_the_bodies_of_the_whole():
+    random = np.random.default_rng(1)
+    z = np.cumsum(random.exponential(1.0, 200))
+    whole = bodies(z, 2.0)
+    assert len(whole) > 10 and whole[:, 2].sum() == 200
+    assert np.all(whole[1:, 0] - whole[:-1, 1] > 2.0)
+    parts = np.concatenate([bodies(part, 2.0) for part in (z[::3], z[1::3][::-1], z[2::3])])
+    np.testing.assert_array_equal(bodies(parts[:, 0], 2.0, parts[:, 2], parts[:, 1]), whole)
+    assert bodies(np.empty(0), 1.0).shape == (0, 3)
+
+
+# -- pressure -----------------------------------------------------------------------------
+
+def hydrostatic(arrays):
+    wall = arrays["kind"] == WALL
+    arrays["p"][wall] = DENSITY * G * (0.5 - arrays["x"][wall, 1])
+    arrays["p"][arrays["kind"] == FLUID] = 1e9  # of no concern to a tap
+
+
+@pytest.mark.parametrize("at, depth", [
+    ((0.0, 0.25), 0.25), ((0.0, 0.263), 0.237), ((1.0, 0.111), 0.389), ((0.0, 0.0), 0.5), ((1.0, 0.02), 0.48),
+    ((0.0, 0.49), 0.01), ((0.37, 0.0), 0.5), ((0.02, 0.0), 0.5),
+])
+def test_a_tap_is_exact_where_pressure_is_linear(at, depth):
+    assert value(PressureTap(name="p", at=at), hydrostatic) == pytest.approx(DENSITY * G * depth, rel=1e-12)
+
+
+def test_a_tap_takes_the_two_wall_particles_beside_it_and_no_other():
+    def change(arrays):
+        arrays["p"][(arrays["kind"] == WALL) & np.all(np.abs(arrays["x"] - (0.0, 0.25)) < 1e-9, axis=1)] = 100.0
+    for y, weight in ((0.25, 1.0), (0.26, 0.8), (0.2, 0.0), (0.24, 0.8), (0.3, 0.0)):
+        assert value(PressureTap(name="p", at=(0.0, y)), change) == pytest.approx(100.0 * weight, abs=1e-9)
+
+
+def test_a_dry_wall_has_no_pressure():
+    assert value(PressureTap(name="p", at=(0.0, 0.8)), hydrostatic) == 0.0
+
+    def dry(arrays):
+        hydrostatic(arrays)
+        arrays["role"][(arrays["kind"] == WALL) & (arrays["x"][:, 1] > 0.27)] = DRY
+    assert value(PressureTap(name="p", at=(0.0, 0.275)), dry) == pytest.approx(0.5 * DENSITY * G * 0.25)
+
+
+# -- energy and momentum ------------------------------------------------------------------
+
+def test_energy_and_momentum_of_a_moving_box():
+    watch = Watch(scene([Energy(name="e"), Momentum(name="m")], velocity=(0.3, -0.2), tank=(1.0, 1.0), at=(2.0, 3.0)),
+                  MPI.COMM_SELF, lambda arrays: arrays["u"].__setitem__(arrays["kind"] == WALL, 7.0))
+    mass, n = DENSITY * S**2, 19 * 10
+    kinetic, potential, total = watch.sample()["e"]
+    assert kinetic == pytest.approx(0.5 * mass * n * 0.13, rel=1e-12)
+    assert potential == pytest.approx(mass * 19 * G * S * 55, rel=1e-12)  # rows 1 to 10 above the bed at y = 3
+    assert total == kinetic + potential
+    np.testing.assert_allclose(watch.sample()["m"], mass * n * np.array([0.3, -0.2]), rtol=1e-12)
+    assert [tuple(w.columns.items()) for w in watch.samplers] == [
+        (("kinetic", "J/m"), ("potential", "J/m"), ("total", "J/m")), (("px", "kg/s"), ("py", "kg/s"))]
+
+
+def test_energy_of_a_rotation_and_of_free_flight():
+    n = 21
+    found = Watch(scene([Energy(name="e")], tank=None, shape=Box(width=1.0, height=1.0, at=(-0.5, -0.5)), gravity=(0.0, 0.0),
+                        velocity=("2*y", "-2*x")), MPI.COMM_SELF,
+                  lambda arrays: arrays["role"].__setitem__(slice(0, 100), BALLISTIC)).sample()["e"]
+    squares = np.sum((np.arange(n) - 10) ** 2) * S**2
+    assert found == pytest.approx((0.5 * DENSITY * S**2 * 4 * 2 * n * squares, 0.0, found[0]))
+
+
+@pytest.mark.parametrize("gravity, factor", [((0.0, "-9.81"), 1.0), ((0.0, "-2*9.81"), 2.0), ((0.0, "-9.81*t"), 0.0),
+                                             (("-x", -9.81), 0.0)])
+def test_only_a_uniform_constant_force_has_a_potential(gravity, factor):
+    found = Watch(scene([Energy(name="e")], gravity=gravity), MPI.COMM_SELF).sample()["e"]
+    assert found[1] == pytest.approx(factor * DENSITY * S**2 * 19 * G * S * 55)
+
+
+# -- volume -------------------------------------------------------------------------------
+
+def cell_by_clipping(i, x):
+    """The area of the Voronoi cell of x[i] among all x, half plane by half plane."""
+    corners = [np.array(c) for c in ((-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0))]
+    for j in np.argsort(np.sum((x - x[i]) ** 2, axis=1))[1:40]:
+        r, kept = x[j] - x[i], []
+        beyond = [c @ r - 0.5 * r @ r for c in corners]
+        for k, corner in enumerate(corners):
+            if beyond[k - 1] * beyond[k] < 0:
+                t = beyond[k - 1] / (beyond[k - 1] - beyond[k])
+                kept.append(corners[k - 1] + t * (corner - corners[k - 1]))
+            if beyond[k] <= 0:
+                kept.append(corner)
+        corners = kept
+    x, y = np.array(corners).T
+    return 0.5 * abs(x @ np.roll(y, 1) - y @ np.roll(x, 1))
+
+
+def inside_by_distance(p):
+    near = np.linalg.norm(p.x[:, None] - p.x[None], axis=-1) < 2.1 * S
+    return np.flatnonzero((p.kind == FLUID) & (p.role == INNER) & ~near[:, np.isin(p.role, (SURFACE, BALLISTIC))].any(axis=1))
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8, 1.2])
+def test_volume_is_the_mean_cell_inside_the_fluid(jitter):
+    watch = Watch(scene([Volume(name="v")], jitter=jitter, tank=(1.0, 1.0)), MPI.COMM_SELF,
+                  lambda arrays: arrays["role"].__setitem__(40, BALLISTIC))
+    cell, count = watch.sample()["v"]
+    chosen = inside_by_distance(watch.particles)
+    areas = [cell_by_clipping(i, watch.particles.x) for i in chosen]
+    assert count == len(chosen) and 50 < count < 19 * 8
+    assert cell == pytest.approx(np.mean(areas) / S**2, rel=1e-12)
+    assert (cell == pytest.approx(1.0, abs=1e-12)) == (jitter == 0.0)
+
+
+def test_a_squeezed_drop_has_a_smaller_volume():
+    def change(arrays):
+        arrays["x"] *= (0.97, 0.99)
+    cell, count = Watch(scene([Volume(name="v")], tank=None, shape=Disc(radius=0.5)), MPI.COMM_SELF, change).sample()["v"]
+    assert cell == pytest.approx(0.97 * 0.99, rel=1e-12) and count > 100
+
+
+def test_a_cell_that_nothing_closes_is_left_out():
+    def change(arrays):  # a cavity without a surface, which the lists do not reach across
+        hole = np.linalg.norm(arrays["x"] - (0.5, 0.25), axis=1) < 0.07
+        for name in arrays:
+            arrays[name] = arrays[name][~hole]
+    case = scene([Volume(name="v")], lid=True, depth=1.0)
+    whole, full = Watch(case, MPI.COMM_SELF).sample()["v"]
+    cell, count = Watch(case, MPI.COMM_SELF, change).sample()["v"]
+    assert full == 19 * 19 and whole == pytest.approx(1.0, abs=1e-12)
+    assert count < full - 5 and cell < 1.02
+
+
+def test_where_nothing_is_deep_there_is_no_volume():
+    found = Watch(scene([Volume(name="v")], depth=0.1), MPI.COMM_SELF).sample()["v"]
+    assert np.isnan(found[0]) and found[1] == 0.0
+
+
+# -- all of them --------------------------------------------------------------------------
+
+ALL = [SurfaceGauge(name="gauge", at=0.42), PressureTap(name="tap", at=(0.0, 0.2)), WaterFront(name="front"),
+       ColumnHeight(name="column", at=0.3), Energy(name="energy"), Volume(name="volume"), Momentum(name="momentum")]
+
+
+def test_every_probe_that_a_case_can_have_can_be_sampled():
+    kinds = {kind.model_fields["kind"].default for kind in typing.get_args(typing.get_args(descriptions.AnyProbe)[0])}
+    assert kinds == set(probes.SAMPLERS) == {probe.kind for probe in ALL}
+
+
+def test_together_they_give_what_each_gives_alone():
+    watch = Watch(scene(ALL, velocity=(0.1, 0.0), jitter=0.3), MPI.COMM_SELF, hydrostatic)
+    together = watch.sample()
+    assert list(together) == [probe.name for probe in ALL]
+    for sampler in watch.samplers:
+        assert sampler.sample(watch.particles, watch.domain, 0.0) == together[sampler.name]
+        assert len(together[sampler.name]) == len(sampler.columns) and sampler.title
+        assert all(type(number) is float and np.isfinite(number) for number in together[sampler.name])
+    assert probes.sample_all([], watch.particles, watch.domain, 0.0) == {}
+
+
+@pytest.mark.filterwarnings("ignore:invalid value")
+@pytest.mark.parametrize("share", [0.1, 1.0])
+def test_a_run_that_breaks_down_is_still_sampled(share):
+    watch = Watch(scene(ALL), MPI.COMM_SELF)
+    p = watch.particles
+    for name in ("x", "u", "p"):
+        getattr(p, name)[np.random.default_rng(2).random(p.n_owned) < share] = np.nan
+    assert np.isnan(watch.sample()["energy"][2])
+
+
+def test_in_three_dimensions_what_has_no_meaning_is_refused():
+    cube = Scene(3, S, np.full(3, S), DENSITY * S**3, np.zeros(3), np.ones(3), True, np.array([0.0, 0.0, -G]))
+    for probe in (Volume(name="v"), SurfaceGauge(name="g", at=0.0)):
+        with pytest.raises(CaseError, match=f"'{probe.name}': {probe.kind} exists in 2D only.*in 3D"):
+            probes.SAMPLERS[probe.kind](probe, cube)
+    mid = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 0.25]])
+    p = SimpleNamespace(comm=MPI.COMM_SELF, kind=np.zeros(2, np.int8), role=np.zeros(2, np.int8), x=mid, u=np.ones((2, 3)))
+    energy, momentum = (probes.SAMPLERS[probe.kind](probe, cube) for probe in (Energy(name="e"), Momentum(name="m")))
+    assert energy.sample(p, None, 0.0) == pytest.approx(DENSITY * S**3 * np.array([3.0, 0.75 * G, 3.0 + 0.75 * G]))
+    assert momentum.sample(p, None, 0.0) == pytest.approx([2 * DENSITY * S**3] * 3)
+    assert energy.columns["total"] == "J" and list(momentum.columns) == ["px", "py", "pz"]

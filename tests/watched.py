@@ -1,0 +1,63 @@
+"""Scenes with particles at made-up places, for tests of probes."""
+
+import numpy as np
+
+from parisph.case import geometry
+from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
+from parisph.io import probes
+from parisph.parallel.neighbours import Domain
+from parisph.parallel.particles import Particles
+
+G, DENSITY = 9.81, 1000.0
+
+
+def scene(watched, spacing=0.05, width=1.0, depth=0.5, tank=(1.0, 1.0), at=(0.0, 0.0), elevation=None,
+          gravity=(0.0, -G), velocity=(0.0, 0.0), shape=None, jitter=0.0, lid=False):
+    """Return the Case of a box of water, in a tank of size `tank` at `at` or without one (None)."""
+    shape = shape or Box(width=width, height=depth, at=at)
+    return Case(
+        title="watched", fluid=Fluid(shape, density=DENSITY, elevation=elevation, velocity=velocity),
+        walls=None if tank is None else Tank(width=tank[0], height=tank[1], lid=lid, at=at), gravity=gravity,
+        numerics=Numerics(spacing=spacing, jitter=jitter), probes=watched, end_time=1.0,
+    )
+
+
+class Watch:
+    """The particles of a case, spread over the ranks of `comm`, and its samplers.
+
+    change : function(arrays) that changes this rank's arrays before they become particles; it must
+    do the same to each particle on any number of ranks
+    """
+
+    def __init__(self, case, comm, change=None):
+        arrays = geometry.build(case, comm.rank, comm.size)
+        if change is not None:
+            change(arrays)
+        s = case.numerics.spacing
+        self.particles = Particles(comm, case.dim)
+        self.particles.assign(arrays)
+        self.domain = Domain(self.particles, *geometry.domain(case), 2.6 * s, 0.4 * s, 0.04 * s)
+        self.domain.refresh()
+        self.samplers = probes.build(case, comm)
+
+    def sample(self, time=0.0):
+        """Return {probe name: tuple of values}. Collective."""
+        return probes.sample_all(self.samplers, self.particles, self.domain, time)
+
+    def destroy(self):
+        """Free the halo. Collective."""
+        self.domain.destroy()
+
+
+def only(found):
+    """Return the value of the only column of the only probe."""
+    ((value,),) = found.values()
+    return value
+
+
+def add_fluid(arrays, x, role):
+    """Add fluid particles at x (n, 2) to the arrays of one rank."""
+    n = len(x)
+    more = {"id": 10**6 + np.arange(n), "x": np.asarray(x, float), "role": np.full(n, role, np.int8)}
+    for name, values in arrays.items():
+        arrays[name] = np.concatenate([values, more.get(name, np.zeros((n, *values.shape[1:]), values.dtype))])
