@@ -1,0 +1,107 @@
+"""run, restart and an interruption, whole, as a user does them from a shell."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tests.launch import clean_environment, mpirun, parisph
+
+CASE = '''
+from parisph import Box, Case, Fluid, Numerics, Output, PressureTap, Tank
+def case(end_time: float = 0.2) -> Case:
+    return Case(title="small dam", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0), gravity=(0.0, -9.81),
+                walls=Tank(width=1.0, height=1.5), numerics=Numerics(spacing=0.1, time_step=0.01), end_time=end_time,
+                output=Output(every=0.05, checkpoint_every=0.1), probes=[PressureTap("corner", at=(0.0, 0.1))])
+'''
+
+
+@pytest.fixture
+def place(tmp_path):
+    (tmp_path / "dam.py").write_text(CASE)
+    return tmp_path
+
+
+def summary(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+def test_run_on_two_ranks_and_go_on_with_three(place):
+    done = mpirun(2, ["-m", "parisph", "run", "dam.py"], timeout=200, cwd=place)
+    assert done.returncode == 0, done.stderr
+    assert "status          completed" in done.stdout and done.stdout.count("folder ") == 1
+    folder = place / "runs" / "dam"
+    first = summary(folder)
+    assert (first["status"], first["ranks"], first["steps"]) == ("completed", 2, 20)
+    assert first["time"] == pytest.approx(0.2)
+    for name in ("case.json", "steps.csv", "probes/corner.csv", "flow.vtkhdf.series", "snapshots/000004.vtkhdf", "run.log"):
+        assert (folder / name).stat().st_size > 0, name
+
+    done = mpirun(3, ["-m", "parisph", "restart", "runs/dam", "--until", "0.3", "-q"], timeout=200, cwd=place)
+    assert done.returncode == 0, done.stderr
+    second = summary(folder)
+    assert (second["ranks"], second["steps"], second["particles"]) == (3, 30, first["particles"])
+
+    done = parisph("info", "runs/dam", cwd=place)
+    assert done.returncode == 0 and "small dam" in done.stdout and "t = 0 to 0.3 s" in done.stdout
+
+
+def test_petsc_options_reach_the_solver(place):
+    done = parisph("run", "dam.py", "-q", "--", "-pressure_ksp_view", timeout=200, cwd=place)
+    assert done.returncode == 0, done.stderr
+    assert "KSP Object: (pressure_)" in done.stdout
+
+
+def test_the_stored_case_runs_as_it_is(place):
+    assert parisph("run", "dam.py", "-q", "-o", "a", timeout=200, cwd=place).returncode == 0
+    assert parisph("run", "a/case.json", "-q", "-o", "b", timeout=200, cwd=place).returncode == 0
+    again = summary(place / "b")
+    assert again["steps"] == 20 and again["case"] == "small dam"
+
+
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_leaves_a_checkpoint_to_go_on_from(place, sent):
+    process = subprocess.Popen([sys.executable, "-m", "parisph", "run", "dam.py", "--set", "end_time=1000"], cwd=place,
+                               env=clean_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        _wait_for(lambda: _lines(place / "runs/dam/steps.csv") > 30)
+        process.send_signal(sent)
+        _, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 4, err
+    assert "parisph: error: " in err and "parisph restart runs/dam" in err and "Traceback" not in err
+    stopped = summary(place / "runs/dam")
+    assert stopped["status"] == "interrupted" and stopped["steps"] > 20
+    until = (stopped["steps"] + 3) * 0.01
+    done = parisph("restart", "runs/dam", "--until", str(until), "-q", timeout=200, cwd=place)
+    assert done.returncode == 0, done.stderr
+    assert summary(place / "runs/dam")["steps"] == stopped["steps"] + 3
+
+
+def test_check_says_what_it_takes(place):
+    done = parisph("check", "dam.py", cwd=place, timeout=120)
+    assert done.returncode == 0, done.stderr
+    for words in ("small dam", "particles", "stages", "steps       20 of 0.01 s", "memory"):
+        assert words in done.stdout
+    assert os.listdir(place) == ["dam.py"]
+
+
+def test_restart_of_what_is_not_there(place):
+    done = parisph("restart", "runs/none", cwd=place)
+    assert done.returncode in (2, 5) and "runs/none" in done.stderr and "Traceback" not in done.stderr
+
+
+def _wait_for(condition, within=200.0):
+    deadline = time.monotonic() + within
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def _lines(path):
+    return len(path.read_text().splitlines()) if path.exists() else 0
