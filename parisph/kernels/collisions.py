@@ -1,15 +1,12 @@
 """What keeps particles apart and out of walls, and the velocity filter."""
 
-import math
-
 import numpy as np
 
 from parisph.base.fields import FLUID
 from parisph.kernels.jit import kernel
 from parisph.kernels.mirrors import height, near_planes
-from parisph.kernels.rankine import _first_row_of_inverse
-from parisph.kernels.roles import outside
-from parisph.kernels.smoothing import quartic_weight
+from parisph.kernels.mls import linear_fit, moment_count
+from parisph.kernels.near import dot, fill_up, gather, room_for, sum_moments, weigh
 
 
 @kernel
@@ -105,51 +102,28 @@ def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices,
     neighbours do not span a plane (jets, drops) nothing is changed: an extrapolation from two
     of them has no bound.
     """
-    dim = len(axes)
-    radius2 = radius * radius
-    c = np.empty(dim + 1)
-    m = np.empty((dim + 1, dim + 1))
+    dim, room = len(axes), room_for(indptr)
+    near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((dim, room))
+    member = np.empty(room, np.int32)
+    moments, fit, here = np.empty((moment_count(axes), 1)), np.empty((dim + 1, 1)), np.zeros((dim, 1))
     for i in range(len(indptr) - 1):
         change[i, :] = 0.0
         if kind[i] != FLUID:
             continue
-        m[:, :] = 0.0
-        m[0, 0] = 1.0
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            w = _weight(i, j, x, role, radius2, axes)
-            if w == 0.0:
-                continue
-            m[0, 0] += w
-            for a in range(dim):
-                d = w * (x[j, a] - x[i, a]) / radius
-                m[a + 1, 0] += d
-                for b in range(a + 1):
-                    m[a + 1, b + 1] += d * (x[j, b] - x[i, b]) / radius
-        if m[0, 0] < 1.0 + 1.0e-12:
-            continue
-        if not _first_row_of_inverse(c, m, axes):
+        n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
+        for a in range(dim):
+            near[a, n] = 0.0  # the particle itself comes last
+        m = fill_up(near, n + 1, axes)
+        member[n:m] = i
+        weigh(weighted, near, 0, m, axes)
+        sum_moments(moments, 0, weighted, near, m, axes)
+        if linear_fit(fit, moments, here, 1, axes) == 0:
             continue
         # the share of the particle itself in its own mean: 1 where the fit runs through it
-        if not 0.0 < c[0] < 0.6:
+        if not 0.0 < fit[0, 0] < 0.6:
             continue
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            w = _weight(i, j, x, role, radius2, axes)
-            if w == 0.0:
-                continue
-            share = c[0]
-            for a in range(dim):
-                share += c[a + 1] * (x[j, a] - x[i, a]) / radius
-            for a in range(dim):
-                change[i, a] += strength * w * share * (u[j, a] - u[i, a])
-
-
-@kernel
-def _weight(i, j, x, role, radius2, axes):
-    if outside(role[j]):
-        return 0.0
-    r2 = 0.0
-    for a in range(len(axes)):
-        r2 += (x[j, a] - x[i, a]) ** 2
-    return quartic_weight(r2, radius2)
+        for a in range(dim):
+            for k in range(m):
+                difference[a, k] = u[member[k], a] - u[i, a]
+            for r in range(dim + 1):
+                change[i, a] += strength * fit[r, 0] * dot(weighted, r, difference, a, m)

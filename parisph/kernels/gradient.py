@@ -7,7 +7,8 @@ import numpy as np
 from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
 from parisph.kernels import harmonic
 from parisph.kernels.jit import kernel
-from parisph.kernels.moments import invert, pair_weight, second_moment
+from parisph.kernels.moments import invert, pair_weight
+from parisph.kernels.near import dot, fill_up, gather, room_for, weigh
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline_slope
 
@@ -24,30 +25,32 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
     role : those rows become BALLISTIC; rows of walls are left at zero
     f, x, role : owned and ghost
     """
-    dim = len(axes)
-    radius2 = radius * radius
-    m = np.empty((dim, dim))
-    inverse = np.empty((dim, dim))
-    right = np.empty(dim)
+    dim, room = len(axes), room_for(indptr)
+    near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
+    member = np.empty(room, np.int32)
+    m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
     for i in range(len(indptr) - 1):
         out[i, :] = 0.0
         if role[i] != INNER and role[i] != SURFACE:
             continue
-        found = second_moment(m, i, x, role, radius2, power, indptr, indices, axes)
+        n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
+        columns = fill_up(near, n, axes)
+        weigh(weighted, near, power, columns, axes)
+        for a in range(dim):
+            for b in range(a + 1):
+                m[a, b] = m[b, a] = dot(weighted, 1 + a, near, b, columns)
+        found = 0
+        for k in range(n):
+            found += weighted[0, k] > 0.0
         if found < dim + 1 or invert(m, inverse, axes) < floor:
             role[i] = BALLISTIC
             continue
-        right[:] = 0.0
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if outside(role[j]):
-                continue
-            w, _ = pair_weight(i, j, x, radius2, power, axes)
+        for k in range(columns):
+            difference[0, k] = (f[member[k]] - f[i]) / radius if k < n else 0.0
+        for b in range(dim):
+            right = dot(weighted, 1 + b, difference, 0, columns)
             for a in range(dim):
-                right[a] += w * (f[j] - f[i]) * (x[j, a] - x[i, a]) / radius2
-        for a in range(dim):
-            for b in range(dim):
-                out[i, a] += inverse[a, b] * right[b]
+                out[i, a] += inverse[a, b] * right
 
 
 @kernel

@@ -4,9 +4,15 @@ import numba
 
 # Division by zero is guarded by the kernels themselves, so the check that Python's error
 # model adds is paid for nothing. NaN must stay NaN (it is how trouble is seen): no "nnan".
-kernel = numba.njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"})
+_OPTIONS = dict(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"})
 
-# The length of a tuple is part of its type: a loop over range(len(axes)) is unrolled.
+kernel = numba.njit(**_OPTIONS)
+
+# For what a kernel calls in its innermost loops: a call costs more than a short vector loop.
+inlined = numba.njit(forceinline=True, **_OPTIONS)
+
+# The length of a tuple is part of its type: a loop over range(len(axes)) is unrolled, and
+# what stands under `if len(axes) == 3` costs nothing in 2D.
 _AXES = {2: (0, 1), 3: (0, 1, 2)}
 
 

@@ -16,9 +16,10 @@ import numpy as np
 
 from parisph.base.fields import INNER
 from parisph.kernels.harmonic import basis_size
-from parisph.kernels.jit import kernel
-from parisph.kernels.moments import PIVOT_FLOOR, cholesky, cholesky_solve
-from parisph.kernels.roles import outside
+from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.mls import linear_fit, moment_count
+from parisph.kernels.moments import cholesky, cholesky_solve
+from parisph.kernels.near import dot, fill_up, gather, room_for
 from parisph.kernels.smoothing import quartic_weight
 
 
@@ -52,178 +53,169 @@ def rankine_rows(count, columns, values, measure, flux, div, u, x, role, unit, c
     div : (n_owned,) div u from the flux through the circle [1/s]
     unit : (K, dim) from `directions`; circle : R [m]; radius : of the moving least squares [m]
     """
-    dim, points = len(axes), len(unit)
-    longest = 1
-    for i in range(len(indptr) - 1):
-        longest = max(longest, indptr[i + 1] - indptr[i])
-    near = np.empty((longest + 1, dim))  # relative positions, in units of the radius
-    w = np.empty(longest + 1)
-    shape = np.empty(longest + 1)
-    normal_shape = np.empty((longest + 1, dim))
-    c = np.empty(dim + 1)
-    m = np.empty((dim + 1, dim + 1))
-    moment = np.empty((basis_size(axes), basis_size(axes)))
-    basis = np.empty((longest, basis_size(axes)))
-    right = np.empty(basis_size(axes))
+    dim, points, size, room = len(axes), len(unit), basis_size(axes), room_for(indptr)
+    at = np.ascontiguousarray(unit.T) * (circle / radius)
+    near, product, w = np.empty((dim, room)), np.empty((dim * (dim + 1) // 2, room)), np.empty((points, room))
+    moments, fit = np.empty((moment_count(axes), points)), np.empty((dim + 1, points))
+    mean = np.empty((dim + 1, room))
+    basis, weighted = np.empty((size, room)), np.empty((size, room))
+    matrix, right = np.empty((size, size)), np.empty(size)
     for i in range(len(indptr) - 1):
         if role[i] != INNER:
             continue
         first = indptr[i]
-        n = 0
-        for k in range(first, indptr[i + 1]):
-            j = indices[k]
-            if not outside(role[j]):
-                columns[first + n] = j
-                for a in range(dim):
-                    near[n, a] = (x[j, a] - x[i, a]) / radius
-                n += 1
-        near[n, :] = 0.0  # the particle itself comes last
-        shape[:n + 1] = 0.0
-        normal_shape[:n + 1, :] = 0.0
-        for q in range(points):
-            _add_point(shape, normal_shape, near, n + 1, unit[q], circle / radius, w, c, m, axes)
-        for k in range(n):
-            shape[k] /= points
-        if normalised:
-            _make_isotropic(shape, near, n, moment, basis, right, axes)
-        spread = 0.0
-        for k in range(n):
-            r2 = 0.0
-            for a in range(dim):
-                r2 += near[k, a] ** 2
-            spread += shape[k] * r2
+        n = gather(near, columns, first, i, x, role, radius, indptr, indices, axes)
+        for a in range(dim):
+            near[a, n] = 0.0  # the particle itself comes last
+        m = fill_up(near, n + 1, axes)
+        _multiply(product, near, m, axes)
+        _weigh(moments, w, near, product, at, m, axes)
+        linear_fit(fit, moments, at, points, axes)
+        _sum_over_points(mean, fit, w, near, unit, m, axes)
+        mean[0, n] = 0.0
+        if normalised and n > size:
+            _make_isotropic(mean, near, product, m, basis, weighted, matrix, right, axes)
         count[i] = n
-        _finish(i, first, n, shape, normal_shape, spread, columns, values, measure, flux, div, u,
-                circle, radius, points, normalised, axes)
+        _finish(i, first, n, m, mean, product, columns, values, measure, flux, div, u, circle, radius, points,
+                normalised, axes)
 
 
-@kernel
-def _make_isotropic(shape, near, n, moment, basis, right, axes):
+@inlined
+def _multiply(product, near, m, axes):
+    """Write the products of coordinates, in the order 00, 10, 11, 20, 21, 22."""
+    r = 0
+    for a in range(len(axes)):
+        for b in range(a + 1):
+            for k in range(m):
+                product[r, k] = near[a, k] * near[b, k]
+            r += 1
+
+
+@inlined
+def _weigh(moments, w, near, product, at, m, axes):
+    """Weigh the neighbours about every point of the circle; sum the moments about the particle."""
+    dim = len(axes)
+    for q in range(len(w)):
+        px, py = at[0, q], at[1, q]
+        s0, sx, sy, sz, sxx, sxy, syy, sxz, syz, szz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(m):
+            r2 = (near[0, k] - px) ** 2 + (near[1, k] - py) ** 2
+            if dim == 3:
+                r2 += (near[2, k] - at[2, q]) ** 2
+            v = quartic_weight(r2, 1.0)
+            w[q, k] = v
+            s0 += v
+            sx += v * near[0, k]
+            sy += v * near[1, k]
+            sxx += v * product[0, k]
+            sxy += v * product[1, k]
+            syy += v * product[2, k]
+            if dim == 3:
+                sz += v * near[2, k]
+                sxz += v * product[3, k]
+                syz += v * product[4, k]
+                szz += v * product[5, k]
+        moments[0, q], moments[1, q], moments[2, q] = s0, sx, sy
+        moments[dim + 1, q], moments[dim + 2, q], moments[dim + 3, q] = sxx, sxy, syy
+        if dim == 3:
+            moments[3, q], moments[7, q], moments[8, q], moments[9, q] = sz, sxz, syz, szz
+
+
+@inlined
+def _sum_over_points(mean, fit, w, near, unit, m, axes):
+    """Sum the shape functions over the circle: alone, and times each component of the normal."""
+    dim = len(axes)
+    for r in range(dim + 1):
+        for k in range(m):
+            mean[r, k] = 0.0
+    for q in range(len(w)):
+        for k in range(m):
+            shape = fit[0, q] + fit[1, q] * near[0, k] + fit[2, q] * near[1, k]
+            if dim == 3:
+                shape += fit[3, q] * near[2, k]
+            shape *= w[q, k]
+            mean[0, k] += shape
+            mean[1, k] += shape * unit[q, 0]
+            mean[2, k] += shape * unit[q, 1]
+            if dim == 3:
+                mean[3, k] += shape * unit[q, 2]
+
+
+@inlined
+def _make_isotropic(mean, near, product, m, basis, weighted, matrix, right, axes):
     """Take the harmonic second moment out of a row by the smallest weighted change.
 
     The mean over the circle of X^2 - Y^2 and of XY is zero. On disordered particles the moving
     least squares leave a remainder, an error of order one in the Laplacian that no refinement
     removes. Rows whose neighbours do not span the harmonic polynomials stay as they are.
     """
-    dim, size = len(axes), basis_size(axes)
-    moment[:, :] = 0.0
-    right[:] = 0.0
-    for k in range(n):
-        w = _fill(basis[k], near[k], axes)
-        for r in range(size):
-            right[r] += shape[k] * basis[k, r]
-            for s in range(r + 1):
-                moment[r, s] += w * basis[k, r] * basis[k, s]
-    if n <= size or not cholesky(moment, size):
+    size = basis_size(axes)
+    _fill_basis(basis, weighted, near, product, m, axes)
+    for r in range(size):
+        right[r] = dot(mean, 0, basis, r, m)
+        for s in range(r + 1):
+            matrix[r, s] = dot(weighted, r, basis, s, m)
+    if not cholesky(matrix, size):
         return
-    cholesky_solve(moment, right, size)
-    for k in range(n):
-        w = _fill(basis[k], near[k], axes)
-        change = 0.0
+    cholesky_solve(matrix, right, size)
+    for r in range(size):
+        for k in range(m):
+            mean[0, k] -= right[r] * weighted[r, k]
+
+
+@inlined
+def _fill_basis(basis, weighted, near, product, m, axes):
+    """Write the harmonic polynomials, and these times their weight, radius 1.25 of the unit."""
+    dim, size = len(axes), basis_size(axes)
+    for k in range(m):
+        for a in range(dim):
+            basis[a, k] = near[a, k]
+        basis[dim, k] = product[0, k] - product[2, k]
+        if dim == 2:
+            basis[3, k] = product[1, k]
+        else:
+            basis[4, k] = product[2, k] - product[5, k]
+            basis[5, k], basis[6, k], basis[7, k] = product[1, k], product[3, k], product[4, k]
+        r2 = product[0, k] + product[2, k]
+        if dim == 3:
+            r2 += product[5, k]
+        v = quartic_weight(r2, 1.5625)
         for r in range(size):
-            change += right[r] * basis[k, r]
-        shape[k] -= w * change
+            weighted[r, k] = v * basis[r, k]
 
 
-@kernel
-def _fill(b, point, axes):
-    """Write the harmonic polynomials of a point; return its weight, radius 1.25 of the unit."""
-    dim = len(axes)
-    n, r2 = dim, 0.0
-    for a in range(dim):
-        b[a] = point[a]
-        r2 += point[a] ** 2
-    for a in range(dim - 1):
-        b[n] = b[a] * b[a] - b[a + 1] * b[a + 1]
-        n += 1
-    for a in range(dim):
-        for c in range(a):
-            b[n] = b[a] * b[c]
-            n += 1
-    return quartic_weight(r2, 1.5625)
-
-
-@kernel
-def _finish(i, first, n, shape, normal_shape, spread, columns, values, measure, flux, div, u, circle,
-            radius, points, normalised, axes):
+@inlined
+def _finish(i, first, n, m, mean, product, columns, values, measure, flux, div, u, circle, radius, points,
+            normalised, axes):
     """Scale the row to a unit diagonal, and sum the flux of u."""
     dim = len(axes)
-    total = 0.0
-    for k in range(n):
-        total += shape[k]
-    spread *= radius * radius
-    div[i] = 0.0
+    total, spread = 0.0, 0.0
+    for k in range(m):
+        r2 = product[0, k] + product[2, k]
+        if dim == 3:
+            r2 += product[5, k]
+        total += mean[0, k]
+        spread += mean[0, k] * r2
+    total /= points
+    spread *= radius * radius / points
     sound = total > 0.05 and spread > 0.1 * circle * circle
+    div[i] = 0.0
+    measure[i] = 0.0
+    if not sound:
+        for k in range(first, first + n):
+            values[k] = 1.0 / n
+            for a in range(dim):
+                flux[k, a] = 0.0
+        return
+    measure[i] = (spread if normalised else circle * circle) / (2.0 * dim * total)
+    scale, outflow = 1.0 / (points * total), dim / (circle * points)
+    change = 0.0
     for k in range(n):
-        values[first + k] = shape[k] / total if sound else 1.0 / n
+        values[first + k] = mean[0, k] * scale
         for a in range(dim):
-            flux[first + k, a] = normal_shape[k, a] * dim / (circle * points) if sound else 0.0
-            div[i] += flux[first + k, a] * (u[columns[first + k], a] - u[i, a])
-    scale = spread if normalised else circle * circle
-    measure[i] = scale / (2.0 * dim * total) if sound else 0.0
-
-
-@kernel
-def _add_point(shape, normal_shape, near, n, unit, distance, w, c, m, axes):
-    """Add the moving-least-squares shape functions at one point of the circle."""
-    dim = len(axes)
-    for r in range(dim + 1):
-        for s in range(r + 1):
-            m[r, s] = 0.0
-    for k in range(n):
-        r2 = 0.0
-        for a in range(dim):
-            r2 += (near[k, a] - distance * unit[a]) ** 2
-        w[k] = quartic_weight(r2, 1.0)
-        if w[k] == 0.0:
-            continue
-        m[0, 0] += w[k]
-        for a in range(dim):
-            d = w[k] * (near[k, a] - distance * unit[a])
-            m[a + 1, 0] += d
-            for b in range(a + 1):
-                m[a + 1, b + 1] += d * (near[k, b] - distance * unit[b])
-    _first_row_of_inverse(c, m, axes)
-    for k in range(n):
-        if w[k] == 0.0:
-            continue
-        value = c[0]
-        for a in range(dim):
-            value += c[a + 1] * (near[k, a] - distance * unit[a])
-        value *= w[k]
-        shape[k] += value
-        for a in range(dim):
-            normal_shape[k, a] += value * unit[a]
-
-
-@kernel
-def _first_row_of_inverse(c, m, axes):
-    """Solve m c = e_0; where the points do not span a plane, keep the constant (Shepard): False."""
-    n = len(axes) + 1
-    weight = m[0, 0]
-    for r in range(n):
-        for s in range(r):
-            for t in range(s):
-                m[r, s] -= m[r, t] * m[s, t]
-            m[r, s] /= m[s, s]
-        for t in range(r):
-            m[r, r] -= m[r, t] * m[r, t]
-        if not m[r, r] > PIVOT_FLOOR * weight:
-            c[:] = 0.0
-            c[0] = 1.0 / weight if weight > 0.0 else 0.0
-            return False
-        m[r, r] = math.sqrt(m[r, r])
-    c[0] = 1.0 / m[0, 0]
-    for r in range(1, n):
-        c[r] = 0.0
-        for s in range(r):
-            c[r] -= m[r, s] * c[s]
-        c[r] /= m[r, r]
-    for r in range(n - 1, -1, -1):
-        for s in range(r + 1, n):
-            c[r] -= m[s, r] * c[s]
-        c[r] /= m[r, r]
-    return True
+            flux[first + k, a] = mean[a + 1, k] * outflow
+            change += flux[first + k, a] * (u[columns[first + k], a] - u[i, a])
+    div[i] = change
 
 
 @kernel
@@ -233,9 +225,11 @@ def divergence(div, u, role, count, columns, flux, indptr, axes):
         div[i] = 0.0
         if role[i] != INNER:
             continue
+        total = 0.0
         for k in range(indptr[i], indptr[i] + count[i]):
             for a in range(len(axes)):
-                div[i] += flux[k, a] * (u[columns[k], a] - u[i, a])
+                total += flux[k, a] * (u[columns[k], a] - u[i, a])
+        div[i] = total
 
 
 @kernel

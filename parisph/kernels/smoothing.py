@@ -2,7 +2,7 @@
 
 import math
 
-from parisph.kernels.jit import kernel
+from parisph.kernels.jit import inlined, kernel
 
 
 @kernel
@@ -49,13 +49,12 @@ def wendland_slope(r, h, dim):
     return -5.0 * scale * (1.0 - 0.5 * q) ** 3 / (h * h)
 
 
-@kernel
+@inlined
 def quartic_weight(r2, radius2):
     """Return the least-squares weight 1 - 6q^2 + 8q^3 - 3q^4 of q = r/radius, from squares.
 
-    It is C2 at q = 1; only ratios of weights matter, so it is not normalised.
+    It is C2 at q = 1; only ratios of weights matter, so it is not normalised. There is no branch:
+    at q = 1 the polynomial is exactly zero.
     """
-    q2 = r2 / radius2
-    if q2 >= 1.0:
-        return 0.0
+    q2 = min(r2 / radius2, 1.0)
     return 1.0 - q2 * (6.0 - 8.0 * math.sqrt(q2) + 3.0 * q2)

@@ -1,0 +1,96 @@
+"""The neighbours of one particle side by side, as vector instructions want them.
+
+near[a, k] is coordinate a of neighbour k relative to the particle. Loops over k contain no
+branch, so that the compiler handles LANES neighbours at a time; the columns are filled up to
+a multiple of LANES with points so FAR away that their weight is exactly zero, which leaves no
+remainder to a slow scalar loop.
+"""
+
+import numpy as np
+
+from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.roles import outside
+from parisph.kernels.smoothing import quartic_weight
+
+LANES = 4
+FAR = 8.0  # in units of the radius of the weight
+
+
+@kernel
+def room_for(indptr):
+    """Return how many columns scratch arrays need for any row, the particle itself included."""
+    longest = 0
+    for i in range(len(indptr) - 1):
+        longest = max(longest, indptr[i + 1] - indptr[i])
+    return (longest + LANES) // LANES * LANES
+
+
+@inlined
+def gather(near, member, first, i, x, role, radius, indptr, indices, axes):
+    """Write the neighbours of i that take part in stencils, in units of the radius.
+
+    near : (dim, columns from `room_for`); member : int32, their numbers, from `first` on
+    Returns how many there are.
+    """
+    n = 0
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        member[first + n] = j  # overwritten by the next one if j takes no part
+        for a in range(len(axes)):
+            near[a, n] = (x[j, a] - x[i, a]) / radius
+        n += not outside(role[j])
+    return n
+
+
+@inlined
+def fill_up(near, n, axes):
+    """Put points without weight behind the first n; return the number of columns in use."""
+    m = (n + LANES - 1) // LANES * LANES
+    for k in range(n, m):
+        for a in range(len(axes)):
+            near[a, k] = FAR
+    return m
+
+
+@inlined
+def weigh(weighted, near, power, m, axes):
+    """Write the least-squares weight of each neighbour and its products with the coordinates.
+
+    weighted : (1 + dim, columns): w, then w near[a]; w is the quartic weight over r^power
+        (power 0 or 2; with 2, what coincides with the particle has no direction and no weight)
+    """
+    for k in range(m):
+        q2 = 0.0
+        for a in range(len(axes)):
+            q2 += near[a, k] ** 2
+        w = quartic_weight(q2, 1.0)
+        if power == 2:
+            w = w / q2 if q2 > 0.0 else 0.0
+        weighted[0, k] = w
+    for a in range(len(axes)):
+        for k in range(m):
+            weighted[1 + a, k] = weighted[0, k] * near[a, k]
+
+
+@inlined
+def sum_moments(moments, q, weighted, near, m, axes):
+    """Write the sums of w, w x_a and w x_a x_b (in the order 00, 10, 11, 20, 21, 22) to column q."""
+    r = 1 + len(axes)
+    for a in range(len(axes)):
+        for b in range(a + 1):
+            moments[r, q] = dot(weighted, 1 + a, near, b, m)
+            r += 1
+    for r in range(1 + len(axes)):
+        total = 0.0
+        for k in range(m):
+            total += weighted[r, k]
+        moments[r, q] = total
+
+
+@inlined
+def dot(p, r, q, s, m):
+    """Return sum_k p[r, k] q[s, k] over the first m columns."""
+    total = 0.0
+    for k in range(m):
+        total += p[r, k] * q[s, k]
+    return total
