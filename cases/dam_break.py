@@ -15,7 +15,7 @@ def case(
     method: str = "ISPH_R",
     preset: str = "violent",
     end_time: float = 10.0,             # t sqrt(g/H)
-    courant: float | None = 0.32,       # sqrt(gH) dt over the spacing, or none to adapt the step to cfl
+    time_step: float | None = 0.004,    # dt sqrt(g/H) at spacing = 0.0125, else in proportion; none to adapt it
     cfl: float = 0.4,
     jitter: float = 0.0,
     seed: int = 0,
@@ -33,7 +33,7 @@ def case(
         gravity=(0.0, -g),
         numerics=Numerics(
             method=method, preset=preset, spacing=spacing * H, cfl=cfl, jitter=jitter, seed=seed,
-            time_step=None if courant is None else courant * spacing * unit,
+            time_step=None if time_step is None else time_step * spacing / 0.0125 * unit,
         ),
         output=Output(every=snapshot_every * unit, checkpoint_every=unit),
         probes=[

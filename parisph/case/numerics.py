@@ -23,6 +23,7 @@ class Numerics(Model):
     max_time_step : upper limit of an adaptive step [s]
     zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)
+    strain : weight of the strain source, which keeps a particle's volume in a finite step; 0 or 1
     kappa, shift : weights of the position projection and of the Fick shift
     filter : share of the velocity's roughness that is removed in a step
     collision_distance, wall_guard : [s]; restitution : of pair collisions; 0 switches them off
@@ -42,6 +43,7 @@ class Numerics(Model):
     zeta_time: Optional[float] = Field(None, ge=0, description="relaxation time of the divergence [s], 0 for none")
     zeta: Optional[float] = Field(None, gt=0, le=2, description="weight of the divergence in the source")
     gamma: Fraction = None
+    strain: Fraction = None
     kappa: Optional[float] = Field(None, ge=0, le=2, description="weight of the position projection")
     shift: Optional[float] = Field(None, ge=0, le=2, description="weight C of the Fick shift")
     filter: Fraction = None

@@ -12,6 +12,8 @@ from parisph.methods import regularise, schemes
 from parisph.pressure import groups
 from parisph.pressure.rows import PressureRows
 
+STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source answers
+
 
 @dataclass(frozen=True)
 class StepReport:
@@ -164,12 +166,27 @@ class Projection:
         target = self.density / dt * zeta * self.rows.div[owned]
         if n.gamma > 0.0:
             target += n.gamma * self.density / dt**2 * np.clip(1.0 - p.alpha, -0.1, 0.1) * (p.role == INNER)
+        if n.strain > 0.0:
+            target -= n.strain * self.density * self._strain(dt)
         walls = p.role == WET
         target[walls] = self.density * np.einsum("ia,ia->i", p.normal[walls], force[owned][walls])
         right = self.rows.right_hand_side(target)
         matrix, isolated = self._matrix()
         right[(p.role != INNER) & (p.role != WET)] = 0.0
         return matrix, right, isolated
+
+    def _strain(self, dt):
+        """Return tr((grad u)^2)/2 [1/s^2]: what a step in straight lines does to volume.
+
+        Particles move from one set of operators to the next by dt u, which maps a volume by
+        det(1 + dt grad u) = 1 + dt div u - dt^2/2 tr((grad u)^2) + ... With div u = 0 a straining
+        flow shrinks, at 4 % of the dam break's volume up to the impact; div u = dt/2
+        tr((grad u)^2) keeps it. Limited to where the expansion holds.
+        """
+        p = self.particles
+        out = np.empty(p.n_owned)
+        self.rows.second_invariant(out, p.u_all, p.role_all)
+        return np.clip(0.5 * out, -STRAIN_LIMIT / dt**2, STRAIN_LIMIT / dt**2)
 
     def _matrix(self):
         """Compress to CSR; groups that nothing anchors get p = 0, for their level is arbitrary."""

@@ -45,11 +45,11 @@ def test_dam_break():
     arrays = geometry.build(case)
     assert case.walls.lid and not case.closed
     assert case.end_time * np.sqrt(9.81) == pytest.approx(10.0)
-    assert case.numerics.time_step * np.sqrt(9.81) == pytest.approx(0.008)
+    assert case.numerics.time_step * np.sqrt(9.81) == pytest.approx(0.004)
     assert np.count_nonzero(arrays["kind"] == 0) == 3200 and np.count_nonzero(arrays["role"] == CONTACT) == 2
     assert np.count_nonzero(arrays["role"] == SURFACE) == 80 + 40 - 1
     assert {probe.name for probe in case.probes} >= {"P1", "P2", "front", "column", "energy", "volume", "momentum"}
-    assert load(CASES / "dam_break.py", ["courant=none"]).numerics.time_step is None
+    assert load(CASES / "dam_break.py", ["time_step=none"]).numerics.time_step is None
 
 
 @pytest.mark.parametrize("spacing, count", [(0.1, 190), (0.05, 780), (0.025, 3160)])
