@@ -1,6 +1,8 @@
 """The run: steps, probes, snapshots, checkpoints, and how it ends."""
 
+import os
 import signal
+from contextlib import contextmanager
 from dataclasses import asdict, fields
 from pathlib import Path
 from time import perf_counter
@@ -11,16 +13,19 @@ from mpi4py import MPI
 from parisph.base import log
 from parisph.base.errors import CaseError, Interrupted, ParisphError, StoreError, agree
 from parisph.case.schema import Case
+from parisph.driver.failure import explained
 from parisph.driver.progress import Progress
-from parisph.driver.simulation import Simulation
+from parisph.driver.schedule import Signals, Times
+from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.io import checkpoint, probes
+from parisph.io.files import on_first, together
 from parisph.io.store import Store, provenance
 from parisph.methods.projection import StepReport
 from parisph.pressure.trial import versions
 
 WALL_CLOCK = 600.0  # seconds between checkpoints at the latest, whatever the case says
-STOP, SAVE = 2, 1   # what ranks ask of each other at the end of a step
+SAVE = 1            # what ranks ask of each other at the end of a step; above it: the signal to stop for
 UNITS = {"dt": "s", "setup_seconds": "s", "solve_seconds": "s"}
 
 
@@ -37,9 +42,12 @@ def run(case, comm, out, petsc_options=None, progress=True):
     CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder
     then holds summary.json and everything up to there.
     """
-    simulation = Simulation(case, comm, petsc_options)
-    store = Store.create(comm, out, case.model_dump_json(), _about(simulation, petsc_options), case.output.fields)
-    return _Run(simulation, store, Account.new(simulation), progress).go(first=True)
+    on_first(comm, f"start a run in {out}", lambda: _check_new(Path(out)))
+    with _built(case, comm, petsc_options) as simulation:
+        samplers = probes.build(case, simulation.comm)
+        store = Store.create(simulation.comm, out, case.model_dump_json(), _about(simulation, petsc_options),
+                             case.output.fields)
+        return _Run(simulation, samplers, store, Account.new(), progress).go(first=True)
 
 
 def restart(path, comm, until=None, out=None, petsc_options=None, progress=True):
@@ -50,171 +58,161 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True)
     """
     path, folder = _find(path, comm)
     saved = checkpoint.read(comm, path)
-    case = Case.model_validate_json(saved.case)
-    if until is not None:
-        case = case.model_copy(update={"end_time": float(until)})
-    if case.end_time <= saved.time:
+    case = together(comm, f"read the case in {path}", lambda: _case(saved, until))
+    if finished(case, saved.time):
         raise CaseError(f"end_time = {case.end_time:g} s: the checkpoint {path} is of {saved.time:g} s already; "
                         "ask for more with --until")
-    simulation = Simulation(case, comm, petsc_options, start=saved)
-    store = Store.resume(comm, out or folder, case.model_dump_json(), saved.time, saved.step,
-                         _about(simulation, petsc_options), case.output.fields)
-    return _Run(simulation, store, Account.resumed(simulation, saved.state), progress).go(first=False)
+    on_first(comm, f"go on with the run in {out or folder}", lambda: _check_folder(Path(out or folder)))
+    with _built(case, comm, petsc_options, saved) as simulation:
+        samplers = probes.build(case, simulation.comm)
+        store = Store.resume(simulation.comm, out or folder, case.model_dump_json(), saved.time, saved.step,
+                             _about(simulation, petsc_options), case.output.fields)
+        return _Run(simulation, samplers, store, Account.resumed(saved.state), progress).go(first=False)
+
+
+@contextmanager
+def _built(case, comm, petsc_options, start=None):
+    """A Simulation that is freed at the end, unless a fault of one rank leaves the others behind."""
+    simulation = Simulation(case, comm, petsc_options, start)
+    try:
+        yield simulation
+    except ParisphError:    # on all ranks
+        simulation.destroy()
+        raise
+    simulation.destroy()
 
 
 class _Run:
     """What happens around the steps of one run."""
 
-    def __init__(self, simulation, store, account, progress):
-        self.simulation, self.store, self.account = simulation, store, account
+    def __init__(self, simulation, samplers, store, account, progress):
+        self.simulation, self.samplers, self.store, self.account = simulation, samplers, store, account
         self.comm, self.case = simulation.comm, simulation.case
-        self.samplers = probes.build(self.case, self.comm)
         self.progress = Progress(self.case.end_time, progress and self.comm.rank == 0)
-        self.last_checkpoint = None
+        self.last_checkpoint, self.saved_step = None, None
         self.saved_at = perf_counter()
-        self.snapshots = _Times(self.case.output.every, self.case.output.times)
-        self.checkpoints = _Times(self.case.output.checkpoint_every, ())
+        self.snapshots = Times(self.case.output.every, self.case.output.times)
+        self.checkpoints = Times(self.case.output.checkpoint_every)
 
     def go(self, first):
-        log.start(self.comm, self.store.folder / "run.log")
-        status = "failed"
+        """Take all steps and return the summary. Collective."""
+        error = None
         try:
-            with _Signals() as signals:
+            # what is not a number is found by the checks of each step, which say more than numpy
+            with Signals() as signals, np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 self._open(first)
                 while not self.simulation.finished():
                     self._step(signals)
-            self._save()
-            status = "completed"
-        except ParisphError as error:
-            status = "interrupted" if isinstance(error, Interrupted) else f"failed: {error}"
-            raise self._explained(error) from error
-        finally:
+                self._save()
+        except ParisphError as problem:
+            error = explained(problem, self.simulation, self.last_checkpoint)
+        except BaseException:
+            # a fault, perhaps of this rank alone: the others may not come to anything collective
             self.progress.close()
-            summary = self._close(status)
-        return summary
+            log.stop()
+            raise
+        return self._close(error)
 
     def _open(self, first):
-        s = self.simulation
+        s, path = self.simulation, self.store.folder / "run.log"
+        together(self.comm, f"write {path}", lambda: log.start(self.comm, path))
         self.store.add_series("steps", {f.name: UNITS.get(f.name, "") for f in fields(StepReport)},
                               "one line a step")
         for sampler in self.samplers:
             self.store.add_series(f"probes/{sampler.name}", sampler.columns, sampler.title)
-        s.domain.refresh()
-        self.account.start(s, self.samplers)
+        log.logger.info(f"{self.case.title}: {s.particles.n_global} particles on {self.comm.size} "
+                        f"rank{'s' * (self.comm.size > 1)}, {'into' if first else 'on in'} {self.store.folder}")
         if first:
-            log.logger.info(f"{self.case.title}: {s.particles.n_global} particles on {self.comm.size} "
-                            f"rank{'s' * (self.comm.size > 1)}, into {self.store.folder}")
+            s.solve_start()
+        else:
+            s.domain.refresh()
+        self.account.start(s)
+        if first:
+            self.store.append(s.time, s.steps, self._sampled())
             if self.case.output.every or 0.0 in self.case.output.times:
                 self.store.snapshot(s.particles, s.time, s.steps)
             self._save()
-        self.snapshots.skip(s.time)
-        self.checkpoints.skip(s.time)
+        # half a step on, as in _step: else what was due at the checkpoint would be due again
+        for due in (self.snapshots, self.checkpoints):
+            due.skip(s.time + 0.5 * (s.dt or 0.0))
 
     def _step(self, signals):
         s = self.simulation
         report = s.advance()
-        values = {"steps": tuple(asdict(report).values())}
+        lines = {"steps": tuple(asdict(report).values())}
         if s.steps % self.case.output.probe_every == 0:
-            with s.timers("probes"):
-                sampled = probes.sample_all(self.samplers, s.particles, s.domain, s.time)
-            values.update({f"probes/{name}": line for name, line in sampled.items()})
+            lines.update(self._sampled())
         with s.timers("store"):
-            self.store.append(s.time, s.steps, values)
-            if self.snapshots.due(s.time + 0.5 * report.dt):
+            self.store.append(s.time, s.steps, lines)
+            if self.snapshots.due(s.time + 0.5 * s.dt):
                 self.store.snapshot(s.particles, s.time, s.steps)
         self.account.step(report)
         self.progress.step(s, report)
-        asked = self._asked(signals)
-        if asked or self.checkpoints.due(s.time + 0.5 * report.dt):
+        due, asked = self.checkpoints.due(s.time + 0.5 * s.dt), self._asked(signals)
+        if due or asked:
             self._save()
-        if asked >= STOP:
-            raise Interrupted(f"stopped at t = {s.time:g} s by signal {signals.seen or 'on another rank'}; "
+        if asked > SAVE and not s.finished():
+            raise Interrupted(f"stopped at t = {s.time:.6g} s by {signal.Signals(asked - SAVE).name}; "
                               f"go on with: parisph restart {self.store.folder}")
 
+    def _sampled(self):
+        s = self.simulation
+        with s.timers("probes"):
+            found = probes.sample_all(self.samplers, s.particles, s.domain, s.time)
+        return {f"probes/{name}": line for name, line in found.items()}
+
     def _asked(self, signals):
+        """Return what any rank asks for: 0, SAVE, or SAVE + the number of a signal to stop. Collective."""
         late = self.comm.rank == 0 and perf_counter() - self.saved_at > WALL_CLOCK
-        return self.comm.allreduce(STOP if signals.seen else SAVE if late else 0, op=MPI.MAX)
+        return self.comm.allreduce(SAVE + signals.seen if signals.seen else SAVE * late, op=MPI.MAX)
 
     def _save(self):
         s = self.simulation
+        if s.steps == self.saved_step:
+            return
         with s.timers("store"):
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0,
                                                          self.account.state(s))
-        self.saved_at = perf_counter()
+        self.saved_at, self.saved_step = perf_counter(), s.steps
 
-    def _explained(self, error):
-        """Return the error with what a user needs to go on: where, who, and from which checkpoint."""
-        if isinstance(error, (Interrupted, StoreError)):
-            return error
-        s = self.simulation
-        where = f"step {s.steps + 1}, t = {s.time:g} s"
-        suspects = suspicious(s)
-        text = f"{error}\n  at {where}\n  particles to look at:\n" + "\n".join(f"    {line}" for line in suspects)
-        text += f"\n  last good checkpoint: {self.last_checkpoint}" if self.last_checkpoint else ""
-        return type(error)(text)
-
-    def _close(self, status):
-        """Write the summary whatever has happened, free everything, and return the summary."""
-        summary = self.account.summary(self.simulation, self.samplers, self.store, status)
-        self.store.summary(summary)
-        self.store.close()
-        log.stop()
-        self.simulation.destroy()
+    def _close(self, error):
+        """Write the summary whatever has happened, and return it or raise the error. Collective."""
+        self.progress.close()
+        status = "completed"
+        if error is not None:
+            status = "interrupted" if isinstance(error, Interrupted) else f"failed: {error}"
+        log.logger.debug(status)    # into the log file alone
+        summary = None
+        try:
+            summary = self.account.summary(self.simulation, self.store, status)
+            self.store.summary(summary)
+            self.store.close()
+        except StoreError as problem:
+            error = error or problem
+        finally:
+            log.stop()
+        if error is not None:
+            raise error
         return summary
 
 
-class _Times:
-    """When something is due: every so often, and at given times."""
-
-    def __init__(self, every, times):
-        self.every, self.times, self.count = every, sorted(times), 0
-
-    def due(self, time):
-        """Return whether a time has been reached since it was asked last."""
-        before = self.count
-        self.skip(time)
-        return self.count > before
-
-    def skip(self, time):
-        self.count = sum(t <= time for t in self.times)
-        if self.every:
-            self.count += int(np.floor(time / self.every * (1.0 + 1e-12)))
+def _check_new(folder):
+    if (folder / "case.json").exists():
+        raise StoreError(f"{folder} holds a run already: give another folder, or remove it")
+    _check_folder(folder)
 
 
-class _Signals:
-    """Ctrl-C and SIGTERM ask the run to finish its step; a second one ends it at once."""
-
-    def __enter__(self):
-        self.seen = None
-        self._old = {}
-        for number in (signal.SIGINT, signal.SIGTERM):
-            try:
-                self._old[number] = signal.signal(number, self._handle)
-            except ValueError:  # not in the main thread (a notebook's worker): leave signals alone
-                break
-        return self
-
-    def _handle(self, number, frame):
-        if self.seen:
-            raise KeyboardInterrupt
-        self.seen = signal.Signals(number).name
-
-    def __exit__(self, *_):
-        for number, handler in self._old.items():
-            signal.signal(number, handler)
+def _check_folder(folder):
+    """Make the folder and see that a file can be made in it, before any work. Raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    probe = folder / f".{os.getpid()}.tmp"
+    probe.touch()
+    probe.unlink()
 
 
-def suspicious(simulation, count=5):
-    """Describe the particles that look worst: not finite first, then the fastest. Collective."""
-    p = simulation.particles
-    speed = np.linalg.norm(p.u, axis=1)
-    bad = ~(np.isfinite(p.x).all(axis=1) & np.isfinite(speed) & np.isfinite(p.p))
-    key = np.where(bad, np.inf, np.nan_to_num(speed))
-    worst = np.argsort(-key)[:count]
-    mine = [(float(key[i]), f"id {p.id[i]} role {p.role[i]} at {np.round(p.x[i], 5).tolist()} m, "
-                            f"u {np.round(p.u[i], 3).tolist()} m/s, p {p.p[i]:.4g} Pa") for i in worst]
-    found = sorted((item for part in p.comm.allgather(mine) for item in part), key=lambda item: -item[0])
-    return [text for _, text in found[:count]]
+def _case(saved, until):
+    case = Case.model_validate_json(saved.case)
+    return case if until is None else case.changed(end_time=float(until))
 
 
 def _find(path, comm):

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from parisph.base.errors import CaseError, agree
+from parisph.base.errors import CaseError, SolverDiverged, agree
 from parisph.base.fields import FLUID
 from parisph.base.log import Timers
 from parisph.case import geometry
-from parisph.case.schema import Box, Case, Fluid, Tank
+from parisph.driver import warmup
 from parisph.methods import schemes
 from parisph.methods.projection import Projection
 from parisph.methods.timestep import next_step
@@ -17,6 +17,8 @@ from parisph.pressure.solver import PressureSolver
 SKIN = 0.4        # spacings a particle moves until particles are redistributed and sorted
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
 WORK = ("surface", "assemble", "correct", "regularise")  # phases whose time is this rank's own
+FIRST = 1 / 20    # of the whole time: the longest first step of a scene that nothing else limits
+SHORTEST = 1e-8   # of the whole time: a step below it would never end the run
 
 
 class Simulation:
@@ -33,48 +35,54 @@ class Simulation:
     Attributes
     ----------
     particles : Particles, fields as numpy arrays (particles.x, .u, .p, .role, ...) of this rank
-    time [s], steps, dt [s] : of the last step
+    time [s], steps, dt [s] : of the last step, dt None before the first
     timers : Timers
+    bad_force : float or None, the last time [s] at which the body force was no finite number here
 
     All methods are collective. Raises CaseError where the case cannot be run as it is.
     """
 
     def __init__(self, case, comm, petsc_options=None, start=None):
-        self.case, self.numerics = case, case.numerics.resolved()
+        self.case, self.numerics = case, _numerics(case)
         self.comm = comm.Dup()
         if self.comm.size > 1:
-            self._compile_on_one_rank_first()
+            warmup.on_one_rank_first(self.comm, Simulation, case, self.numerics)
         self.timers = Timers()
         self.particles = Particles(self.comm, case.dim)
         self.particles.assign(_arrays(case, self.comm) if start is None else start.arrays)
-        self.time, self.steps, self.dt = (0.0, 0, None) if start is None else (start.time, start.step, start.dt)
+        self.time, self.steps, self.dt = (0.0, 0, None) if start is None else (start.time, start.step, start.dt or None)
         s = self.numerics.spacing
         lower, upper = geometry.domain(case)
         self.domain = Domain(self.particles, lower, upper, schemes.SCHEMES[self.numerics.method].reach * s,
                              SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.lid)
         self.solver = PressureSolver(self.comm, petsc_options, self.numerics.rtol, closed=case.closed)
-        self.method = Projection(self.numerics, case.fluid.density, case.body_force, self.particles, self.domain,
+        self.method = Projection(self.numerics, case.fluid.density, self._force, self.particles, self.domain,
                                  self.solver, self.timers, closed=case.closed)
+        self.bad_force = None
         self._recorded = 0.0
 
+    def solve_start(self):
+        """Give the particles of the start a pressure, which no step has done yet; nothing moves."""
+        with self.timers("start"):
+            self.method.pressure_now(self.time, self._limit())
+
     def advance(self):
-        """Take one step of the case's size; return its StepReport."""
-        dt = next_step(self.comm, self.particles, self.numerics, self._gravity(), self.dt)
-        # a scene that rests in no field has no time scale of its own
-        dt = min(dt, self.case.end_time / 20.0)
-        if self.numerics.time_step is None and self.time < self.case.end_time < self.time + 1.001 * dt:
-            dt = self.case.end_time - self.time
+        """Take one step of the case's size; return its StepReport.
+
+        Raises SolverDiverged or ParticleLost.
+        """
+        limit = self._limit()
+        dt = self._share(limit)
         report = self.method.step(self.time, dt)
         self.time += dt
         self.steps += 1
-        self.dt = dt
+        self.dt = limit     # not the shorter one that meets the end: a run that is extended shall not notice
         self._record_load()
         return report
 
     def finished(self):
         """Return whether the end time is reached, to within half a fixed step."""
-        slack = 0.5 * (self.numerics.time_step or 1e-9 * self.case.end_time)
-        return self.time > self.case.end_time - slack
+        return finished(self.case, self.time)
 
     def gather(self, *names):
         """Return {name: array over all particles, in the order of their ids} on rank 0, None elsewhere."""
@@ -92,11 +100,34 @@ class Simulation:
         self.solver.destroy()
         self.comm.Free()
 
-    def _gravity(self):
+    def _limit(self):
+        """Return the time step that the case and the flow allow [s], the same on all ranks."""
+        dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt)
+        if self.numerics.time_step is None and self.dt is None:
+            # a scene that rests in no field has no time scale of its own
+            dt = min(dt, FIRST * self.case.end_time)
+        if self.numerics.time_step is None and not dt > SHORTEST * self.case.end_time:
+            raise SolverDiverged(f"the time step has shrunk to {dt:.3g} s, as the flow is far too fast")
+        return dt
+
+    def _share(self, limit):
+        """Return an adaptive step that meets the end time, and without a crumb of a step before it."""
+        left = self.case.end_time - self.time
+        if self.numerics.time_step is not None or left > 2.0 * limit:
+            return limit
+        return left if left < 1.001 * limit else 0.5 * left
+
+    def _force(self, x, t):
+        """Body force (n, dim) [m/s^2] at x (n, dim) and t; remembers when it was no number."""
+        force = self.case.body_force(x, t)
+        if not np.isfinite(force).all():
+            self.bad_force = t
+        return force
+
+    def _strongest_force(self):
         """Return the largest body force on this rank's fluid, for the time step [m/s^2]."""
         p = self.particles
-        fluid = p.kind == FLUID
-        force = np.linalg.norm(self.case.body_force(p.x[fluid], self.time), axis=1)
+        force = np.linalg.norm(self._force(p.x[p.kind == FLUID], self.time), axis=1)
         return float(force.max(initial=0.0))
 
     def _record_load(self):
@@ -104,15 +135,19 @@ class Simulation:
         self.domain.record_load(total - self._recorded)
         self._recorded = total
 
-    def _compile_on_one_rank_first(self):
-        """Let rank 0 fill the cache of compiled kernels before the others load it."""
-        if self.comm.rank == 0:
-            from mpi4py import MPI
 
-            small = Simulation(_small(self.case, self.numerics), MPI.COMM_SELF)
-            small.advance()
-            small.destroy()
-        self.comm.Barrier()
+def finished(case, time):
+    """Return whether `time` [s] is the end of the case, to within half a fixed step. Not collective."""
+    slack = 0.5 * (case.numerics.time_step or 1e-9 * case.end_time)
+    return time > case.end_time - slack
+
+
+def _numerics(case):
+    """Return the resolved numerics; a closed case has no free surface to look for."""
+    numerics = case.numerics.resolved()
+    if case.closed and case.numerics.surface_rule is None:
+        return numerics.model_copy(update={"surface_rule": "none"})
+    return numerics
 
 
 def _arrays(case, comm):
@@ -124,12 +159,3 @@ def _arrays(case, comm):
         error = CaseError(str(problem))
     agree(comm, error)
     return arrays
-
-
-def _small(case, numerics):
-    """Return a scene of a few particles that needs the same kernels."""
-    s = numerics.spacing
-    tank = Tank(width=12 * s, height=12 * s, lid=True)
-    return Case(title="small", fluid=Fluid(Box(width=6 * s, height=6 * s), density=1000.0), walls=tank,
-                gravity=(0.0, -9.81), end_time=1.0,
-                numerics=numerics.model_copy(update={"time_step": 1e-3 * np.sqrt(s), "max_time_step": None}))

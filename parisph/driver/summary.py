@@ -24,16 +24,16 @@ class Account:
         self.divergence = None
 
     @classmethod
-    def new(cls, simulation):
+    def new(cls):
         """Return the account of a run that begins."""
         return cls({"wall": 0.0, "cpu": 0.0, "phases": {}, "fallbacks": 0, "energy": None, "volume": None})
 
     @classmethod
-    def resumed(cls, simulation, state):
+    def resumed(cls, state):
         """Return the account of a run that goes on from a checkpoint's state."""
         return cls(state["account"])
 
-    def start(self, simulation, samplers):
+    def start(self, simulation):
         """Take energy and volume at the start of the run. Collective."""
         watched = (Energy(name="energy"), *((Volume(name="volume"),) if simulation.case.dim == 2 else ()))
         self._watch = probes.build(simulation.case.model_copy(update={"probes": watched}), simulation.comm)
@@ -56,7 +56,7 @@ class Account:
             "fallbacks": self.before["fallbacks"] + self.fallbacks,
         }}
 
-    def summary(self, simulation, samplers, store, status):
+    def summary(self, simulation, store, status):
         """Return the content of summary.json. Collective."""
         s, comm = simulation, simulation.comm
         account = self.state(s)["account"]

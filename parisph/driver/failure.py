@@ -1,0 +1,45 @@
+"""What a run says when it cannot go on: where, why, and which particles to look at."""
+
+import numpy as np
+
+from parisph.base.errors import Interrupted, StoreError
+
+WORST = 5  # particles that are named
+
+
+def explained(error, simulation, last_checkpoint):
+    """Return the error with what a user needs to find the cause and to go on. Collective.
+
+    error : ParisphError, on every rank
+    last_checkpoint : path or None
+    """
+    if isinstance(error, (Interrupted, StoreError)):
+        return error
+    s = simulation
+    lines = [str(error), f"  in step {s.steps + 1}, from t = {s.time:.6g} s"]
+    bad = [t for t in s.comm.allgather(s.bad_force) if t is not None]
+    if bad:
+        lines.append(f"  cause: the body force is not a finite number at t = {max(bad):.6g} s: see `gravity` and `frame` of the case")
+    lines += ["  particles to look at:", *(f"    {line}" for line in suspects(s))]
+    if last_checkpoint:
+        lines.append(f"  last good checkpoint: {last_checkpoint}")
+    return type(error)("\n".join(lines))
+
+
+def suspects(simulation, count=WORST):
+    """Describe the particles that look worst: not finite first, then the fastest. Collective."""
+    p = simulation.particles
+    speed = np.linalg.norm(p.u, axis=1)
+    bad = ~(np.isfinite(p.x).all(axis=1) & np.isfinite(speed) & np.isfinite(p.p))
+    key = np.where(bad, np.inf, np.nan_to_num(speed))
+    worst = np.argsort(-key, kind="stable")[:count]
+    mine = [(float(key[i]), _text(p, i)) for i in worst]
+    found = sorted((item for part in p.comm.allgather(mine) for item in part), key=lambda item: -item[0])
+    return [text for _, text in found[:count]]
+
+
+def _text(p, i):
+    def vector(values):
+        return "(" + ", ".join(f"{value:.5g}" for value in values) + ")"
+
+    return f"id {p.id[i]} role {p.role[i]} at {vector(p.x[i])} m, u {vector(p.u[i])} m/s, p {p.p[i]:.4g} Pa"

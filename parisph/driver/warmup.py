@@ -1,0 +1,47 @@
+"""Compiling the kernels once: on one rank, for the others to load."""
+
+from mpi4py import MPI
+
+from parisph.base.errors import ParisphError
+from parisph.case.schema import Box, Case, Fluid, Tank, Volume
+from parisph.io import probes
+
+CELLS = 12     # sides of the small tank, in spacings
+FILLED = 6     # sides of the body of fluid in it
+STEP = 1e-3    # of the time in which a particle falls by half a spacing, as g = 1
+
+
+def on_one_rank_first(comm, make, case, numerics):
+    """Take one step of a small scene on rank 0, which fills the cache of compiled kernels. Collective.
+
+    The other ranks wait, and then find in the cache what they need; otherwise each would compile
+    all of it, which takes half a minute.
+
+    make : Simulation, as a function (case, comm) -> Simulation
+    case, numerics : the scene that is to be run, whose kernels are wanted
+    """
+    if comm.rank == 0:
+        try:
+            _step(make(small(case, numerics), MPI.COMM_SELF))
+        except ParisphError:
+            pass    # what ails the small scene, the true one will show on all ranks at once
+    comm.Barrier()
+
+
+def small(case, numerics):
+    """Return a scene of a few particles that needs the same kernels: closed if the case is closed."""
+    s = numerics.spacing
+    side = CELLS * s
+    filled = side if case.closed else FILLED * s
+    return Case(
+        title="small", fluid=Fluid(Box(width=filled, height=filled), density=1000.0),
+        walls=Tank(width=side, height=side, lid=True), gravity=(0.0, -1.0), probes=(Volume("volume"),), end_time=1.0,
+        numerics=numerics.model_copy(update={"time_step": STEP * s**0.5, "max_time_step": None, "jitter": 0.0}),
+    )
+
+
+def _step(simulation):
+    simulation.advance()
+    samplers = probes.build(simulation.case, simulation.comm)
+    probes.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
+    simulation.destroy()
