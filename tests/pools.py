@@ -76,7 +76,7 @@ def block(dim, side, jitter=0.0, spacing=0.1, reach=2.6, seed=0):
 
 
 def free(index, jitter=0.0, spacing=0.1, reach=2.6, seed=0):
-    """Return inner fluid particles at the lattice indices (n, dim), without walls, each moved by jitter (Rn - 1/2) s."""
+    """Return inner fluid particles at lattice indices (n, dim), no walls, each moved by jitter s (Rn - 1/2)."""
     index = np.asarray(index)
     n, dim = index.shape
     x = spacing * (index + jitter * (np.random.default_rng(seed).random((n, dim)) - 0.5))

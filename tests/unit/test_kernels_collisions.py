@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL
+from parisph.base.fields import DRY, WALL
 from parisph.kernels import collisions
 from tests.pools import block, free, part, tank
 

@@ -77,7 +77,8 @@ def test_second_moment(dim, power):
     near = (r2 > 0.0) & (r2 < radius**2) & (pool.role != DRY) & (pool.role != CONTACT)
     weight = [quartic_weight(value, radius**2) * (radius**2 / value if power else 1.0) for value in r2[near]]
     assert found == np.count_nonzero(near)
-    np.testing.assert_allclose(m, np.einsum("k,ka,kb->ab", weight, r[near], r[near]) / radius**2, rtol=1e-12, atol=1e-14)
+    expected = np.einsum("k,ka,kb->ab", weight, r[near], r[near]) / radius**2
+    np.testing.assert_allclose(m, expected, rtol=1e-12, atol=1e-14)
 
 
 @pytest.mark.parametrize("power", [0, 2])

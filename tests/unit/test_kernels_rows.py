@@ -114,7 +114,8 @@ def test_buffers_grow_and_are_used_again():
     fresh = rows_of(small)
     rows_of(small, made=made)
     assert made.columns is grown
-    for a, b in zip(made.csr(small.role, np.arange(25, dtype=np.int32)), fresh.csr(small.role, np.arange(25, dtype=np.int32))):
+    numbers = np.arange(25, dtype=np.int32)
+    for a, b in zip(made.csr(small.role, numbers), fresh.csr(small.role, numbers)):
         np.testing.assert_array_equal(a, b)
 
 

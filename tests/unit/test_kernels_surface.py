@@ -30,8 +30,9 @@ def by_gap(pool, was=None, alpha=None, enter=ENTER, leave=LEAVE):
 
 def by_auxiliary(pool, was, alpha=None):
     role = pool.role.copy()
-    surface.surface_by_auxiliary_functions(role, was.astype(np.int8), *pool.walls, ratio(pool) if alpha is None else alpha,
-                                           DOMAIN * pool.spacing, 0.9, *pool.csr)
+    alpha = ratio(pool) if alpha is None else alpha
+    surface.surface_by_auxiliary_functions(role, was.astype(np.int8), *pool.walls, alpha, DOMAIN * pool.spacing, 0.9,
+                                           *pool.csr)
     return role
 
 

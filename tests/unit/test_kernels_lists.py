@@ -1,0 +1,149 @@
+"""Results must not depend on how far the neighbour lists reach, nor on the order in them.
+
+Lists are longer than the stencils while their skin lasts, and their order differs between ranks.
+"""
+
+import numpy as np
+import pytest
+
+from parisph.kernels import collisions, gradient, laplacian, rankine, shifting, surface, walls
+from tests.pools import Rows, tank
+
+dims = pytest.mark.parametrize("dim", [2, 3])
+S = 0.1
+P = np.random.default_rng(0).normal(size=2000)
+U = np.random.default_rng(1).normal(size=(2000, 3))
+
+
+def least_squares(pool):
+    out = np.empty_like(pool.x)
+    gradient.least_squares_gradient(out, P[: pool.n], pool.x, pool.role, 2.1 * S, 2, 0.2, *pool.csr)
+    return out
+
+
+def harmonic(pool):
+    out = np.zeros_like(pool.x)
+    gradient.harmonic_gradient(out, P[: pool.n], pool.x, pool.role, 2.6 * S, *pool.csr)
+    return out
+
+
+def symmetric(pool):
+    out = np.empty_like(pool.x)
+    gradient.symmetric_gradient(out, P[: pool.n], pool.x, pool.role, 1.3 * S, S**pool.dim, *pool.csr)
+    return out
+
+
+def wall_velocity(pool):
+    u = U[: pool.n, : pool.dim].copy()
+    gradient.wall_velocity(u, pool.x, pool.kind, pool.corner, pool.normal, pool.role, np.zeros_like(u), 2.6 * S,
+                           *pool.csr)
+    return u
+
+
+def filtered(pool):
+    out = np.empty_like(pool.x)
+    u = U[: pool.n, : pool.dim].copy()
+    collisions.smooth_velocity(out, u, pool.x, pool.kind, pool.role, 1.0, 2.1 * S, *pool.csr)
+    return out
+
+
+def collided(pool):
+    out = np.empty_like(pool.x)
+    collisions.pair_collisions(out, U[: pool.n, : pool.dim].copy(), pool.x, pool.kind, 0.9 * S, 0.2, *pool.csr)
+    return out
+
+
+def guarded(pool):
+    u = 4.0 * U[: pool.n, : pool.dim] * pool.fluid[:, None]
+    collisions.wall_guard(u, *pool.walls, 0.5 * S, 0.01, *pool.csr)
+    return u
+
+
+def density(pool):
+    out = np.empty(pool.n)
+    surface.density_ratio(out, *pool.walls, 1.3 * S, 1.0, *pool.csr)
+    return out
+
+
+def concentration(pool):
+    out = np.empty_like(pool.x)
+    shifting.concentration_gradient(out, *pool.walls, 1.3 * S, 1.0, *pool.csr)
+    return out
+
+
+def shifted(pool):
+    out = np.empty_like(pool.x)
+    slope = U[: pool.n, : pool.dim].copy()
+    shifting.fick_shift(out, slope, pool.role, pool.x, pool.kind, 0.01, 0.1 * S, 2.0 * S, *pool.csr)
+    return out
+
+
+def divergence(pool):
+    rows = Rows(pool)
+    rankine.rankine_rows(*rows.matrix, rows.flux, rows.div, U[: pool.n, : pool.dim].copy(), pool.x, pool.role,
+                         rankine.directions(pool.dim), 0.5 * S, 2.1 * S, True, *pool.csr)
+    return rows.div
+
+
+def printed_rows(pool):
+    rows = Rows(pool)
+    rankine.rankine_rows(*rows.matrix, rows.flux, rows.div, U[: pool.n, : pool.dim].copy(), pool.x, pool.role,
+                         rankine.directions(pool.dim), 0.5 * S, 2.1 * S, False, *pool.csr)
+    return np.stack([rows.applied(P[: pool.n]), rows.measure])
+
+
+def sph_rows(pool):
+    rows = Rows(pool)
+    laplacian.isph_rows(*rows.matrix, pool.x, pool.role, 1.3 * S, S**pool.dim, *pool.csr)
+    return np.stack([rows.applied(P[: pool.n]), rows.measure])
+
+
+def wall_rows(pool):
+    rows = Rows(pool)
+    walls.sfdi_rows(*rows.matrix, pool.x, pool.role, pool.normal, 2.6 * S, *pool.csr)
+    return np.stack([rows.applied(P[: pool.n]), rows.measure])
+
+
+def harmonic_wall_rows(pool):
+    rows = Rows(pool)
+    arguments = (*rows.matrix, pool.x, pool.role, pool.normal, 2.6 * S, *pool.csr)
+    walls.sfdi_rows(*arguments)
+    walls.harmonic_rows(*arguments)
+    return np.stack([rows.applied(P[: pool.n]), rows.measure])
+
+
+def by_gap(pool):
+    if pool.dim == 3:
+        return pool.role
+    role, was = pool.role.copy(), (P[: pool.n] > 0.0).astype(np.int8)
+    surface.surface_by_gap(role, was, *pool.walls, np.ones(pool.n), 2.0 * S, 2.3, 1.4, 0.55, *pool.csr)
+    return role
+
+
+EVERY = (least_squares, harmonic, symmetric, wall_velocity, filtered, collided, guarded, density, concentration,
+         shifted, divergence, printed_rows, sph_rows, wall_rows, harmonic_wall_rows, by_gap)
+each = pytest.mark.parametrize("kernel", EVERY, ids=lambda kernel: kernel.__name__)
+
+
+def pool_of(dim, reach=2.6):
+    """Return a tank so wide that no particle has opposite walls in its list."""
+    return tank((9, 8) if dim == 2 else (8, 8, 8), jitter=0.9, spacing=S, reach=reach)
+
+
+@dims
+@each
+def test_longer_lists(dim, kernel):
+    short, long = pool_of(dim), pool_of(dim, 3.3)
+    assert len(long.indices) > 1.2 * len(short.indices)
+    np.testing.assert_allclose(kernel(long), kernel(short), rtol=1e-9, atol=1e-11)
+
+
+@dims
+@each
+def test_order_in_the_lists(dim, kernel):
+    pool = pool_of(dim)
+    expected = kernel(pool)
+    random = np.random.default_rng(2)
+    for first, last in zip(pool.indptr[:-1], pool.indptr[1:]):
+        random.shuffle(pool.indices[first:last])
+    np.testing.assert_allclose(kernel(pool), expected, rtol=1e-9, atol=1e-11)
