@@ -1,4 +1,4 @@
-"""What a run says when it cannot go on: where, why, and which particles to look at."""
+"""What a run says when it cannot go on: why, where, and which particles to look at."""
 
 import numpy as np
 
@@ -19,20 +19,27 @@ def explained(error, simulation, last_checkpoint):
     lines = [str(error), f"  in step {s.steps + 1}, from t = {s.time:.6g} s"]
     bad = [t for t in s.comm.allgather(s.bad_force) if t is not None]
     if bad:
-        lines.append(f"  cause: the body force is not a finite number at t = {max(bad):.6g} s: see `gravity` and `frame` of the case")
-    lines += ["  particles to look at:", *(f"    {line}" for line in suspects(s))]
+        lines.insert(0, f"the body force is not a finite number at t = {bad[0]:.6g} s: see `gravity` and `frame` of the case")
+    found = suspects(s, bad[0] if bad else None)
+    if found:
+        lines += ["  particles to look at:", *(f"    {line}" for line in found)]
     if last_checkpoint:
         lines.append(f"  last good checkpoint: {last_checkpoint}")
     return type(error)("\n".join(lines))
 
 
-def suspects(simulation, count=WORST):
-    """Describe the particles that look worst: not finite first, then the fastest. Collective."""
-    p = simulation.particles
+def suspects(simulation, bad_force=None, count=WORST):
+    """Describe the particles that look worst: those that are not finite, then the fastest. Collective.
+
+    bad_force : time [s] at which the body force shall be looked at too, or None
+    """
+    s, p = simulation, simulation.particles
     speed = np.linalg.norm(p.u, axis=1)
     bad = ~(np.isfinite(p.x).all(axis=1) & np.isfinite(speed) & np.isfinite(p.p))
+    if bad_force is not None:
+        bad |= ~np.isfinite(s.case.body_force(p.x, bad_force)).all(axis=1)
     key = np.where(bad, np.inf, np.nan_to_num(speed))
-    worst = np.argsort(-key, kind="stable")[:count]
+    worst = [i for i in np.argsort(-key, kind="stable")[:count] if key[i] > 0.0]
     mine = [(float(key[i]), _text(p, i)) for i in worst]
     found = sorted((item for part in p.comm.allgather(mine) for item in part), key=lambda item: -item[0])
     return [text for _, text in found[:count]]

@@ -1,5 +1,6 @@
 """The run: steps, probes, snapshots, checkpoints, and how it ends."""
 
+import logging
 import os
 import signal
 from contextlib import contextmanager
@@ -88,7 +89,7 @@ class _Run:
     def __init__(self, simulation, samplers, store, account, progress):
         self.simulation, self.samplers, self.store, self.account = simulation, samplers, store, account
         self.comm, self.case = simulation.comm, simulation.case
-        self.progress = Progress(self.case.end_time, progress and self.comm.rank == 0)
+        self.progress = Progress(self.case.end_time, progress, self.comm.rank == 0)
         self.last_checkpoint, self.saved_step = None, None
         self.saved_at = perf_counter()
         self.snapshots = Times(self.case.output.every, self.case.output.times)
@@ -115,7 +116,8 @@ class _Run:
 
     def _open(self, first):
         s, path = self.simulation, self.store.folder / "run.log"
-        together(self.comm, f"write {path}", lambda: log.start(self.comm, path))
+        level = logging.INFO if self.progress.wanted else logging.WARNING
+        together(self.comm, f"write {path}", lambda: log.start(self.comm, path, level))
         self.store.add_series("steps", {f.name: UNITS.get(f.name, "") for f in fields(StepReport)},
                               "one line a step")
         for sampler in self.samplers:

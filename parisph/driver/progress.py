@@ -14,12 +14,14 @@ class Progress:
     Parameters
     ----------
     end_time : float [s]
-    shown : bool, whether anything is shown at all (rank 0, and not asked to be quiet)
+    wanted : bool, False to be quiet
+    first : bool, whether this is rank 0; the others are silent
     """
 
-    def __init__(self, end_time, shown, stream=None):
-        self.end_time, self.stream = end_time, stream or sys.stderr
-        self.shown, self.live = shown, shown and self.stream.isatty()
+    def __init__(self, end_time, wanted, first=True, stream=None):
+        self.end_time, self.stream, self.wanted = end_time, stream or sys.stderr, wanted
+        self.shown = wanted and first
+        self.live = self.shown and self.stream.isatty()
         self._began = self._last = perf_counter()
         self._first = self._steps = None
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from parisph.base.errors import CaseError, SolverDiverged, agree
+from parisph.base.errors import CaseError, ParticleLost, SolverDiverged, agree
 from parisph.base.fields import FLUID
 from parisph.base.log import Timers
 from parisph.case import geometry
@@ -37,7 +37,7 @@ class Simulation:
     particles : Particles, fields as numpy arrays (particles.x, .u, .p, .role, ...) of this rank
     time [s], steps, dt [s] : of the last step, dt None before the first
     timers : Timers
-    bad_force : float or None, the last time [s] at which the body force was no finite number here
+    bad_force : float or None, the first time [s] at which the body force was no finite number here
 
     All methods are collective. Raises CaseError where the case cannot be run as it is.
     """
@@ -60,6 +60,7 @@ class Simulation:
                                  self.solver, self.timers, closed=case.closed)
         self.bad_force = None
         self._recorded = 0.0
+        self._open_tank = self._reach_of_open_tank(lower, upper) if case.walls is not None and not case.walls.lid else None
 
     def solve_start(self):
         """Give the particles of the start a pressure, which no step has done yet; nothing moves."""
@@ -78,6 +79,8 @@ class Simulation:
         self.steps += 1
         self.dt = limit     # not the shorter one that meets the end: a run that is extended shall not notice
         self._record_load()
+        if self._open_tank is not None:
+            self._keep_in_open_tank()
         return report
 
     def finished(self):
@@ -120,7 +123,7 @@ class Simulation:
     def _force(self, x, t):
         """Body force (n, dim) [m/s^2] at x (n, dim) and t; remembers when it was no number."""
         force = self.case.body_force(x, t)
-        if not np.isfinite(force).all():
+        if self.bad_force is None and not np.isfinite(force).all():
             self.bad_force = t
         return force
 
@@ -129,6 +132,20 @@ class Simulation:
         p = self.particles
         force = np.linalg.norm(self._force(p.x[p.kind == FLUID], self.time), axis=1)
         return float(force.max(initial=0.0))
+
+    def _reach_of_open_tank(self, lower, upper):
+        """Return the corners of where fluid may be: anywhere above, but not through bed and sides."""
+        return lower - self.domain.radius, np.append(upper[:-1] + self.domain.radius, np.inf)
+
+    def _keep_in_open_tank(self):
+        """Raise ParticleLost where fluid has left an open tank; the domain sees to closed ones. Collective."""
+        p, (lower, upper) = self.particles, self._open_tank
+        lost = np.flatnonzero(((p.x < lower) | (p.x > upper)).any(axis=1))
+        error = None
+        if len(lost):
+            error = ParticleLost(f"particle {p.id[lost[0]]} at {np.round(p.x[lost[0]], 6).tolist()} m: outside the tank"
+                                 + (f", and {len(lost) - 1} more" if len(lost) > 1 else ""))
+        agree(self.comm, error)
 
     def _record_load(self):
         total = sum(self.timers.seconds.get(name, 0.0) for name in WORK)

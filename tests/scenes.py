@@ -1,0 +1,36 @@
+"""The scenes of cases/ for tests: loaded by name, run in this process or on several ranks."""
+
+import numpy as np
+
+from parisph.case.load import load
+from tests.launch import ROOT, mpirun
+
+# What stands in front of a program that runs on ranks.
+PROGRAM = """
+import sys
+import numpy as np
+from mpi4py import MPI
+from parisph.driver import Simulation
+from tests.scenes import scene
+comm = MPI.COMM_WORLD
+"""
+
+
+def scene(name, numerics=None, **sets):
+    """Return the Case of cases/NAME.py with some of its parameters set, and some of its Numerics changed."""
+    case = load(ROOT / "cases" / f"{name}.py", [f"{key}={value}" for key, value in sets.items()])
+    return case.changed(**{f"numerics.{key}": value for key, value in (numerics or {}).items()})
+
+
+def on_ranks(n, body, folder, timeout=120):
+    """Run PROGRAM + body on n ranks in a folder; raise AssertionError with its output if it fails."""
+    path = folder / f"program{n}.py"
+    path.write_text(PROGRAM + body)
+    done = mpirun(n, [path], timeout=timeout, cwd=folder)
+    assert done.returncode == 0, f"{n} ranks:\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+def difference(a, b):
+    """Return the largest difference of two arrays as a share of the largest value of the second."""
+    return np.abs(a - b).max() / np.abs(b).max()
