@@ -94,3 +94,16 @@ def dot(p, r, q, s, m):
     for k in range(m):
         total += p[r, k] * q[s, k]
     return total
+
+
+@inlined
+def dot4(p, r, w, q, s, m):
+    """Return sum_k p[r, k] w[0, k] q[s + t, k] for t = 0, 1, 2, 3."""
+    t0, t1, t2, t3 = 0.0, 0.0, 0.0, 0.0
+    for k in range(m):
+        v = p[r, k] * w[0, k]
+        t0 += v * q[s, k]
+        t1 += v * q[s + 1, k]
+        t2 += v * q[s + 2, k]
+        t3 += v * q[s + 3, k]
+    return t0, t1, t2, t3

@@ -19,7 +19,7 @@ from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.moments import cholesky, cholesky_solve
-from parisph.kernels.near import dot, fill_up, gather, room_for
+from parisph.kernels.near import dot, dot4, fill_up, gather, room_for
 from parisph.kernels.smoothing import quartic_weight
 
 
@@ -55,74 +55,84 @@ def rankine_rows(count, columns, values, measure, flux, div, u, x, role, unit, c
     """
     dim, points, size, room = len(axes), len(unit), basis_size(axes), room_for(indptr)
     at = np.ascontiguousarray(unit.T) * (circle / radius)
-    near, product, w = np.empty((dim, room)), np.empty((dim * (dim + 1) // 2, room)), np.empty((points, room))
+    basis, w = np.empty((size + 1, room)), np.empty((points, room))
     moments, fit = np.empty((moment_count(axes), points)), np.empty((dim + 1, points))
     mean = np.empty((dim + 1, room))
-    basis, weighted = np.empty((size, room)), np.empty((size, room))
     matrix, right = np.empty((size, size)), np.empty(size)
     for i in range(len(indptr) - 1):
         if role[i] != INNER:
             continue
         first = indptr[i]
-        n = gather(near, columns, first, i, x, role, radius, indptr, indices, axes)
+        n = gather(basis, columns, first, i, x, role, radius, indptr, indices, axes)
         for a in range(dim):
-            near[a, n] = 0.0  # the particle itself comes last
-        m = fill_up(near, n + 1, axes)
-        _multiply(product, near, m, axes)
-        _weigh(moments, w, near, product, at, m, axes)
+            basis[a, n] = 0.0  # the particle itself comes last
+        m = fill_up(basis, n + 1, axes)
+        _fill_basis(basis, m, axes)
+        _weigh(moments, w, basis, at, m, axes)
         linear_fit(fit, moments, at, points, axes)
-        _sum_over_points(mean, fit, w, near, unit, m, axes)
+        _sum_over_points(mean, fit, w, basis, unit, m, axes)
         mean[0, n] = 0.0
         if normalised and n > size:
-            _make_isotropic(mean, near, product, m, basis, weighted, matrix, right, axes)
+            _make_isotropic(mean, basis, w, m, matrix, right, axes)
         count[i] = n
-        _finish(i, first, n, m, mean, product, columns, values, measure, flux, div, u, circle, radius, points,
+        _finish(i, first, n, m, mean, basis, columns, values, measure, flux, div, u, circle, radius, points,
                 normalised, axes)
 
 
 @inlined
-def _multiply(product, near, m, axes):
-    """Write the products of coordinates, in the order 00, 10, 11, 20, 21, 22."""
-    r = 0
-    for a in range(len(axes)):
-        for b in range(a + 1):
-            for k in range(m):
-                product[r, k] = near[a, k] * near[b, k]
-            r += 1
+def _fill_basis(basis, m, axes):
+    """Complete the harmonic polynomials of degree 1 and 2; r^2, which is not one, comes last."""
+    if len(axes) == 2:
+        for k in range(m):
+            x, y = basis[0, k], basis[1, k]
+            basis[2, k], basis[3, k], basis[4, k] = x * x - y * y, x * y, x * x + y * y
+        return
+    for k in range(m):
+        x, y, z = basis[0, k], basis[1, k], basis[2, k]
+        basis[3, k], basis[4, k] = x * x - y * y, y * y - z * z
+        basis[5, k], basis[6, k], basis[7, k] = x * y, x * z, y * z
+        basis[8, k] = x * x + y * y + z * z
 
 
 @inlined
-def _weigh(moments, w, near, product, at, m, axes):
-    """Weigh the neighbours about every point of the circle; sum the moments about the particle."""
+def _weigh(moments, w, basis, at, m, axes):
+    """Weigh the neighbours about every point of the circle; sum the moments about the particle.
+
+    Second moments come from those of the harmonic polynomials and of r^2. Sums in named scalars
+    stay in registers, those in an array would not.
+    """
     dim = len(axes)
     for q in range(len(w)):
         px, py = at[0, q], at[1, q]
-        s0, sx, sy, sz, sxx, sxy, syy, sxz, syz, szz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        s0, sx, sy, sz, sd, se, sxy, sxz, syz, sr = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         for k in range(m):
-            r2 = (near[0, k] - px) ** 2 + (near[1, k] - py) ** 2
+            r2 = (basis[0, k] - px) ** 2 + (basis[1, k] - py) ** 2
             if dim == 3:
-                r2 += (near[2, k] - at[2, q]) ** 2
+                r2 += (basis[2, k] - at[2, q]) ** 2
             v = quartic_weight(r2, 1.0)
             w[q, k] = v
             s0 += v
-            sx += v * near[0, k]
-            sy += v * near[1, k]
-            sxx += v * product[0, k]
-            sxy += v * product[1, k]
-            syy += v * product[2, k]
+            sx += v * basis[0, k]
+            sy += v * basis[1, k]
+            sd += v * basis[dim, k]
+            sxy += v * basis[2 * dim - 1, k]
+            sr += v * basis[len(basis) - 1, k]
             if dim == 3:
-                sz += v * near[2, k]
-                sxz += v * product[3, k]
-                syz += v * product[4, k]
-                szz += v * product[5, k]
+                sz += v * basis[2, k]
+                se += v * basis[4, k]
+                sxz += v * basis[6, k]
+                syz += v * basis[7, k]
         moments[0, q], moments[1, q], moments[2, q] = s0, sx, sy
-        moments[dim + 1, q], moments[dim + 2, q], moments[dim + 3, q] = sxx, sxy, syy
-        if dim == 3:
-            moments[3, q], moments[7, q], moments[8, q], moments[9, q] = sz, sxz, syz, szz
+        if dim == 2:
+            moments[3, q], moments[4, q], moments[5, q] = 0.5 * (sr + sd), sxy, 0.5 * (sr - sd)
+        else:
+            syy = (sr - sd + se) / 3.0
+            moments[3, q], moments[7, q], moments[8, q], moments[9, q] = sz, sxz, syz, syy - se
+            moments[4, q], moments[5, q], moments[6, q] = syy + sd, sxy, syy
 
 
 @inlined
-def _sum_over_points(mean, fit, w, near, unit, m, axes):
+def _sum_over_points(mean, fit, w, basis, unit, m, axes):
     """Sum the shape functions over the circle: alone, and times each component of the normal."""
     dim = len(axes)
     for r in range(dim + 1):
@@ -130,9 +140,9 @@ def _sum_over_points(mean, fit, w, near, unit, m, axes):
             mean[r, k] = 0.0
     for q in range(len(w)):
         for k in range(m):
-            shape = fit[0, q] + fit[1, q] * near[0, k] + fit[2, q] * near[1, k]
+            shape = fit[0, q] + fit[1, q] * basis[0, k] + fit[2, q] * basis[1, k]
             if dim == 3:
-                shape += fit[3, q] * near[2, k]
+                shape += fit[3, q] * basis[2, k]
             shape *= w[q, k]
             mean[0, k] += shape
             mean[1, k] += shape * unit[q, 0]
@@ -142,60 +152,40 @@ def _sum_over_points(mean, fit, w, near, unit, m, axes):
 
 
 @inlined
-def _make_isotropic(mean, near, product, m, basis, weighted, matrix, right, axes):
+def _make_isotropic(mean, basis, w, m, matrix, right, axes):
     """Take the harmonic second moment out of a row by the smallest weighted change.
 
     The mean over the circle of X^2 - Y^2 and of XY is zero. On disordered particles the moving
     least squares leave a remainder, an error of order one in the Laplacian that no refinement
     removes. Rows whose neighbours do not span the harmonic polynomials stay as they are.
+    w[0] is overwritten.
     """
     size = basis_size(axes)
-    _fill_basis(basis, weighted, near, product, m, axes)
+    for k in range(m):
+        w[0, k] = quartic_weight(basis[size, k], 1.5625)  # radius 1.25 of the unit
     for r in range(size):
         right[r] = dot(mean, 0, basis, r, m)
-        for s in range(r + 1):
-            matrix[r, s] = dot(weighted, r, basis, s, m)
+        for s in range(0, r + 1, 4):  # four at a time, whether they are in the lower triangle or not
+            matrix[r, s], matrix[r, s + 1], matrix[r, s + 2], matrix[r, s + 3] = dot4(basis, r, w, basis, s, m)
     if not cholesky(matrix, size):
         return
     cholesky_solve(matrix, right, size)
-    for r in range(size):
-        for k in range(m):
-            mean[0, k] -= right[r] * weighted[r, k]
-
-
-@inlined
-def _fill_basis(basis, weighted, near, product, m, axes):
-    """Write the harmonic polynomials, and these times their weight, radius 1.25 of the unit."""
-    dim, size = len(axes), basis_size(axes)
     for k in range(m):
-        for a in range(dim):
-            basis[a, k] = near[a, k]
-        basis[dim, k] = product[0, k] - product[2, k]
-        if dim == 2:
-            basis[3, k] = product[1, k]
-        else:
-            basis[4, k] = product[2, k] - product[5, k]
-            basis[5, k], basis[6, k], basis[7, k] = product[1, k], product[3, k], product[4, k]
-        r2 = product[0, k] + product[2, k]
-        if dim == 3:
-            r2 += product[5, k]
-        v = quartic_weight(r2, 1.5625)
+        change = 0.0
         for r in range(size):
-            weighted[r, k] = v * basis[r, k]
+            change += right[r] * basis[r, k]
+        mean[0, k] -= w[0, k] * change
 
 
 @inlined
-def _finish(i, first, n, m, mean, product, columns, values, measure, flux, div, u, circle, radius, points,
+def _finish(i, first, n, m, mean, basis, columns, values, measure, flux, div, u, circle, radius, points,
             normalised, axes):
     """Scale the row to a unit diagonal, and sum the flux of u."""
     dim = len(axes)
     total, spread = 0.0, 0.0
     for k in range(m):
-        r2 = product[0, k] + product[2, k]
-        if dim == 3:
-            r2 += product[5, k]
         total += mean[0, k]
-        spread += mean[0, k] * r2
+        spread += mean[0, k] * basis[len(basis) - 1, k]
     total /= points
     spread *= radius * radius / points
     sound = total > 0.05 and spread > 0.1 * circle * circle
@@ -209,13 +199,15 @@ def _finish(i, first, n, m, mean, product, columns, values, measure, flux, div, 
         return
     measure[i] = (spread if normalised else circle * circle) / (2.0 * dim * total)
     scale, outflow = 1.0 / (points * total), dim / (circle * points)
-    change = 0.0
+    total = 0.0
     for k in range(n):
+        j = columns[first + k]
         values[first + k] = mean[0, k] * scale
         for a in range(dim):
-            flux[first + k, a] = mean[a + 1, k] * outflow
-            change += flux[first + k, a] * (u[columns[first + k], a] - u[i, a])
-    div[i] = change
+            f = mean[a + 1, k] * outflow
+            flux[first + k, a] = f
+            total += f * (u[j, a] - u[i, a])
+    div[i] = total
 
 
 @kernel
