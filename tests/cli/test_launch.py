@@ -8,6 +8,7 @@ import time
 import pytest
 
 from parisph.base import environment, launch
+from parisph.case.load import load
 from tests.launch import ROOT, clean_environment, mpirun, run
 
 
@@ -103,6 +104,16 @@ def test_launch_kills_what_ignores_a_gentle_end(monkeypatch):
 @pytest.mark.parametrize("script", ["setup", "test", "demo", "env", "dam_break.slurm"])
 def test_scripts_are_valid_shell(script):
     assert run(["bash", "-n", ROOT / "run_scripts" / script]).returncode == 0
+
+
+@pytest.mark.parametrize("script", ["demo", "dam_break.slurm"])
+def test_scripts_set_only_what_their_case_has(script):
+    lines = [line for line in (ROOT / "run_scripts" / script).read_text().splitlines() if "parisph run cases/" in line]
+    assert lines
+    for line in lines:
+        words = line.split()
+        case = next(word for word in words if word.startswith("cases/"))
+        load(ROOT / case, [value for option, value in zip(words, words[1:]) if option == "--set"])
 
 
 def test_ci_runs_the_tests():

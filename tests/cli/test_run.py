@@ -83,6 +83,28 @@ def test_an_interrupted_run_leaves_a_checkpoint_to_go_on_from(place, sent):
     assert summary(place / "runs/dam")["steps"] == stopped["steps"] + 3
 
 
+FAULT = '''
+import sys
+from parisph.__main__ import main
+from parisph.driver.simulation import Simulation
+advance = Simulation.advance
+def faulty(self):
+    if self.steps == 2 and self.comm.rank == 1:
+        raise ZeroDivisionError("in one rank's step")
+    return advance(self)
+Simulation.advance = faulty
+sys.exit(main(["run", "dam.py", "-q"]))
+'''
+
+
+def test_a_fault_in_the_step_of_one_rank_ends_the_run(place):
+    """The other rank waits in the step's collectives; nothing on the way out may wait for it."""
+    (place / "fault.py").write_text(FAULT)
+    done = mpirun(2, ["fault.py"], timeout=120, cwd=place)
+    assert done.returncode == 1
+    assert "ZeroDivisionError: in one rank's step" in done.stderr and "Traceback" in done.stderr
+
+
 def test_check_says_what_it_takes(place):
     done = parisph("check", "dam.py", cwd=place, timeout=120)
     assert done.returncode == 0, done.stderr
