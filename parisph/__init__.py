@@ -5,7 +5,7 @@ from importlib import import_module
 __version__ = "0.1.0"
 
 # What `from parisph import ...` offers, and where it lives. Loaded when first asked for, so that
-# `import parisph` costs nothing and needs neither MPI nor PETSc.
+# `import parisph` costs nothing, and describing a case needs neither MPI nor PETSc.
 _SCHEMA = (
     "Case Fluid Box Disc Polygon Tank Numerics Output Truth AtRest Sway Tabulated "
     "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum"
@@ -17,6 +17,8 @@ _PUBLIC = {
         name: "parisph.base.errors"
         for name in ("ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted")
     },
+    **{name: "parisph.driver" for name in ("run", "restart", "Simulation")},
+    "open_run": "parisph.io.reader",
 }
 
 __all__ = ["__version__", *_PUBLIC]
