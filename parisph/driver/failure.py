@@ -3,8 +3,10 @@
 import numpy as np
 
 from parisph.base.errors import Interrupted, StoreError
+from parisph.base.fields import FLUID
 
-WORST = 5  # particles that are named
+WORST = 5       # particles that are named
+HUGE = 1e300    # faster than any particle
 
 
 def explained(error, simulation, last_checkpoint):
@@ -38,7 +40,7 @@ def suspects(simulation, bad_force=None, count=WORST):
     bad = ~(np.isfinite(p.x).all(axis=1) & np.isfinite(speed) & np.isfinite(p.p))
     if bad_force is not None:
         bad |= ~np.isfinite(s.case.body_force(p.x, bad_force)).all(axis=1)
-    key = np.where(bad, np.inf, np.nan_to_num(speed))
+    key = np.where(bad, np.where(p.kind == FLUID, np.inf, HUGE), np.nan_to_num(speed))
     worst = [i for i in np.argsort(-key, kind="stable")[:count] if key[i] > 0.0]
     mine = [(float(key[i]), _text(p, i)) for i in worst]
     found = sorted((item for part in p.comm.allgather(mine) for item in part), key=lambda item: -item[0])

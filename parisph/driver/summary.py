@@ -47,12 +47,13 @@ class Account:
 
     def state(self, simulation):
         """Return what a checkpoint must hold to go on counting. Collective."""
-        comm = simulation.comm
-        phases = simulation.timers.reduce(comm)
+        comm, phases = simulation.comm, dict(self.before["phases"])
+        for name, seconds in simulation.timers.reduce(comm).items():
+            phases[name] = phases.get(name, 0.0) + seconds["max"]
         return {"account": {
             **self.before, "wall": self.before["wall"] + perf_counter() - self.wall,
             "cpu": self.before["cpu"] + comm.allreduce(process_time() - self.cpu),
-            "phases": {name: self.before["phases"].get(name, 0.0) + value["max"] for name, value in phases.items()},
+            "phases": phases,
             "fallbacks": self.before["fallbacks"] + self.fallbacks,
         }}
 

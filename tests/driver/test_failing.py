@@ -1,0 +1,149 @@
+"""Runs that cannot begin, or cannot go on: one message, the right exit code, nothing lost."""
+
+import json
+import os
+
+import pytest
+
+from parisph import __main__ as entry
+from parisph.io import checkpoint
+from tests.launch import mpirun
+
+CASE = '''
+from parisph import Box, Case, Energy, Fluid, Numerics, Output, PressureTap, Tank, Volume
+
+def case(gravity: str = "-9.81", time_step: float | None = 0.002, lid: bool = True, preset: str = "violent",
+         spacing: float = 0.1, method: str = "ISPH_R", end_time: float = 0.1) -> Case:
+    return Case(
+        title="wild", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0), walls=Tank(width=2.0, height=2.0, lid=lid),
+        gravity=(0.0, gravity), numerics=Numerics(spacing=spacing, time_step=time_step, preset=preset, method=method),
+        output=Output(checkpoint_every=0.01, every=0.02), end_time=end_time,
+        probes=[Volume("volume"), Energy("energy"), PressureTap("tap", at=(0.0, 0.1))],
+    )
+'''
+NO_SOLVER = [word for name in ("", "gamg_", "asm_", "lu_") for word in (f"-pressure_{name}ksp_max_it", "0")]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A folder with a case, that is the current one."""
+    (tmp_path / "wild.py").write_text(CASE)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def fails(words, capfd, code, ranks=1):
+    """Run a command line that fails with `code`; return its message."""
+    if ranks == 1:
+        assert entry.main(words) == code
+        out, said = capfd.readouterr()
+    else:
+        done = mpirun(ranks, ["-m", "parisph", *words], timeout=40)
+        assert done.returncode == code, done.stderr
+        out, said = done.stdout, done.stderr
+    assert said.count("parisph: error: ") == 1 and "Traceback" not in said and "Warning" not in said
+    assert out == ""
+    return said
+
+
+def check_summary(steps_at_least):
+    """Check summary.json of a failed run and return its status."""
+    summary = json.loads(open("run/summary.json").read())
+    assert summary["status"].startswith("failed: ") and summary["steps"] >= steps_at_least
+    assert summary["wall_seconds"] > 0.0 and summary["energy_drift"] is None
+    assert {"case", "method", "ranks", "particles", "time", "phases", "fallbacks", "peak_memory_mb"} <= set(summary)
+    return summary["status"]
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_body_force_that_becomes_infinite(folder, capfd, ranks):
+    words = ["run", "wild.py", "-o", "run", "-q", "--set", "gravity=-9.81/where(t < 0.0501, 1, 0)"]
+    said = fails(words, capfd, 3, ranks)
+    assert "the body force is not a finite number at t = 0.051 s" in said and "see `gravity`" in said
+    assert "step 26, from t = 0.05 s" in said
+    assert said.count("    id ") == 5
+    good = checkpoint.paths("run/checkpoints")[-1]
+    assert f"last good checkpoint: {good}" in said and good.stem == "00000025"
+    assert check_summary(25) in " ".join(["failed:", said.partition("error: ")[2].strip()])
+
+
+def test_body_force_that_has_no_value_and_adaptive_step(folder, capfd):
+    said = fails(["run", "wild.py", "-o", "run", "-q", "--set", "gravity=log(0.05 - t)", "--set", "time_step=none"], capfd, 3)
+    assert "the body force is not a finite number" in said
+    check_summary(3)
+
+
+@pytest.mark.parametrize(("lid", "ranks"), [("true", 1), ("false", 1), ("false", 2)])
+def test_absurd_time_step(folder, capfd, lid, ranks):
+    words = ["run", "wild.py", "-o", "run", "-q", "--set", "preset=gentle", "--set", "time_step=0.15", "--set", f"lid={lid}",
+             "--set", "end_time=15"]
+    said = fails(words, capfd, 3, ranks)
+    assert "outside the tank" in said and "particle " in said and "last good checkpoint" in said
+    check_summary(0)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_solver_that_never_succeeds(folder, capfd, ranks):
+    said = fails(["run", "wild.py", "-o", "run", "-q", "--", *NO_SOLVER], capfd, 3, ranks)
+    assert "could not be solved" in said and "direct factors: too many iterations" in said
+    assert "step 1, from t = 0 s" in said
+    check_summary(0)
+
+
+def test_failed_run_goes_on_from_its_last_checkpoint(folder, capfd):
+    fails(["run", "wild.py", "-o", "run", "-q", "--set", "gravity=-9.81/where(t < 0.0501, 1, 0)"], capfd, 3)
+    said = fails(["restart", "run", "-q"], capfd, 3)
+    assert "step 26, from t = 0.05 s" in said      # from the last checkpoint straight into the same wall
+    assert entry.main(["restart", "run", "-q", "--until", "0.0501"]) == 2
+    assert entry.main(["restart", "run/checkpoints/00000020.h5", "-q", "--until", "0.05"]) == 0
+    assert json.loads(open("run/summary.json").read())["status"] == "completed"
+
+
+@pytest.mark.parametrize(("words", "says"), [
+    (["run", "nowhere.py"], "no such case file"),
+    (["run", "wild.py", "--set", "method=ISPH_Q"], "ISPH_R"),
+    (["run", "wild.py", "--set", "preset=wild"], "violent"),
+    (["run", "wild.py", "--set", "spacing=0.0301"], "spacing"),
+    (["run", "wild.py", "--set", "depth=2"], "no parameter 'depth'"),
+    (["run", "wild.py", "--set", "time_step=10"], "time_step"),
+    (["run", "wild.py", "--set", "gravity=import os"], "import os"),
+    (["run", "wild.py", "--set", "gravity=-9.81*height"], "height"),
+    (["run", "wild.py", "--", "-ksp_type", "cg"], "-pressure_ksp_type"),
+    (["run", "wild.py", "--", "-pressure_ksp_type", "nonsense"], "nonsense"),
+])
+def test_bad_case_is_refused_before_any_work(folder, capfd, words, says):
+    assert says in fails([*words, "-o", "run"] if "--" not in words else [*words[:2], "-o", "run", *words[2:]], capfd, 2)
+    assert not os.path.exists("run/case.json")
+
+
+def test_folder_of_another_run_is_left_alone(folder, capfd):
+    (folder / "run").mkdir()
+    (folder / "run" / "case.json").write_text("{}")
+    assert "run holds a run already" in fails(["run", "wild.py", "-o", "run"], capfd, 2)
+    assert os.listdir("run") == ["case.json"]
+
+
+@pytest.mark.parametrize(("out", "ranks"), [("wild.py/run", 1), ("wild.py/run", 2), ("/proc/run", 1)])
+def test_folder_that_cannot_be_written(folder, capfd, out, ranks):
+    said = fails(["run", "wild.py", "-o", out], capfd, 5, ranks)
+    assert f"cannot start a run in {out}" in said
+
+
+@pytest.mark.parametrize(("words", "code", "says"), [
+    (["restart", "nowhere"], 5, "nowhere: no such folder or file"),
+    (["restart", "."], 5, "holds no checkpoint"),
+    (["restart", "wild.py"], 5, "not a whole checkpoint"),
+])
+def test_nothing_to_restart(folder, capfd, words, code, says):
+    assert says in fails(words, capfd, code)
+
+
+def test_restart_of_what_is_finished(folder, capfd):
+    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
+    capfd.readouterr()
+    before = {path: path.stat().st_mtime_ns for path in (folder / "run").rglob("*")}
+    assert "ask for more with --until" in fails(["restart", "run"], capfd, 2)
+    assert "end_time" in fails(["restart", "run", "--until", "-1"], capfd, 2)
+    assert "end_time" in fails(["restart", "run", "--until", "nan"], capfd, 2)
+    assert "/proc/run" in fails(["restart", "run", "--until", "0.03", "-o", "/proc/run"], capfd, 5)
+    assert {path: path.stat().st_mtime_ns for path in (folder / "run").rglob("*")} == before

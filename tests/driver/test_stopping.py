@@ -1,0 +1,118 @@
+"""Runs that are killed or asked to stop, and go on."""
+
+import json
+import os
+import signal
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+from parisph.io import checkpoint, reader
+from tests.launch import mpirun, parisph
+from tests.running import FALLING, running
+from tests.scenes import difference
+
+END = 0.5       # t sqrt(g/H), 32 steps
+ENDLESS = ("--set", "end_time=1000")
+
+
+def last(run):
+    """Return the fields in the last checkpoint of a run, in the order of ids, and its number of steps."""
+    with h5py.File(checkpoint.paths(run / "checkpoints")[-1], "r") as file:
+        order = np.argsort(file["particles/id"][:])
+        return {name: data[:][order] for name, data in file["particles"].items()}, file.attrs["step"]
+
+
+def restarted(folder, ranks, *words):
+    """Restart the run and return its summary."""
+    args = ("restart", "run", "-q", *words)
+    done = parisph(*args, cwd=folder) if ranks == 1 else mpirun(ranks, ["-m", "parisph", *args], cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return json.loads((folder / "run" / "summary.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("undisturbed")
+    (folder / "case.py").write_text(FALLING)
+    done = parisph("run", "case.py", "-o", "run", "-q", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return folder / "run"
+
+
+@pytest.mark.parametrize("trial", range(3))
+def test_kill_9_and_restart(tmp_path, undisturbed, trial):
+    """A checkpoint is written in every step, so some of these kills come in the middle of one."""
+    random = np.random.default_rng(trial)
+    with running(tmp_path, ranks=2) as run:
+        run.until_checkpoints(random.integers(1, 25))
+        time.sleep(random.uniform(0.0, 0.03))
+        os.kill(run.ranks()[trial % 2], signal.SIGKILL)
+        assert run.wait() != 0
+    assert not (tmp_path / "run" / "summary.json").exists()
+    summary = restarted(tmp_path, ranks=1 + trial % 3)
+    (found, steps), (due, expected) = last(tmp_path / "run"), last(undisturbed)
+    assert summary["status"] == "completed" and summary["steps"] == steps == expected
+    for name in ("x", "u", "p"):
+        assert difference(found[name], due[name]) < 1e-9, name
+    np.testing.assert_array_equal(reader.open_run(tmp_path / "run").steps["step"], np.arange(1, steps + 1))
+    assert not list((tmp_path / "run").rglob(".*"))
+
+
+@pytest.mark.parametrize(("ranks", "number"), [(1, "SIGINT"), (1, "SIGUSR1"), (2, "SIGTERM")])
+def test_signal_ends_the_run_after_its_step(tmp_path, ranks, number):
+    with running(tmp_path, ranks, *ENDLESS, "--set", "checkpoint_every=100") as run:
+        run.until_checkpoints(0)
+        time.sleep(0.5)
+        os.kill(run.ranks()[-1], getattr(signal, number))   # of several ranks it reaches one only
+        assert run.wait() == 4
+        said = run.output()
+    assert said.count("parisph: error: ") == 1 and f"by {number}" in said and "parisph restart run" in said
+    assert "Traceback" not in said
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    steps = int(checkpoint.paths(tmp_path / "run" / "checkpoints")[-1].stem)
+    assert summary["status"] == "interrupted" and summary["steps"] == steps > 0
+    assert summary["energy_drift"] is not None
+    unit = (1.0 / 9.81) ** 0.5
+    later = restarted(tmp_path, ranks, "--until", repr(summary["time"] + 0.1 * unit))
+    assert later["status"] == "completed" and later["steps"] == pytest.approx(steps + 6, abs=1)
+    np.testing.assert_array_equal(reader.open_run(tmp_path / "run").steps["step"], np.arange(1, later["steps"] + 1))
+
+
+def test_signal_to_mpirun_leaves_a_checkpoint(tmp_path):
+    """mpirun has an exit code of its own then, and gives its ranks a second."""
+    with running(tmp_path, 2, *ENDLESS, "--set", "checkpoint_every=100") as run:
+        run.until_checkpoints(0)
+        time.sleep(0.5)
+        os.kill(run.process.pid, signal.SIGTERM)
+        assert run.wait() != 0
+    steps = int(checkpoint.paths(tmp_path / "run" / "checkpoints")[-1].stem)
+    summary = restarted(tmp_path, 2, "--until", repr(0.05 + steps * 0.006))
+    assert summary["status"] == "completed" and summary["steps"] > steps
+
+
+HANGING = FALLING + """
+import pathlib, time
+from parisph.methods.projection import Projection
+
+def hang(*_):
+    pathlib.Path("hanging").touch()
+    while True:
+        time.sleep(0.1)
+
+Projection.step = hang
+"""
+
+
+def test_second_signal_ends_at_once(tmp_path):
+    """A step that hangs, in a file system say, cannot be finished."""
+    with running(tmp_path, 1, case=HANGING) as run:
+        run.until((tmp_path / "hanging").exists)
+        run.process.send_signal(signal.SIGTERM)
+        time.sleep(0.3)
+        assert run.process.poll() is None
+        run.process.send_signal(signal.SIGTERM)
+        assert run.wait() == 4
+        assert "Traceback" not in run.output()

@@ -1,0 +1,93 @@
+"""A run in the background, to be killed, interrupted or watched from a test."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+from parisph.io import checkpoint
+from tests.launch import clean_environment
+
+# A case file that reaches any parameter of a scene of cases/.
+FALLING = """
+from tests.scenes import scene
+def case(end_time: float = 0.5, checkpoint_every: float = 0.01):
+    return scene("dam_break", {"rtol": 1e-13}, spacing=0.05, end_time=end_time).changed(
+        **{"output.checkpoint_every": checkpoint_every})
+"""
+LONG = 40.0     # [s] for a run to come as far as a test wants it
+
+
+class Running:
+    """`parisph run CASE.py -o run ...` on some ranks, in the folder of the case.
+
+    Attributes
+    ----------
+    process : subprocess.Popen of mpirun, or of the only rank
+    checkpoints : pathlib.Path
+    """
+
+    def __init__(self, folder, ranks, *words):
+        command = [sys.executable, "-m", "parisph", "run", "case.py", "-o", "run", *words]
+        self._several = ranks > 1
+        if self._several:
+            command = [shutil.which("mpirun"), "-n", str(ranks), *command]
+        self._out = open(folder / "output.txt", "w+")
+        self.process = subprocess.Popen(command, cwd=folder, env=clean_environment(), start_new_session=True, text=True,
+                                        stdin=subprocess.DEVNULL, stdout=self._out, stderr=subprocess.STDOUT)
+        self.checkpoints = Path(folder) / "run" / "checkpoints"
+
+    def until_checkpoints(self, count):
+        """Wait until a checkpoint with the number `count` or later is there."""
+        self.until(lambda: any(int(path.stem) >= count for path in checkpoint.paths(self.checkpoints)))
+
+    def until(self, is_so):
+        """Wait until a function returns True."""
+        deadline = time.monotonic() + LONG
+        while not is_so():
+            assert self.process.poll() is None and time.monotonic() < deadline, self.output()
+            time.sleep(0.003)
+
+    def ranks(self):
+        """Return the process ids of the ranks, in the order in which they were started."""
+        return sorted(_children(self.process.pid)) if self._several else [self.process.pid]
+
+    def wait(self):
+        """Wait for the end and return the exit code."""
+        return self.process.wait(LONG)
+
+    def output(self):
+        """Return what the run has said so far."""
+        self._out.seek(0)
+        return self._out.read()
+
+
+@contextmanager
+def running(folder, ranks, *words, case=FALLING):
+    """A Running of a case, whose processes are gone afterwards."""
+    (folder / "case.py").write_text(case)
+    run = Running(folder, ranks, *words)
+    try:
+        yield run
+    finally:
+        for pid in (*_children(run.process.pid), run.process.pid):
+            try:
+                os.kill(pid, 9)
+            except ProcessLookupError:
+                pass
+        run.process.wait()
+        run._out.close()
+
+
+def _children(parent):
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            if int(path.read_text().rpartition(")")[2].split()[1]) == parent:
+                found.append(int(path.parent.name))
+        except OSError:     # gone meanwhile
+            continue
+    return found
