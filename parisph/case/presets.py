@@ -13,7 +13,7 @@ PRESETS = {
         "strain": 1.0,
         "kappa": 0.2,
         "shift": 0.3,
-        "filter": 0.0,
+        "filter": 0.03,
         "collision_distance": 0.85,
         "restitution": 0.2,
         "wall_guard": 0.5,

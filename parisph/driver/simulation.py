@@ -14,7 +14,7 @@ from parisph.parallel.neighbours import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.solver import PressureSolver
 
-SKIN = 0.4        # spacings a particle moves until particles are redistributed and sorted
+SKIN = 1.0        # spacings a particle moves until particles are redistributed and sorted
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
 WORK = ("surface", "assemble", "correct", "regularise")  # phases whose time is this rank's own
 FIRST = 1 / 20    # of the whole time: the longest first step of a scene that nothing else limits

@@ -134,3 +134,27 @@ def limit_lengths(vector, n, cap, axes):
     """Shorten the first n rows of a vector field to the cap."""
     for i in range(n):
         limit_length(vector, i, cap, axes)
+
+
+@kernel
+def take_work(u, move, force, kind, limit, n, axes):
+    """Take the work of a displacement out of the velocity, or give it back, for fluid particles.
+
+    Lifting a particle by `move` adds -force . move to its potential energy per unit mass. A
+    regularisation is not a motion: |u|^2 is changed by twice as much, direction kept, by at most
+    the share `limit`. Without it the dam break gains 1 % of its energy up to the impact.
+
+    u : (n_owned, dim) [m/s], changed in place; move : (n_owned, dim) [m]; force : (n_all, dim) [m/s^2]
+    """
+    for i in range(n):
+        if kind[i] != FLUID:
+            continue
+        gain, square = 0.0, 0.0
+        for a in range(len(axes)):
+            gain -= force[i, a] * move[i, a]
+            square += u[i, a] ** 2
+        if square == 0.0:
+            continue
+        share = min(max(2.0 * gain / square, -limit), limit)
+        for a in range(len(axes)):
+            u[i, a] *= math.sqrt(1.0 - share)

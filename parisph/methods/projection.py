@@ -93,7 +93,7 @@ class Projection:
         positions = 0
         if self.numerics.kappa > 0.0 or self.numerics.shift > 0.0:
             with timers("regularise"):
-                positions = regularise.positions(self)
+                positions = regularise.positions(self, force)
         with timers("record"):
             divergence = self._divergence() * dt
         return self._report(dt, solve, divergence, isolated, collisions, positions)

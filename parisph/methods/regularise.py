@@ -7,6 +7,7 @@ from parisph.kernels import collisions, shifting
 from parisph.kernels import surface as surfaces
 from parisph.methods import schemes
 
+WORK = 0.1  # largest share of |u|^2 that the work of one displacement may change
 CAP = 0.1  # longest move of the position projection and of the shift, in spacings
 
 
@@ -36,8 +37,10 @@ def velocity(method, dt):
     return hits
 
 
-def positions(method):
-    """Position projection, then Fick shift: positions only, velocities untouched. Collective.
+def positions(method, force):
+    """Position projection, then Fick shift, with the work that they do taken from the speed. Collective.
+
+    force : (n_all, dim), body force per unit mass [m/s^2]
 
     Returns the iterations of the position solve. The lists and the matrix are those of the
     pressure: half a step has moved neighbours against each other by far less than a spacing.
@@ -46,18 +49,18 @@ def positions(method):
     h = schemes.DENSITY * method.spacing
     d.update("x")
     walls = (p.x_all, p.kind_all, p.corner_all, p.normal_all)
-    iterations = _project(method, walls, h) if n.kappa > 0.0 else 0
+    iterations = _project(method, force, walls, h) if n.kappa > 0.0 else 0
     if n.shift > 0.0:
         shifting.concentration_gradient(p.grad_alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
         d.update("grad_alpha")
         shift = np.empty_like(p.x)
         shifting.fick_shift(shift, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, n.shift * h * h,
                             CAP * method.spacing, 2.0 * method.spacing, d.indptr, d.indices, method.axes)
-        _move(method, shift)
+        _move(method, shift, force)
     return iterations
 
 
-def _project(method, walls, h):
+def _project(method, force, walls, h):
     """Solve A phi = kappa e with the pressure matrix, and move by -grad phi."""
     p, d, n = method.particles, method.domain, method.numerics
     surfaces.density_ratio(p.alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
@@ -68,16 +71,17 @@ def _project(method, walls, h):
     d.update("phi")
     move = -method.pressure_gradient(p.phi_all)
     shifting.limit_lengths(move, p.n_owned, CAP * method.spacing, method.axes)
-    _move(method, move)
+    _move(method, move, force)
     d.update("x")
     return solve.iterations
 
 
-def _move(method, move):
+def _move(method, move, force):
     """Displace the owned fluid, but not into a wall."""
     p, d, n = method.particles, method.domain, method.numerics
     if n.wall_guard > 0.0:
         collisions.keep_off_walls(move, p.x_all, p.kind_all, p.corner_all, p.normal_all,
                                   n.wall_guard * method.spacing, d.indptr, d.indices, method.axes)
+    shifting.take_work(p.u, move, force, p.kind, WORK, p.n_owned, method.axes)
     fluid = p.kind == FLUID
     p.x[fluid] += move[fluid]
