@@ -120,7 +120,8 @@ def _add_running(verbs):
     _add_case(verb)
     verb.add_argument("-o", "--out", metavar="DIR", help="folder of the run (default: runs/NAME of the case, or the first free runs/NAME-2, ...)")
     _add_progress(verb)
-    verb = _verb(verbs, "restart", _restart, "go on from a checkpoint, on any number of ranks")
+    verb = _verb(verbs, "restart", _restart,
+                 "go on from a checkpoint, on any number of ranks: parisph restart DIR [options] [-- PETSc options]")
     verb.add_argument("path", metavar="DIR", help="folder of a run, or a checkpoint file in it")
     verb.add_argument("--until", type=float, metavar="T", help="new end time [s]")
     verb.add_argument("-o", "--out", metavar="DIR", help="folder for what follows (default: the same)")
@@ -131,7 +132,8 @@ def _add_running(verbs):
 
 def _add_case(verb):
     verb.add_argument("case", metavar="CASE", help="Python file with a function case(...), or the case.json of a run")
-    verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="give a parameter of case(...) another value")
+    verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
+                      help="another value for a parameter of case(...), such as spacing=1/40 (may be repeated)")
 
 
 def _add_progress(verb):
@@ -176,7 +178,8 @@ def _add_drawing(verb):
     verb.add_argument("--field", metavar="NAME", help="pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
     verb.add_argument("--surface", action="store_true", help="mark the particles of the free surface")
     verb.add_argument("--normalise", action="store_true", help="lengths by H, times by sqrt(H/g), pressures by rho g H")
-    verb.add_argument("-o", "--out", metavar="FILE", help="where to write (default: in the folder of the run)")
+    verb.add_argument("-o", "--out", metavar="FILE",
+                      help="where to write (default: in the folder of the run): a .png, .pdf, ...; a movie's .gif or .mp4")
 
 
 # ---- the verbs

@@ -29,8 +29,10 @@ def stages(case):
     found = ["predict", "redistribute"]
     if n.surface_rule not in ("none", "frozen") and not case.closed:
         found.append(f"surface ({n.surface_rule})")
-    found += [f"assemble ({n.method}, {n.wall_rows} walls)", "solve" + (" (null space)" if case.closed else ""),
-              f"correct ({n.gradient})"]
+    source = ", strain source" if n.strain else ""
+    surface = ", harmonic at the surface" if n.surface_gradient == "harmonic" else ""
+    found += [f"assemble ({n.method}, {n.wall_rows} walls{source})", "solve" + (" (null space)" if case.closed else ""),
+              f"correct ({n.gradient} gradient{surface})"]
     wanted = ((n.filter, "velocity filter"), (n.collision_distance, "pair collisions"), (n.wall_guard, "wall guard"),
               (n.kappa, "position projection"), (n.shift, "Fick shift"))
     return found + [name for value, name in wanted if value]
