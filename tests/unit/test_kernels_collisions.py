@@ -229,6 +229,15 @@ def test_filter_leaves_dry_walls_out():
 
 
 @dims
+@pytest.mark.parametrize(("distance", "touched"), [(0.8, True), (1.7, False)])
+def test_particle_that_dominates_its_own_mean_is_left_alone(dim, distance, touched):
+    unit = np.eye(dim)
+    pool = free(np.vstack([np.zeros(dim), distance * unit, -distance * unit]))
+    u = np.vstack([np.ones(dim), np.zeros((2 * dim, dim))])
+    assert np.any(smoothed(pool, u, 1.0)[0] != 0.0) == touched
+
+
+@dims
 @pytest.mark.parametrize("shape", ["alone", "pair", "line", "wavy line", "coincident"])
 def test_filter_leaves_degenerate_neighbourhoods_alone(dim, shape):
     rng = np.random.default_rng(0)

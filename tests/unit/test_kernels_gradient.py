@@ -120,6 +120,19 @@ def test_degenerate_neighbourhoods_fly_free(dim, power, shape):
     assert np.all(pool.role == BALLISTIC) and np.all(out == 0.0)
 
 
+@dims
+@powers
+def test_one_neighbour_more_than_dimensions_is_enough(dim, power):
+    corner = np.vstack([np.zeros(dim), np.eye(dim)])
+    pool = free(corner)
+    f, grad, _ = monomials(pool.x, 1)[0]
+    assert np.all(least_squares(pool, f, power)[0] == 0.0) and pool.role[0] == BALLISTIC
+    pool = free(np.vstack([corner, -0.8 * np.ones((1, dim))]))
+    f, grad, _ = monomials(pool.x, 1)[0]
+    np.testing.assert_allclose(least_squares(pool, f, power)[0], grad[0], atol=1e-12)
+    assert pool.role[0] == INNER
+
+
 @powers
 def test_the_floor_sets_how_flat_a_neighbourhood_may_be(power):
     pool = free(np.stack(np.meshgrid(np.arange(8), [0, 0.35]), axis=-1).reshape(-1, 2))

@@ -85,6 +85,15 @@ def test_neighbours_that_do_not_span_the_basis_are_refused(dim, shape):
     assert not coefficients(pool, i)[0]
 
 
+def test_one_neighbour_more_than_polynomials_is_needed():
+    angle = 2.0 * np.pi * np.arange(5) / 5
+    pentagon = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    pool = free(np.vstack([[0.0, 0.0], pentagon]))
+    for f, grad in harmonic_quadratics(pool.x):
+        np.testing.assert_allclose(derivative(pool, 0, f), grad[0], atol=1e-12)
+    assert not coefficients(free(np.vstack([[0.0, 0.0], pentagon[:4]])), 0)[0]
+
+
 @dims
 def test_particles_outside_the_stencil_have_no_weight(dim):
     pool, i = one_sided(dim, 0, 0.8)

@@ -71,11 +71,12 @@ def test_shape_functions_reproduce_linear_fields(dim):
 
 
 @dims
-@pytest.mark.parametrize("shape", ["one", "line", "flat", "coincident"])
+@pytest.mark.parametrize("shape", ["one", "line", "flat", "thin", "coincident"])
 def test_points_that_span_no_space_keep_the_constant(dim, shape):
     unit, random = np.eye(dim), np.random.default_rng(2)
     points = {"one": 0.3 * unit[:1], "line": np.linspace(-0.6, 0.6, 9)[:, None] * (unit[:1] + unit[1:2]),
               "flat": random.uniform(-0.6, 0.6, (12, dim)) * (1.0 - unit[-1]) + 1e-3 * unit[-1],
+              "thin": random.uniform(-0.6, 0.6, (12, dim)) * (1.0 - 0.97 * unit[-1]),
               "coincident": np.tile(0.2 * unit[0], (6, 1))}[shape]
     linear, phi = shapes(points, random.uniform(-0.5, 0.5, (3, dim)))
     assert linear == 0

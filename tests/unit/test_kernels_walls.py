@@ -145,6 +145,21 @@ def test_wall_that_leans_on_fluid_beside_it_takes_the_mean(kind):
 
 
 @both
+def test_wall_with_fluid_behind_it_takes_the_mean(kind):
+    # the normal derivative would have a diagonal of the wrong sign
+    pool = pool_of(2, 0.4)
+    pool.role[pool.kind == WALL] = DRY
+    i = pool.at(4, 0)
+    pool.role[i] = WET
+    pool.x[pool.fluid, 1] *= -1.0
+    pool.relist()
+    rows = filled(pool, kind)
+    assert rows.measure[i] == 0.0
+    values = rows.entries(i)[1]
+    assert len(values) > 6 and np.all(values > 0.0) and values.sum() == pytest.approx(1.0, rel=1e-14)
+
+
+@both
 def test_wall_alone_has_an_empty_row(kind):
     pool = pool_of(2)
     i = pool.at(4, 0)

@@ -92,6 +92,7 @@ def beside_wall(*offsets, role=INNER):
     ([(0.0, 1.0)], SURFACE, CONTACT),
     ([(0.54, 1.4)], SURFACE, CONTACT),
     ([(0.56, 1.4)], SURFACE, DRY),                           # not beside it
+    ([(0.0, -1.0)], SURFACE, DRY),                           # behind it
     ([(0.0, 1.6)], SURFACE, DRY),                            # not at the wall
 ])
 def test_limits(offsets, role, expected):
