@@ -114,9 +114,12 @@ class Simulation:
         return dt
 
     def _share(self, limit):
-        """Return an adaptive step that meets the end time, and without a crumb of a step before it."""
+        """Return an adaptive step that meets the end time, and without a crumb of a step before it.
+
+        Who asks for steps after the end gets whole ones.
+        """
         left = self.case.end_time - self.time
-        if self.numerics.time_step is not None or left > 2.0 * limit:
+        if self.numerics.time_step is not None or left > 2.0 * limit or self.finished():
             return limit
         return left if left < 1.001 * limit else 0.5 * left
 
