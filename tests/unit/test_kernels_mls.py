@@ -1,11 +1,12 @@
 """Neighbours side by side, and the closed form of linear moving least squares."""
 
+import numba
 import numpy as np
 import pytest
 
 from parisph.base.fields import CONTACT, DRY
 from parisph.kernels import near as beside
-from parisph.kernels.jit import axes_of, kernel
+from parisph.kernels.jit import axes_of
 from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.near import LANES, room_for
 from parisph.kernels.smoothing import quartic_weight
@@ -14,7 +15,11 @@ from tests.pools import block, free
 dims = pytest.mark.parametrize("dim", [2, 3])
 
 
-# inlined functions are made for use inside kernels
+# Inlined functions are made for use inside kernels. These two are compiled anew each time: a cache
+# would not notice a change in what they inline.
+kernel = numba.njit(error_model="numpy")
+
+
 @kernel
 def gathered(near, member, first, i, x, role, radius, indptr, indices, axes):
     return beside.gather(near, member, first, i, x, role, radius, indptr, indices, axes)
