@@ -1,0 +1,104 @@
+"""The dam break: its first pressure is known, its front was measured, its fluid must stay."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.base.fields import FLUID, SURFACE
+from parisph.case.waves import column_start_pressure
+from parisph.driver import Simulation, run
+from parisph.io import checkpoint, reader, series
+from parisph.study import errors
+from tests.launch import ROOT
+from tests.scenes import measured, scene
+
+G, H, L = 9.81, 1.0, 0.5
+WEIGHT = 1000.0 * G * H
+UNIT = np.sqrt(H / G)
+
+
+@pytest.fixture(scope="module", params=["sfdi", "harmonic"])
+def start(request):
+    """The particles with their first pressure at H/s = 100, and the largest error that is due."""
+    s = Simulation(scene("dam_break", {"wall_rows": request.param}, spacing=0.01), MPI.COMM_SELF)
+    s.solve_start()
+    p = s.particles
+    found = {name: np.array(getattr(p, name)) for name in ("x", "p", "kind", "role")}
+    s.destroy()
+    return found, {"sfdi": 0.01, "harmonic": 0.002}[request.param]
+
+
+def test_first_pressure_is_that_of_potential_flow(start):
+    found, due = start
+    x, p = found["x"], found["p"]
+    column = (x[:, 0] < L + 1e-9) & (x[:, 1] < H + 1e-9)
+    away = column & (np.hypot(x[:, 0] - L, x[:, 1]) > 0.03)     # from the corner, where the gradient is infinite
+    error = np.abs(p[away] - column_start_pressure(x[away, 0], x[away, 1], L, H)) / WEIGHT
+    assert error.max() < due
+    assert not p[~column].any()
+
+
+def test_first_pressure_on_wall_and_bed_is_that_of_the_reference(start):
+    """The published series (H/L = 2) along the left wall and the bed."""
+    found, due = start
+    table = series.read(ROOT / "cases" / "exact" / "dam_break_start_pressure.csv", cut=False)
+    table = table[np.char.startswith(table["case"], "H/L=2")]
+    assert len(table) == 18
+    for row in table:
+        at = np.array([row["x_over_H"], row["y_over_H"]]) * H
+        if at[0] > L - 0.03 and at[1] < 0.03:
+            continue
+        near = np.argmin(np.linalg.norm(found["x"] - at, axis=1))
+        if np.linalg.norm(found["x"][near] - at) < 1e-9:    # others lie between particles
+            assert abs(found["p"][near] / WEIGHT - row["p_over_rho_g_H"]) < due, at
+
+
+@pytest.fixture(scope="module")
+def fall(tmp_path_factory):
+    """800 particles past the first impact on the far wall, to t sqrt(g/H) = 2.5: (run, summary)."""
+    folder = tmp_path_factory.mktemp("dam_break") / "run"
+    summary = run(scene("dam_break", spacing=0.025, end_time=2.5), MPI.COMM_SELF, folder, progress=False)
+    return reader.open_run(folder), summary
+
+
+def test_it_survives(fall):
+    found, summary = fall
+    assert summary["status"] == "completed" and summary["particles"] == 800 + 320
+    assert summary["time"] == pytest.approx(2.5 * UNIT, rel=0.01)
+    assert summary["iterations"]["median"] <= 15 and summary["iterations"]["p99"] <= 30
+
+
+def test_no_particle_is_lost(fall):
+    found, _ = fall
+    end = checkpoint.read(MPI.COMM_SELF, checkpoint.paths(found.folder / "checkpoints")[-1]).arrays
+    np.testing.assert_array_equal(np.sort(end["id"]), np.arange(1120))
+    fluid = end["x"][end["kind"] == FLUID]
+    assert len(fluid) == 800 and (fluid > 0.0).all() and (fluid < [4.0 * L, 2.0 * H]).all()
+    assert (end["role"] == SURFACE).any()
+
+
+def test_volume_and_energy(fall):
+    found, _ = fall
+    cell, energy = found.probe("volume")["cell"], found.probe("energy")["total"]
+    assert np.abs(cell - 1.0).max() < 0.01
+    assert energy.max() < 1.01 * energy[0] and energy[-1] > 0.9 * energy[0]
+
+
+def test_momentum_is_what_the_walls_give(fall):
+    """It goes to the right until the impact, as the left wall is all that pushes."""
+    momentum = fall[0].probe("momentum")
+    before = momentum["time"] < 1.3 * UNIT
+    assert (np.diff(momentum["px"][before]) > 0.0).all()
+
+
+def test_front_against_martin_and_moyce(fall):
+    """The gate of the experiment opened in a finite time: raw, and after one shift of the time."""
+    t, x = series.read_truth(measured("01a_martin_moyce_n2_2_front_table2.csv"), "t_sqrt_g_over_H", "Z_x_over_a",
+                             scale=L, time_scale=UNIT)
+    front = fall[0].probe("front")
+    before = (t < 1.5 * UNIT) & (x < 4.0 * L)
+    t, x = t[before], x[before]
+    raw = errors.judge(front["time"], front["x"], t, x)["relative_l2"]
+    shift = errors.best_shift(front["time"], front["x"], t, x, 0.2 * UNIT)
+    shifted = errors.judge(front["time"] + shift, front["x"], t, x)["relative_l2"]
+    assert raw < 0.12 and shifted < 0.03 and 0.05 * UNIT < shift < 0.15 * UNIT

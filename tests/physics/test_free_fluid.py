@@ -1,0 +1,78 @@
+"""Fluid without a tank: its momentum stays what it was, and so does its volume."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.case.waves import drop_half_axes
+from parisph.driver import Simulation
+from parisph.io import probes
+from tests.scenes import scene
+
+
+def sampled(s):
+    """Return {probe: {column: value}} of now."""
+    samplers = probes.build(s.case, s.comm)
+    found = probes.sample_all(samplers, s.particles, s.domain, s.time)
+    return {sampler.name: dict(zip(sampler.columns, found[sampler.name])) for sampler in samplers}
+
+
+def steps(s, count):
+    """Take steps; return what the probes saw before and after."""
+    s.solve_start()
+    before = sampled(s)
+    for _ in range(count):
+        s.advance()
+    return before, sampled(s)
+
+
+@pytest.mark.parametrize(("stiffness", "end"), [(0.0, 1.0), (1.0, 2.0)])
+def test_drop_in_a_straining_flow(stiffness, end):
+    """It stays an ellipse with known half axes; with a central force it oscillates."""
+    s = Simulation(scene("free_drop", {"time_step": 0.01}, spacing=0.05, stiffness=stiffness), MPI.COMM_SELF)
+    _, after = steps(s, round(end / 0.01))
+    axes = 2.0 * np.sqrt(np.mean(s.particles.x ** 2, axis=0))     # of an ellipse: <x^2> = a^2/4
+    exact = np.ravel([axis[-1] for axis in drop_half_axes(np.array([0.0, s.time]), 1.0, 1.0, stiffness)])
+    np.testing.assert_allclose(axes, exact, rtol=0.04)
+    assert after["volume"]["cell"] == pytest.approx(1.0, abs=0.01)
+    whole = np.pi * 1000.0      # mass times the speed on the rim
+    assert np.hypot(after["momentum"]["px"], after["momentum"]["py"]) < 5e-3 * whole
+    s.destroy()
+
+
+def centre_pressure():
+    """Pressure in the middle of a square patch in rotation over rho omega^2 L^2 (Colagrossi 2005): a double sine series."""
+    m = np.arange(1, 400, 2)
+    k2 = (m[:, None] ** 2 + m[None, :] ** 2) * np.pi**2
+    sign = np.sin(0.5 * np.pi * m)
+    return -2.0 * np.sum(16.0 / np.pi**2 * np.outer(sign / m, sign / m) / k2)
+
+
+def test_first_pressure_of_a_rotating_patch():
+    s = Simulation(scene("rotating_patch", {"time_step": 1e-3}, spacing=0.05), MPI.COMM_SELF)
+    s.advance()
+    centre = np.argmin(np.linalg.norm(s.particles.x, axis=1))
+    assert s.particles.p[centre] / 1000.0 == pytest.approx(centre_pressure(), rel=2e-3)
+    s.destroy()
+
+
+def spin(p):
+    """Return the angular momentum about the middle over that of one particle a metre from it."""
+    return np.sum(p.x[:, 0] * p.u[:, 1] - p.x[:, 1] * p.u[:, 0])
+
+
+def test_rotating_patch():
+    """Its middle is under suction and its corners fly; 50 steps, t omega = 1.4."""
+    s = Simulation(scene("rotating_patch", spacing=0.05), MPI.COMM_SELF)
+    turning = spin(s.particles)
+    before, after = steps(s, 50)
+    p = s.particles
+    assert np.isfinite(p.x).all() and np.isfinite(p.u).all() and len(p.x) == 441
+    assert s.time > 1.2
+    assert spin(p) == pytest.approx(turning, rel=0.02)
+    assert after["energy"]["total"] == pytest.approx(before["energy"]["total"], rel=0.03)
+    assert after["volume"]["cell"] == pytest.approx(1.0, abs=0.01)
+    assert np.hypot(after["momentum"]["px"], after["momentum"]["py"]) < 1e-3 * before["energy"]["total"]
+    assert np.linalg.norm(p.x, axis=1).max() > 0.85       # a corner was at 0.707
+    assert p.p.min() < -0.05 * 1000.0
+    s.destroy()

@@ -1,0 +1,101 @@
+"""Water at rest stays at rest, with the pressure of its weight."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE
+from parisph.case.schema import Box, Case, Disc, Fluid, Numerics, Tank
+from parisph.driver import Simulation
+from tests.scenes import scene
+
+G, DENSITY = 9.81, 1000.0
+STEPS = 1000
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8])
+def test_open_tank(jitter):
+    """Depth 1 m: u in sqrt(gd), p in rho g d, over 10 sqrt(d/g)."""
+    s = Simulation(scene("hydrostatic", jitter=jitter), MPI.COMM_SELF)
+    speed, error = np.empty(STEPS), np.empty(STEPS)
+    for n in range(STEPS):
+        s.advance()
+        p = s.particles
+        speed[n] = np.abs(p.u[p.kind == FLUID]).max() / np.sqrt(G)
+        wet = p.role != DRY
+        error[n] = np.abs(p.p - DENSITY * G * np.maximum(1.0 - p.x[:, 1], 0.0))[wet].max() / (DENSITY * G)
+    s.destroy()
+    assert speed.max() <= 1e-6 and error.max() <= 1e-6
+    # nothing grows: the last fifth is no worse than the second
+    fifth = STEPS // 5
+    assert speed[-fifth:].max() < 1.5 * speed[fifth:2 * fifth].max()
+    assert error[-fifth:].max() < 1.5 * error[fifth:2 * fifth].max()
+
+
+def still(shape, walls, gravity, **numerics):
+    """Return the Simulation of a body of fluid at rest, with its pressure at the start."""
+    case = Case(title="still", fluid=Fluid(shape, density=DENSITY), walls=walls, gravity=gravity,
+                numerics=Numerics(**{"spacing": 0.1, "preset": "gentle", **numerics}), end_time=1.0)
+    s = Simulation(case, MPI.COMM_SELF)
+    s.solve_start()
+    return s
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.4])
+def test_full_closed_box(jitter):
+    """No free surface: the pressure is that of the weight, with a mean of zero."""
+    s = still(Box(width=1.0, height=1.0), Tank(width=1.0, height=1.0, lid=True), (0.0, -G),
+              time_step=0.01, jitter=jitter)
+    assert s.case.closed
+    for _ in range(200):
+        report = s.advance()
+        assert report.fallback == "" and report.surface == report.isolated == 0
+    p = s.particles
+    assert np.abs(p.u[p.kind == FLUID]).max() < 1e-8
+    weight = -DENSITY * G * p.x[:, 1]
+    np.testing.assert_allclose(p.p, weight - weight.mean(), atol=1e-6 * DENSITY * G)
+    s.destroy()
+
+
+@pytest.mark.parametrize("preset", ["gentle", "violent"])
+def test_closed_box_looks_for_no_surface(preset):
+    s = still(Box(width=1.0, height=1.0), Tank(width=1.0, height=1.0, lid=True), (0.0, -G), preset=preset)
+    assert s.numerics.surface_rule == "none"
+    assert not np.isin(s.particles.role, (SURFACE, BALLISTIC, DRY)).any()
+    s.destroy()
+
+
+def test_body_force_of_the_box_is_balanced_in_any_direction():
+    s = still(Box(width=1.0, height=1.0), Tank(width=1.0, height=1.0, lid=True), (3.0, "2 + 0*x"), time_step=0.01)
+    s.advance()
+    p = s.particles
+    due = DENSITY * (3.0 * p.x[:, 0] + 2.0 * p.x[:, 1])
+    np.testing.assert_allclose(p.p, due - due.mean(), atol=1e-5 * DENSITY)
+    s.destroy()
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.4])
+def test_free_fluid_without_gravity_rests(jitter):
+    """The step adapts to nothing at all here: no velocity, no field."""
+    s = still(Disc(radius=1.0), None, (0.0, 0.0), jitter=jitter)
+    start = s.gather("x")["x"]
+    while not s.finished():
+        s.advance()
+    end = s.gather("x", "u", "p")
+    assert s.time == 1.0 and 10 <= s.steps <= 20
+    np.testing.assert_array_equal(end["x"], start)
+    assert not end["u"].any() and not end["p"].any()
+    s.destroy()
+
+
+def test_free_fall_of_a_drop():
+    """A drop in uniform gravity falls as one body, without pressure."""
+    s = still(Disc(radius=1.0), None, (0.0, -G), time_step=0.01, preset="violent", kappa=0.0, shift=0.0)
+    start = s.gather("x")["x"]
+    for _ in range(50):
+        s.advance()
+    end = s.gather("x", "u", "p")
+    np.testing.assert_allclose(end["u"], np.broadcast_to([0.0, -G * s.time], end["u"].shape), atol=1e-9)
+    np.testing.assert_allclose(end["x"] - start, np.broadcast_to([0.0, -0.5 * G * s.time**2], start.shape), atol=1e-9)
+    assert np.abs(end["p"]).max() < 1e-6
+    s.destroy()

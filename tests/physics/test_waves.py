@@ -1,0 +1,44 @@
+"""Waves that do not break, against exact series: errors are of the wave part."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.driver import run
+from parisph.io import reader
+from tests.scenes import scene
+
+
+def summary_of(case, folder):
+    return run(case, MPI.COMM_SELF, folder / "run", progress=False)
+
+
+@pytest.mark.parametrize(("sets", "error"), [
+    (dict(spacing=0.1), 0.04),                              # 200-class, to t sqrt(g/d) = 50
+    (dict(spacing=0.05, end_time=10), 0.02),                # 800-class
+    (dict(spacing=0.05, end_time=10, jitter=0.4), 0.03),
+])
+def test_small_sloshing(tmp_path, sets, error):
+    found = summary_of(scene("small_sloshing", **sets), tmp_path)
+    assert found["errors"]["left"]["relative_l2"] <= error
+    assert found["errors"]["left"]["points"] > 500
+    # no fluid comes or goes, and so small a wave has no energy to speak of
+    assert abs(found["volume_drift"]) < 3e-4 and abs(found["energy_drift"]) < 1e-4
+    assert found["fallbacks"] == 0 and found["iterations"]["max"] <= 15
+
+
+def test_standing_wave(tmp_path):
+    """Two periods of a wave of finite height, against fully nonlinear potential flow."""
+    found = summary_of(scene("standing_wave", spacing=0.05, end_time=2.3), tmp_path)
+    assert found["errors"]["centre"]["relative_l2"] <= 0.08
+    level = reader.open_run(tmp_path / "run").probe("centre")["y"] - 1.0
+    assert level.max() == pytest.approx(0.025, rel=0.1) and level.min() == pytest.approx(-0.025, rel=0.1)
+
+
+def test_mean_level_of_the_gauges_does_not_drift(tmp_path):
+    case = scene("small_sloshing", spacing=0.1, end_time=20)
+    summary_of(case, tmp_path)
+    gauge = reader.open_run(tmp_path / "run").probe("left")
+    height = np.ptp(gauge["y"])
+    halves = np.array_split(gauge["y"], 2)
+    assert abs(halves[1].mean() - halves[0].mean()) < 0.1 * height
