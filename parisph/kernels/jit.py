@@ -8,8 +8,10 @@ _OPTIONS = dict(cache=True, error_model="numpy", fastmath={"contract", "arcp", "
 
 kernel = numba.njit(**_OPTIONS)
 
-# For what a kernel calls in its innermost loops: a call costs more than a short vector loop.
-inlined = numba.njit(forceinline=True, **_OPTIONS)
+# For what a kernel calls for every particle. A call costs more than a short vector loop, and so
+# does counting the references to the arrays that are passed ("_nrt"): without that, functions of
+# this kind may read and write arrays, but neither make nor slice them.
+inlined = numba.njit(forceinline=True, _nrt=False, **_OPTIONS)
 
 # The length of a tuple is part of its type: a loop over range(len(axes)) is unrolled, and
 # what stands under `if len(axes) == 3` costs nothing in 2D.

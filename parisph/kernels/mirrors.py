@@ -6,7 +6,8 @@ neighbour within that radius: the neighbour lists already hold all that is neede
 """
 
 from parisph.base.fields import FLUID, WALL
-from parisph.kernels.jit import kernel
+from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.near import fill_up
 
 PARALLEL = 0.9  # cosine above which two wall normals belong to the same plane
 
@@ -79,3 +80,31 @@ def casts_image(j, subset, member, x, kind, normal, thin, axes):
         if (subset >> p) & 1 and height(j, member[p], x, normal, axes) < thin:
             return False
     return True
+
+
+@inlined
+def gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes):
+    """Write all neighbours of fluid particle i, and the images of itself and of them in the walls nearby.
+
+    near : (dim, 2^dim times the columns from `near.room_for`), relative to i, in units of h
+    member : (dim,) int64, image : (dim,) scratch
+    Returns the number of columns in use, those of points without weight behind them included.
+    """
+    dim, n, walls = len(axes), 0, False
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        walls |= kind[j] == WALL
+        for a in range(dim):
+            near[a, n] = (x[j, a] - x[i, a]) / h
+        n += 1
+    if walls:
+        planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
+        for subset in range(1, 1 << planes):
+            for k in range(indptr[i] - 1, indptr[i + 1]):
+                j = i if k < indptr[i] else indices[k]
+                if casts_image(j, subset, member, x, kind, normal, 0.1 * h, axes):
+                    reflect(image, j, subset, member, x, normal, axes)
+                    for a in range(dim):
+                        near[a, n] = (image[a] - x[i, a]) / h
+                    n += 1
+    return fill_up(near, n, axes)

@@ -5,9 +5,7 @@ W/r^2; Eq. 28 is the same with W; the wall rows are its normal component. One mo
 kernel serves all three, in two and in three dimensions.
 """
 
-import math
-
-from parisph.kernels.jit import kernel
+from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
@@ -16,39 +14,42 @@ from parisph.kernels.smoothing import quartic_weight
 PIVOT_FLOOR = 2.0e-3
 
 
-@kernel
+@inlined
 def cholesky(a, n):
-    """Factorise the leading n x n block of a (lower triangle) in place; False if degenerate."""
-    largest = 0.0
+    """Factorise the leading n x n block of a (lower triangle) in place; False if degenerate.
+
+    a = L D L^T without square roots: the diagonal becomes 1/D, what is below it L D.
+    """
+    largest, sound = 0.0, True
     for k in range(n):
         largest = max(largest, a[k, k])
     for k in range(n):
         pivot = a[k, k]
         for m in range(k):
-            pivot -= a[k, m] * a[k, m]
-        if not pivot > PIVOT_FLOOR * largest:
-            return False
-        root = math.sqrt(pivot)
-        a[k, k] = root
+            pivot -= a[k, m] * a[k, m] * a[m, m]
+        sound &= pivot > PIVOT_FLOOR * largest
+        a[k, k] = 1.0 / pivot
         for row in range(k + 1, n):
             value = a[row, k]
             for m in range(k):
-                value -= a[row, m] * a[k, m]
-            a[row, k] = value / root
-    return True
+                value -= a[row, m] * a[k, m] * a[m, m]
+            a[row, k] = value
+    return sound
 
 
-@kernel
+@inlined
 def cholesky_solve(a, b, n):
     """Solve in place with the factor of `cholesky`: b becomes the solution."""
     for k in range(n):
+        value = b[k]
         for m in range(k):
-            b[k] -= a[k, m] * b[m]
-        b[k] /= a[k, k]
+            value -= a[k, m] * b[m]
+        b[k] = value * a[k, k]
     for k in range(n - 1, -1, -1):
+        value = b[k]
         for m in range(k + 1, n):
-            b[k] -= a[m, k] * b[m]
-        b[k] /= a[k, k]
+            value -= a[m, k] * a[k, k] * b[m]
+        b[k] = value
 
 
 @kernel

@@ -32,12 +32,14 @@ def gather(near, member, first, i, x, role, radius, indptr, indices, axes):
     near : (dim, columns from `room_for`); member : int32, their numbers, from `first` on
     Returns how many there are.
     """
-    n = 0
+    n, scale, cx, cy = 0, 1.0 / radius, x[i, 0], x[i, 1]
+    cz = x[i, 2] if len(axes) == 3 else 0.0
     for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
+        j = np.uint32(indices[k])  # unsigned: not looked at for being negative, that is from the end
         member[first + n] = j  # overwritten by the next one if j takes no part
-        for a in range(len(axes)):
-            near[a, n] = (x[j, a] - x[i, a]) / radius
+        near[0, n], near[1, n] = (x[j, 0] - cx) * scale, (x[j, 1] - cy) * scale
+        if len(axes) == 3:
+            near[2, n] = (x[j, 2] - cz) * scale
         n += not outside(role[j])
     return n
 

@@ -167,14 +167,13 @@ def _make_isotropic(mean, basis, w, m, matrix, right, axes):
         right[r] = dot(mean, 0, basis, r, m)
         for s in range(0, r + 1, 4):  # four at a time, whether they are in the lower triangle or not
             matrix[r, s], matrix[r, s + 1], matrix[r, s + 2], matrix[r, s + 3] = dot4(basis, r, w, basis, s, m)
-    if not cholesky(matrix, size):
-        return
-    cholesky_solve(matrix, right, size)
-    for k in range(m):
-        change = 0.0
-        for r in range(size):
-            change += right[r] * basis[r, k]
-        mean[0, k] -= w[0, k] * change
+    if cholesky(matrix, size):
+        cholesky_solve(matrix, right, size)
+        for k in range(m):
+            change = 0.0
+            for r in range(size):
+                change += right[r] * basis[r, k]
+            mean[0, k] -= w[0, k] * change
 
 
 @inlined
@@ -188,26 +187,25 @@ def _finish(i, first, n, m, mean, basis, columns, values, measure, flux, div, u,
         spread += mean[0, k] * basis[len(basis) - 1, k]
     total /= points
     spread *= radius * radius / points
-    sound = total > 0.05 and spread > 0.1 * circle * circle
     div[i] = 0.0
-    measure[i] = 0.0
-    if not sound:
+    if total > 0.05 and spread > 0.1 * circle * circle:
+        measure[i] = (spread if normalised else circle * circle) / (2.0 * dim * total)
+        scale, outflow = 1.0 / (points * total), dim / (circle * points)
+        change = 0.0
+        for k in range(n):
+            j = columns[first + k]
+            values[first + k] = mean[0, k] * scale
+            for a in range(dim):
+                f = mean[a + 1, k] * outflow
+                flux[first + k, a] = f
+                change += f * (u[j, a] - u[i, a])
+        div[i] = change
+    else:
+        measure[i] = 0.0
         for k in range(first, first + n):
             values[k] = 1.0 / n
             for a in range(dim):
                 flux[k, a] = 0.0
-        return
-    measure[i] = (spread if normalised else circle * circle) / (2.0 * dim * total)
-    scale, outflow = 1.0 / (points * total), dim / (circle * points)
-    total = 0.0
-    for k in range(n):
-        j = columns[first + k]
-        values[first + k] = mean[0, k] * scale
-        for a in range(dim):
-            f = mean[a + 1, k] * outflow
-            flux[first + k, a] = f
-            total += f * (u[j, a] - u[i, a])
-    div[i] = total
 
 
 @kernel

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import FLUID, INNER, WALL
+from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import kernel
-from parisph.kernels.mirrors import casts_image, near_planes, reflect
+from parisph.kernels.mirrors import gather_around
+from parisph.kernels.near import dot, room_for
 from parisph.kernels.smoothing import cubic_spline_slope
 
 
@@ -41,36 +42,20 @@ def concentration_gradient(out, x, kind, corner, normal, h, full, indptr, indice
     """Gradient of the density ratio at fluid particles, walls and mirror images included [1/m]."""
     dim = len(axes)
     member, image = np.empty(dim, np.int64), np.empty(dim)
+    room = room_for(indptr) * 2**dim
+    near, slope = np.empty((dim, room)), np.empty((1, room))
     for i in range(len(indptr) - 1):
         out[i, :] = 0.0
         if kind[i] != FLUID:
             continue
-        walls = False
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            walls |= kind[j] == WALL
-            _add_slope(out, i, x[j], x, h, full, axes)
-        if not walls:
-            continue
-        planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
-        for subset in range(1, 1 << planes):
-            reflect(image, i, subset, member, x, normal, axes)
-            _add_slope(out, i, image, x, h, full, axes)
-            for k in range(indptr[i], indptr[i + 1]):
-                if casts_image(indices[k], subset, member, x, kind, normal, 0.1 * h, axes):
-                    reflect(image, indices[k], subset, member, x, normal, axes)
-                    _add_slope(out, i, image, x, h, full, axes)
-
-
-@kernel
-def _add_slope(out, i, source, x, h, full, axes):
-    dim = len(axes)
-    r2 = 0.0
-    for a in range(dim):
-        r2 += (x[i, a] - source[a]) ** 2
-    slope = cubic_spline_slope(math.sqrt(r2), h, dim) / full
-    for a in range(dim):
-        out[i, a] += slope * (x[i, a] - source[a])
+        m = gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)
+        for k in range(m):
+            q2 = 0.0
+            for a in range(dim):
+                q2 += near[a, k] ** 2
+            slope[0, k] = cubic_spline_slope(h * math.sqrt(q2), h, dim)
+        for a in range(dim):
+            out[i, a] = -h / full * dot(slope, 0, near, a, m)
 
 
 @kernel

@@ -5,28 +5,25 @@ import math
 from parisph.kernels.jit import inlined, kernel
 
 
-@kernel
+@inlined
 def cubic_spline(r, h, dim):
     """Return W(r) of the cubic spline with support 2h (Zheng et al. 2014, Eq. 5) [m^-dim]."""
-    q = r / h
-    if q >= 2.0:
-        return 0.0
-    scale = 15.0 / (7.0 * math.pi * h * h) if dim == 2 else 3.0 / (2.0 * math.pi * h * h * h)
-    if q < 1.0:
-        return scale * (2.0 / 3.0 - q * q * (1.0 - 0.5 * q))
-    return scale * (2.0 - q) ** 3 / 6.0
+    q = min(r / h, 2.0)  # no branches: loops over neighbours become vector instructions
+    near, far = 2.0 / 3.0 - q * q * (1.0 - 0.5 * q), (2.0 - q) ** 3 / 6.0
+    return _cubic_scale(h, dim) * (near if q < 1.0 else far)
 
 
-@kernel
+@inlined
 def cubic_spline_slope(r, h, dim):
     """Return W'(r)/r of the cubic spline, finite at r = 0 [m^-dim-2]."""
-    q = r / h
-    if q >= 2.0:
-        return 0.0
-    scale = 15.0 / (7.0 * math.pi * h * h) if dim == 2 else 3.0 / (2.0 * math.pi * h * h * h)
-    if q < 1.0:
-        return scale * (1.5 * q - 2.0) / (h * h)
-    return -0.5 * scale * (2.0 - q) ** 2 / (q * h * h)
+    q = min(r / h, 2.0)
+    near, far = 1.5 * q - 2.0, -0.5 * (2.0 - q) ** 2 / max(q, 1.0)
+    return _cubic_scale(h, dim) / (h * h) * (near if q < 1.0 else far)
+
+
+@inlined
+def _cubic_scale(h, dim):
+    return 15.0 / (7.0 * math.pi * h * h) if dim == 2 else 3.0 / (2.0 * math.pi * h * h * h)
 
 
 @kernel

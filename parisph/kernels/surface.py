@@ -9,9 +9,12 @@ import math
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.kernels.jit import kernel
-from parisph.kernels.mirrors import casts_image, near_planes, reflect
+from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.mirrors import gather_around, near_planes, reflect
+from parisph.kernels.near import room_for
 from parisph.kernels.smoothing import cubic_spline
+
+SECTORS = 16  # of the circle, in the quick test for a gap
 
 
 @kernel
@@ -41,37 +44,18 @@ def density_ratio(alpha, x, kind, corner, normal, h, full, indptr, indices, axes
     """
     dim = len(axes)
     member, image = np.empty(dim, np.int64), np.empty(dim)
-    self_value = cubic_spline(0.0, h, dim)
+    near = np.empty((dim, room_for(indptr) * 2**dim))
     for i in range(len(indptr) - 1):
         alpha[i] = 1.0
         if kind[i] != FLUID:
             continue
-        total = self_value
-        walls = False
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            walls |= kind[j] == WALL
-            r2 = 0.0
+        total = cubic_spline(0.0, h, dim)
+        for k in range(gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)):
+            q2 = 0.0
             for a in range(dim):
-                r2 += (x[j, a] - x[i, a]) ** 2
-            total += cubic_spline(math.sqrt(r2), h, dim)
-        if walls:
-            planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
-            for subset in range(1, 1 << planes):
-                total += _image_value(i, i, subset, member, image, x, normal, h, axes)
-                for k in range(indptr[i], indptr[i + 1]):
-                    if casts_image(indices[k], subset, member, x, kind, normal, 0.1 * h, axes):
-                        total += _image_value(i, indices[k], subset, member, image, x, normal, h, axes)
+                q2 += near[a, k] ** 2
+            total += cubic_spline(h * math.sqrt(q2), h, dim)
         alpha[i] = total / full
-
-
-@kernel
-def _image_value(i, j, subset, member, image, x, normal, h, axes):
-    reflect(image, j, subset, member, x, normal, axes)
-    r2 = 0.0
-    for a in range(len(axes)):
-        r2 += (image[a] - x[i, a]) ** 2
-    return cubic_spline(math.sqrt(r2), h, len(axes))
 
 
 @kernel
@@ -93,42 +77,67 @@ def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, lea
         if kind[i] != FLUID:
             continue
         role[i] = INNER
-        on_surface = was[i] == SURFACE or was[i] == BALLISTIC
         if alpha[i] < thin:
             role[i] = SURFACE
             continue
-        n, walls, octants = 0, False, 0
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            walls |= kind[j] == WALL
-            dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
-            if not 0.0 < dx * dx + dy * dy < radius2:  # one in the same place is in no direction
-                continue
-            octants |= 1 << _octant(dx, dy)
-            if n < len(angles):
-                angles[n] = k
-                n += 1
-        if n < 4 and not walls:
-            role[i] = SURFACE
-            continue
-        # eight occupied octants leave no gap above a right angle
-        if octants == 255 and (not on_surface or leave >= 0.5 * math.pi):
-            continue
-        for m in range(n):
-            j = indices[int(angles[m])]
-            angles[m] = math.atan2(x[j, 1] - x[i, 1], x[j, 0] - x[i, 0])
+        limit = leave if was[i] == SURFACE or was[i] == BALLISTIC else enter
+        n, bound = _bound_of_gap(i, x, radius2, indptr, indices)
+        if n >= 4 and bound < limit:
+            continue  # most particles: no angle has to be known
+        n, walls = _angles(angles, i, x, kind, radius2, indptr, indices)
         if walls:
             planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
             n = _image_angles(angles, n, i, planes, member, image, x, kind, normal, radius2, indptr,
                               indices, axes)
-        gap = _largest_gap(angles, n)
-        if n < 4 or gap > enter or (on_surface and gap > leave):
+        if n < 4 or _largest_gap(angles, n) > limit:
             role[i] = SURFACE
 
 
-@kernel
-def _octant(dx, dy):
-    return 4 * (dx < 0.0) + 2 * (dy < 0.0) + (abs(dx) < abs(dy))
+@inlined
+def _bound_of_gap(i, x, radius2, indptr, indices):
+    """Return the number of neighbours, and an angle that no gap between them exceeds [rad].
+
+    A gap covers a run of empty sectors, and at most the sectors at its two ends. All is without
+    branches: which sector a neighbour is in cannot be predicted.
+    """
+    n, occupied = 0, 0
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
+        r2 = dx * dx + dy * dy
+        near = (0.0 < r2) & (r2 < radius2)  # one in the same place is in no direction
+        n += near
+        occupied |= near << _sector(dx, dy)
+    empty = ((1 << 2 * SECTORS) - 1) & ~(occupied | occupied << SECTORS)  # twice around
+    longest = 0
+    while empty:
+        empty &= empty >> 1  # what is left has one more empty sector behind it
+        longest += 1
+    return n, (longest + 2) * (2.0 * math.pi / SECTORS)
+
+
+@inlined
+def _sector(dx, dy):
+    """Return the number of the sector that a direction is in, 0 to 15 counter-clockwise."""
+    a, b = abs(dx), abs(dy)
+    small = min(a, b) < (math.sqrt(2.0) - 1.0) * max(a, b)
+    sector = 1 - small if a > b else 2 + small
+    sector = 7 - sector if dx < 0.0 else sector
+    return 15 - sector if dy < 0.0 else sector
+
+
+@inlined
+def _angles(angles, i, x, kind, radius2, indptr, indices):
+    """Write the directions of the neighbours; return how many, and whether walls are among those listed."""
+    n, walls = 0, False
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        walls |= kind[j] == WALL
+        dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
+        if 0.0 < dx * dx + dy * dy < radius2 and n < len(angles):
+            angles[n] = math.atan2(dy, dx)
+            n += 1
+    return n, walls
 
 
 @kernel
