@@ -29,7 +29,7 @@ PRESETS = {
         "zeta": 1.0,
         "zeta_time": 0.0,
         "gamma": 0.0,
-        "strain": 0.0,
+        "strain": 1.0,
         "kappa": 0.0,
         "shift": 0.0,
         "filter": 0.03,

@@ -53,7 +53,7 @@ class Simulation:
         self.time, self.steps, self.dt = (0.0, 0, None) if start is None else (start.time, start.step, start.dt or None)
         s = self.numerics.spacing
         lower, upper = geometry.domain(case)
-        self.domain = Domain(self.particles, lower, upper, schemes.SCHEMES[self.numerics.method].reach * s,
+        self.domain = Domain(self.particles, lower, upper, schemes.reach(self.numerics) * s,
                              SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.lid)
         self.solver = PressureSolver(self.comm, petsc_options, self.numerics.rtol, closed=case.closed)
         self.method = Projection(self.numerics, case.fluid.density, self._force, self.particles, self.domain,

@@ -124,18 +124,18 @@ class Projection:
             p.x[fluid] += ahead * p.u[fluid]
 
     def _classify(self):
-        """Find the free surface and the wet walls, in scenes whose surface may change."""
+        """Find the free surface, unless it keeps its particles, and the walls that are wet."""
         p, d, n = self.particles, self.domain, self.numerics
         if self.needs_alpha:
             surfaces.density_ratio(p.alpha, p.x_all, p.kind_all, p.corner_all, p.normal_all,
                                    schemes.DENSITY * self.spacing, self.full, d.indptr, d.indices, self.axes)
-        if n.surface_rule == "frozen":
-            return
         if n.surface_rule == "none":
             p.role[:] = np.where(p.kind == FLUID, INNER, WET)
             return
-        self._find_surface()
-        d.update("role")
+        if n.surface_rule != "frozen":
+            self._find_surface()
+            d.update("role")
+        # also for a frozen surface: it falls and rises past the nodes of the walls
         surfaces.wet_walls(p.role_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, self.spacing,
                            d.indptr, d.indices, self.axes)
 

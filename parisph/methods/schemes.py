@@ -33,3 +33,8 @@ GRADIENT = {"sfdi": 2.1, "mixed": 2.6, "symmetric": 3.6}
 DENSITY = 1.3         # h of the density ratio
 SPH = 1.8             # h of the SPH Laplacian and of the symmetric gradient
 SURFACE_GAP = 2.0     # neighbours that close the angular gap
+
+
+def reach(numerics):
+    """Return the radius that neighbour lists need for resolved Numerics, in spacings."""
+    return max(SCHEMES[numerics.method].reach, GRADIENT[numerics.gradient])

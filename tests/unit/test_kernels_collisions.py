@@ -229,7 +229,7 @@ def test_filter_leaves_dry_walls_out():
 
 
 @dims
-@pytest.mark.parametrize(("distance", "touched"), [(0.8, True), (1.7, False)])
+@pytest.mark.parametrize(("distance", "touched"), [(0.8, True), (2.0, False)])
 def test_particle_that_dominates_its_own_mean_is_left_alone(dim, distance, touched):
     unit = np.eye(dim)
     pool = free(np.vstack([np.zeros(dim), distance * unit, -distance * unit]))

@@ -1,0 +1,49 @@
+"""Where compiled kernels are kept."""
+
+import hashlib
+import os
+import stat
+import tempfile
+from pathlib import Path
+
+
+def folder():
+    """Return the folder for compiled kernels, named by the sources of all of them. Not collective.
+
+    numba renews a cached kernel when its own file changes, but not when a kernel of another file
+    does that it has taken in. With the sources in the name nothing stale is ever found. The
+    folder is in NUMBA_CACHE_DIR if that is set, else beside the sources, else in the user's cache
+    folder, else, on a node without homes, in a private one for temporary files.
+    """
+    here = Path(__file__).resolve().parent
+    sources = [*sorted(here.glob("*.py")), here.parent / "base" / "fields.py"]
+    name = "kernels-" + hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()) / "parisph"
+    places = [Path(os.environ["NUMBA_CACHE_DIR"])] if os.environ.get("NUMBA_CACHE_DIR") else []
+    for place in [*places, here / "__pycache__", home]:
+        if _can_be_made(place / name):
+            return str(place / name)
+    return str(private_folder() / name)
+
+
+def _can_be_made(path):
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            return True
+    except OSError:
+        return False
+
+
+def private_folder(base=None):
+    """Return a folder that only this user can write, the same in every process unless someone meddles.
+
+    base : folder to make it in, by default the system's for temporary files. What numba finds in
+    its cache it runs, so a folder that others could write is never taken.
+    """
+    path = Path(base or tempfile.gettempdir()) / f"parisph-kernels-{os.getuid()}"
+    path.mkdir(mode=0o700, exist_ok=True)
+    found = path.lstat()
+    if stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o022:
+        return path
+    return Path(tempfile.mkdtemp(prefix="parisph-kernels-", dir=base))
