@@ -29,7 +29,8 @@ def neighbour_lists(x, n_owned, radius):
         raise ValueError(f"radius {radius} must be positive")
     if n_owned == 0:
         return np.zeros(1, np.int32), np.zeros(0, np.int32)
-    lower, upper = x.min(axis=0), x.max(axis=0)
+    # column by column: numpy is slow along a short last axis
+    lower, upper = (np.array([f(column) for column in x.T]) for f in (np.min, np.max))
     with np.errstate(over="ignore", invalid="ignore"):
         extent = upper - lower
     if not np.isfinite(extent).all():
@@ -87,6 +88,7 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
         blocks *= 3
     last = counts[dim - 1]
     r2 = radius * radius
+    place = x[member]  # in the order of cells, so that a run of members is a run in memory
     indptr = np.zeros(n_owned + 1, np.int32)
     indices = np.empty(24 * n_owned + 256, np.int32)
     n = 0
@@ -109,11 +111,10 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
                 larger[:n] = indices[:n]
                 indices = larger
             for m in range(first, stop):
-                j = member[m]
                 d2 = 0.0
                 for a in range(dim):
-                    d2 += (x[j, a] - x[i, a]) ** 2
-                indices[n] = j
-                n += (d2 < r2) & (j != i)
+                    d2 += (place[m, a] - x[i, a]) ** 2
+                indices[n] = member[m]
+                n += (d2 < r2) & (member[m] != i)
         indptr[i + 1] = n
-    return indptr, indices[:n].copy()
+    return indptr, indices[:n]
