@@ -1,0 +1,101 @@
+"""The README is true: its case and its script run, its commands, options and files exist."""
+
+import ast
+import re
+import shlex
+import sys
+
+import pytest
+
+from parisph import cli
+from parisph.case.load import load, parameters
+from tests.launch import ROOT, parisph, run
+
+TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+PYTHON = re.findall(r"^```python\n(.*?)^```", TEXT, flags=re.M | re.S)
+SHELL = [line for block in re.findall(r"^```sh\n(.*?)^```", TEXT, flags=re.M | re.S) for line in block.splitlines()]
+CODE = re.findall(r"(?<!`)`([^`\n]+)`(?!`)", TEXT)
+COMMANDS = [line for line in SHELL if re.search(r"\bparisph ", line)]
+
+
+def one(blocks, word):
+    """Return the block that holds a word."""
+    found = [block for block in blocks if word in block]
+    assert len(found) == 1, f"{len(found)} blocks of the README with {word!r}"
+    return found[0]
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """A folder with the README's case in it, as a reader would save it."""
+    folder = tmp_path_factory.mktemp("readme")
+    (folder / "sloshing.py").write_text(one(PYTHON, "def case("), encoding="utf-8")
+    return folder
+
+
+def test_case_runs_from_the_shell(first):
+    case = load(first / "sloshing.py")
+    assert len(one(PYTHON, "def case(").splitlines()) <= 22
+    assert f"{case.numerics.spacing:g}" in TEXT
+    done = parisph("run", "sloshing.py", "--set", "spacing=0.1", "--set", "end_time=0.1", cwd=first)
+    assert done.returncode == 0, done.stderr
+    assert "status          completed" in done.stdout and "runs/sloshing" in done.stdout
+
+
+def test_script_runs_as_printed(first):
+    script = one(PYTHON, "open_run")
+    assert '{"end_time": 0.5}' in script
+    # the same on fewer particles and for fewer steps
+    script = script.replace('{"end_time": 0.5}', '{"end_time": 0.1, "spacing": 0.1}')
+    script += (
+        "assert summary['status'] == 'completed' and x.shape == u.shape == everywhere['x'].shape and len(p) == len(x)\n"
+        "assert deepest > 3e3 and len(t) == len(pressure) == len(iterations) + 1 and flow.units('tap')['pressure'] == 'Pa'\n"
+    )
+    (first / "script.py").write_text(script, encoding="utf-8")
+    done = run([sys.executable, "script.py"], cwd=first)
+    assert done.returncode == 0, done.stderr
+
+
+def test_names_are_offered_by_the_package():
+    import parisph as package
+
+    for block in PYTHON:
+        for node in ast.walk(ast.parse(block)):
+            if isinstance(node, ast.ImportFrom) and node.module == "parisph":
+                assert {name.name for name in node.names} <= set(package.__all__)
+
+
+@pytest.mark.parametrize("line", COMMANDS)
+def test_command_is_understood(line, first):
+    words = shlex.split(line, comments=True)
+    words = words[words.index("parisph") + 1:]
+    args = cli.parse(words)
+    if getattr(args, "case", "").endswith(".py"):
+        known = parameters(first / args.case if args.case == "sloshing.py" else ROOT / args.case)
+        assert {text.partition("=")[0] for text in args.set} <= set(known)
+
+
+@pytest.mark.parametrize("verb", sorted(set(re.findall(r"\bparisph ([a-z]+)", " ".join([*CODE, *SHELL])))))
+def test_verb_exists(verb):
+    assert verb in _verbs()
+
+
+@pytest.mark.parametrize("option", sorted(set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", " ".join([*CODE, *SHELL])))))
+def test_option_exists(option):
+    assert any(option in verb._option_string_actions for verb in _verbs().values())
+
+
+def _verbs():
+    """Return the verbs of the command line, each with its parser."""
+    return next(action for action in cli._parser()._actions if action.choices).choices
+
+
+def test_commands_are_there():
+    named = set(re.findall(r"run_scripts/[\w.]+", TEXT))
+    assert {"run_scripts/demo", "run_scripts/test", "run_scripts/setup", "run_scripts/dam_break.slurm"} <= named
+
+
+@pytest.mark.parametrize("path", sorted({
+    path.rstrip(".") for path in re.findall(r"(?<![\w/.])(?:parisph|cases|run_scripts|tests)/[\w./]+", TEXT)}))
+def test_file_exists(path):
+    assert (ROOT / path).exists()
