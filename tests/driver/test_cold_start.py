@@ -1,39 +1,21 @@
-"""The first run on a machine: kernels are compiled once, wherever they can be kept."""
+"""The first run on a machine: kernels are compiled once, wherever they can be kept.
+
+That one rank compiles for all is seen by tests/validation/cold_start.py, which takes a minute.
+"""
 
 import os
 import shutil
 import sys
 
 import pytest
-
-from parisph.kernels import cache
-from tests.launch import ROOT, mpirun, run
-
-PROGRAM = """
-import sys
 from mpi4py import MPI
-from parisph.driver import Simulation
+
+from parisph.base.errors import SolverDiverged
+from parisph.case.schema import Box
+from parisph.driver import warmup
+from parisph.kernels import cache
+from tests.launch import ROOT, run
 from tests.scenes import scene
-s = Simulation(scene("hydrostatic", {"preset": "violent"}, spacing=0.25), MPI.COMM_WORLD)
-s.advance()
-print("stepped", flush=True)
-"""
-# Kernels that exchange particles cannot be compiled by a rank alone, so each compiles them.
-EACH = ("halo.",)
-
-
-def test_one_rank_compiles_for_all(tmp_path):
-    """From an empty cache on three ranks; then once more, when nothing is left to compile."""
-    (tmp_path / "program.py").write_text(PROGRAM)
-    settings = {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "NUMBA_DEBUG_CACHE": "1"}
-    for first in (True, False):
-        done = mpirun(3, ["program.py"], timeout=240, cwd=tmp_path, **settings)
-        assert done.returncode == 0 and done.stdout.count("stepped") == 3, done.stderr
-        # lines of the ranks may run into each other: count what was said, not lines
-        saved = [part.split("'")[1].rpartition("/")[2] for part in done.stdout.split("data saved to ")[1:]]
-        again = {name for name in saved if saved.count(name) > 1 and not name.startswith(EACH)}
-        assert not again and bool(saved) is first
-
 
 @pytest.mark.skipif(os.geteuid() != 0 or shutil.which("setpriv") is None, reason="only root can become nobody")
 def test_read_only_install_without_a_home(tmp_path):
@@ -58,3 +40,20 @@ def test_private_folder_is_not_shared(tmp_path):
     path.chmod(0o777)
     other = cache.private_folder(tmp_path)
     assert other != path and other.stat().st_mode & 0o777 == 0o700
+
+
+def test_small_scene_is_of_the_same_kind():
+    """What it compiles is what the run needs: the method, the preset, and a closed tank or not."""
+    open_case = scene("dam_break", {"preset": "violent", "method": "ISPH"}, spacing=0.1)
+    small = warmup.small(open_case, open_case.numerics.resolved())
+    assert small.numerics.method == "ISPH" and not small.closed and small.numerics.kappa == open_case.numerics.resolved().kappa
+    full = open_case.changed(**{"fluid.shape": Box(width=2.0, height=2.0)})
+    assert full.closed and warmup.small(full, full.numerics.resolved()).closed
+
+
+def test_a_small_scene_that_fails_is_no_reason_to_fail():
+    def make(case, comm):
+        raise SolverDiverged("as small as that")
+
+    case = scene("hydrostatic")
+    warmup.on_one_rank_first(MPI.COMM_SELF, make, case, case.numerics.resolved())
