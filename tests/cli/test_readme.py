@@ -37,7 +37,7 @@ def test_case_runs_from_the_shell(first):
     case = load(first / "sloshing.py")
     assert len(one(PYTHON, "def case(").splitlines()) <= 22
     assert f"{case.numerics.spacing:g}" in TEXT
-    done = parisph("run", "sloshing.py", "--set", "spacing=0.1", "--set", "end_time=0.1", cwd=first)
+    done = parisph("run", "sloshing.py", "--set", "spacing=0.1", "--set", "end_time=0.1", cwd=first, timeout=200)
     assert done.returncode == 0, done.stderr
     assert "status          completed" in done.stdout and "runs/sloshing" in done.stdout
 
@@ -52,7 +52,7 @@ def test_script_runs_as_printed(first):
         "assert deepest > 3e3 and len(t) == len(pressure) == len(iterations) + 1 and flow.units('tap')['pressure'] == 'Pa'\n"
     )
     (first / "script.py").write_text(script, encoding="utf-8")
-    done = run([sys.executable, "script.py"], cwd=first)
+    done = run([sys.executable, "script.py"], cwd=first, timeout=200)
     assert done.returncode == 0, done.stderr
 
 
