@@ -1,0 +1,94 @@
+"""Acceptance 2 and 6: the violent dam break, H/s = 80, to t sqrt(g/H) = 10; front and column against the experiment."""
+
+import numpy as np
+
+from parisph.io import checkpoint, series
+from parisph.study import errors
+from tests.validation.record import Row, reference
+
+H, G = 1.0, 9.81
+UNIT = np.sqrt(H / G)
+WEIGHT = 1000.0 * G * H
+JITTER = 0.1
+SEEDS = (1, 2, 3)
+ALTERNATIVES = {    # what a user might choose instead
+    "ISPH rows": dict(method="ISPH"),
+    "relaxed divergence": dict(numerics={"zeta": None, "zeta_time": 0.04 * UNIT}),
+}
+
+
+def rows(bench, spacing=0.0125, end=10.0):
+    """Return what three jittered starts on 1 and 2 ranks, the start on the lattice and two alternatives give."""
+    found = []
+    sets = dict(spacing=spacing, end_time=end)
+    for ranks in (1, 2):
+        for seed in SEEDS:
+            run, summary = bench.run(f"dam_break_seed{seed}_on{ranks}", "dam_break", ranks=ranks, seed=seed, jitter=JITTER, **sets)
+            found += _conserved(f"dam break, seed {seed}, ranks {ranks}", run, summary)
+            found += _pressure(f"dam break, seed {seed}, ranks {ranks}", run, end)
+    run, summary = bench.run("dam_break_lattice", "dam_break", ranks=2, **sets)
+    found += _conserved("dam break, lattice", run, summary) + _pressure("dam break, lattice", run, end)
+    found += experiment(run)
+    for label, change in ALTERNATIVES.items():
+        change = dict(change)
+        numerics = change.pop("numerics", None)
+        run, summary = bench.run(f"dam_break_{label.replace(' ', '_')}", "dam_break", numerics, ranks=2, seed=1, jitter=JITTER, **sets, **change)
+        found += [Row(row.what, row.measured, cost=row.cost) for row in     # for comparison: nothing is asked of them
+                  _conserved(f"dam break, {label}", run, summary) + _pressure(f"dam break, {label}", run, end)]
+    return found
+
+
+def _conserved(name, run, summary):
+    cell, energy = run.probe("volume")["cell"], run.probe("energy")["total"]
+    lost = summary["particles"] - int(np.unique(_ids(run)).size)
+    return [
+        Row(f"{name}: particles lost", lost, 0, cost=summary["cpu_seconds"]),
+        Row(f"{name}: volume error at the end", abs(cell[-1] - 1.0), 0.01),
+        Row(f"{name}: largest volume error", np.nanmax(np.abs(cell - 1.0)), 0.02),
+        Row(f"{name}: highest energy / first", energy.max() / energy[0], 1.0 + 1e-6),
+        Row(f"{name}: iterations, median", summary["iterations"]["median"], 15),
+        Row(f"{name}: iterations, p99", summary["iterations"]["p99"], 30),
+    ]
+
+
+def _ids(run):
+    import h5py
+
+    with h5py.File(checkpoint.paths(run.folder / "checkpoints")[-1], "r") as file:
+        return file["particles/id"][:]
+
+
+def _pressure(name, run, end):
+    tap, energy = run.probe("P2"), run.probe("energy")
+    t, p = tap["time"], tap["pressure"]
+    hit = t[np.argmax(p > 0.01 * WEIGHT)]
+    found = [Row(f"{name}: noise of P2 after the impact", errors.noise(t, p, (hit, t[-1])))]
+    if end >= 3.9:
+        found.append(Row(f"{name}: noise of P2, 2.5 < t* < 3.9", errors.noise(t, p, (2.5 * UNIT, 3.9 * UNIT)), 0.03))
+    if end >= 3.0:
+        found += [
+            Row(f"{name}: impulse of P2, 1.5 < t* < 2.6", errors.impulse(t, p, (1.5 * UNIT, 2.6 * UNIT)) / (WEIGHT * UNIT), 0.95, least=True),
+            Row(f"{name}: E(t* = 3) / E(0)", np.interp(3.0 * UNIT, energy["time"], energy["total"]) / energy["total"][0], 0.93, least=True),
+        ]
+    return found
+
+
+def experiment(run):
+    """Return the errors of front and column against Martin & Moyce (1952), raw and with one shift of the time."""
+    found, shift = [], None
+    for probe, column, name, value, scale in (
+            ("front", "x", "01a_martin_moyce_n2_2_front_table2.csv", "Z_x_over_a", 0.5),
+            ("column", "y", "01b_martin_moyce_n2_2_height_table6.csv", "h_over_H0", 1.0)):
+        path = reference(name)
+        if path is None:
+            print(f"  {name} is not there: {probe} not compared", flush=True)
+            continue
+        t, truth = series.read_truth(path, "t_sqrt_g_over_H", value, scale=scale, time_scale=UNIT)
+        before = (t < 1.55 * UNIT) if probe == "front" else (t < run.probe(probe)["time"][-1])
+        t, truth, got = t[before], truth[before], run.probe(probe)
+        found.append(Row(f"{probe} against Martin & Moyce, raw", errors.judge(got["time"], got[column], t, truth)["relative_l2"]))
+        if shift is None:   # of the front: the gate opens in a finite time
+            shift = errors.best_shift(got["time"], got[column], t, truth, 0.2 * UNIT)
+        found.append(Row(f"{probe} against Martin & Moyce, shifted by {shift / UNIT:.3f} in t*",
+                         errors.judge(got["time"] + shift, got[column], t, truth)["relative_l2"]))
+    return found
