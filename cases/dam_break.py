@@ -17,6 +17,12 @@ def case(
     end_time: float = 10.0,             # t sqrt(g/H)
     time_step: float | None = 0.004,    # dt sqrt(g/H) at spacing = 0.0125, else in proportion; none to adapt it
     cfl: float = 0.4,
+    gradient: str | None = None,        # these, where given, replace what the preset says
+    surface_rule: str | None = None,
+    zeta_time: float | None = None,     # in sqrt(H/g)
+    gamma: float | None = None,
+    kappa: float | None = None,
+    shift: float | None = None,
     jitter: float = 0.0,
     seed: int = 0,
     snapshot_every: float = 0.1,        # in sqrt(H/g)
@@ -33,6 +39,8 @@ def case(
         gravity=(0.0, -g),
         numerics=Numerics(
             method=method, preset=preset, spacing=spacing * H, cfl=cfl, jitter=jitter, seed=seed,
+            gradient=gradient, surface_rule=surface_rule, gamma=gamma, kappa=kappa, shift=shift,
+            zeta_time=None if zeta_time is None else zeta_time * unit,
             time_step=None if time_step is None else time_step * spacing / 0.0125 * unit,
         ),
         output=Output(every=snapshot_every * unit, checkpoint_every=unit),

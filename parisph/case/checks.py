@@ -22,7 +22,7 @@ def problems(case):
     if not found:
         found += [*_spacing(case), *_inside(case)]
     if not found:
-        found += [*_something_to_compute(case), *_elevation(case), *_finite(case), *_probes(case)]
+        found += [*_something_to_compute(case), *_surface(case), *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
         found += [*_times(case)]
     return found
@@ -40,6 +40,13 @@ def _dimensions(case):
         yield f"frame.direction = {case.frame.direction}: must have {dim} components, as the fluid's shape has"
     if case.frame.kind != "at_rest" and case.walls is None:
         yield f"frame = {case.frame.kind}: there is no tank to move; give walls=Tank(...) or leave the frame at rest"
+
+
+def _surface(case):
+    """Without a free surface only a full tank has a pressure: elsewhere nothing would hold it."""
+    if case.numerics.surface_rule == "none" and not case.closed:
+        yield ("numerics.surface_rule = none: only for a tank with a lid that is full; "
+               "choose gap, auxiliary, density or frozen, or leave it to the preset")
 
 
 def _spacing(case):

@@ -89,6 +89,8 @@ class Numerics(Model):
         missing = {name: value for name, value in PRESETS[self.preset].items() if getattr(self, name) is None}
         if self.zeta is not None:
             missing["zeta_time"] = 0.0
+        elif self.zeta_time:
+            missing.pop("zeta", None)  # it follows from the time step
         return self.model_copy(update=missing)
 
 

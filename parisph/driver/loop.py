@@ -46,7 +46,7 @@ def run(case, comm, out, petsc_options=None, progress=True):
     on_first(comm, f"start a run in {out}", lambda: _check_new(Path(out)))
     with _built(case, comm, petsc_options) as simulation:
         samplers = probes.build(case, simulation.comm)
-        store = Store.create(simulation.comm, out, case.model_dump_json(), _about(simulation, petsc_options),
+        store = Store.create(simulation.comm, out, simulation.case.model_dump_json(), _about(simulation, petsc_options),
                              case.output.fields)
         return _Run(simulation, samplers, store, Account.new(), progress).go(first=True)
 
@@ -66,7 +66,7 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True)
     on_first(comm, f"go on with the run in {out or folder}", lambda: _check_folder(Path(out or folder)))
     with _built(case, comm, petsc_options, saved) as simulation:
         samplers = probes.build(case, simulation.comm)
-        store = Store.resume(simulation.comm, out or folder, case.model_dump_json(), saved.time, saved.step,
+        store = Store.resume(simulation.comm, out or folder, simulation.case.model_dump_json(), saved.time, saved.step,
                              _about(simulation, petsc_options), case.output.fields)
         return _Run(simulation, samplers, store, Account.resumed(saved.state), progress).go(first=False)
 

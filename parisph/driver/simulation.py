@@ -43,7 +43,9 @@ class Simulation:
     """
 
     def __init__(self, case, comm, petsc_options=None, start=None):
-        self.case, self.numerics = case, _numerics(case)
+        self.numerics = _numerics(case)
+        # what is stored is what was computed, whatever a preset becomes later
+        self.case = case = case.model_copy(update={"numerics": self.numerics})
         self.comm = comm.Dup()
         if self.comm.size > 1:
             warmup.on_one_rank_first(self.comm, Simulation, case, self.numerics)

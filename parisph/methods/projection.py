@@ -165,7 +165,7 @@ class Projection:
         zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
         target = self.density / dt * zeta * self.rows.div[owned]
         if n.gamma > 0.0:
-            target += n.gamma * self.density / dt**2 * np.clip(1.0 - p.alpha, -0.1, 0.1) * (p.role == INNER)
+            target -= n.gamma * self.density / dt**2 * regularise.compression(self)
         if n.strain > 0.0:
             target -= n.strain * self.density * self._strain(dt)
         walls = p.role == WET

@@ -60,13 +60,20 @@ def positions(method, force):
     return iterations
 
 
+def compression(method):
+    """Return alpha - 1 of owned inner particles, within +-.1 and one-sided by the surface: (n_owned,)."""
+    p, d = method.particles, method.domain
+    e = np.empty(p.n_owned)
+    shifting.compression(e, p.alpha, p.role_all, p.x_all, p.kind_all, 0.1, schemes.WALL * method.spacing,
+                         d.indptr, d.indices, method.axes)
+    return e
+
+
 def _project(method, force, walls, h):
     """Solve A phi = kappa e with the pressure matrix, and move by -grad phi."""
     p, d, n = method.particles, method.domain, method.numerics
     surfaces.density_ratio(p.alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
-    e = np.empty(p.n_owned)
-    shifting.compression(e, p.alpha, p.role_all, p.x_all, p.kind_all, 0.1, schemes.WALL * method.spacing,
-                         d.indptr, d.indices, method.axes)
+    e = compression(method)
     p.phi[:], solve = method.solver.solve_again(method.rows.right_hand_side(-n.kappa * e), p.phi)
     d.update("phi")
     move = -method.pressure_gradient(p.phi_all)

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from parisph.base.fields import FLUID
+
 
 def next_step(comm, particles, numerics, gravity, previous=None):
     """Return the time step [s]: fixed, or limited by velocity and acceleration. Collective.
@@ -30,7 +32,7 @@ def next_step(comm, particles, numerics, gravity, previous=None):
 
 
 def _fastest(particles):
-    fluid = particles.kind == 0
+    fluid = particles.kind == FLUID
     if not fluid.any():
         return 0.0
     return float(np.sqrt((particles.u[fluid] ** 2).sum(axis=1).max()))
