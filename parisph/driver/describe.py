@@ -3,7 +3,7 @@
 from parisph.case import geometry
 
 BYTES = 3500.0  # measured: peak memory per particle of a large run, preconditioner included
-BASE = 180e6    # interpreter, libraries and compiled kernels of one rank
+BASE = 223e6    # interpreter, libraries and compiled kernels of one rank
 
 
 def describe(case):

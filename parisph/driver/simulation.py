@@ -4,9 +4,9 @@ import numpy as np
 
 from parisph.base.errors import CaseError, ParticleLost, SolverDiverged, agree
 from parisph.base.fields import FLUID
-from parisph.base.log import Timers
 from parisph.case import geometry
 from parisph.driver import warmup
+from parisph.driver.phases import PhaseTimers
 from parisph.methods import schemes
 from parisph.methods.projection import Projection
 from parisph.methods.timestep import next_step
@@ -36,7 +36,7 @@ class Simulation:
     ----------
     particles : Particles, fields as numpy arrays (particles.x, .u, .p, .role, ...) of this rank
     time [s], steps, dt [s] : of the last step, dt None before the first
-    timers : Timers
+    timers : PhaseTimers
     bad_force : float or None, the first time [s] at which the body force was no finite number here
 
     All methods are collective. Raises CaseError where the case cannot be run as it is.
@@ -49,7 +49,7 @@ class Simulation:
         self.comm = comm.Dup()
         if self.comm.size > 1:
             warmup.on_one_rank_first(self.comm, Simulation, case, self.numerics)
-        self.timers = Timers()
+        self.timers = PhaseTimers()
         self.particles = Particles(self.comm, case.dim)
         self.particles.assign(_arrays(case, self.comm) if start is None else start.arrays)
         self.time, self.steps, self.dt = (0.0, 0, None) if start is None else (start.time, start.step, start.dt or None)

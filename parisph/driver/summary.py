@@ -26,7 +26,7 @@ class Account:
     @classmethod
     def new(cls):
         """Return the account of a run that begins."""
-        return cls({"wall": 0.0, "cpu": 0.0, "phases": {}, "fallbacks": 0, "energy": None, "volume": None})
+        return cls({"wall": 0.0, "cpu": 0.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0, "energy": None, "volume": None})
 
     @classmethod
     def resumed(cls, state):
@@ -47,13 +47,13 @@ class Account:
 
     def state(self, simulation):
         """Return what a checkpoint must hold to go on counting. Collective."""
-        comm, phases = simulation.comm, dict(self.before["phases"])
-        for name, seconds in simulation.timers.reduce(comm).items():
-            phases[name] = phases.get(name, 0.0) + seconds["max"]
+        comm, timers = simulation.comm, simulation.timers
+        wall = {name: seconds["max"] for name, seconds in timers.reduce(comm).items()}
         return {"account": {
             **self.before, "wall": self.before["wall"] + perf_counter() - self.wall,
             "cpu": self.before["cpu"] + comm.allreduce(process_time() - self.cpu),
-            "phases": phases,
+            "phases": _sums(self.before["phases"], wall),
+            "cpu_phases": _sums(self.before["cpu_phases"], timers.reduce_cpu(comm)),
             "fallbacks": self.before["fallbacks"] + self.fallbacks,
         }}
 
@@ -67,7 +67,7 @@ class Account:
             "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": comm.size,
             "particles": int(s.particles.n_global), "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,
             "status": status, "wall_seconds": account["wall"], "cpu_seconds": account["cpu"],
-            "phases": account["phases"], "fallbacks": account["fallbacks"],
+            "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
             "volume_drift": _drift(end["volume"], account["volume"]),
             "energy_drift": _drift(end["energy"], account["energy"]),
             "divergence": self.divergence, "peak_memory_mb": peak,
@@ -86,6 +86,10 @@ class Account:
         found = probes.sample_all(self._watch, simulation.particles, simulation.domain, simulation.time)
         named = {w.name: dict(zip(w.columns, found[w.name])) for w in self._watch}
         return {"energy": named["energy"]["total"], "volume": named.get("volume", {}).get("cell")}
+
+
+def _sums(before, now):
+    return {name: before.get(name, 0.0) + now.get(name, 0.0) for name in (*before, *(n for n in now if n not in before))}
 
 
 def _drift(end, start):

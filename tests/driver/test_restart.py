@@ -94,9 +94,10 @@ def test_summary_counts_the_whole_run(folder):
     assert part["steps"] == whole["steps"] // 2
     for key in ("energy_drift", "volume_drift"):    # against the start of the run, not of its second part
         assert both[key] == pytest.approx(whole[key], rel=1e-6)
-    assert set(both["phases"]) == set(whole["phases"])
-    for name, seconds in part["phases"].items():
-        assert both["phases"][name] >= seconds
+    for key in ("phases", "cpu_phases"):
+        assert set(both[key]) == set(whole[key])
+        for name, seconds in part[key].items():
+            assert both[key][name] >= seconds
     for key in ("wall_seconds", "cpu_seconds"):
         assert both[key] > part[key]
     assert both["iterations"]["max"] == reader.open_run(folder / "part").steps["iterations"].max()
@@ -106,3 +107,4 @@ def test_phases_add_up(folder):
     for name in ("whole", "part"):
         summary = json.loads((folder / name / "summary.json").read_text())
         assert 0.7 < sum(summary["phases"].values()) / summary["wall_seconds"] < 1.3
+        assert 0.7 < sum(summary["cpu_phases"].values()) / summary["cpu_seconds"] <= 1.0

@@ -1,0 +1,110 @@
+"""What is said about a run before, while and where it goes: description, progress, schedule, phases."""
+
+import io
+from types import SimpleNamespace
+
+import pytest
+from mpi4py import MPI
+
+from parisph.driver import describe, progress
+from parisph.driver.phases import PhaseTimers
+from parisph.driver.progress import Progress
+from parisph.driver.schedule import Times
+from tests.launch import ROOT
+from tests.scenes import scene
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "cases").glob("*.py")), ids=lambda path: path.stem)
+def test_every_case_is_described(path):
+    lines = dict(line.split(None, 1) for line in describe(scene(path.stem)).splitlines() if not line.startswith("end time"))
+    assert lines["case"] and "fluid" in lines["particles"] and "solve" in lines["stages"] and "MB" in lines["memory"]
+
+
+def test_stages_are_those_that_the_scene_has():
+    calm, violent = describe(scene("hydrostatic")), describe(scene("dam_break"))
+    assert "surface" not in calm.replace("at the surface", "") and "position projection" not in calm and "collisions" not in calm
+    assert "surface (gap)" in violent and "position projection, Fick shift" in violent
+    assert "adaptive" in describe(scene("rotating_patch")) and "2500 of 0.00128 s" in violent
+
+
+def test_times_are_due_once_each():
+    due = Times(0.5, (0.1, 0.6))
+    assert [due.due(t) for t in (0.0, 0.05, 0.1, 0.2, 0.5, 0.9, 1.0, 1.0, 3.0, 3.4)] == [
+        False, False, True, False, True, True, True, False, True, False]
+    assert not any(Times(None).due(t) for t in (0.0, 1e9))
+
+
+def test_rounding_does_not_put_off_what_is_due():
+    due, time, seen = Times(0.1), 0.0, 0
+    for _ in range(1000):
+        time += 0.01
+        seen += due.due(time + 0.005)
+    assert seen == 100
+
+
+def test_skipped_times_are_not_due():
+    due = Times(0.5, (0.1, 0.6))
+    due.skip(0.55)
+    assert not due.due(0.58) and due.due(0.6)
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    held = SimpleNamespace(now=0.0)
+    monkeypatch.setattr(progress, "perf_counter", lambda: held.now)
+    return held
+
+
+def stepped(shown, clock, times):
+    report = SimpleNamespace(dt=0.01, iterations=8, divergence=1e-4)
+    for number, time in enumerate(times, start=1):
+        clock.now += 1.0
+        shown.step(SimpleNamespace(time=time, steps=number), report)
+
+
+def test_live_line_on_a_terminal(clock):
+    screen = Terminal()
+    shown = Progress(10.0, True, stream=screen)
+    stepped(shown, clock, (1.0, 2.0, 3.0))
+    text = screen.getvalue()
+    assert text.count("\n") == 0 and "t 3 of 10 s" in text and "8 iterations" in text
+    assert text.rstrip().endswith("0:11 left")     # 7 s of flow are left, after 2 in 3 s
+    shown.close()
+    assert screen.getvalue().endswith("\x1b[2K")
+
+
+def test_plain_lines_in_a_batch_log_grow_rare(clock, caplog):
+    shown = Progress(1e4, True, stream=io.StringIO())
+    with caplog.at_level("INFO", logger="parisph"):
+        stepped(shown, clock, range(1, 601))
+    assert 30 < len(caplog.records) < 100
+    assert "steps/s" in caplog.text
+
+
+@pytest.mark.parametrize(("wanted", "first"), [(False, True), (True, False)])
+def test_quiet_and_other_ranks_are_silent(clock, caplog, wanted, first):
+    screen = Terminal()
+    with caplog.at_level("INFO", logger="parisph"):
+        shown = Progress(10.0, wanted, first, stream=screen)
+        stepped(shown, clock, (1.0, 2.0))
+        shown.close()
+    assert screen.getvalue() == "" and not caplog.records
+
+
+def test_phases_count_cpu_time(monkeypatch):
+    held = SimpleNamespace(now=0.0)
+    monkeypatch.setattr("parisph.driver.phases.process_time", lambda: held.now)
+    timers = PhaseTimers()
+    for _ in range(2):
+        with timers("solve"), timers("solve"):
+            held.now += 1.5
+    with pytest.raises(ZeroDivisionError), timers("store"):
+        held.now += 1.0
+        1 / 0
+    assert timers.reduce_cpu(MPI.COMM_SELF) == {"solve": 3.0, "store": 1.0}
+    assert set(timers.seconds) == {"solve", "store"}
