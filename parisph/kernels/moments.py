@@ -6,6 +6,7 @@ kernel serves all three, in two and in three dimensions.
 """
 
 from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.near import CLOSE
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
@@ -91,7 +92,7 @@ def pair_weight(i, j, x, radius2, power, axes):
         return 0.0, r2
     w = quartic_weight(r2, radius2)
     if power == 2:
-        w *= radius2 / r2
+        w *= radius2 / max(r2, CLOSE * radius2)
     return w, r2
 
 

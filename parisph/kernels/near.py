@@ -25,6 +25,11 @@ def room_for(indptr):
     return (longest + LANES) // LANES * LANES
 
 
+# Half a spacing, squared, in units of the radius. Nearer than that a pair's 1/r^2 outweighs all
+# others, and its pressure difference over its distance becomes a kick of any size.
+CLOSE = 0.0625
+
+
 @inlined
 def gather(near, member, first, i, x, role, radius, indptr, indices, axes):
     """Write the neighbours of i that take part in stencils, in units of the radius.
@@ -59,7 +64,8 @@ def weigh(weighted, near, power, m, axes):
     """Write the least-squares weight of each neighbour and its products with the coordinates.
 
     weighted : (1 + dim, columns): w, then w near[a]; w is the quartic weight over r^power
-        (power 0 or 2; with 2, what coincides with the particle has no direction and no weight)
+        (power 0 or 2; with 2, what coincides with the particle has no direction and no weight,
+        and 1/r^2 stops growing at a quarter of the radius)
     """
     for k in range(m):
         q2 = 0.0
@@ -67,7 +73,7 @@ def weigh(weighted, near, power, m, axes):
             q2 += near[a, k] ** 2
         w = quartic_weight(q2, 1.0)
         if power == 2:
-            w = w / q2 if q2 > 0.0 else 0.0
+            w = w / max(q2, CLOSE) if q2 > 0.0 else 0.0
         weighted[0, k] = w
     for a in range(len(axes)):
         for k in range(m):

@@ -8,7 +8,7 @@ from parisph.base.fields import CONTACT, DRY
 from parisph.kernels import near as beside
 from parisph.kernels.jit import axes_of
 from parisph.kernels.mls import linear_fit, moment_count
-from parisph.kernels.near import LANES, room_for
+from parisph.kernels.near import CLOSE, LANES, room_for
 from parisph.kernels.smoothing import quartic_weight
 from tests.pools import block, free
 
@@ -130,7 +130,7 @@ def test_weights_and_moments(dim, power, n):
     r2 = (points**2).sum(axis=1)
     weight = np.array([quartic_weight(value, 1.0) for value in r2])
     if power == 2:
-        weight = np.where(r2 > 0.0, weight / np.where(r2 > 0.0, r2, 1.0), 0.0)
+        weight = np.where(r2 > 0.0, weight / np.maximum(r2, CLOSE), 0.0)
     assert weight[3] == 0.0
     np.testing.assert_allclose(weighted[0, :n], weight, atol=1e-13)
     np.testing.assert_allclose(weighted[1:, :n], weight * points.T, atol=1e-13)
