@@ -8,6 +8,7 @@ from parisph.kernels import surface as surfaces
 from parisph.methods import schemes
 
 WORK = 0.1  # largest share of |u|^2 that the work of one displacement may change
+SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
 CAP = 0.1  # longest move of the position projection and of the shift, in spacings
 
 
@@ -74,7 +75,7 @@ def _project(method, force, walls, h):
     p, d, n = method.particles, method.domain, method.numerics
     surfaces.density_ratio(p.alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
     e = compression(method)
-    p.phi[:], solve = method.solver.solve_again(method.rows.right_hand_side(-n.kappa * e), p.phi)
+    p.phi[:], solve = method.solver.solve_again(method.rows.right_hand_side(-n.kappa * e), p.phi, slack=SLACK)
     d.update("phi")
     move = -method.pressure_gradient(p.phi_all)
     shifting.limit_lengths(move, p.n_owned, CAP * method.spacing, method.axes)

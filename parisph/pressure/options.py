@@ -41,6 +41,10 @@ _BOOMERAMG = {
     "pc_hypre_boomeramg_agg_nl": "1",
     "pc_hypre_boomeramg_no_CF": None,
     "pc_hypre_boomeramg_strong_threshold": "0.25",
+    # One sweep of Gauss-Seidel each way. hypre's default is a symmetric sweep each way, for CG's
+    # sake: twice the work for 2 iterations less (1e5 unknowns: 1.98 against 1.58 us per unknown).
+    "pc_hypre_boomeramg_relax_type_down": "SOR/Jacobi",
+    "pc_hypre_boomeramg_relax_type_up": "backward-SOR/Jacobi",
 }
 
 # Gaussian elimination on a (nearly) singular coarsest level amplifies rounding errors.

@@ -148,12 +148,15 @@ class PressureSolver:
         self._accept(indptr, indices, values, rhs, guess, renumbered, drift)
         self._system.assemble(indptr, indices, values)
         self._current = False
-        return self._run("new", rhs, guess, start)
+        return self._run("new", rhs, guess, start, self._rtol)
 
-    def solve_again(self, rhs, guess):
+    def solve_again(self, rhs, guess, slack=1.0):
         """Solve for another right-hand side with the matrix of the last `solve`. Collective.
 
-        Parameters, results and errors as in `solve`.
+        slack : float
+            The tolerance is so many times that of `solve`.
+
+        Other parameters, results and errors as in `solve`.
         """
         start = perf_counter()
         error = None
@@ -162,7 +165,7 @@ class PressureSolver:
         else:
             error = vector_fault("right-hand side", rhs, self._rows) or vector_fault("guess", guess, self._rows)
         agree(self._comm, error)
-        return self._run("again", rhs, guess, start)
+        return self._run("again", rhs, guess, start, slack * self._rtol)
 
     def destroy(self):
         """Free the PETSc objects and give the options database back. Collective."""
@@ -212,9 +215,10 @@ class PressureSolver:
 
     # -- the solve ----------------------------------------------------------------------------
 
-    def _run(self, kind, rhs, guess, start):
+    def _run(self, kind, rhs, guess, start, goal):
         """Load the vectors, go through the attempts until one succeeds, and report."""
-        system = self._system
+        system, self._goal = self._system, goal
+        self._ksp.setTolerances(rtol=goal)
         system.load(np.asarray(rhs, float), guess)
         self._seconds = [perf_counter() - start, 0.0]
         if system.norm == 0.0:
@@ -282,7 +286,7 @@ class PressureSolver:
         """Solve with one of the later attempts; return (reason, iterations). Collective."""
         system = self._system
         prefix = f"{opts.PREFIX}{stage}_"
-        chosen = opts.backup(stage, self._rtol, self._comm.size)
+        chosen = opts.backup(stage, self._goal, self._comm.size)
         start = perf_counter()
         ksp = opts.configured(self._comm, prefix, chosen)
         try:
@@ -306,8 +310,8 @@ class PressureSolver:
         """Judge an attempt by its true residual; NaN fails every comparison."""
         floor = self._atol / self._system.norm
         if reason > 0:
-            return residual <= SLACK * max(self._rtol, floor)
-        return residual <= max(self._rtol, floor)
+            return residual <= SLACK * max(self._goal, floor)
+        return residual <= max(self._goal, floor)
 
     def _judge(self, kind, name, iterations):
         """Decide if the next solve may start with the preconditioner that is there."""
@@ -324,5 +328,5 @@ class PressureSolver:
             f"{_NAMES[name]}: {_REASONS.get(reason, f'reason {reason}')} after {iterations} iterations, "
             f"residual {residual:.1e}" for name, reason, iterations, residual in tried)
         return (f"the pressure equation ({self._total} unknowns) could not be solved to a relative residual of "
-                f"{self._rtol:g}. Attempts: {attempts}. The cause is often a group of particles without contact "
+                f"{self._goal:g}. Attempts: {attempts}. The cause is often a group of particles without contact "
                 "with the free surface, or particles on top of each other")

@@ -66,7 +66,7 @@ def test_multigrid_above_the_size_where_it_pays(make):
     solver = make(rtol=1e-8)
     found, record = solver.solve(*rows, b, zero(p))
     assert solver.options["pressure_pc_type"] == "hypre"
-    assert record.iterations <= 22 and np.abs(found - p).max() < 1e-5
+    assert record.iterations <= 30 and np.abs(found - p).max() < 1e-5
     small = make()
     small.solve(*problem(10)[0], *problem(10)[1:])
     assert small.options["pressure_pc_type"] == "ilu"
@@ -132,6 +132,16 @@ def test_second_right_hand_side_uses_the_same_preconditioner(make):
     found, record = solver.solve_again(1e-6 * systems.product(rows, other), None)
     assert np.abs(found - 1e-6 * other).max() < 1e-13
     assert solver.setups == 1 and not record.rebuilt
+
+
+def test_second_right_hand_side_to_a_looser_tolerance(make):
+    rows, p, b = problem()
+    solver = make(rtol=1e-10)
+    first = solver.solve(*rows, b, None)[1]
+    loose = solver.solve_again(b, None, slack=1e6)[1]
+    assert 1e-8 < loose.residual < 1e-3 and loose.iterations < 0.7 * first.iterations
+    # and only that one
+    assert solver.solve_again(b, None)[1].residual < 1e-9 and solver.solve(*rows, b, None)[1].residual < 1e-9
 
 
 def test_second_right_hand_side_belongs_to_the_new_matrix(make):
