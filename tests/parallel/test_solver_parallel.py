@@ -76,7 +76,7 @@ def test_default_preconditioner_goes_by_the_rows_of_all_ranks(comm, make):
     large = Problem(comm, 90)
     assert large.p.size > opts.SMALL
     found, record = large.solve(solver, renumbered=True)
-    assert solver.options["pressure_pc_type"] == "hypre" and record.iterations <= 20
+    assert solver.options["pressure_pc_type"] == "hypre" and record.iterations <= 27
     assert np.abs(large.whole(found) - large.p).max() < 1e-3
 
 
