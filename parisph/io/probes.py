@@ -14,7 +14,8 @@ from parisph.kernels.interior import interior_cells
 __all__ = ["SAMPLERS", "build", "sample_all"]
 
 # Lengths in spacings.
-COLUMN_GAP = 1.5    # air in a column: more than this between one particle and the next above it
+GAUGE_GAP = 1.5     # air under a gauge: more than this between one particle and the next above it
+COLUMN_GAP = 2.1    # air in a column: falling water stretches, to 1.6 in the dam break
 BED = 2.0           # water on the bed is as near to it as this
 BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradients do
 NODES = 4.0         # surface particles that may serve a gauge
@@ -45,18 +46,19 @@ class _Column(Sampler):
     """Bodies of water in the column at x = `at`."""
 
     columns = {"y": "m"}
+    gap = GAUGE_GAP
 
     def rows(self, view):
         x, y = view.body
         chosen = np.abs(x - self.probe.at) <= COLUMN * self.scene.spacing * ROUNDING
-        return _body_rows(bodies(y[chosen], COLUMN_GAP * self.scene.spacing))
+        return _body_rows(bodies(y[chosen], self.gap * self.scene.spacing))
 
     def top(self, rows):
         """Return the height of the water that stands on the bed, or of the largest body without a bed [m].
 
         The bed itself where it is dry; nan where there is no water and no bed.
         """
-        found, bed = _bodies_of_all(rows, COLUMN_GAP * self.scene.spacing), self.scene.bed
+        found, bed = _bodies_of_all(rows, self.gap * self.scene.spacing), self.scene.bed
         if bed is not None:
             return found[0, 1] if len(found) and found[0, 0] <= bed + BED_GAP * self.scene.spacing else bed
         return found[np.argmax(found[:, 2]), 1] if len(found) else np.nan
@@ -66,8 +68,10 @@ class ColumnHeight(_Column):
     """Height of the topmost particle of the water that stands on the bed within 1.5 spacings of x = `at`.
 
     Surface particles of the lattice lie on the surface: nothing is added to their height. Air of
-    more than 1.5 spacings ends the column. A dry bed gives the height of the bed.
+    more than 2.1 spacings ends the column. A dry bed gives the height of the bed.
     """
+
+    gap = COLUMN_GAP
 
     def __init__(self, probe, scene):
         super().__init__(probe, scene)

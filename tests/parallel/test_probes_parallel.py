@@ -56,7 +56,9 @@ def test_ranks_agree_with_each_other_and_with_one(comm, shape):
     case = scene(ALL, **options)
     watch, alone = Watch(case, comm, pressed), Watch(case, MPI.COMM_SELF, pressed)
     found = same_as_on_one_rank(comm, watch, alone)
-    assert found["energy"][1] > 0.0 and found["volume"][1] > 10 and found["middle"] != found["left"]
+    assert found["energy"][1] > 0.0 and found["volume"][1] > 10
+    # a flat column is as high at its wall as inside, however disordered; the others are not flat
+    assert (found["middle"] == found["left"]) == (shape == "column")
     watch.destroy()
 
 
