@@ -86,8 +86,9 @@ def _ask_numpy():
 def _ask_numba():
     import numba
 
-    compiled = numba.njit(lambda x: x + 1)(1)
-    return {"version": numba.__version__, "works": compiled == 2}
+    from parisph.kernels import selfcheck
+
+    return {"version": numba.__version__, "works": selfcheck.stores_hold()}
 
 
 def _ask_mpi():
@@ -119,7 +120,8 @@ def _judge_numpy(answer):
 
 
 def _judge_numba(answer):
-    return answer["works"], answer["version"], "reinstall numba and llvmlite of one release"
+    return answer["works"], answer["version"] + ("" if answer["works"] else ", makes wrong machine code"), (
+        "unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, or install another release of numba")
 
 
 def _judge_mpi(answer):

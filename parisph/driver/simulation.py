@@ -2,11 +2,12 @@
 
 import numpy as np
 
-from parisph.base.errors import CaseError, ParticleLost, SolverDiverged, agree
+from parisph.base.errors import CaseError, ParisphError, ParticleLost, SolverDiverged, agree
 from parisph.base.fields import FLUID
 from parisph.case import geometry
 from parisph.driver import warmup
 from parisph.driver.phases import PhaseTimers
+from parisph.kernels import selfcheck
 from parisph.methods import schemes
 from parisph.methods.projection import Projection
 from parisph.methods.timestep import next_step
@@ -46,6 +47,7 @@ class Simulation:
         self.numerics = _numerics(case)
         # what is stored is what was computed, whatever a preset becomes later
         self.case = case = case.model_copy(update={"numerics": self.numerics})
+        agree(comm, _wrong_code())
         self.comm = comm.Dup()
         if self.comm.size > 1:
             warmup.on_one_rank_first(self.comm, Simulation, case, self.numerics)
@@ -162,6 +164,14 @@ def finished(case, time):
     """Return whether `time` [s] is the end of the case, to within half a fixed step. Not collective."""
     slack = 0.5 * (case.numerics.time_step or 1e-9 * case.end_time)
     return time > case.end_time - slack
+
+
+def _wrong_code():
+    """Return a ParisphError if kernels do not compute what they say, else None. Not collective."""
+    if selfcheck.stores_hold():
+        return None
+    return ParisphError("numba makes wrong machine code on this processor. Unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, "
+                        "import parisph's kernels before others compile, or install another release of numba")
 
 
 def _numerics(case):

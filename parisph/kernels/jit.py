@@ -2,7 +2,9 @@
 
 import numba
 
-from parisph.kernels import cache
+from parisph.kernels import cache, processor
+
+processor.leave_out_avx512()
 
 # Division by zero is guarded by the kernels themselves, so the check that Python's error
 # model adds is paid for nothing. NaN must stay NaN (it is how trouble is seen): no "nnan".

@@ -1,0 +1,29 @@
+"""Does the compiler make of a kernel what it says?"""
+
+import numpy as np
+
+from parisph.base.fields import FLUID, INNER, SURFACE, WALL, WET
+from parisph.kernels.jit import kernel
+
+LENGTH = 203    # several rounds of the widest vector loop, and a rest
+
+
+@kernel
+def _mark(role, kind, alpha, limit):
+    for i in range(len(role)):
+        if kind[i] == FLUID:
+            role[i] = SURFACE if alpha[i] < limit else INNER
+
+
+def stores_hold():
+    """Return whether stores under a condition leave alone what the condition leaves out. Not collective.
+
+    Wrong machine code for these has been seen (`kernels.processor`), and a flow computed with it
+    looks plausible.
+    """
+    index = np.arange(LENGTH)
+    kind = np.where(index * index % 7 < 3, FLUID, WALL).astype(np.int8)
+    alpha = (index * 37 % 101) / 100.0
+    role = np.full(LENGTH, WET, dtype=np.int8)
+    _mark(role, kind, alpha, 0.5)
+    return bool(np.array_equal(role, np.where(kind == FLUID, np.where(alpha < 0.5, SURFACE, INNER), WET)))
