@@ -23,6 +23,7 @@ from parisph.io import checkpoint, probes
 from parisph.io.files import on_first, together
 from parisph.io.store import Store, provenance
 from parisph.methods.projection import StepReport
+from parisph.pressure.options import as_text
 from parisph.pressure.trial import versions
 
 WALL_CLOCK = 600.0  # seconds between checkpoints at the latest, whatever the case says
@@ -46,7 +47,7 @@ def run(case, comm, out, petsc_options=None, progress=True):
     on_first(comm, f"start a run in {out}", lambda: _check_new(Path(out)))
     with _built(case, comm, petsc_options) as simulation:
         samplers = probes.build(case, simulation.comm)
-        store = Store.create(simulation.comm, out, simulation.case.model_dump_json(), _about(simulation, petsc_options),
+        store = Store.create(simulation.comm, out, simulation.case.model_dump_json(), _about(simulation),
                              case.output.fields)
         return _Run(simulation, samplers, store, Account.new(), progress).go(first=True)
 
@@ -67,7 +68,7 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True)
     with _built(case, comm, petsc_options, saved) as simulation:
         samplers = probes.build(case, simulation.comm)
         store = Store.resume(simulation.comm, out or folder, simulation.case.model_dump_json(), saved.time, saved.step,
-                             _about(simulation, petsc_options), case.output.fields)
+                             _about(simulation), case.output.fields)
         return _Run(simulation, samplers, store, Account.resumed(saved.state), progress).go(first=False)
 
 
@@ -132,7 +133,7 @@ class _Run:
         if first:
             self.store.append(s.time, s.steps, self._sampled())
             if self.case.output.every or 0.0 in self.case.output.times:
-                self.store.snapshot(s.particles, s.time, s.steps)
+                self._snapshot()
             self._save()
         # half a step on, as in _step: else what was due at the checkpoint would be due again
         for due in (self.snapshots, self.checkpoints):
@@ -147,7 +148,7 @@ class _Run:
         with s.timers("store"):
             self.store.append(s.time, s.steps, lines)
             if self.snapshots.due(s.time + 0.5 * s.dt):
-                self.store.snapshot(s.particles, s.time, s.steps)
+                self._snapshot()
         self.account.step(report)
         self.progress.step(s, report)
         due, asked = self.checkpoints.due(s.time + 0.5 * s.dt), self._asked(signals)
@@ -168,14 +169,24 @@ class _Run:
         late = self.comm.rank == 0 and perf_counter() - self.saved_at > WALL_CLOCK
         return self.comm.allreduce(SAVE + signals.seen if signals.seen else SAVE * late, op=MPI.MAX)
 
+    def _snapshot(self):
+        s = self.simulation
+        self._note_options()
+        self.store.snapshot(s.particles, s.time, s.steps)
+
     def _save(self):
         s = self.simulation
         if s.steps == self.saved_step:
             return
+        self._note_options()
         with s.timers("store"):
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0,
                                                          self.account.state(s))
         self.saved_at, self.saved_step = perf_counter(), s.steps
+
+    def _note_options(self):
+        """Say in the files to come which options are in force: they change with the size of the system."""
+        self.store.about["petsc_options"] = as_text(self.simulation.solver.options)
 
     def _close(self, error):
         """Write the summary whatever has happened, and return it or raise the error. Collective."""
@@ -185,6 +196,7 @@ class _Run:
             status = "interrupted" if isinstance(error, Interrupted) else f"failed: {error}"
         log.logger.debug(status)    # into the log file alone
         summary = None
+        self._note_options()
         try:
             summary = self.account.summary(self.simulation, self.store, status)
             self.store.summary(summary)
@@ -233,5 +245,5 @@ def _find(path, comm):
     return comm.bcast(found)
 
 
-def _about(simulation, petsc_options):
-    return provenance(simulation.numerics.method, " ".join(petsc_options or ()), **versions())
+def _about(simulation):
+    return provenance(simulation.numerics.method, as_text(simulation.solver.options), **versions())

@@ -1,5 +1,6 @@
 """The account of a run: what summary.json says, also of a run that failed."""
 
+import json
 import resource
 from time import perf_counter, process_time
 
@@ -71,6 +72,8 @@ class Account:
             "volume_drift": _drift(end["volume"], account["volume"]),
             "energy_drift": _drift(end["energy"], account["energy"]),
             "divergence": self.divergence, "peak_memory_mb": peak,
+            "parisph_version": store.about["parisph_version"], "versions": json.loads(store.about["versions"]),
+            "petsc_options": store.about["petsc_options"],
         }
         if comm.rank == 0:
             content["iterations"], content["errors"] = _from_files(s.case, store)

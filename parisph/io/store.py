@@ -23,6 +23,7 @@ class Store:
     Attributes
     ----------
     folder : pathlib.Path
+    about : dict of str -> str or number, how the run is made; of files that are still to be written
     times : times [s] of the snapshots written so far (known on rank 0 only)
     """
 
@@ -31,7 +32,7 @@ class Store:
         self.times = []
         snapshot.check_fields(fields)
         self._case, self._fields = case, tuple(fields)
-        self._about = {**about, "case": case}
+        self.about = {**about, "case": case}
         self._names, self._series, self._keep_to = [], {}, None
 
     @classmethod
@@ -93,7 +94,7 @@ class Store:
         """Write the particles at `time` [s]; a snapshot of the same time is replaced."""
         number = self.comm.bcast(len(self.times) - (self.times[-1:] == [time]) if self.comm.rank == 0 else None)
         name = f"snapshots/{number:06d}.vtkhdf"
-        snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self._about)
+        snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about)
 
         def enter():
             self._names[number:], self.times[number:] = [name], [time]
@@ -102,7 +103,7 @@ class Store:
 
     def checkpoint(self, particles, time, step, dt, state):
         """Write a checkpoint and return its path; the last two are kept. See checkpoint.write."""
-        return checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case, state, self._about)
+        return checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case, state, self.about)
 
     def summary(self, content):
         """Write summary.json from rank 0's dict (numpy numbers become plain, NaN null)."""

@@ -195,6 +195,12 @@ class UserOptions:
         self._before = {}
 
 
+def as_text(options):
+    """Return options, name -> value or None, as words that a command line takes after `--`."""
+    words = (f"-{name}" if value is None else f"-{name} {value}" for name, value in options.items())
+    return " ".join(words)
+
+
 def _parse(words):
     given = {}
     name = None

@@ -91,7 +91,8 @@ class PressureSolver:
 
     Attributes
     ----------
-    options : dict, name -> value: what the solver was configured with, the user's options included
+    options : dict, name -> value or None: what the solver is configured with: our defaults, above
+        them the user's, and whatever else the user gave
     setups : int, how often the first attempt's preconditioner was built
 
     Raises
@@ -207,7 +208,8 @@ class PressureSolver:
         self._rtol, self._atol = ksp.getTolerances()[:2]
         given = PETSc.Options(opts.PREFIX)
         self._may_keep = given.getBool("ksp_reuse_preconditioner", True)
-        self.options = {opts.PREFIX + name: value for name, value in {**self._chosen, **given.getAll()}.items()}
+        ours = {opts.PREFIX + name: value for name, value in {**self._chosen, **given.getAll()}.items()}
+        self.options = {**ours, **self._user.given}
         self._usable = False        # a preconditioner is there, of this matrix or an earlier one
         self._current = False       # it was made from this matrix
         self._moved = 0.0           # since it was made [spacings]

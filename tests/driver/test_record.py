@@ -1,0 +1,34 @@
+"""What the files of a run say of how it was made and what each step did."""
+
+import json
+
+from mpi4py import MPI
+
+from parisph.driver import run
+from parisph.io import checkpoint, reader
+from parisph.io.snapshot import read_attributes
+from parisph.pressure import options as opts
+from tests.scenes import scene
+
+WORDS = ["-pressure_ksp_gmres_restart", "40", "-pressure_ksp_rtol", "1e-4"]
+
+
+def fall(folder, words, **numerics):
+    """Run a few steps of a dam break in folder/run and return the Run."""
+    case = scene("dam_break", numerics, spacing=0.1, end_time=0.1)
+    run(case, MPI.COMM_SELF, folder / "run", words, progress=False)
+    return reader.open_run(folder / "run")
+
+
+def test_every_file_holds_the_options_in_force(tmp_path, monkeypatch):
+    """Our defaults, which go with the size of the system, and the user's above them; also before the first step."""
+    monkeypatch.setattr(opts, "SMALL", 10)
+    found = fall(tmp_path, WORDS)
+    stored = [found.about, read_attributes(checkpoint.paths(tmp_path / "run" / "checkpoints")[-1]), found.summary]
+    for about in stored:
+        options = about["petsc_options"] + " "
+        for text in ("-pressure_ksp_gmres_restart 40 ", "-pressure_ksp_rtol 1e-4 ", "-pressure_pc_hypre_type boomeramg ",
+                     "-pressure_pc_hypre_boomeramg_no_CF "):
+            assert text in options
+        assert options.count("-pressure_ksp_rtol ") == 1
+    assert found.summary["versions"] == json.loads(found.about["versions"])
