@@ -43,7 +43,7 @@ class Account:
 
     def step(self, report):
         """Count a step. Not collective."""
-        self.fallbacks += report.fallback != ""
+        self.fallbacks += (report.fallback != "") + (report.position_fallback != "")
         self.divergence = report.divergence
 
     def state(self, simulation):

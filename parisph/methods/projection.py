@@ -22,7 +22,8 @@ class StepReport:
     dt [s]; iterations, residual, reason, fallback, rebuilt, setup_seconds and solve_seconds of
     the pressure solve; divergence: rms of div u after the step times dt; surface: fluid
     particles with p = 0; isolated: particles in groups that no surface anchors; collisions:
-    pairs that collided; position_iterations: of the position projection, 0 without one.
+    pairs that collided; position_iterations, position_residual, position_fallback: of the second
+    solve, that of the position projection; 0, 0 and "" without one.
     """
 
     dt: float
@@ -37,7 +38,9 @@ class StepReport:
     surface: int
     isolated: int
     collisions: int
-    position_iterations: int
+    position_iterations: int = 0
+    position_residual: float = 0.0
+    position_fallback: str = ""
 
 
 class Projection:
@@ -90,7 +93,7 @@ class Projection:
             self._correct_velocity(force, dt)
             collisions = regularise.velocity(self, dt)
             self._move(start, dt)
-        positions = 0
+        positions = None
         if self.numerics.kappa > 0.0 or self.numerics.shift > 0.0:
             with timers("regularise"):
                 positions = regularise.positions(self, force)
@@ -246,6 +249,7 @@ class Projection:
     def _report(self, dt, solve, divergence, isolated, collisions, positions):
         p = self.particles
         counts = p.comm.allreduce(np.array([np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC))), collisions]))
+        second = (positions.iterations, positions.residual, positions.fallback) if positions else ()
         return StepReport(dt, solve.iterations, solve.residual, solve.reason, solve.fallback, solve.rebuilt,
                           solve.setup_seconds, solve.solve_seconds, divergence, int(counts[0]), isolated,
-                          int(counts[1]), positions)
+                          int(counts[1]), *second)

@@ -43,14 +43,14 @@ def positions(method, force):
 
     force : (n_all, dim), body force per unit mass [m/s^2]
 
-    Returns the iterations of the position solve. The lists and the matrix are those of the
+    Returns the SolveRecord of the position projection, None without one. The lists and the matrix are those of the
     pressure: half a step has moved neighbours against each other by far less than a spacing.
     """
     p, d, n = method.particles, method.domain, method.numerics
     h = schemes.DENSITY * method.spacing
     d.update("x")
     walls = (p.x_all, p.kind_all, p.corner_all, p.normal_all)
-    iterations = _project(method, force, walls, h) if n.kappa > 0.0 else 0
+    solve = _project(method, force, walls, h) if n.kappa > 0.0 else None
     if n.shift > 0.0:
         shifting.concentration_gradient(p.grad_alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
         d.update("grad_alpha")
@@ -58,7 +58,7 @@ def positions(method, force):
         shifting.fick_shift(shift, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, n.shift * h * h,
                             CAP * method.spacing, 2.0 * method.spacing, d.indptr, d.indices, method.axes)
         _move(method, shift, force)
-    return iterations
+    return solve
 
 
 def compression(method):
@@ -71,7 +71,7 @@ def compression(method):
 
 
 def _project(method, force, walls, h):
-    """Solve A phi = kappa e with the pressure matrix, and move by -grad phi."""
+    """Solve A phi = kappa e with the pressure matrix, move by -grad phi, return the SolveRecord."""
     p, d, n = method.particles, method.domain, method.numerics
     surfaces.density_ratio(p.alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
     e = compression(method)
@@ -81,7 +81,7 @@ def _project(method, force, walls, h):
     shifting.limit_lengths(move, p.n_owned, CAP * method.spacing, method.axes)
     _move(method, move, force)
     d.update("x")
-    return solve.iterations
+    return solve
 
 
 def _move(method, move, force):

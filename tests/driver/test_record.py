@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 from mpi4py import MPI
 
 from parisph.driver import run
@@ -32,3 +33,20 @@ def test_every_file_holds_the_options_in_force(tmp_path, monkeypatch):
             assert text in options
         assert options.count("-pressure_ksp_rtol ") == 1
     assert found.summary["versions"] == json.loads(found.about["versions"])
+
+
+def test_the_second_solve_of_a_step_leaves_a_record_too(tmp_path):
+    steps = fall(tmp_path, [], kappa=0.2).steps
+    assert (steps["position_iterations"] > 0).all() and (steps["position_residual"] <= 1e-2).all()
+    assert (steps["position_residual"] > 0.0).all() and np.isnan(steps["position_fallback"]).all()    # all empty
+
+
+def test_a_step_with_one_solve_says_so(tmp_path):
+    steps = fall(tmp_path, [], kappa=0.0).steps
+    assert not steps["position_iterations"].any() and not steps["position_residual"].any()
+
+
+def test_fallbacks_of_both_solves_count(tmp_path):
+    found = fall(tmp_path, ["-pressure_pc_type", "none", "-pressure_ksp_max_it", "1"], kappa=0.2)
+    counts = [np.count_nonzero(found.steps[name] == "gamg") for name in ("fallback", "position_fallback")]
+    assert min(counts) > 0 and found.summary["fallbacks"] == sum(counts)
