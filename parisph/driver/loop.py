@@ -20,7 +20,7 @@ from parisph.driver.schedule import Signals, Times
 from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.io import checkpoint, probes
-from parisph.io.files import on_first, together
+from parisph.io.files import on_first, together, write_json
 from parisph.io.store import Store, provenance
 from parisph.methods.projection import StepReport
 from parisph.pressure.options import as_text
@@ -45,11 +45,11 @@ def run(case, comm, out, petsc_options=None, progress=True):
     then holds summary.json and everything up to there.
     """
     on_first(comm, f"start a run in {out}", lambda: _check_new(Path(out)))
-    with _built(case, comm, petsc_options) as simulation:
+    with Signals() as signals, _built(case, comm, petsc_options) as simulation:
         samplers = probes.build(case, simulation.comm)
         store = Store.create(simulation.comm, out, simulation.case.model_dump_json(), _about(simulation),
                              case.output.fields)
-        return _Run(simulation, samplers, store, Account.new(), progress).go(first=True)
+        return _Run(simulation, samplers, store, Account.new(), progress).go(signals, first=True)
 
 
 def restart(path, comm, until=None, out=None, petsc_options=None, progress=True):
@@ -65,11 +65,11 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True)
         raise CaseError(f"end_time = {case.end_time:g} s: the checkpoint {path} is of {saved.time:g} s already; "
                         "ask for more with --until")
     on_first(comm, f"go on with the run in {out or folder}", lambda: _check_folder(Path(out or folder)))
-    with _built(case, comm, petsc_options, saved) as simulation:
+    with Signals() as signals, _built(case, comm, petsc_options, saved) as simulation:
         samplers = probes.build(case, simulation.comm)
         store = Store.resume(simulation.comm, out or folder, simulation.case.model_dump_json(), saved.time, saved.step,
                              _about(simulation), case.output.fields)
-        return _Run(simulation, samplers, store, Account.resumed(saved.state), progress).go(first=False)
+        return _Run(simulation, samplers, store, Account.resumed(saved.state), progress).go(signals, first=False)
 
 
 @contextmanager
@@ -96,22 +96,24 @@ class _Run:
         self.snapshots = Times(self.case.output.every, self.case.output.times)
         self.checkpoints = Times(self.case.output.checkpoint_every)
 
-    def go(self, first):
-        """Take all steps and return the summary. Collective."""
+    def go(self, signals, first):
+        """Take all steps and return the summary. Collective.
+
+        signals : Signals that may ask the run to stop; first : whether it begins, and is not a restart
+        """
         error = None
         try:
             # what is not a number is found by the checks of each step, which say more than numpy
-            with Signals() as signals, np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 self._open(first)
+                self._pause(signals)
                 while not self.simulation.finished():
                     self._step(signals)
                 self._save()
         except ParisphError as problem:
             error = explained(problem, self.simulation, self.last_checkpoint)
-        except BaseException:
-            # a fault, perhaps of this rank alone: the others may not come to anything collective
-            self.progress.close()
-            log.stop()
+        except BaseException as fault:
+            self._abandon(fault)
             raise
         return self._close(error)
 
@@ -151,7 +153,11 @@ class _Run:
                 self._snapshot()
         self.account.step(report)
         self.progress.step(s, report)
-        due, asked = self.checkpoints.due(s.time + 0.5 * s.dt), self._asked(signals)
+        self._pause(signals, self.checkpoints.due(s.time + 0.5 * s.dt))
+
+    def _pause(self, signals, due=False):
+        """Write a checkpoint if one is due or asked for, and stop if that is asked. Collective."""
+        s, asked = self.simulation, self._asked(signals)
         if due or asked:
             self._save()
         if asked > SAVE and not s.finished():
@@ -179,10 +185,29 @@ class _Run:
         if s.steps == self.saved_step:
             return
         self._note_options()
+        with s.timers("probes"):
+            self.account.measure(s)
         with s.timers("store"):
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0,
                                                          self.account.state(s))
         self.saved_at, self.saved_step = perf_counter(), s.steps
+
+    def _abandon(self, fault):
+        """Leave a summary behind a fault, which is perhaps of this rank alone. Not collective.
+
+        The others may wait in something else, so the summary says what this rank knows.
+        """
+        self.progress.close()
+        status = f"failed: rank {self.comm.rank}: {type(fault).__name__}: {fault}".removesuffix(": ")
+        log.logger.debug(status)
+        own = self.store.folder / f"summary-{self.comm.rank}.json"    # all ranks may come here at once
+        try:
+            write_json(own, self.account.summary(self.simulation, self.store, status, MPI.COMM_SELF))
+            own.replace(self.store.folder / "summary.json")
+        except Exception as problem:    # nothing may hide the fault itself
+            log.logger.debug(f"no summary: {problem}")
+        finally:
+            log.stop()
 
     def _note_options(self):
         """Say in the files to come which options are in force: they change with the size of the system."""

@@ -23,6 +23,7 @@ class Account:
         self.wall, self.cpu = perf_counter(), process_time()
         self.fallbacks = 0
         self.divergence = None
+        self.last = {"energy": None, "volume": None}
 
     @classmethod
     def new(cls):
@@ -38,17 +39,27 @@ class Account:
         """Take energy and volume at the start of the run. Collective."""
         watched = (Energy(name="energy"), *((Volume(name="volume"),) if simulation.case.dim == 2 else ()))
         self._watch = probes.build(simulation.case.model_copy(update={"probes": watched}), simulation.comm)
+        self.measure(simulation)
         if self.before["energy"] is None:
-            self.before.update(self._conserved(simulation))
+            self.before.update(self.last)
+
+    def measure(self, simulation):
+        """Take energy and volume as they are now. Collective."""
+        found = probes.sample_all(self._watch, simulation.particles, simulation.domain, simulation.time)
+        named = {w.name: dict(zip(w.columns, found[w.name])) for w in self._watch}
+        self.last = {"energy": named["energy"]["total"], "volume": named.get("volume", {}).get("cell")}
 
     def step(self, report):
         """Count a step. Not collective."""
         self.fallbacks += (report.fallback != "") + (report.position_fallback != "")
         self.divergence = report.divergence
 
-    def state(self, simulation):
-        """Return what a checkpoint must hold to go on counting. Collective."""
-        comm, timers = simulation.comm, simulation.timers
+    def state(self, simulation, comm=None):
+        """Return what a checkpoint must hold to go on counting. Collective.
+
+        comm : the ranks whose cost counts, by default all of the simulation
+        """
+        comm, timers = comm or simulation.comm, simulation.timers
         wall = {name: seconds["max"] for name, seconds in timers.reduce(comm).items()}
         return {"account": {
             **self.before, "wall": self.before["wall"] + perf_counter() - self.wall,
@@ -58,19 +69,21 @@ class Account:
             "fallbacks": self.before["fallbacks"] + self.fallbacks,
         }}
 
-    def summary(self, simulation, store, status):
-        """Return the content of summary.json. Collective."""
-        s, comm = simulation, simulation.comm
-        account = self.state(s)["account"]
+    def summary(self, simulation, store, status, comm=None):
+        """Return the content of summary.json, with volume and energy as measured last. Collective.
+
+        comm : the ranks whose cost counts, by default all; MPI.COMM_SELF makes it not collective
+        """
+        s, comm = simulation, comm or simulation.comm
+        account = self.state(s, comm)["account"]
         peak = comm.allgather(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
-        end = self._at_the_end(s, status)
         content = {
-            "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": comm.size,
+            "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": s.comm.size,
             "particles": int(s.particles.n_global), "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,
             "status": status, "wall_seconds": account["wall"], "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
-            "volume_drift": _drift(end["volume"], account["volume"]),
-            "energy_drift": _drift(end["energy"], account["energy"]),
+            "volume_drift": _drift(self.last["volume"], account["volume"]),
+            "energy_drift": _drift(self.last["energy"], account["energy"]),
             "divergence": self.divergence, "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(store.about["versions"]),
             "petsc_options": store.about["petsc_options"],
@@ -78,17 +91,6 @@ class Account:
         if comm.rank == 0:
             content["iterations"], content["errors"] = _from_files(s.case, store)
         return content
-
-    def _at_the_end(self, simulation, status):
-        """Energy and volume now; None where a failed run leaves nothing to measure."""
-        if status.startswith("failed"):
-            return {"energy": None, "volume": None}
-        return self._conserved(simulation)
-
-    def _conserved(self, simulation):
-        found = probes.sample_all(self._watch, simulation.particles, simulation.domain, simulation.time)
-        named = {w.name: dict(zip(w.columns, found[w.name])) for w in self._watch}
-        return {"energy": named["energy"]["total"], "volume": named.get("volume", {}).get("cell")}
 
 
 def _sums(before, now):

@@ -103,6 +103,11 @@ def test_a_fault_in_the_step_of_one_rank_ends_the_run(place):
     done = mpirun(2, ["fault.py"], timeout=120, cwd=place)
     assert done.returncode == 1
     assert "ZeroDivisionError: in one rank's step" in done.stderr and "Traceback" in done.stderr
+    left = summary(place / "runs/dam")
+    assert left["status"] == "failed: rank 1: ZeroDivisionError: in one rank's step"
+    assert (left["ranks"], left["steps"]) == (2, 2) and left["wall_seconds"] > 0.0
+    assert left["energy_drift"] == left["volume_drift"] == 0.0    # of the last checkpoint, that of the start
+    assert left["iterations"]["max"] > 0 and len(left["peak_memory_mb"]) == 1
 
 
 def test_check_says_what_it_takes(place):

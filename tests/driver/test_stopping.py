@@ -93,6 +93,34 @@ def test_signal_to_mpirun_leaves_a_checkpoint(tmp_path):
     assert summary["status"] == "completed" and summary["steps"] > steps
 
 
+EARLY = FALLING + """
+import os, signal
+from mpi4py import MPI
+from parisph.pressure.solver import PressureSolver
+
+def stopped(work):
+    def also(self, comm, *args, **options):
+        if MPI.COMM_WORLD.rank == MPI.COMM_WORLD.size - 1:
+            os.kill(os.getpid(), signal.SIGTERM)
+        work(self, comm, *args, **options)
+    return also
+
+PressureSolver.__init__ = stopped(PressureSolver.__init__)
+"""
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_signal_during_the_set_up_leaves_a_checkpoint_of_the_start(tmp_path, ranks):
+    with running(tmp_path, ranks, *ENDLESS, case=EARLY) as run:
+        assert run.wait() == 4
+        said = run.output()
+    assert "stopped at t = 0 s by SIGTERM" in said and "Traceback" not in said
+    assert [path.stem for path in checkpoint.paths(tmp_path / "run" / "checkpoints")] == ["00000000"]
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert (summary["status"], summary["steps"], summary["energy_drift"]) == ("interrupted", 0, 0.0)
+    assert restarted(tmp_path, ranks, "--until", "0.02")["status"] == "completed"
+
+
 HANGING = FALLING + """
 import pathlib, time
 from parisph.methods.projection import Projection
@@ -116,3 +144,7 @@ def test_second_signal_ends_at_once(tmp_path):
         run.process.send_signal(signal.SIGTERM)
         assert run.wait() == 4
         assert "Traceback" not in run.output()
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["status"] == "failed: rank 0: KeyboardInterrupt" and summary["steps"] == 0
+    assert summary["energy_drift"] == 0.0    # as at the start, which is in the checkpoint
+    assert not list((tmp_path / "run").glob("summary-*"))
