@@ -1,5 +1,6 @@
 """PETSc options of the pressure solve: our defaults, and how the user's options win."""
 
+import ctypes
 from contextlib import contextmanager
 
 from petsc4py import PETSc
@@ -183,6 +184,24 @@ class UserOptions:
         self._before = {name: before.get(name) for name in self.given}
         for name, value in self.given.items():
             database.setValue(name, value)
+
+    def unused(self):
+        """Return the names that PETSc has not looked for yet; none where it cannot be asked. Not collective.
+
+        Misspelled ones stay here, and those of a solver or preconditioner that is not in use.
+        """
+        try:
+            ask = ctypes.CDLL(PETSc.__file__).PetscOptionsUsed    # petsc4py has no name for it
+        except (OSError, AttributeError):
+            return []
+        found = ctypes.c_int()
+        names = []
+        for name in self.given:
+            found.value = 1
+            ask(None, name.encode(), ctypes.byref(found))
+            if not found.value & 1:    # PETSc's bool may be a single byte
+                names.append(name)
+        return names
 
     def withdraw(self):
         """Give PETSc's database back as it was."""

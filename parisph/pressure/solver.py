@@ -8,6 +8,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from parisph.base.errors import CaseError, ParisphError, SolverDiverged, agree
+from parisph.base.log import logger
 from parisph.pressure import options as opts
 from parisph.pressure.checks import row_fault, vector_fault
 from parisph.pressure.system import System
@@ -114,6 +115,7 @@ class PressureSolver:
         self._matrices = None       # since rows were renumbered
         self._ksp = None
         self._user = opts.UserOptions(options)
+        self._unchecked = True      # which of them PETSc has looked for
         try:
             self._configure(0, 0)   # the size is not known yet, but bad options are
         except CaseError:
@@ -149,7 +151,10 @@ class PressureSolver:
         self._accept(indptr, indices, values, rhs, guess, renumbered, drift)
         self._system.assemble(indptr, indices, values)
         self._current = False
-        return self._run("new", rhs, guess, start, self._rtol)
+        found = self._run("new", rhs, guess, start, self._rtol)
+        if self._unchecked:
+            self._warn_of_unused_options()
+        return found
 
     def solve_again(self, rhs, guess, slack=1.0):
         """Solve for another right-hand side with the matrix of the last `solve`. Collective.
@@ -196,6 +201,15 @@ class PressureSolver:
         self._moved += changed[1]
         if changed[0] or self._moved > DRIFT or not self._may_keep:
             self._usable = False
+
+    def _warn_of_unused_options(self):
+        """Say, once, what is probably misspelled; the later attempts look for theirs when they come."""
+        self._unchecked = False
+        later = tuple(f"{opts.PREFIX}{stage}_" for stage in _BACKUPS)
+        names = [f"-{name}" for name in self._user.unused() if not name.startswith(later)]
+        if names and self._comm.rank == 0:
+            logger.warning(f"PETSc has no use for {', '.join(names)}: misspelled, or not for the solver in use "
+                           "(-pressure_ksp_view shows it)")
 
     def _configure(self, unknowns, entries):
         """Make the Krylov solver of the first attempt; its preconditioner depends on the size."""

@@ -101,6 +101,27 @@ def test_a_later_attempt_can_be_steered_too(make):
     assert record.fallback == "gamg" and record.residual < 1e-11
 
 
+def warnings(caplog):
+    return [record.getMessage() for record in caplog.records if record.levelname == "WARNING"]
+
+
+def test_options_that_petsc_never_looks_for_are_named_once(make, caplog):
+    solver = make("-pressure_ksp_typo", "3", "-pressure_ksp_rtol", "1e-5", "-pressure_pc_hypre_boomeramg_agg_nl", "2",
+                  "-pressure_ksp_vieww")
+    assert not warnings(caplog)
+    for n in (10, 12):
+        solved(solver, n)
+    said, = warnings(caplog)
+    assert "no use for -pressure_ksp_typo, -pressure_pc_hypre_boomeramg_agg_nl, -pressure_ksp_vieww:" in said
+
+
+def test_options_that_take_effect_are_not_complained_of(make, caplog):
+    solved(make("-pressure_ksp_rtol", "1e-5", "-pressure_ksp_type", "bcgs", "-pressure_pc_factor_levels", "0",
+                "-pressure_ksp_reuse_preconditioner", "false", "-pressure_ksp_error_if_not_converged", "false",
+                "-pressure_lu_pc_type", "svd"))
+    assert not warnings(caplog)
+
+
 def test_options_leave_no_trace():
     before = database()
     solver = PressureSolver(SELF, ["-pressure_ksp_rtol", "1e-9", "-pressure_ksp_max_it", "1"])
