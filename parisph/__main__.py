@@ -1,5 +1,6 @@
 """`parisph` and `python -m parisph`: run a command line, and see that every rank ends."""
 
+import os
 import sys
 import time
 import traceback
@@ -20,9 +21,19 @@ def main(words=None):
 
     words = sys.argv[1:] if words is None else words
     try:
-        return cli.execute(words)
+        code = cli.execute(words)
+        sys.stdout.flush()
+        return code
     except (Exception, KeyboardInterrupt) as error:
+        if isinstance(error, BrokenPipeError) and environment.launched()[1] == 1:
+            return _leave_unread()
         return _fail(error, words)
+
+
+def _leave_unread():
+    """End in silence where the reader of the output has gone, as `head` does when it has enough."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())    # the interpreter flushes once more
+    return 0
 
 
 def _fail(error, words):

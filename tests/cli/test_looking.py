@@ -1,6 +1,7 @@
 """info, plot, movie and compare on a small run, as from a shell and without MPI's launcher."""
 
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from parisph.__main__ import main
 from parisph.case import geometry
 from parisph.io.store import Store, provenance
 from parisph.parallel.particles import Particles
+from tests.launch import run
 
 CASE = Case(title="small tank", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), gravity=(0.0, -9.81),
             walls=Tank(width=1.0, height=1.0), numerics=Numerics(spacing=0.1), end_time=1.0,
@@ -49,6 +51,15 @@ def test_info_says_how_it_went(folder, capsys):
             "volume drift -0.42%", "error of P2 0.0123 (relative L2)", "probe P2: pressure [Pa]"} <= words
     assert any(word.startswith("snapshots 5, t = 0.1 to 0.9 s") for word in words)
     assert any(word == "petsc_options -ksp_type gmres" for word in words)
+
+
+@pytest.mark.parametrize("words", [[], ["--json"]])
+def test_info_to_a_reader_that_leaves(folder, words):
+    """As in `parisph info RUN | head -1`: no traceback, neither from the print nor at exit."""
+    command = ["bash", "-c", '"$@" | true; exit ${PIPESTATUS[0]}', "-", sys.executable, "-m", "parisph", "info", folder, *words]
+    for unbuffered in ("", "1"):
+        done = run(command, PYTHONUNBUFFERED=unbuffered)
+        assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_info_as_json_and_of_an_unfinished_run(folder, capsys):
