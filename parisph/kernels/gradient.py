@@ -100,8 +100,9 @@ def wall_velocity(u, x, kind, corner, normal, role, wall_u, radius, indptr, indi
     """Velocity of wall particles: normal part from the wall, tangential part from the fluid.
 
     The tangential part is the value at the wall of a linear fit through the fluid within
-    the radius, its slope damped by a tenth of the second moment: a bare linear fit through
-    one or two layers of particles multiplies their disorder. Corners move with the wall.
+    the radius, its slope damped by radius^2/10 on top of the variance of the distances: a bare
+    linear fit through one or two layers of particles multiplies their disorder. Corners move
+    with the wall.
 
     u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]
     """
