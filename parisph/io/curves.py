@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.errors import StoreError
 from parisph.io import style
 from parisph.io.reader import Run, open_run
-from parisph.io.series import read_truth
+from parisph.io.series import read_reference
 from parisph.io.view import FieldView
 
 # What a probe of a kind (as in the case) shows; and what a unit means where kinds are mixed.
@@ -82,7 +82,7 @@ def truths(run, folder):
         about = probe.get("truth")
         if about:
             options = {name: about[name] for name in ("offset", "scale", "time_scale") if name in about}
-            found[probe["name"]] = read_truth(folder / about["file"], about["time"], about["value"], **options)
+            found[probe["name"]] = read_reference(folder / about["file"], about["time"], about["value"], **options)
     return found
 
 

@@ -87,11 +87,12 @@ def units(path):
     return {}
 
 
-def read_truth(path, time, value, offset=0.0, scale=1.0, time_scale=1.0):
+def read_reference(path, time, value, offset=0.0, scale=1.0, time_scale=1.0):
     """Return (t (n,) [s], truth (n,)): two columns of a reference file, lines in order of time.
 
     truth = offset + scale * column; t = time_scale * column. Lines with an empty cell are left
-    out. Raises StoreError for a missing file or column, or a cell that is not a number.
+    out: a measured series has gaps, where the truth of a case (case.probes.read_truth) must be
+    sound from end to end. Raises StoreError for a missing file or column, or a cell that is not a number.
     """
     table = read(path, cut=False)
     for name in (time, value):

@@ -34,7 +34,7 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
     names = series.read(reference, cut=False).dtype.names
     if len(names) < 2:
         raise CaseError(f"{reference} has one column; a series needs a time and a value")
-    t, truth = series.read_truth(reference, time or names[0], value or names[1], offset, scale, time_scale)
+    t, truth = series.read_reference(reference, time or names[0], value or names[1], offset, scale, time_scale)
     try:
         if best_shift is not None:
             shift = errors.best_shift(found["time"], found[column], t, truth, best_shift)

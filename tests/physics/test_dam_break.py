@@ -93,8 +93,8 @@ def test_momentum_is_what_the_walls_give(fall):
 
 def test_front_against_martin_and_moyce(fall):
     """The gate of the experiment opened in a finite time: raw, and after one shift of the time."""
-    t, x = series.read_truth(measured("01a_martin_moyce_n2_2_front_table2.csv"), "t_sqrt_g_over_H", "Z_x_over_a",
-                             scale=L, time_scale=UNIT)
+    t, x = series.read_reference(measured("01a_martin_moyce_n2_2_front_table2.csv"), "t_sqrt_g_over_H", "Z_x_over_a",
+                                 scale=L, time_scale=UNIT)
     front = fall[0].probe("front")
     before = (t < 1.5 * UNIT) & (x < 4.0 * L)
     t, x = t[before], x[before]

@@ -89,7 +89,7 @@ def experiment(run):
         if path is None:
             print(f"  {name} is not there: {probe} not compared", flush=True)
             continue
-        t, truth = series.read_truth(path, "t_sqrt_g_over_H", value, scale=scale, time_scale=UNIT)
+        t, truth = series.read_reference(path, "t_sqrt_g_over_H", value, scale=scale, time_scale=UNIT)
         before = (t < 1.55 * UNIT) if probe == "front" else (t < run.probe(probe)["time"][-1])
         t, truth, got = t[before], truth[before], run.probe(probe)
         found.append(Row(f"{probe} against Martin & Moyce, raw", errors.judge(got["time"], got[column], t, truth)["relative_l2"]))

@@ -36,6 +36,6 @@ def _exact():
     from parisph.io import series
     from tests.launch import ROOT
 
-    t, level = series.read_truth(ROOT / "cases" / "exact" / "standing_wave.csv", "t_s", "eta_nonlinear_m")
+    t, level = series.read_reference(ROOT / "cases" / "exact" / "standing_wave.csv", "t_s", "eta_nonlinear_m")
     chosen = (t <= 9.0) & (t > 9.0 - 2.27)
     return t[chosen], level[chosen]
