@@ -14,10 +14,9 @@ from parisph.pressure.checks import row_fault, vector_fault
 from parisph.pressure.system import System
 
 # A kept preconditioner is rebuilt once it needs more than GROWTH x fresh + 2 iterations, fresh
-# being what it needed at first (at least FRESH: a start that is nearly exact says little), or
-# once the fastest particle has moved this many spacings since it was built. It is expected to
-# last if rows kept their numbers for LASTING matrices before.
-GROWTH, FRESH, DRIFT, LASTING = 1.5, 4, 4.0, 4
+# being what it needed at first (at least FRESH: a start that is nearly exact says little). It is
+# expected to last if rows kept their numbers for LASTING matrices before.
+GROWTH, FRESH, LASTING = 1.5, 4, 4
 
 # An attempt has failed if its true residual exceeds this many times the tolerance.
 SLACK = 10.0
@@ -122,7 +121,7 @@ class PressureSolver:
             self._user.withdraw()
             raise
 
-    def solve(self, indptr, indices, values, rhs, guess, renumbered=False, drift=0.0):
+    def solve(self, indptr, indices, values, rhs, guess, renumbered=False):
         """Solve A p = b with a new matrix. Collective.
 
         Parameters
@@ -134,8 +133,6 @@ class PressureSolver:
             Start of the iteration (the previous pressure); None for zero.
         renumbered : bool
             Rows changed their numbers, on any rank, since the previous matrix.
-        drift : float
-            How far a particle has moved at most since the previous matrix [spacings].
 
         Returns
         -------
@@ -148,7 +145,7 @@ class PressureSolver:
         ParisphError : arrays do not fit together. On all ranks.
         """
         start = perf_counter()
-        self._accept(indptr, indices, values, rhs, guess, renumbered, drift)
+        self._accept(indptr, indices, values, rhs, guess, renumbered)
         self._system.assemble(indptr, indices, values)
         self._current = False
         found = self._run("new", rhs, guess, start, self._rtol)
@@ -183,23 +180,20 @@ class PressureSolver:
 
     # -- before the solve ---------------------------------------------------------------------
 
-    def _accept(self, indptr, indices, values, rhs, guess, renumbered, drift):
+    def _accept(self, indptr, indices, values, rhs, guess, renumbered):
         """Check the local arrays, agree on the sizes, and decide if the preconditioner stays."""
         n = np.size(rhs)
-        changed = np.array([float(bool(renumbered) or n != self._rows), float(drift)])
-        if self._comm.size > 1:
-            self._comm.Allreduce(MPI.IN_PLACE, changed, MPI.MAX)
-        total = self._comm.allreduce(n) if changed[0] else self._total
+        changed = self._comm.allreduce(bool(renumbered) or n != self._rows, MPI.LOR)
+        total = self._comm.allreduce(n) if changed else self._total
         agree(self._comm, row_fault(indptr, indices, values, n, total) or vector_fault("right-hand side", rhs, n)
               or vector_fault("guess", guess, n))
-        if changed[0]:
+        if changed:
             # A new solver, for PETSc's reset forgets viewers and keeps subdomains of the old rows.
             self._configure(total, self._comm.allreduce(len(indices)))
             self._system.resize(n, total)
             self._rows, self._total, self._matrices = n, total, 0
         self._matrices += 1
-        self._moved += changed[1]
-        if changed[0] or self._moved > DRIFT or not self._may_keep:
+        if changed or not self._may_keep:
             self._usable = False
 
     def _warn_of_unused_options(self):
@@ -226,7 +220,6 @@ class PressureSolver:
         self.options = {**ours, **self._user.given}
         self._usable = False        # a preconditioner is there, of this matrix or an earlier one
         self._current = False       # it was made from this matrix
-        self._moved = 0.0           # since it was made [spacings]
         self._fresh = {}            # iterations that it needed at first, for each kind of solve
 
     # -- the solve ----------------------------------------------------------------------------
@@ -295,7 +288,6 @@ class PressureSolver:
             self._ksp.setUp()
             self._ksp.setUpOnBlocks()
         self._usable = self._current = True
-        self._moved = 0.0
         self._fresh = {}
 
     def _backup(self, stage):

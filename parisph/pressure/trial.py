@@ -37,7 +37,7 @@ def solve(comm):
     indptr, indices, values = _rows(np.arange(first, last))
     rhs = np.add.reduceat(values * _exact(indices), indptr[:-1])
     solver = PressureSolver(comm, rtol=1e-10)
-    p, record = solver.solve(indptr, indices, values, rhs, np.zeros(last - first), renumbered=True, drift=0.0)
+    p, record = solver.solve(indptr, indices, values, rhs, np.zeros(last - first), renumbered=True)
     solver.destroy()
     error = np.max(np.abs(p - _exact(np.arange(first, last))), initial=0.0)
     return {"ranks": comm.size, "iterations": record.iterations, "error": comm.allreduce(error, MPI.MAX)}
