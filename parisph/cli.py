@@ -206,8 +206,9 @@ def _restart(args):
 def _check(args):
     case = _load(args)
     from parisph import driver
+    from parisph.case.load import arguments
 
-    print(driver.describe(case))
+    print(driver.describe(case, arguments(args.case, args.set)))
 
 
 def _doctor(args):

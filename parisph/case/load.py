@@ -36,14 +36,27 @@ def load(path, sets=()):
             raise CaseError(f"{path}: a stored case takes no --set; give the case file that made it")
         return _stored(file, path)
     function = _function(file, path)
-    arguments = {name: _value(function, name, value, path) for name, value in sets.items()}
+    given = {name: _value(function, name, value, path) for name, value in sets.items()}
     try:
-        case = function(**arguments)
+        case = function(**given)
     except (Exception, SystemExit) as error:
         raise CaseError(f"{_where(error, file, path)}: {_what(error)}") from error
     if not isinstance(case, Case):
         raise CaseError(f"{path}: case(...) returned a {type(case).__name__}; it must return a Case")
     return _with_truths(case, file.parent)
+
+
+def arguments(path, sets=()):
+    """Return {name: value}: all parameters of a case file, with what `load` passes for them. Raises CaseError.
+
+    path, sets : as of `load`; a stored case has no parameters
+    """
+    file = _find(path)
+    if file.suffix == ".json":
+        return {}
+    function = _function(file, path)
+    values = {name: item.default for name, item in inspect.signature(function).parameters.items()}
+    return {**values, **{name: _value(function, name, value, path) for name, value in _as_dict(sets).items()}}
 
 
 def parameters(path):

@@ -76,7 +76,7 @@ class Account:
         """
         s, comm = simulation, comm or simulation.comm
         account = self.state(s, comm)["account"]
-        peak = comm.allgather(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+        peak = comm.allgather(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6)
         content = {
             "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": s.comm.size,
             "particles": int(s.particles.n_global), "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,

@@ -113,6 +113,7 @@ def test_a_fault_in_the_step_of_one_rank_ends_the_run(place):
 def test_check_says_what_it_takes(place):
     done = parisph("check", "dam.py", cwd=place, timeout=120)
     assert done.returncode == 0, done.stderr
+    assert "--set       end_time=0.2\n" in done.stdout
     for words in ("small dam", "particles", "stages", "steps       20 of 0.01 s", "memory"):
         assert words in done.stdout
     assert os.listdir(place) == ["dam.py"]

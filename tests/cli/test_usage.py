@@ -40,7 +40,7 @@ def driver(monkeypatch):
         return {"status": "completed", "particles": 12345, "volume_drift": 0.0123}
 
     fake.run = fake.restart = call
-    fake.describe = lambda case: f"stages of {case.title}"
+    fake.describe = lambda case, parameters: f"stages of {case.title} {parameters}"
     monkeypatch.setitem(sys.modules, "parisph.driver", fake)
     monkeypatch.setattr("parisph.driver", fake, raising=False)
     return fake
@@ -116,8 +116,8 @@ def test_restart_hands_over(driver):
 
 
 def test_check_describes(case, driver, capsys):
-    assert entry.main(["check", "tank.py"]) == 0
-    assert capsys.readouterr().out == "stages of tank\n"
+    assert entry.main(["check", "tank.py", "--set", "spacing=1/20"]) == 0
+    assert capsys.readouterr().out == "stages of tank {'spacing': 0.05, 'title': 'tank'}\n"
 
 
 def test_info_of_what_is_no_run(tmp_path, capsys):

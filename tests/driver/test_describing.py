@@ -1,6 +1,7 @@
 """What is said about a run before, while and where it goes: description, progress, schedule, phases."""
 
 import io
+import json
 from types import SimpleNamespace
 
 import pytest
@@ -10,7 +11,7 @@ from parisph.driver import describe, progress
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
-from tests.launch import ROOT
+from tests.launch import ROOT, parisph
 from tests.scenes import scene
 
 
@@ -25,6 +26,23 @@ def test_stages_are_those_that_the_scene_has():
     assert "surface" not in calm.replace("at the surface", "") and "position projection" not in calm and "collisions" not in calm
     assert "surface (gap)" in violent and "position projection, Fick shift" in violent
     assert "adaptive" in describe(scene("rotating_patch")) and "2500 of 0.00128 s" in violent
+
+
+def test_memory_is_estimated_as_it_is_measured(tmp_path):
+    """Of the second run: the first one may compile its kernels, which takes more than the rest."""
+    case = ROOT / "cases" / "dam_break.py"
+    for out in ("first", "second"):
+        done = parisph("run", case, "-q", "-o", out, "--set", "spacing=1/240", "--set", "end_time=0.005", cwd=tmp_path,
+                       timeout=200)
+        assert done.returncode == 0, done.stderr
+    peak, = json.loads((tmp_path / "second" / "summary.json").read_text())["peak_memory_mb"]
+    told = next(line for line in describe(scene("dam_break", spacing=1 / 240)).splitlines() if line.startswith("memory"))
+    assert int(told.split()[2]) == pytest.approx(peak, rel=0.15)
+
+
+def test_values_are_written_as_set_takes_them():
+    told = describe(scene("dam_break"), {"spacing": 1 / 3, "method": "ISPH", "time_step": None, "lid": True, "at": (0.0, 2.5)})
+    assert told.splitlines()[-1] == "--set       spacing=0.333333, method=ISPH, time_step=none, lid=True, at=0,2.5"
 
 
 def test_times_are_due_once_each():

@@ -3,7 +3,7 @@
 import pytest
 
 from parisph import CaseError, load
-from parisph.case.load import parameters
+from parisph.case.load import arguments, parameters
 
 TEMPLATE = '''"""A case."""
 from parisph import Box, Case, Fluid, Numerics, SurfaceGauge, Tank, Truth
@@ -147,6 +147,14 @@ def test_truth_files_are_found_beside_the_case_and_checked(write, tmp_path):
             load(file)
     data.write_text("# made up\nt,eta\n0,1\n1,2\n", encoding="utf-8")
     assert load(file).probes[0].truth.file == str(data)
+
+
+def test_arguments_are_what_load_passes(write):
+    file = write(parameters="spacing: float = 0.1, name: str | None = None, at: tuple[float, float] = (1.0, 2.0)")
+    assert arguments(file) == {"spacing": 0.1, "name": None, "at": (1.0, 2.0)}
+    assert arguments(file, ["spacing=1/40", "at=0,3"]) == {"spacing": 0.025, "name": None, "at": (0.0, 3.0)}
+    with pytest.raises(CaseError, match="no parameter 'depth'"):
+        arguments(file, {"depth": 1.0})
 
 
 def test_parameters(write):
