@@ -45,7 +45,7 @@ def plot_probe(run, names=None, path=None, truth=None, normalise=False):
         if number == 0:
             axes.set_title(run.case["title"], loc="left", fontsize=11)
             _second_time_axis(axes, own, normalise)
-        _time_label(axes, own, normalise, number == len(groups) - 1)
+        _time_label(axes, normalise, number == len(groups) - 1)
     style.save(picture, path)
     return picture
 
@@ -145,7 +145,7 @@ def _value_label(case, curves, unit, shown, scale):
     return f"{what} [{shown or '-'}]"
 
 
-def _time_label(axes, own, normalise, last):
+def _time_label(axes, normalise, last):
     if last:
         axes.set_xlabel(r"$t\sqrt{g/H}$" if normalise else "$t$ [s]")
     else:
@@ -185,7 +185,7 @@ def _draw_series(series, run, curves):
     for number, (unit, lines) in enumerate(curves):
         axes = series.add_subplot(grid[number // 2, number % 2])
         _draw_curves(axes, run.case, lines, unit, own, False, {})
-        _time_label(axes, own, False, True)
+        _time_label(axes, False, True)
     last = grid[-1, 1] if len(curves) % 2 else grid[-1, :]
     _draw_steps(series.add_subplot(last), run.steps)
 

@@ -254,7 +254,7 @@ def _bits(mask):
 
 
 @kernel
-def surface_by_density(role, was, kind, alpha, limit, indptr):
+def surface_by_density(role, kind, alpha, limit, indptr):
     """Mark the surface by the density ratio alone (any dimension), alpha < limit."""
     for i in range(len(indptr) - 1):
         if kind[i] == FLUID:

@@ -153,7 +153,7 @@ class Projection:
             surfaces.surface_by_auxiliary_functions(p.role_all, was, *where, schemes.WALL * self.spacing, 0.9,
                                                     d.indptr, d.indices, self.axes)
         else:
-            surfaces.surface_by_density(p.role_all, was, p.kind_all, p.alpha, 0.9, d.indptr)
+            surfaces.surface_by_density(p.role_all, p.kind_all, p.alpha, 0.9, d.indptr)
 
     def _wall_velocity(self):
         p, d = self.particles, self.domain

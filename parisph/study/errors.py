@@ -28,15 +28,6 @@ def wave_relative_l2(value, truth, rest):
     return float(np.linalg.norm(value - truth) / size)
 
 
-def z14_elevation(elevation, truth, depth):
-    """Return Z14's Er_eta (Sec. 3.2.1): elevations from the still level [m], normalised with the depth [m] added.
-
-    A small number that flatters: for its sloshing 10^-3.4 is about a fifth of the wave itself.
-    """
-    value, truth = _pair(elevation, truth)
-    return relative_l2(value + depth, truth + depth)
-
-
 def z17_elevation(elevation, truth):
     """Return Z17's Err as printed (Eq 35): sqrt(sum (truth - elevation)^2) / sum(truth); (n,) each [m].
 

@@ -308,9 +308,9 @@ def test_images_occupy_quadrants_at_walls():
 def test_density_rule(dim):
     pool = tank((10, 8) if dim == 2 else (7, 7, 7))
     role = pool.role.copy()
-    surface.surface_by_density(role, pool.role, pool.kind, ratio(pool), 0.9, pool.indptr)
+    surface.surface_by_density(role, pool.kind, ratio(pool), 0.9, pool.indptr)
     np.testing.assert_array_equal(role, pool.role)
     pool.role[pool.kind == WALL] = DRY
     alpha = np.where(np.arange(pool.n) % 2 == 0, 0.9, np.nextafter(0.9, 0.0))
-    surface.surface_by_density(role, pool.role, pool.kind, alpha, 0.9, pool.indptr)
+    surface.surface_by_density(role, pool.kind, alpha, 0.9, pool.indptr)
     np.testing.assert_array_equal(role[pool.fluid] == SURFACE, alpha[pool.fluid] < 0.9)
