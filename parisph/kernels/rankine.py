@@ -22,6 +22,8 @@ from parisph.kernels.moments import cholesky, cholesky_solve
 from parisph.kernels.near import dot, dot4, fill_up, gather, room_for
 from parisph.kernels.smoothing import quartic_weight
 
+NEGATIVE = 0.1  # jitter of 1.2 spacings makes weights of -0.03 of the row's sum, thin jets of -0.5
+
 
 def directions(dim, count=None):
     """Return unit vectors spread evenly over the circle or the sphere: (K, dim).
@@ -69,14 +71,14 @@ def rankine_rows(count, columns, values, measure, flux, div, u, x, role, unit, c
         m = fill_up(basis, n + 1, axes)
         _fill_basis(basis, m, axes)
         _weigh(moments, w, basis, at, m, axes)
-        linear_fit(fit, moments, at, points, axes)
+        spanned = linear_fit(fit, moments, at, points, axes) == points
         _sum_over_points(mean, fit, w, basis, unit, m, axes)
         mean[0, n] = 0.0
         if normalised and n > size:
             _make_isotropic(mean, basis, w, m, matrix, right, axes)
         count[i] = n
-        _finish(i, first, n, m, mean, basis, columns, values, measure, flux, div, u, circle, radius, points,
-                normalised, axes)
+        _finish(i, first, n, m, spanned, mean, basis, columns, values, measure, flux, div, u, circle, radius,
+                points, normalised, axes)
 
 
 @inlined
@@ -157,11 +159,15 @@ def _make_isotropic(mean, basis, w, m, matrix, right, axes):
 
     The mean over the circle of X^2 - Y^2 and of XY is zero. On disordered particles the moving
     least squares leave a remainder, an error of order one in the Laplacian that no refinement
-    removes. Rows whose neighbours do not span the harmonic polynomials stay as they are.
-    w[0] is overwritten.
+    removes. Rows whose neighbours do not span the harmonic polynomials stay as they are, and a
+    change that would leave a weight below -NEGATIVE of the row's sum is made in part only: with
+    just enough neighbours the row would not depend on which of them it is for, and two particles
+    of one drop would have the same. w[0] and w[1] are overwritten.
     """
     size = basis_size(axes)
+    total = 0.0
     for k in range(m):
+        total += mean[0, k]
         w[0, k] = quartic_weight(basis[size, k], 1.5625)  # radius 1.25 of the unit
     for r in range(size):
         right[r] = dot(mean, 0, basis, r, m)
@@ -169,17 +175,30 @@ def _make_isotropic(mean, basis, w, m, matrix, right, axes):
             matrix[r, s], matrix[r, s + 1], matrix[r, s + 2], matrix[r, s + 3] = dot4(basis, r, w, basis, s, m)
     if cholesky(matrix, size):
         cholesky_solve(matrix, right, size)
+        added = 0.0
         for k in range(m):
             change = 0.0
             for r in range(size):
-                change += right[r] * basis[r, k]
-            mean[0, k] -= w[0, k] * change
+                change -= right[r] * basis[r, k]
+            w[1, k] = w[0, k] * change
+            added += w[1, k]
+        part = 1.0
+        for k in range(m):
+            room, taken = mean[0, k] + NEGATIVE * total, w[1, k] + NEGATIVE * added
+            if room + taken < 0.0:
+                part = min(part, max(-room / taken, 0.0))
+        for k in range(m):
+            mean[0, k] += part * w[1, k]
 
 
 @inlined
-def _finish(i, first, n, m, mean, basis, columns, values, measure, flux, div, u, circle, radius, points,
+def _finish(i, first, n, m, spanned, mean, basis, columns, values, measure, flux, div, u, circle, radius, points,
             normalised, axes):
-    """Scale the row to a unit diagonal, and sum the flux of u."""
+    """Scale the row to a unit diagonal, and sum the flux of u.
+
+    Where some point of the circle sees no neighbours that span the plane (space), or the row
+    hardly sees a parabola, there is no Laplacian to be had.
+    """
     dim = len(axes)
     total, spread = 0.0, 0.0
     for k in range(m):
@@ -188,7 +207,7 @@ def _finish(i, first, n, m, mean, basis, columns, values, measure, flux, div, u,
     total /= points
     spread *= radius * radius / points
     div[i] = 0.0
-    if total > 0.05 and spread > 0.1 * circle * circle:
+    if spanned and total > 0.05 and spread > 0.1 * circle * circle:
         measure[i] = (spread if normalised else circle * circle) / (2.0 * dim * total)
         scale, outflow = 1.0 / (points * total), dim / (circle * points)
         change = 0.0

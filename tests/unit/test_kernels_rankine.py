@@ -112,6 +112,25 @@ def test_lattice_row_is_symmetric_and_mostly_positive():
     assert values.min() > -1e-3 and table[(1, 0)] == pytest.approx(max(values), rel=1e-12)
 
 
+def test_two_particles_of_a_small_drop_have_rows_of_their_own():
+    # six particles and five conditions on a row leave one row that meets all of them, whosever it is
+    pool = free([[0.0, 0.0], [0.9, 0.1], [-0.6, 0.9], [-0.5, -0.8], [1.5, 0.7], [1.3, -0.9]])
+    rows, dense = filled(pool), np.eye(6)
+    for i in range(2):
+        columns, values = rows.entries(i)
+        assert len(columns) == 5 and values.min() > -0.1 - 1e-12 and rows.measure[i] > 0.0
+        dense[i, columns] = -values
+    pair = dense[:2] / np.linalg.norm(dense[:2], axis=1)[:, None]
+    assert abs(pair[0] @ pair[1]) < 0.9, "or the pressure in a drop with p = 0 on the others cannot be found"
+
+
+def test_change_towards_isotropy_is_whole_where_neighbours_abound():
+    pool, inside = cloud(2, 1.2)
+    rows = filled(pool)
+    lowest = min(rows.entries(i)[1].min() for i in np.flatnonzero(inside))
+    assert -0.1 < lowest < 0.0
+
+
 # -- the flux divergence -----------------------------------------------------------------------------
 
 
