@@ -126,20 +126,27 @@ def take_work(u, move, force, kind, limit, n, axes):
     """Take the work of a displacement out of the velocity, or give it back, for fluid particles.
 
     Lifting a particle by `move` adds -force . move to its potential energy per unit mass. A
-    regularisation is not a motion: |u|^2 is changed by twice as much, direction kept, by at most
-    the share `limit`. Without it the dam break gains 1 % of its energy up to the impact.
+    regularisation is not a motion: |u|^2 is changed by twice as much, direction kept. What would
+    change it by more than the share `limit` is cut from the move, along the force: fluid at rest
+    is neither lifted nor lowered. Without this the dam break gains 1 % of its energy up to the
+    impact.
 
-    u : (n_owned, dim) [m/s], changed in place; move : (n_owned, dim) [m]; force : (n_all, dim) [m/s^2]
+    u : (n_owned, dim) [m/s] and move : (n_owned, dim) [m], changed in place; force : (n_all, dim) [m/s^2]
     """
     for i in range(n):
         if kind[i] != FLUID:
             continue
-        gain, square = 0.0, 0.0
+        work, square, strength = 0.0, 0.0, 0.0
         for a in range(len(axes)):
-            gain -= force[i, a] * move[i, a]
+            work += force[i, a] * move[i, a]
             square += u[i, a] ** 2
-        if square == 0.0:
+            strength += force[i, a] ** 2
+        if work == 0.0:
             continue
-        share = min(max(2.0 * gain / square, -limit), limit)
+        most = 0.5 * limit * square
+        done = min(max(work, -most), most)
         for a in range(len(axes)):
-            u[i, a] *= math.sqrt(1.0 - share)
+            move[i, a] -= (work - done) / strength * force[i, a]
+        if square > 0.0:
+            for a in range(len(axes)):
+                u[i, a] *= math.sqrt(1.0 + 2.0 * done / square)

@@ -22,9 +22,13 @@ def test_energy_stays_and_the_direction_too(dim):
     assert np.abs(u - before).max() > 1e-6
 
 
-def test_slow_particles_lose_a_limited_share_and_walls_none():
-    u = np.array([[1e-3, 0.0], [0.0, 0.0], [1e-3, 0.0]])
-    move, force = np.tile([0.0, 1e-3], (3, 1)), np.tile([0.0, -9.81], (3, 1))
-    take_work(u, move, force, np.array([FLUID, FLUID, WALL], np.int8), 0.1, 3, axes_of(2))
-    assert u[0, 0] == pytest.approx(1e-3 * np.sqrt(0.9))
-    assert u[1, 0] == 0.0 and u[2, 0] == 1e-3
+def test_slow_particles_are_moved_along_the_force_by_what_their_speed_pays():
+    u = np.array([[0.1, 0.0], [0.0, 0.0], [0.1, 0.0], [0.0, 0.0]])
+    move, force = np.tile([2e-3, 1e-2], (4, 1)), np.tile([0.0, -9.81], (4, 1))
+    move[3, 1] = -1e-2
+    take_work(u, move, force, np.array([FLUID, FLUID, WALL, FLUID], np.int8), 0.1, 4, axes_of(2))
+    assert u[:, 0] == pytest.approx([0.1 * np.sqrt(0.9), 0.0, 0.1, 0.0])
+    assert 9.81 * move[0, 1] == pytest.approx(0.1 * 0.5 * 0.1**2)
+    assert move[[1, 3], 1] == pytest.approx(0.0, abs=1e-16), "fluid at rest is neither lifted nor lowered"
+    assert np.all(move[:, 0] == 2e-3), "across the force everything may move"
+    assert move[2, 1] == 1e-2, "walls are none of its business"
