@@ -52,6 +52,7 @@ FIELDS = {
         Field("x", "vector", np.float64, "m", "position"),
         Field("x0", "vector", np.float64, "m", "position at the start of the step", exchanged=False, written=False),
         Field("u", "vector", np.float64, "m/s", "velocity"),
+        Field("volume", "scalar", np.float64, "m^dim", "volume of fluid that the particle stands for, always; 0 for walls"),
         Field("p", "scalar", np.float64, "Pa", "pressure"),
         Field("normal", "vector", np.float64, "", "unit normal of a wall particle, into the fluid"),
         Field("role", "scalar", np.int8, "", "0 inner, 1 surface, 2 wet wall, 3 dry wall, 4 contact line, 5 ballistic"),

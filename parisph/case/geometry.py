@@ -30,7 +30,8 @@ def build(case, rank=0, size=1):
     Returns
     -------
     dict of arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8;
-    x [m], u [m/s], normal (n, dim); p (n,) [Pa], zero: the first solve finds it. Wall
+    x [m], u [m/s], normal (n, dim); volume (n,) [m^dim], whose sum is the volume of the shape; p (n,)
+    [Pa], zero: the first solve finds it. Wall
     normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
     """
     points = lattice(case)
@@ -82,17 +83,24 @@ def _stretched(case, x):
         return x
     bottom = case.fluid.shape.bounds[0][-1]
     x = x.copy()
-    x[:, -1] += _elevation(case, x[:, :-1]) * (x[:, -1] - bottom) / case.fluid.shape.size[-1]
+    x[:, -1] = bottom + (x[:, -1] - bottom) * _stretch(case, x)
     return x
+
+
+def _stretch(case, x):
+    """Return by how much the columns at x (n, dim) [m] are stretched, (n,)."""
+    if case.fluid.elevation is None:
+        return np.ones(len(x))
+    return 1.0 + _elevation(case, x[:, :-1]) / case.fluid.shape.size[-1]
 
 
 def _unstretched(case, x):
     """Undo _stretched for points (n, dim) [m]."""
     if case.fluid.elevation is None:
         return x
-    bottom, height = case.fluid.shape.bounds[0][-1], case.fluid.shape.size[-1]
+    bottom = case.fluid.shape.bounds[0][-1]
     x = x.copy()
-    x[:, -1] = bottom + (x[:, -1] - bottom) / (1.0 + _elevation(case, x[:, :-1]) / height)
+    x[:, -1] = bottom + (x[:, -1] - bottom) / _stretch(case, x)
     return x
 
 
@@ -101,6 +109,7 @@ def _fluid(case, points, start, stop):
     n, dim = index.shape
     surface = points.is_surface(index)
     x = _stretched(case, points.position(index))
+    volume = points.cells(index) * _stretch(case, points.position(index)) * points.step.prod()
     numerics = case.numerics
     if numerics.jitter > 0.0:
         move = numerics.spacing * numerics.jitter * (uniform(numerics.seed, np.arange(start, stop), dim) - 0.5)
@@ -113,6 +122,7 @@ def _fluid(case, points, start, stop):
         "role": np.where(surface, SURFACE, INNER).astype(np.int8),
         "x": x,
         "u": vector_field(case.fluid.velocity, with_time=False)(x),
+        "volume": volume,
         "normal": np.zeros((n, dim)),
     }
 
@@ -132,6 +142,7 @@ def _walls(case, points, index, inward):
         "role": role,
         "x": x,
         "u": np.zeros_like(x),
+        "volume": np.zeros(n),
         "normal": inward / length[:, None] if n else np.zeros_like(x),
     }
 

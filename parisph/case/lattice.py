@@ -11,6 +11,7 @@ from parisph.case.shapes import Box, Disc
 
 FIT = 1e-3      # a length fits if it is a whole number of spacings within this part of one spacing
 CHUNK = 2**18   # lattice points looked at in one go; bounds the memory of a large scene
+SAMPLES = {2: 8, 3: 4}  # along each edge of a cell that is cut by the surface of the fluid
 
 
 class Lattice:
@@ -77,6 +78,47 @@ class Lattice:
                 open_side |= ~(self.is_fluid(beside) | self._is_wall(beside))
         return open_side
 
+    def cells(self, index):
+        """Return the volume of fluid that each of the *fluid* lattice indices (n, dim) stands for, in cells.
+
+        What is in its own cell, and with its neighbours in equal parts what is in the cells of points
+        beside it that are no fluid particles: those on a wall, and those just outside a curved surface.
+        Together this is all the fluid; a particle beside a wall stands for 3/2 cells, one on a plane
+        surface for 1/2.
+        """
+        share = np.ones(len(index))
+        beside = [index + offset for offset in _offsets(index.shape[1])]
+        edge = ~np.all([self.is_fluid(other) for other in beside], axis=0)
+        share[edge] = self._filling(index[edge])
+        for other in beside:
+            empty = np.flatnonzero(edge)[~self.is_fluid(other[edge])]
+            share[empty] += self._filling(other[empty]) * self._takes(index[empty], other[empty])
+        return share
+
+    def _filling(self, index):
+        """Return which part of the cells about lattice indices (n, dim) is fluid, (n,)."""
+        dim = index.shape[1]
+        m = SAMPLES[dim]
+        at = (np.indices((m,) * dim).reshape(dim, -1).T + 0.5) / m - 0.5
+        filled = np.zeros(len(index))
+        for offset in at:
+            filled += self.shape.inside(self.position(index + offset), 0.0)
+        return filled / len(at)
+
+    def _takes(self, index, empty):
+        """Return the part that fluid points (n, dim) take of the cells of `empty` points beside them, (n,).
+
+        The fluid points nearest to the empty one take equal parts.
+        """
+        distance = np.abs(index - empty).sum(axis=1)
+        nearest, number = np.full(len(index), 9), np.zeros(len(index))
+        for offset in sorted(_offsets(index.shape[1]), key=lambda offset: np.abs(offset).sum()):
+            far = np.abs(offset).sum()
+            there = self.is_fluid(empty + offset) & (far <= nearest)
+            nearest[there] = far
+            number += there
+        return np.where(distance == nearest, 1.0 / number, 0.0)
+
     def _is_wall(self, index):
         """Return which lattice indices (n, dim) lie on a wall or behind it."""
         if self.tank is None:
@@ -131,6 +173,12 @@ class Lattice:
         index = np.unique(np.concatenate(blocks), axis=0)
         inward = (index == 0).astype(np.int64) - ((index == self.top) & closed)
         return index, inward
+
+
+def _offsets(dim):
+    """Return the steps (3^dim - 1, dim) from a lattice point to those around it."""
+    steps = np.indices((3,) * dim).reshape(dim, -1).T - 1
+    return steps[np.any(steps != 0, axis=1)]
 
 
 def misfit(length, spacing):

@@ -47,10 +47,10 @@ class Simulation:
         self.numerics = _numerics(case)
         # what is stored is what was computed, whatever a preset becomes later
         self.case = case = case.model_copy(update={"numerics": self.numerics})
-        agree(comm, _wrong_code())
         self.comm = comm.Dup()
         if self.comm.size > 1:
             warmup.on_one_rank_first(self.comm, Simulation, case, self.numerics)
+        agree(self.comm, _wrong_code())
         self.timers = PhaseTimers()
         self.particles = Particles(self.comm, case.dim)
         self.particles.assign(_arrays(case, self.comm) if start is None else start.arrays)

@@ -173,6 +173,10 @@ class PressureTap(Sampler):
 class Energy(Sampler):
     """Kinetic and potential energy of all fluid, free flight included, in the tank's frame.
 
+    Each particle counts with the volume that it stands for: with equal masses particles on the
+    surface, whose cells are half empty, and beside walls would make an error of s/H, through
+    which the energy of the falling column rises by .03 % although nothing feeds it.
+
     Potential: of a uniform, constant body force, from the tank's lower corner (without a tank from
     the lower corner of the fluid at the start); 0 for any other force.
     """
@@ -184,12 +188,12 @@ class Energy(Sampler):
         self.title = "Energy of the fluid"
 
     def sums(self, view):
-        x, u, ones = view.particles.x, view.particles.u, view.ones
-        height = self.scene.gravity @ (ones.sum() * self.scene.lower - ones @ x)
-        return 0.5 * (ones @ (u * u)).sum(), height
+        x, u, volume = view.particles.x, view.particles.u, view.particles.volume
+        height = self.scene.gravity @ (volume.sum() * self.scene.lower - volume @ x)
+        return 0.5 * (volume @ (u * u)).sum(), height
 
     def values(self, sums, rows):
-        kinetic, potential = self.scene.mass * sums
+        kinetic, potential = self.scene.density * sums
         return kinetic, potential, kinetic + potential
 
 
@@ -203,10 +207,10 @@ class Momentum(Sampler):
         self.title = "Momentum of the fluid"
 
     def sums(self, view):
-        return view.ones @ view.particles.u
+        return view.particles.volume @ view.particles.u
 
     def values(self, sums, rows):
-        return self.scene.mass * sums
+        return self.scene.density * sums
 
 
 class Volume(Sampler):

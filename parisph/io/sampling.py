@@ -67,15 +67,14 @@ def _together(comm, sums, rows):
 class Scene:
     """What samplers need to know of the case.
 
-    spacing [m]; step (dim,) of the lattice [m]; mass of a fluid particle [kg, kg/m in 2D];
-    lower, upper (dim,) corners of the tank, or of the fluid without one [m]; tank : whether
-    there is one; gravity (dim,) [m/s2], zero where the body force is not uniform and constant.
+    spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
+    the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2], zero where the body force is not uniform and constant.
     """
 
     dim: int
     spacing: float
     step: np.ndarray
-    mass: float
+    density: float
     lower: np.ndarray
     upper: np.ndarray
     tank: bool
@@ -85,7 +84,7 @@ class Scene:
     def of(cls, case):
         """Return the Scene of a Case."""
         s = case.numerics.spacing
-        return cls(case.dim, s, geometry.lattice(case).step, case.fluid.density * s**case.dim,
+        return cls(case.dim, s, geometry.lattice(case).step, case.fluid.density,
                    *geometry.domain(case), case.walls is not None, _uniform(case.gravity))
 
     @property
@@ -112,11 +111,6 @@ class View:
     def fluid(self):
         """Bool (n_owned,)."""
         return self.particles.kind == FLUID
-
-    @cached_property
-    def ones(self):
-        """1.0 for fluid and 0.0 for walls, (n_owned,): sums over the fluid are products with it."""
-        return self.fluid.astype(float)
 
     @cached_property
     def body(self):

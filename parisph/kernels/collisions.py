@@ -10,13 +10,14 @@ from parisph.kernels.near import dot, fill_up, gather, room_for, sum_moments, we
 
 
 @kernel
-def pair_collisions(change, u, x, kind, distance, restitution, indptr, indices, axes):
+def pair_collisions(change, u, x, kind, volume, distance, restitution, indptr, indices, axes):
     """Velocity change by collisions of fluid pairs nearer than the distance and approaching.
 
     Every particle sums the impulses of its pairs from the velocities before: the result does
-    not depend on the order of the pairs, nor on which rank owns which, and momentum is kept.
+    not depend on the order of the pairs, nor on which rank owns which, and momentum is kept:
+    masses are as the volumes.
 
-    change : (n_owned, dim) output [m/s]. Returns the number of colliding pairs (each counted
+    change : (n_owned, dim) output [m/s]; volume : (n_all,) [m^dim], > 0 for fluid. Returns the number of colliding pairs (each counted
     once a particle).
     """
     dim = len(axes)
@@ -37,8 +38,9 @@ def pair_collisions(change, u, x, kind, distance, restitution, indptr, indices, 
             if not 0.0 < r2 < d2 or approach <= 0.0:
                 continue
             pairs += 1
+            share = volume[j] / (volume[i] + volume[j])
             for a in range(dim):
-                change[i, a] -= 0.5 * (1.0 + restitution) * approach / r2 * (x[j, a] - x[i, a])
+                change[i, a] -= share * (1.0 + restitution) * approach / r2 * (x[j, a] - x[i, a])
     return pairs
 
 

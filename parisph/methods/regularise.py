@@ -28,7 +28,7 @@ def velocity(method, dt):
     if n.collision_distance > 0.0:
         d.update("u")
         change = np.empty_like(p.u)
-        hits = collisions.pair_collisions(change, p.u_all, p.x_all, p.kind_all,
+        hits = collisions.pair_collisions(change, p.u_all, p.x_all, p.kind_all, p.volume_all,
                                           n.collision_distance * method.spacing, n.restitution,
                                           d.indptr, d.indices, method.axes)
         p.u[:] += change

@@ -109,7 +109,7 @@ def test_ranks_without_particles_take_part(comm):
     alone = Watch(case, MPI.COMM_SELF, pressed)
     mine = slice(None if comm.rank == comm.size - 1 else 0)  # all of them on the last rank
     p = Particles(comm, 2)
-    p.assign({name: getattr(alone.particles, name)[mine] for name in ("id", "kind", "x", "u", "p", "role")})
+    p.assign({name: getattr(alone.particles, name)[mine] for name in ("id", "kind", "x", "u", "volume", "p", "role")})
     radius = alone.domain.radius
     indptr, indices = neighbour_lists(p.x_all, p.n_owned, radius)
     domain = SimpleNamespace(indptr=indptr, indices=indices, radius=radius, update=lambda *names: None)

@@ -10,10 +10,11 @@ from tests.pools import block, free, part, tank
 dims = pytest.mark.parametrize("dim", [2, 3])
 
 
-def collided(pool, u, distance=0.85, restitution=0.2):
+def collided(pool, u, distance=0.85, restitution=0.2, volume=None):
     """Return (velocity change (n, dim), number of collisions)."""
+    volume = np.ones(pool.n) if volume is None else volume
     change = np.full((pool.n, pool.dim), np.nan)
-    pairs = collisions.pair_collisions(change, u, pool.x, pool.kind, distance * pool.spacing, restitution, *pool.csr)
+    pairs = collisions.pair_collisions(change, u, pool.x, pool.kind, volume, distance * pool.spacing, restitution, *pool.csr)
     return change, pairs
 
 
@@ -24,6 +25,23 @@ def guarded(pool, u, distance=0.5, dt=0.01):
 
 
 # -- pair collisions ----------------------------------------------------------------------------------
+
+
+@dims
+@pytest.mark.parametrize("restitution", [0.0, 0.2, 1.0])
+def test_unequal_pair_keeps_momentum_and_elastic_ones_energy(dim, restitution):
+    random = np.random.default_rng(2)
+    direction = random.normal(size=dim)
+    direction /= np.linalg.norm(direction)
+    pool = free(np.vstack([np.zeros(dim), 0.8 * direction]))
+    u, volume = np.vstack([direction, np.zeros(dim)]), np.array([0.5, 1.5])
+    change, _ = collided(pool, u, restitution=restitution, volume=volume)
+    after = u + change
+    np.testing.assert_allclose(volume @ after, volume @ u, atol=1e-14)
+    assert (after[0] - after[1]) @ direction == pytest.approx(-restitution, abs=1e-14)
+    lost = 0.5 * volume @ (u**2).sum(axis=1) - 0.5 * volume @ (after**2).sum(axis=1)
+    reduced = volume.prod() / volume.sum()
+    assert lost == pytest.approx(0.5 * reduced * (1.0 - restitution**2), abs=1e-14)
 
 
 @dims

@@ -49,7 +49,7 @@ def filtered(pool):
 
 def collided(pool):
     out = np.empty_like(pool.x)
-    collisions.pair_collisions(out, U[: pool.n, : pool.dim].copy(), pool.x, pool.kind, 0.9 * S, 0.2, *pool.csr)
+    collisions.pair_collisions(out, U[: pool.n, : pool.dim].copy(), pool.x, pool.kind, np.ones(pool.n), 0.9 * S, 0.2, *pool.csr)
     return out
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from parisph import Box, Case, Disc, Fluid, Numerics, Polygon, Tank
-from parisph.base.fields import CONTACT, DRY, FIELDS, INNER, SURFACE, WALL, WET
+from parisph.base.fields import CONTACT, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case import geometry
 from parisph.case.lattice import Lattice, misfit, nearest_spacings
 
@@ -64,6 +64,43 @@ def test_arrays_are_those_of_the_registry(name):
         assert value.dtype == expected.dtype and value.shape == expected.shape, key
     lower, upper = geometry.domain(case)
     assert np.all(arrays["x"] >= lower - 1e-9) and np.all(arrays["x"] <= upper + 1e-9)
+
+
+# -- the volume that a particle stands for ---------------------------------------------------------
+
+
+def volumes(case):
+    """Return {(x, y) in spacings: volume in cells} of the fluid."""
+    arrays, s = geometry.build(case), case.numerics.spacing
+    fluid = arrays["kind"] == FLUID
+    assert np.all(arrays["volume"][~fluid] == 0.0) and np.all(arrays["volume"][fluid] > 0.0)
+    places = map(tuple, np.round(arrays["x"][fluid] / s).astype(int))
+    return dict(zip(places, arrays["volume"][fluid] / s**2))
+
+
+def test_cells_of_a_column_beside_walls():
+    found = volumes(scene(Box(width=0.5, height=1.0)))
+    across, up = {1: 1.5, 5: 0.5}, {1: 1.5, 10: 0.5}      # beside a wall 3/2, on the surface 1/2
+    assert found == pytest.approx({(i, j): across.get(i, 1.0) * up.get(j, 1.0) for i in range(1, 6) for j in range(1, 11)})
+
+
+@pytest.mark.parametrize("shape, walls, volume, within", [
+    (Box(width=0.5, height=1.0), None, 0.5, 1e-12),
+    (Box(width=2.0, height=2.0), Tank(2.0, 2.0, True), 4.0, 1e-12),
+    (Disc(radius=0.5, at=(1.0, 1.0)), Tank(2.0, 2.0), 0.25 * np.pi, 0.01),
+    (Disc(radius=0.5), None, 0.25 * np.pi, 0.01),
+    (Polygon(points=((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), Tank(2.0, 2.0), 0.5, 0.01),
+])
+def test_volumes_add_up_to_the_body(shape, walls, volume, within):
+    assert geometry.build(scene(shape, walls))["volume"].sum() == pytest.approx(volume, rel=within)
+
+
+def test_stretched_columns_keep_their_share():
+    found = geometry.build(scene(Box(width=2.0, height=1.0), elevation="0.1*cos(pi*x)"))
+    columns = np.round(found["x"][:, 0] / 0.1).astype(int)
+    volume = np.bincount(columns, found["volume"])
+    x = 0.1 * np.arange(2, 19)
+    assert volume[2:19] == pytest.approx(0.1 * (1.0 + 0.1 * np.cos(np.pi * x)))
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -232,6 +269,7 @@ def test_lattice_in_three_dimensions():
     assert len(fluid) == points.count() == 4 * 2 * 5  # walls at both sides in y
     surface = fluid[points.is_surface(fluid)]
     assert np.array_equal(points.is_surface(fluid), (fluid[:, 0] == 4) | (fluid[:, 2] == 5)) and len(surface) == 2 * 8
+    assert points.cells(fluid).sum() * 0.1**3 == pytest.approx(0.4 * 0.3 * 0.5)
     wall, inward = points.wall_indices()
     assert len(wall) == 9 * 4 * 11 - 7 * 2 * 9
     faces = np.abs(inward).sum(axis=1)

@@ -206,15 +206,20 @@ def test_a_dry_wall_has_no_pressure():
 
 # -- energy and momentum ------------------------------------------------------------------
 
+# Rows 1 to 10 above the bed have their centre of mass at ROWS times half their height: the first
+# stands for 3/2 cells, the last, on the surface, for 1/2.
+ROWS = (1.5 * 1 + sum(range(2, 10)) + 0.5 * 10) / (10 * 5)
+
+
 def test_energy_and_momentum_of_a_moving_box():
     watch = Watch(scene([Energy(name="e"), Momentum(name="m")], velocity=(0.3, -0.2), tank=(1.0, 1.0), at=(2.0, 3.0)),
                   MPI.COMM_SELF, lambda arrays: arrays["u"].__setitem__(arrays["kind"] == WALL, 7.0))
-    mass, n = DENSITY * S**2, 19 * 10
+    mass = DENSITY * 1.0 * 0.5
     kinetic, potential, total = watch.sample()["e"]
-    assert kinetic == pytest.approx(0.5 * mass * n * 0.13, rel=1e-12)
-    assert potential == pytest.approx(mass * 19 * G * S * 55, rel=1e-12)  # rows 1 to 10 above the bed at y = 3
+    assert kinetic == pytest.approx(0.5 * mass * 0.13, rel=1e-12)
+    assert potential == pytest.approx(mass * G * 0.25 * ROWS, rel=1e-12)  # the bed is at y = 3
     assert total == kinetic + potential
-    np.testing.assert_allclose(watch.sample()["m"], mass * n * np.array([0.3, -0.2]), rtol=1e-12)
+    np.testing.assert_allclose(watch.sample()["m"], mass * np.array([0.3, -0.2]), rtol=1e-12)
     assert [tuple(w.columns.items()) for w in watch.samplers] == [
         (("kinetic", "J/m"), ("potential", "J/m"), ("total", "J/m")), (("px", "kg/s"), ("py", "kg/s"))]
 
@@ -224,15 +229,17 @@ def test_energy_of_a_rotation_and_of_free_flight():
     found = Watch(scene([Energy(name="e")], tank=None, shape=Box(width=1.0, height=1.0, at=(-0.5, -0.5)), gravity=(0.0, 0.0),
                         velocity=("2*y", "-2*x")), MPI.COMM_SELF,
                   lambda arrays: arrays["role"].__setitem__(slice(0, 100), BALLISTIC)).sample()["e"]
-    squares = np.sum((np.arange(n) - 10) ** 2) * S**2
-    assert found == pytest.approx((0.5 * DENSITY * S**2 * 4 * 2 * n * squares, 0.0, found[0]))
+    weight = np.where(np.isin(np.arange(n), (0, n - 1)), 0.5, 1.0)     # cells on the edge are half empty
+    squares = weight @ (np.arange(n) - 10) ** 2 * S**2
+    assert found == pytest.approx((0.5 * DENSITY * S**2 * 4 * 2 * (n - 1) * squares, 0.0, found[0]))
+    assert found[0] == pytest.approx(0.5 * DENSITY * 4 / 6, rel=0.01), "the integral of u^2 over the unit square"
 
 
 @pytest.mark.parametrize("gravity, factor", [((0.0, "-9.81"), 1.0), ((0.0, "-2*9.81"), 2.0), ((0.0, "-9.81*t"), 0.0),
                                              (("-x", -9.81), 0.0)])
 def test_only_a_uniform_constant_force_has_a_potential(gravity, factor):
     found = Watch(scene([Energy(name="e")], gravity=gravity), MPI.COMM_SELF).sample()["e"]
-    assert found[1] == pytest.approx(factor * DENSITY * S**2 * 19 * G * S * 55)
+    assert found[1] == pytest.approx(factor * DENSITY * 0.5 * G * 0.25 * ROWS)
 
 
 # -- volume -------------------------------------------------------------------------------
@@ -328,12 +335,13 @@ def test_a_run_that_breaks_down_is_still_sampled(share):
 
 
 def test_in_three_dimensions_what_has_no_meaning_is_refused():
-    cube = Scene(3, S, np.full(3, S), DENSITY * S**3, np.zeros(3), np.ones(3), True, np.array([0.0, 0.0, -G]))
+    cube = Scene(3, S, np.full(3, S), DENSITY, np.zeros(3), np.ones(3), True, np.array([0.0, 0.0, -G]))
     for probe in (Volume(name="v"), SurfaceGauge(name="g", at=0.0)):
         with pytest.raises(CaseError, match=f"'{probe.name}': {probe.kind} exists in 2D only.*in 3D"):
             probes.SAMPLERS[probe.kind](probe, cube)
     mid = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 0.25]])
-    p = SimpleNamespace(comm=MPI.COMM_SELF, kind=np.zeros(2, np.int8), role=np.zeros(2, np.int8), x=mid, u=np.ones((2, 3)))
+    p = SimpleNamespace(comm=MPI.COMM_SELF, kind=np.zeros(2, np.int8), role=np.zeros(2, np.int8), x=mid, u=np.ones((2, 3)),
+                        volume=np.full(2, S**3))
     energy, momentum = (probes.SAMPLERS[probe.kind](probe, cube) for probe in (Energy(name="e"), Momentum(name="m")))
     assert energy.sample(p, None, 0.0) == pytest.approx(DENSITY * S**3 * np.array([3.0, 0.75 * G, 3.0 + 0.75 * G]))
     assert momentum.sample(p, None, 0.0) == pytest.approx([2 * DENSITY * S**3] * 3)
