@@ -81,7 +81,8 @@ def test_volume_and_energy(fall):
     found, _ = fall
     cell, energy = found.probe("volume")["cell"], found.probe("energy")["total"]
     assert np.abs(cell - 1.0).max() < 0.01
-    assert energy.max() < 1.01 * energy[0] and energy[-1] > 0.9 * energy[0]
+    assert energy.max() < (1.0 + 1e-5) * energy[0], "nothing feeds it"
+    assert energy[-1] > 0.87 * energy[0], "what an impact takes with so few particles"
 
 
 def test_momentum_is_what_the_walls_give(fall):
