@@ -262,18 +262,23 @@ class PressureSolver:
 
     def _attempt(self, name):
         """Solve with the first attempt's method; return (reason, iterations). Collective."""
-        ksp, system = self._ksp, self._system
-        start = perf_counter()
-        try:
+        def prepare():
             # The matrix and its pattern are new in each step. With the flag set, PETSc leaves the
             # preconditioner alone whatever operators it is given, and drops the old matrix.
-            ksp.getPC().setReusePreconditioner(name == "kept")
-            ksp.setOperators(system.operator, system.preconditioned)
+            self._ksp.getPC().setReusePreconditioner(name == "kept")
+            self._ksp.setOperators(self._system.operator, self._system.preconditioned)
             if name != "kept":
                 self._build()
+        return self._timed(self._ksp, prepare)
+
+    def _timed(self, ksp, prepare):
+        """Call `prepare()` and solve; return (reason, iterations), and add up the seconds of both. Collective."""
+        start = perf_counter()
+        try:
+            prepare()
             middle = perf_counter()
             self._seconds[0] += middle - start
-            ksp.solve(system.b, system.x)
+            ksp.solve(self._system.b, self._system.x)
             self._seconds[1] += perf_counter() - middle
             return ksp.getConvergedReason(), ksp.getIterationNumber()
         except PETSc.Error:
@@ -292,23 +297,19 @@ class PressureSolver:
 
     def _backup(self, stage):
         """Solve with one of the later attempts; return (reason, iterations). Collective."""
-        system = self._system
         prefix = f"{opts.PREFIX}{stage}_"
         chosen = opts.backup(stage, self._goal, self._comm.size)
         start = perf_counter()
         ksp = opts.configured(self._comm, prefix, chosen)
-        try:
+        self._seconds[0] += perf_counter() - start
+
+        def prepare():
             with opts.defaults(prefix, chosen):
-                ksp.setOperators(system.operator, system.preconditioned)
+                ksp.setOperators(self._system.operator, self._system.preconditioned)
                 ksp.setUp()
                 ksp.setUpOnBlocks()
-            middle = perf_counter()
-            self._seconds[0] += middle - start
-            ksp.solve(system.b, system.x)
-            self._seconds[1] += perf_counter() - middle
-            return ksp.getConvergedReason(), ksp.getIterationNumber()
-        except PETSc.Error:
-            return _REFUSED, 0
+        try:
+            return self._timed(ksp, prepare)
         finally:
             ksp.destroy()
 
