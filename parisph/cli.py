@@ -30,6 +30,10 @@ def parse(words):
     cut = words.index("--") if "--" in words else len(words)
     ours, petsc = list(words[:cut]), list(words[cut + 1:])
     args, unknown = _parser().parse_known_args(ours)
+    if getattr(args, "set", None):    # --set a=1 b=2 means what --set a=1 --set b=2 does
+        more = [word for word in unknown if "=" in word and not word.startswith("-")]
+        args.set += more
+        unknown = [word for word in unknown if word not in more]
     if unknown:
         hint = "; options for PETSc come after a lone --" if unknown[0].startswith(("-pressure_", "-log", "-ksp", "-pc")) else ""
         raise CaseError(f"unknown argument {unknown[0]}{hint} (parisph {args.verb} -h lists the arguments)")
@@ -133,7 +137,7 @@ def _add_running(verbs):
 def _add_case(verb):
     verb.add_argument("case", metavar="CASE", help="Python file with a function case(...), or the case.json of a run")
     verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
-                      help="another value for a parameter of case(...), such as spacing=1/40 (may be repeated)")
+                      help="other values for parameters of case(...), such as --set spacing=1/40 end_time=2")
 
 
 def _add_progress(verb):

@@ -88,6 +88,13 @@ def test_exit_codes(case, driver, capsys, error, code):
     assert "parisph: error: " in shown and ("Traceback" in shown) is not meant
 
 
+def test_several_values_may_follow_one_set(case, driver):
+    assert entry.main(["run", "tank.py", "--set", "spacing=0.05", "title=two", "-q"]) == 0
+    given = driver.calls[0][0][0]
+    assert (given.numerics.spacing, given.title) == (0.05, "two")
+    assert entry.main(["run", "tank.py", "title=two"]) == 2, "but none without it"
+
+
 def test_run_hands_over_the_case_and_petsc_options(case, driver, capsys):
     assert entry.main(["run", "tank.py", "--set", "spacing=0.05", "--set", "title=two = three", "-q", "--", "-pressure_ksp_rtol", "1e-9"]) == 0
     (given, comm, out), options = driver.calls[0]
