@@ -1,7 +1,6 @@
 """The scenes of cases/ for tests: loaded by name, run in this process or on several ranks."""
 
 import numpy as np
-import pytest
 
 from parisph.case.load import load
 from tests.launch import ROOT, mpirun
@@ -35,11 +34,3 @@ def on_ranks(n, body, folder, timeout=120):
 def difference(a, b):
     """Return the largest difference of two arrays as a share of the largest value of the second."""
     return np.abs(a - b).max() / np.abs(b).max()
-
-
-def measured(name):
-    """Return the path of a measured reference series, which stands beside the clone; skip where it does not."""
-    path = ROOT.parent / "shared" / "reference" / "measured" / name
-    if not path.exists():
-        pytest.skip(f"the measured series {name} is not in {path.parent}")
-    return path

@@ -56,7 +56,7 @@ FIELDS = {
         Field("p", "scalar", np.float64, "Pa", "pressure"),
         Field("normal", "vector", np.float64, "", "unit normal of a wall particle, into the fluid"),
         Field("role", "scalar", np.int8, "", "0 inner, 1 surface, 2 wet wall, 3 dry wall, 4 contact line, 5 ballistic"),
-        Field("phi", "scalar", np.float64, "Pa", "potential of the position projection", exchanged=False, written=False),
+        Field("phi", "scalar", np.float64, "m^2", "potential of the position projection", exchanged=False, written=False),
         Field("grad_alpha", "vector", np.float64, "1/m", "gradient of alpha", exchanged=False, migrates=False, written=False),
         Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value"),
     )

@@ -83,8 +83,9 @@ class Lattice:
 
         What is in its own cell, and with its neighbours in equal parts what is in the cells of points
         beside it that are no fluid particles: those on a wall, and those just outside a curved surface.
-        Together this is all the fluid; a particle beside a wall stands for 3/2 cells, one on a plane
-        surface for 1/2.
+        A particle beside a wall stands for 3/2 cells, one on a plane surface for 1/2. Together this is
+        all the fluid of a Box; of other shapes it is missing where they are thinner than a cell, with no
+        particle in them, and each particle stands for something, in the sharpest corner as well.
         """
         share = np.ones(len(index))
         beside = [index + offset for offset in _offsets(index.shape[1])]
@@ -93,7 +94,7 @@ class Lattice:
         for other in beside:
             empty = np.flatnonzero(edge)[~self.is_fluid(other[edge])]
             share[empty] += self._filling(other[empty]) * self._takes(index[empty], other[empty])
-        return share
+        return np.maximum(share, 1.0 / SAMPLES[index.shape[1]] ** index.shape[1])
 
     def _filling(self, index):
         """Return which part of the cells about lattice indices (n, dim) is fluid, (n,)."""

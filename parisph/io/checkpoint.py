@@ -118,6 +118,7 @@ def _read_share(path, rank, size):
             _check_format(path, file)
             total = int(file.attrs["particles"])
             first, last = _share(total, rank, size)
+            _check_fields(path, file["particles"])
             arrays, stored = {}, []
             for name, data in file["particles"].items():
                 arrays[name] = data[first:last]
@@ -138,6 +139,13 @@ def _check_format(path, file):
         raise StoreError(f"{path} is an HDF5 file, but not a checkpoint of parisph")
     if int(file.attrs["version"]) > VERSION:
         raise StoreError(f"{path} was written by a newer parisph (version {file.attrs['version']} of the format, this one reads {VERSION})")
+
+
+def _check_fields(path, particles):
+    missing = [name for name, field in FIELDS.items() if field.migrates and name not in particles]
+    if missing:
+        raise StoreError(f"{path} lacks {', '.join(missing)}, which this parisph needs: restart it with the version that wrote it "
+                         "(its parisph_version says which)")
 
 
 def _share(total, rank, size):

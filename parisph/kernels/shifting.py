@@ -122,16 +122,12 @@ def limit_lengths(vector, n, cap, axes):
 
 
 @kernel
-def take_work(u, move, force, kind, limit, n, axes):
-    """Take the work of a displacement out of the velocity, or give it back, for fluid particles.
+def limit_work(move, u, force, kind, limit, n, axes):
+    """Cut from the displacements of fluid particles, along the force, what their speed cannot pay for.
 
-    Lifting a particle by `move` adds -force . move to its potential energy per unit mass. A
-    regularisation is not a motion: |u|^2 is changed by twice as much, direction kept. What would
-    change it by more than the share `limit` is cut from the move, along the force: fluid at rest
-    is neither lifted nor lowered. Without this the dam break gains 1 % of its energy up to the
-    impact.
+    The work may change |u|^2 by the share `limit`: fluid at rest is neither lifted nor lowered.
 
-    u : (n_owned, dim) [m/s] and move : (n_owned, dim) [m], changed in place; force : (n_all, dim) [m/s^2]
+    move : (n_owned, dim) [m], changed in place; u : (n_owned, dim) [m/s]; force : (n_all, dim) [m/s^2]
     """
     for i in range(n):
         if kind[i] != FLUID:
@@ -141,12 +137,29 @@ def take_work(u, move, force, kind, limit, n, axes):
             work += force[i, a] * move[i, a]
             square += u[i, a] ** 2
             strength += force[i, a] ** 2
-        if work == 0.0:
-            continue
         most = 0.5 * limit * square
-        done = min(max(work, -most), most)
+        if abs(work) > most:
+            for a in range(len(axes)):
+                move[i, a] -= (work - math.copysign(most, work)) / strength * force[i, a]
+
+
+@kernel
+def take_work(u, move, force, kind, n, axes):
+    """Take the work of a displacement out of the velocity, or give it back, for fluid particles.
+
+    Lifting a particle by `move` adds -force . move to its potential energy per unit mass. A
+    regularisation is not a motion: |u|^2 is changed by twice as much, direction kept. Without
+    this the dam break gains 1 % of its energy up to the impact.
+
+    u : (n_owned, dim) [m/s], changed in place; move : (n_owned, dim) [m]; force : (n_all, dim) [m/s^2]
+    """
+    for i in range(n):
+        if kind[i] != FLUID:
+            continue
+        work, square = 0.0, 0.0
         for a in range(len(axes)):
-            move[i, a] -= (work - done) / strength * force[i, a]
+            work += force[i, a] * move[i, a]
+            square += u[i, a] ** 2
         if square > 0.0:
             for a in range(len(axes)):
-                u[i, a] *= math.sqrt(1.0 + 2.0 * done / square)
+                u[i, a] *= math.sqrt(max(1.0 + 2.0 * work / square, 0.0))

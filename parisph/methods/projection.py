@@ -213,7 +213,10 @@ class Projection:
         p.u[fluid] += dt * (force[:p.n_owned][fluid] - grad[fluid] / self.density)
 
     def pressure_gradient(self, f):
-        """Gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim)."""
+        """Gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.
+
+        Where there are too few neighbours it is zero, and the particle is ballistic from here on.
+        """
         p, d, name = self.particles, self.domain, self.numerics.gradient
         out = np.empty_like(p.u)
         radius = schemes.GRADIENT[name] * self.spacing
@@ -227,6 +230,7 @@ class Projection:
         if self.numerics.surface_gradient == "harmonic":
             gradients.harmonic_gradient(out, f, p.x_all, p.role_all, schemes.WALL * self.spacing,
                                         d.indptr, d.indices, self.axes)
+        d.update("role")
         return out
 
     def _move(self, start, dt):

@@ -85,11 +85,12 @@ def _project(method, force, walls, h):
 
 
 def _move(method, move, force):
-    """Displace the owned fluid, but not into a wall."""
+    """Displace the owned fluid, but not into a wall, and no farther along the force than it can pay for."""
     p, d, n = method.particles, method.domain, method.numerics
+    shifting.limit_work(move, p.u, force, p.kind, WORK, p.n_owned, method.axes)
     if n.wall_guard > 0.0:
         collisions.keep_off_walls(move, p.x_all, p.kind_all, p.corner_all, p.normal_all,
                                   n.wall_guard * method.spacing, d.indptr, d.indices, method.axes)
-    shifting.take_work(p.u, move, force, p.kind, WORK, p.n_owned, method.axes)
+    shifting.take_work(p.u, move, force, p.kind, p.n_owned, method.axes)
     fluid = p.kind == FLUID
     p.x[fluid] += move[fluid]

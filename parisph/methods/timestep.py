@@ -1,7 +1,9 @@
 """The limits on the time step."""
 
 import numpy as np
+from mpi4py import MPI
 
+from parisph.base.errors import SolverDiverged
 from parisph.base.fields import FLUID
 
 
@@ -14,12 +16,18 @@ def next_step(comm, particles, numerics, gravity, previous=None):
 
     Parameters
     ----------
-    gravity : float, magnitude of the body force [m/s^2]
+    gravity : float, the largest body force on this rank's fluid [m/s^2], 0 where there is none
     previous : float or None, the last step [s]
+
+    Raises
+    ------
+    SolverDiverged on every rank: a velocity is no number.
     """
     if numerics.time_step is not None:
         return numerics.time_step
-    fastest = comm.allreduce(_fastest(particles), op=_max)
+    fastest, gravity, lost = _largest_of_all(comm, _fastest(particles), gravity)
+    if lost:
+        raise SolverDiverged("the velocity of a particle is no number any more")
     move = numerics.cfl * numerics.spacing
     dt = np.inf if fastest == 0.0 else move / fastest
     if gravity > 0.0:
@@ -38,5 +46,9 @@ def _fastest(particles):
     return float(np.sqrt((particles.u[fluid] ** 2).sum(axis=1).max()))
 
 
-def _max(a, b):
-    return max(a, b)
+def _largest_of_all(comm, speed, force):
+    """Return the largest speed and force of all ranks, and whether any was no number. Collective."""
+    mine = np.array([speed, force])
+    worst = np.append(np.nan_to_num(mine, nan=0.0, posinf=np.inf), float(np.isnan(mine[0])))
+    comm.Allreduce(MPI.IN_PLACE, worst, op=MPI.MAX)
+    return worst

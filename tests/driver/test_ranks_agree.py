@@ -53,3 +53,54 @@ def test_ranks_agree(results, name, ranks):
 def test_ranks_have_particles_or_none(results):
     assert results["dam_break", 3]["owned"].min() > 200
     assert results["free_drop", 3]["owned"].min() == 0
+
+
+ADAPTIVE = """
+s = Simulation(scene("dam_break", {"rtol": 1e-13}, spacing=0.05, time_step="none"), comm)
+times = []
+for _ in range(5):
+    s.advance()
+    times.append(s.time)
+fluid = comm.gather(int((s.particles.kind == 0).sum()))
+everyone = comm.gather(times)
+if comm.rank == 0:
+    np.savez(f"adaptive-{comm.size}.npz", fluid=fluid, times=everyone)
+"""
+
+
+def test_adaptive_step_is_the_same_on_all_ranks_also_without_fluid(tmp_path):
+    for n in (1, 4):
+        on_ranks(n, ADAPTIVE, tmp_path)
+    one, four = np.load(tmp_path / "adaptive-1.npz"), np.load(tmp_path / "adaptive-4.npz")
+    assert four["fluid"].min() == 0, "a rank with walls only"
+    assert np.all(four["times"] == four["times"][0])
+    np.testing.assert_allclose(four["times"][0], one["times"][0], rtol=1e-9)
+
+
+SLANTED = """
+case = scene("dam_break", spacing=0.05, time_step="none").changed(gravity=("2*x", "-9.81*(1 + x)"))
+s = Simulation(case, comm)
+times = [s.advance() and s.time for _ in range(4)]
+assert comm.allgather(times) == [times] * comm.size, comm.allgather(times)
+"""
+
+
+def test_adaptive_step_in_a_force_that_depends_on_the_place(tmp_path):
+    on_ranks(2, SLANTED, tmp_path)
+
+
+LATE = """
+s = Simulation(scene("dam_break", spacing=0.05, time_step=0.003), comm)
+p, ballistic = s.particles, 0
+while s.time < 4.0 * 0.32:
+    s.advance()
+    ballistic += int((p.role == 5).sum())
+    ghosts = p.role_all[p.n_owned:].copy()
+    s.domain.update("role")
+    assert np.array_equal(ghosts, p.role_all[p.n_owned:]), s.time
+assert comm.allreduce(ballistic) > 0
+"""
+
+
+def test_ghosts_know_which_particles_fly_free(tmp_path):
+    on_ranks(2, LATE, tmp_path)

@@ -121,7 +121,8 @@ def damage(path):
 
 
 @pytest.mark.parametrize("fault, message", [("bit", "'u' does not match"), ("cut", "not a whole checkpoint"), ("gone", "no checkpoint"),
-                                            ("foreign", "not a checkpoint of parisph"), ("text", "not a whole checkpoint")])
+                                            ("foreign", "not a checkpoint of parisph"), ("text", "not a whole checkpoint"),
+                                            ("old", "lacks volume")])
 def test_a_bad_checkpoint_is_refused_on_every_rank(folder, fault, message):
     path = folder / "00000003.h5"
     checkpoint.write(WORLD, folder, OwnedRows(spreads(WORLD.size)[0], WORLD.rank), 0.0, 3, 0.1, CASE, {}, {})
@@ -135,6 +136,9 @@ def test_a_bad_checkpoint_is_refused_on_every_rank(folder, fault, message):
             path.unlink()
         elif fault == "foreign":
             h5py.File(path, "w").close()
+        elif fault == "old":
+            with h5py.File(path, "r+") as file:
+                del file["particles/volume"]
         else:
             path.write_text("not HDF5")
     WORLD.barrier()

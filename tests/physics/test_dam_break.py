@@ -10,7 +10,7 @@ from parisph.driver import Simulation, run
 from parisph.io import checkpoint, reader, series
 from parisph.study import errors
 from tests.launch import ROOT
-from tests.scenes import measured, scene
+from tests.scenes import scene
 
 G, H, L = 9.81, 1.0, 0.5
 WEIGHT = 1000.0 * G * H
@@ -94,8 +94,8 @@ def test_momentum_is_what_the_walls_give(fall):
 
 def test_front_against_martin_and_moyce(fall):
     """The gate of the experiment opened in a finite time: raw, and after one shift of the time."""
-    t, x = series.read_reference(measured("01a_martin_moyce_n2_2_front_table2.csv"), "t_sqrt_g_over_H", "Z_x_over_a",
-                                 scale=L, time_scale=UNIT)
+    t, x = series.read_reference(ROOT / "cases" / "measured" / "martin_moyce_front.csv", "T", "front_over_a",
+                                 scale=L, time_scale=0.5 * UNIT)
     front = fall[0].probe("front")
     before = (t < 1.5 * UNIT) & (x < 4.0 * L)
     t, x = t[before], x[before]
@@ -103,3 +103,11 @@ def test_front_against_martin_and_moyce(fall):
     shift = errors.best_shift(front["time"], front["x"], t, x, 0.2 * UNIT)
     shifted = errors.judge(front["time"] + shift, front["x"], t, x)["relative_l2"]
     assert raw < 0.12 and shifted < 0.03 and 0.05 * UNIT < shift < 0.15 * UNIT
+
+
+def test_column_against_martin_and_moyce(fall):
+    tau, height = series.read_reference(ROOT / "cases" / "measured" / "martin_moyce_column.csv", "tau", "height_over_H",
+                                        scale=H, time_scale=0.5**0.5 * UNIT)
+    column = fall[0].probe("column")
+    known = tau < 2.4 * UNIT
+    assert errors.judge(column["time"], column["y"], tau[known], height[known])["relative_l2"] < 0.04

@@ -95,6 +95,13 @@ def test_volumes_add_up_to_the_body(shape, walls, volume, within):
     assert geometry.build(scene(shape, walls))["volume"].sum() == pytest.approx(volume, rel=within)
 
 
+def test_every_particle_stands_for_something():
+    sharp = geometry.build(scene(Polygon(points=((0.0, 0.0), (2.0, 0.0), (2.0, 0.02))), walls=None, spacing=0.05))
+    assert sharp["volume"].min() > 0.0
+    wedge = geometry.build(scene(Polygon(points=((0.0, 0.0), (2.0, 0.0), (2.0, 1.0)))))["volume"].sum()
+    assert 0.98 < wedge < 1.0, "what is missing is thinner than a cell"
+
+
 def test_stretched_columns_keep_their_share():
     found = geometry.build(scene(Box(width=2.0, height=1.0), elevation="0.1*cos(pi*x)"))
     columns = np.round(found["x"][:, 0] / 0.1).astype(int)

@@ -144,6 +144,14 @@ def test_second_right_hand_side_to_a_looser_tolerance(make):
     assert solver.solve_again(b, None)[1].residual < 1e-9 and solver.solve(*rows, b, None)[1].residual < 1e-9
 
 
+@pytest.mark.parametrize("rtol", [1e-5, 1e-2, 0.3])
+def test_slack_never_asks_for_nothing(make, rtol):
+    rows, p, b = problem()
+    solver = make(rtol=rtol)
+    solver.solve(*rows, b, None)
+    assert solver.solve_again(b, None, slack=1e3)[1].residual <= max(rtol, 0.01)
+
+
 def test_second_right_hand_side_belongs_to_the_new_matrix(make):
     solver = make(rtol=1e-10)
     solver.solve(*problem()[0], *problem()[1:])

@@ -122,6 +122,13 @@ def test_options_that_take_effect_are_not_complained_of(make, caplog):
     assert not warnings(caplog)
 
 
+def test_options_are_judged_only_after_a_solve_that_looked_for_them(make, caplog):
+    solver, (x, _, *rows) = make("-pressure_pc_type", "asm", "-pressure_sub_pc_factor_levels", "2"), systems.square(20)
+    solver.solve(*rows, 0.0 * x[:, 0], None)    # nothing to solve
+    solved(solver)
+    assert not warnings(caplog)
+
+
 def test_options_leave_no_trace():
     before = database()
     solver = PressureSolver(SELF, ["-pressure_ksp_rtol", "1e-9", "-pressure_ksp_max_it", "1"])

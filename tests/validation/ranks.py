@@ -1,4 +1,4 @@
-"""Acceptance 7, second half: through the impact, ranks differ by no more than rounding does."""
+"""Through the impact, ranks differ by no more than rounding does."""
 
 import numpy as np
 

@@ -1,6 +1,5 @@
 """Runs of whole scenes, and the table of what was measured against what is asked."""
 
-import os
 import shutil
 import tempfile
 from dataclasses import asdict, dataclass
@@ -83,9 +82,3 @@ class Bench:
         """Remove a temporary folder."""
         if not self._kept:
             shutil.rmtree(self.folder, ignore_errors=True)
-
-
-def reference(name):
-    """Return the path of a measured series beside the clone, or None."""
-    path = Path(__file__).resolve().parents[3] / "shared" / "reference" / "measured" / name
-    return path if os.path.exists(path) else None

@@ -1,4 +1,4 @@
-"""Acceptance 4: a tank of water at rest over 10,000 steps."""
+"""A tank of water at rest over 10,000 steps."""
 
 import numpy as np
 from mpi4py import MPI

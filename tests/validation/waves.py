@@ -1,4 +1,4 @@
-"""Acceptance 5: waves that do not break, at all resolutions, with their CPU seconds."""
+"""Waves that do not break, at all resolutions, with their CPU seconds."""
 
 import numpy as np
 
