@@ -49,7 +49,7 @@ def _text(value):
     """A value as --set takes it."""
     if isinstance(value, (tuple, list)):
         return ",".join(map(_text, value))
-    return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+    return "none" if value is None else f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
 def _steps(case, n):

@@ -199,6 +199,8 @@ class _Run:
         """
         self.progress.close()
         status = f"failed: rank {self.comm.rank}: {type(fault).__name__}: {fault}".removesuffix(": ")
+        if isinstance(fault, KeyboardInterrupt):
+            status = "interrupted"
         log.logger.debug(status)
         own = self.store.folder / f"summary-{self.comm.rank}.json"    # all ranks may come here at once
         try:

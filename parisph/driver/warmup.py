@@ -41,7 +41,9 @@ def small(case, numerics):
 
 
 def _step(simulation):
-    simulation.advance()
-    samplers = probes.build(simulation.case, simulation.comm)
-    probes.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
-    simulation.destroy()
+    try:
+        simulation.advance()
+        samplers = probes.build(simulation.case, simulation.comm)
+        probes.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
+    finally:
+        simulation.destroy()

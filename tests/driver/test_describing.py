@@ -42,7 +42,7 @@ def test_memory_is_estimated_as_it_is_measured(tmp_path):
 
 def test_values_are_written_as_set_takes_them():
     told = describe(scene("dam_break"), {"spacing": 1 / 3, "method": "ISPH", "time_step": None, "lid": True, "at": (0.0, 2.5)})
-    assert told.splitlines()[-1] == "--set       spacing=0.333333, method=ISPH, time_step=none, lid=True, at=0,2.5"
+    assert told.splitlines()[-1] == "--set       spacing=0.333333333333333, method=ISPH, time_step=none, lid=True, at=0,2.5"
 
 
 def test_times_are_due_once_each():
