@@ -128,7 +128,7 @@ def _add_running(verbs):
                  "go on from a checkpoint, on any number of ranks: parisph restart DIR [options] [-- PETSc options]")
     verb.add_argument("path", metavar="DIR", help="folder of a run, or a checkpoint file in it")
     verb.add_argument("--until", type=float, metavar="T", help="new end time [s]")
-    verb.add_argument("-o", "--out", metavar="DIR", help="folder for what follows (default: the same)")
+    verb.add_argument("-o", "--out", metavar="DIR", help="folder for what follows (default: the same, from its last checkpoint only)")
     _add_progress(verb)
     verb = _verb(verbs, "check", _check, "validate a case, and say what running it takes")
     _add_case(verb)
@@ -201,10 +201,11 @@ def _run(args):
 def _restart(args):
     comm = _world()
     from parisph import driver
+    from parisph.io.layout import run_of
 
     summary = driver.restart(args.path, comm, until=args.until, out=args.out, petsc_options=args.petsc,
                              progress=not args.quiet)
-    _tell(comm, summary, args.out or args.path)
+    _tell(comm, summary, args.out or run_of(args.path))
 
 
 def _check(args):

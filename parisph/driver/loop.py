@@ -21,6 +21,7 @@ from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.io import checkpoint, probes
 from parisph.io.files import on_first, together, write_json
+from parisph.io.layout import run_of
 from parisph.io.store import Store, provenance
 from parisph.methods.projection import StepReport
 from parisph.pressure.options import as_text
@@ -42,7 +43,7 @@ def run(case, comm, out, petsc_options=None, progress=True):
     Raises
     ------
     CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder
-    then holds summary.json and everything up to there.
+    then holds summary.json and everything up to there, unless it held a run already (CaseError).
     """
     on_first(comm, f"start a run in {out}", lambda: _check_new(Path(out)))
     with Signals() as signals, _built(case, comm, petsc_options) as simulation:
@@ -56,10 +57,16 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True)
     """Go on from the last checkpoint of a run, or from a given one, on any number of ranks. Collective.
 
     path : folder of a run or checkpoint file; until : new end time [s]; out : folder for what
-    follows, by default the same. Otherwise as `run`.
+    follows, without an earlier run, by default the same. Otherwise as `run`.
+
+    Raises
+    ------
+    CaseError on every rank, before anything is touched, besides: `out` holds another run, or results
+    of the same folder that come after the checkpoint would be lost.
     """
     path, folder = _find(path, comm)
     saved = checkpoint.read(comm, path)
+    on_first(comm, f"go on with the run in {out or folder}", lambda: _check_nothing_is_lost(path, saved.step, folder, out))
     case = together(comm, f"read the case in {path}", lambda: _case(saved, until))
     if finished(case, saved.time):
         raise CaseError(f"end_time = {case.end_time:g} s: the checkpoint {path} is of {saved.time:g} s already; "
@@ -239,8 +246,19 @@ class _Run:
 
 def _check_new(folder):
     if (folder / "case.json").exists():
-        raise StoreError(f"{folder} holds a run already: give another folder, or remove it")
+        raise CaseError(f"{folder} holds a run already: give another folder with -o, or remove it")
     _check_folder(folder)
+
+
+def _check_nothing_is_lost(path, step, folder, out):
+    """Raise CaseError if going on from `path`, which is of `step`, removes a run from `out` or later results from `folder`."""
+    if out is not None and Path(out).resolve() != folder.resolve():
+        _check_new(Path(out))
+        return
+    last = checkpoint.paths(folder / "checkpoints")[-1:]
+    if last and int(last[0].stem) > step:
+        raise CaseError(f"{path} is not the last checkpoint of {folder}, which is {last[0]}: what came after step {step} "
+                        "would be lost; give another folder with -o DIR, or go on from the last one")
 
 
 def _check_folder(folder):
@@ -265,7 +283,7 @@ def _find(path, comm):
             found = (there[-1], path) if there else None
             error = None if there else StoreError(f"{path} holds no checkpoint to go on from")
         elif path.is_file():
-            found = (path, path.resolve().parent.parent)
+            found = (path, run_of(path))
         else:
             error = StoreError(f"{path}: no such folder or file")
     agree(comm, error)

@@ -10,6 +10,20 @@
     DIR/run.log                        the driver's log
 """
 
+from pathlib import Path
+
 INDEX = "flow.vtkhdf.series"
 FILES = ("case.json", "summary.json", "steps.csv", INDEX, "run.log")
 FOLDERS = ("probes", "snapshots", "checkpoints")
+
+
+def run_of(path):
+    """Return the folder (pathlib.Path) of the run that a checkpoint file is in; of any other path, the path itself.
+
+    It is relative where it lies in the current folder, so that messages name it as users do. Not collective.
+    """
+    path = Path(path)
+    if not path.is_file():
+        return path
+    folder, here = path.resolve().parent.parent, Path.cwd()
+    return folder.relative_to(here) if folder.is_relative_to(here) else folder

@@ -95,8 +95,8 @@ def test_failed_run_goes_on_from_its_last_checkpoint(folder, capfd):
     said = fails(["restart", "run", "-q"], capfd, 3)
     assert "step 26, from t = 0.05 s" in said      # from the last checkpoint straight into the same wall
     assert entry.main(["restart", "run", "-q", "--until", "0.0501"]) == 2
-    assert entry.main(["restart", "run/checkpoints/00000020.h5", "-q", "--until", "0.05"]) == 0
-    assert json.loads(open("run/summary.json").read())["status"] == "completed"
+    assert entry.main(["restart", "run/checkpoints/00000020.h5", "-q", "--until", "0.05", "-o", "later"]) == 0
+    assert json.loads(open("later/summary.json").read())["status"] == "completed"
 
 
 @pytest.mark.parametrize(("words", "says"), [
@@ -147,3 +147,32 @@ def test_restart_of_what_is_finished(folder, capfd):
     assert "end_time" in fails(["restart", "run", "--until", "nan"], capfd, 2)
     assert "/proc/run" in fails(["restart", "run", "--until", "0.03", "-o", "/proc/run"], capfd, 5)
     assert {path: path.stat().st_mtime_ns for path in (folder / "run").rglob("*")} == before
+
+
+def contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_restart_removes_no_results(folder, capfd, ranks):
+    """Neither a run in the folder that is given, nor what came after the checkpoint in its own."""
+    for name, end in (("run", "0.03"), ("other", "0.02")):
+        assert entry.main(["run", "wild.py", "-o", name, "-q", "--set", f"end_time={end}"]) == 0
+    capfd.readouterr()
+    before = contents(folder)
+    assert "other holds a run already" in fails(["restart", "run", "--until", "0.05", "-o", "other"], capfd, 2, ranks)
+    older, last = checkpoint.paths("run/checkpoints")
+    for words in ([], ["-o", "run"], ["-o", "other/../run"]):
+        said = fails(["restart", str(older), "--until", "0.02", *words], capfd, 2, ranks)
+        assert str(older) in said and str(last) in said and "-o DIR" in said
+    assert contents(folder) == before
+    if ranks == 1:
+        assert entry.main(["restart", str(last), "-q", "--until", "0.04", "-o", "run"]) == 0
+
+
+def test_restart_tells_the_folder_of_the_run(folder, capfd):
+    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
+    capfd.readouterr()
+    last = checkpoint.paths("run/checkpoints")[-1]
+    assert entry.main(["restart", str(last), "-q", "--until", "0.03"]) == 0
+    assert "folder          run\n" in capfd.readouterr().out
