@@ -55,6 +55,15 @@ _BOOMERAMG_CLOSED = {"pc_hypre_boomeramg_relax_type_coarse": "symmetric-SOR/Jaco
 _GAMG = {"pc_type": "gamg", "mg_levels_ksp_type": "richardson", "mg_levels_pc_type": "sor"}
 
 
+# What the user may set of when an iteration ends: whether a value is good, and which are.
+_LIMITS = {
+    "ksp_rtol": (lambda value: 0.0 <= value < 1.0, "a number of at least 0 and below 1, such as 1e-6"),
+    "ksp_atol": (lambda value: 0.0 <= value < float("inf"), "a number of at least 0"),
+    "ksp_divtol": (lambda value: value > 0.0, "a number above 0"),
+    "ksp_max_it": (lambda value: value >= 0.0 and value.is_integer(), "a whole number of at least 0"),
+}
+
+
 def _incomplete(ranks, levels):
     """Return options of ILU(levels) on one rank, of overlapping ILU blocks on more."""
     factor = {"pc_factor_levels": str(levels), "pc_factor_mat_ordering_type": "rcm"}
@@ -156,6 +165,29 @@ def configured(comm, prefix, options):
     if ksp.getType() in ("preonly", "none"):
         ksp.setInitialGuessNonzero(False)  # PETSc refuses the combination
     return ksp
+
+
+def check_tolerances(prefix):
+    """Look at the tolerances and limits that the user gave under a prefix. Not collective.
+
+    PETSc accepts any number for them, and refuses what has no meaning in the middle of a run.
+
+    Raises
+    ------
+    CaseError : a value is no number or beyond its limits; it names the option, the value and the limits.
+    """
+    given = PETSc.Options(prefix)
+    for name, (fits, limits) in _LIMITS.items():
+        if not given.hasName(name):
+            continue
+        text = given.getString(name, "")
+        try:
+            good = fits(float(text))
+        except ValueError:
+            good = text.lower() in ("default", "petsc_default")
+        if not good:
+            raise CaseError(f"option -{prefix}{name} = {text or 'nothing'}: must be {limits}; "
+                            "give such a value, or leave the option out")
 
 
 def reason_of(error):

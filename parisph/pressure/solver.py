@@ -99,7 +99,7 @@ class PressureSolver:
 
     Raises
     ------
-    CaseError : an option cannot be understood. On all ranks.
+    CaseError : an option cannot be understood, or a tolerance has no meaning. On all ranks.
     """
 
     def __init__(self, comm, options=None, rtol=1e-6, closed=False):
@@ -118,6 +118,8 @@ class PressureSolver:
         self._user = opts.UserOptions(options)
         self._unchecked = True      # which of them PETSc has looked for
         try:
+            for stage in ("", *_BACKUPS):
+                opts.check_tolerances(f"{opts.PREFIX}{stage}_" if stage else opts.PREFIX)
             self._configure(0, 0)   # the size is not known yet, but bad options are
         except CaseError:
             self._user.withdraw()

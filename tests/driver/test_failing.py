@@ -110,6 +110,8 @@ def test_failed_run_goes_on_from_its_last_checkpoint(folder, capfd):
     (["run", "wild.py", "--set", "gravity=-9.81*height"], "height"),
     (["run", "wild.py", "--", "-ksp_type", "cg"], "-pressure_ksp_type"),
     (["run", "wild.py", "--", "-pressure_ksp_type", "nonsense"], "nonsense"),
+    (["run", "wild.py", "--", "-pressure_ksp_rtol", "10"], "-pressure_ksp_rtol = 10: must be a number of at least 0 and below 1"),
+    (["run", "wild.py", "--", "-pressure_ksp_rtol", "-1"], "-pressure_ksp_rtol = -1: must be"),
 ])
 def test_bad_case_is_refused_before_any_work(folder, capfd, words, says):
     assert says in fails([*words, "-o", "run"] if "--" not in words else [*words[:2], "-o", "run", *words[2:]], capfd, 2)
