@@ -5,7 +5,7 @@ from parisph.io.layout import INDEX
 
 def table(summary):
     """Return the lines of a short table of summary.json; what the summary lacks is left out."""
-    return [f"{name:<16}{text}" for name, text in _entries(summary) if text is not None]
+    return [f"{name:<15} {text}" for name, text in _entries(summary) if text is not None]
 
 
 def describe(run):
@@ -47,8 +47,10 @@ def _entries(summary):
     yield "volume drift", _number(get("volume_drift"), "+.2%")
     yield "energy drift", _number(get("energy_drift"), "+.2%")
     for probe, error in (get("errors") or {}).items():
-        if isinstance(error, dict):
-            yield f"error of {probe}", _number(error.get("relative_l2"), ".3g", " (relative L2)")
+        if isinstance(error, dict) and error.get("relative_l2") is None:
+            yield f"error of {probe}", f"not judged: {error.get('reason', 'no reason is known')}"
+        elif isinstance(error, dict):
+            yield f"error of {probe}", _number(error["relative_l2"], ".3g", " (relative L2)")
         else:
             yield f"error of {probe}", str(error)
 

@@ -42,21 +42,34 @@ def z17_elevation(elevation, truth):
 
 
 def on_reference(time, value, reference_time, reference, shift=0.0):
-    """Return (t, value at t, reference at t) on the reference's sampling, where the two overlap.
+    """Return (t, value at t, reference at t), (k,) each, where the two overlap.
+
+    t are the times of the reference, or those of the run if the reference is so coarse that fewer
+    than two of its times are inside the run (a constant given by two distant points). The other
+    series is interpolated linearly.
 
     time, value : (n,) of the run; reference_time, reference : (m,)
     shift : [s], added to the run's time (a gate that opens late: the reference starts later)
+
+    Raises
+    ------
+    ValueError : the two overlap in fewer than two samples of either
     """
     time, value = _series(time, value)
     reference_time, reference = _series(reference_time, reference)
-    inside = (reference_time >= time[0] + shift) & (reference_time <= time[-1] + shift)
+    time = time + shift
+    inside = _within(reference_time, time)
+    if np.count_nonzero(inside) >= 2:
+        t = reference_time[inside]
+        return t, np.interp(t, time, value), reference[inside]
+    inside = _within(time, reference_time)
     if np.count_nonzero(inside) < 2:
         raise ValueError(
-            f"the series from {time[0] + shift:g} to {time[-1] + shift:g} s and the reference from "
+            f"the series from {time[0]:g} to {time[-1]:g} s and the reference from "
             f"{reference_time[0]:g} to {reference_time[-1]:g} s share fewer than two samples"
         )
-    t = reference_time[inside]
-    return t, np.interp(t, time + shift, value), reference[inside]
+    t = time[inside]
+    return t, value[inside], np.interp(t, reference_time, reference)
 
 
 def best_shift(time, value, reference_time, reference, limit):
@@ -123,6 +136,11 @@ def impulse(time, pressure, window):
     """
     t, p = _inside(time, pressure, window)
     return float(_area(t, p))
+
+
+def _within(time, other):
+    """Return which of the times (n,) lie inside the span of others (m,), as (n,) bool."""
+    return (time >= other[0]) & (time <= other[-1])
 
 
 def _inside(time, value, window):

@@ -19,7 +19,7 @@ def errors(case, run):
     dict of dicts: relative_l2 (of the wave part where Truth.wave says so); paper, the norm of Zheng,
     Ma & Duan (2014), Er_p and Er_eta, which includes the depth; paper_2017, for waves, that of Zheng
     et al. (2017), Eq 35 (it falls with the number of samples); points, samples of the truth that were
-    compared. Where nothing can be compared: relative_l2 None and `reason`.
+    compared, or of the run where the truth is too coarse (errors.on_reference). Where nothing can be compared: relative_l2 None and `reason`.
 
     Raises
     ------

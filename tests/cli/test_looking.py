@@ -19,7 +19,7 @@ CASE = Case(title="small tank", fluid=Fluid(Box(width=1.0, height=0.5), density=
             probes=[PressureTap("P2", at=(1.0, 0.1)), Volume("volume")])
 SUMMARY = {"status": "completed", "method": "ISPH_R", "ranks": 2, "particles": 3200, "steps": 1250, "time": 1.0,
            "iterations": {"median": 11, "p99": 21, "max": 30}, "volume_drift": -0.0042, "energy_drift": -0.07,
-           "errors": {"P2": {"relative_l2": 0.0123}}}
+           "errors": {"P2": {"relative_l2": 0.0123}, "gauge_at_the_left": {"relative_l2": None, "reason": "share fewer than two samples"}}}
 
 
 @pytest.fixture
@@ -48,7 +48,8 @@ def test_info_says_how_it_went(folder, capsys):
     assert main(["info", str(folder)]) == 0
     words = {" ".join(line.split()) for line in lines_of(capsys)}
     assert {"small tank", "status completed", "particles 3,200", "steps 1,250", "iterations median 11, p99 21, max 30",
-            "volume drift -0.42%", "error of P2 0.0123 (relative L2)", "probe P2: pressure [Pa]"} <= words
+            "volume drift -0.42%", "error of P2 0.0123 (relative L2)",
+            "error of gauge_at_the_left not judged: share fewer than two samples", "probe P2: pressure [Pa]"} <= words
     assert any(word.startswith("snapshots 5, t = 0.1 to 0.9 s") for word in words)
     assert any(word == "petsc_options -ksp_type gmres" for word in words)
 

@@ -38,6 +38,19 @@ def test_comparison_is_on_the_reference_samples_that_overlap():
         errors.on_reference([0.0, 1.0], [0.0, 1.0], [1.5, 2.5], [0.0, 0.0])
 
 
+def test_comparison_with_a_coarse_reference_is_on_the_samples_of_the_run():
+    """As with a constant, or a ramp, that is given by its ends only."""
+    t, found, truth = errors.on_reference([0.0, 1.0, 2.0], [5.0, 6.0, 9.0], [-1.0, 1.0, 1e9], [0.0, 2.0, 1e9 + 1])
+    np.testing.assert_array_equal(t, [0.0, 1.0, 2.0])
+    np.testing.assert_array_equal(found, [5.0, 6.0, 9.0])
+    np.testing.assert_allclose(truth, [1.0, 2.0, 3.0])
+    t, found, _ = errors.on_reference([0.0, 1.0, 2.0], [5.0, 6.0, 9.0], [2.0, 1e9], [1.0, 1.0], shift=1.0)
+    np.testing.assert_array_equal((t, found), [[2.0, 3.0], [6.0, 9.0]])
+    assert errors.judge(T, np.full_like(T, 1.02), [0.0, 1e9], [1.0, 1.0])["relative_l2"] == pytest.approx(0.02)
+    with pytest.raises(ValueError, match="fewer than two"):
+        errors.on_reference([0.0, 1.0], [0.0, 1.0], [0.5, 0.9e9], [0.0, 0.0], shift=-0.6)
+
+
 @pytest.mark.parametrize("late", [0.137, -0.05, 0.2])
 def test_best_shift_finds_a_late_start(late):
     front = lambda t: 1.0 + 0.5 * t**2  # noqa: E731
