@@ -33,7 +33,7 @@ UNITS = {"dt": "s", "setup_seconds": "s", "solve_seconds": "s"}
 
 
 def run(case, comm, out, petsc_options=None, progress=True):
-    """Run a case from its start into the folder `out`, and return the summary. Collective.
+    """Run a case from its start into the folder `out`, and return the summary, the same dict on every rank. Collective.
 
     Parameters
     ----------

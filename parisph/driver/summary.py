@@ -9,6 +9,7 @@ import numpy as np
 from parisph.base.errors import ParisphError
 from parisph.case.schema import Energy, Volume
 from parisph.io import probes, reader
+from parisph.io.files import on_first
 from parisph.study import truth
 
 
@@ -70,9 +71,10 @@ class Account:
         }}
 
     def summary(self, simulation, store, status, comm=None):
-        """Return the content of summary.json, with volume and energy as measured last. Collective.
+        """Return the content of summary.json, with volume and energy as measured last, the same on all ranks. Collective.
 
         comm : the ranks whose cost counts, by default all; MPI.COMM_SELF makes it not collective
+        Raises StoreError on every rank if the files of the run cannot be read.
         """
         s, comm = simulation, comm or simulation.comm
         account = self.state(s, comm)["account"]
@@ -88,9 +90,10 @@ class Account:
             "parisph_version": store.about["parisph_version"], "versions": json.loads(store.about["versions"]),
             "petsc_options": store.about["petsc_options"],
         }
+        found = on_first(comm, f"read {store.folder}", lambda: _from_files(s.case, store))
         if comm.rank == 0:
-            content["iterations"], content["errors"] = _from_files(s.case, store)
-        return content
+            content["iterations"], content["errors"] = found
+        return comm.bcast(content)
 
 
 def _sums(before, now):

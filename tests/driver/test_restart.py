@@ -19,7 +19,9 @@ def fall(end, **sets):
         **{{"output.checkpoint_every": 0.0777, "output.probe_every": 3}})
 """
 FIRST = """
-driver.run(fall({end}), comm, "whole", progress=False)
+summary = driver.run(fall({end}), comm, "whole", progress=False)
+everyone = comm.allgather(summary)
+assert everyone[0] == everyone[1] and {{"iterations", "errors"}} <= set(summary), everyone
 driver.run(fall({half}), comm, "part", progress=False)
 driver.run(fall({end}, time_step="none"), comm, "adaptive", progress=False)
 """.format(end=END, half=0.5 * END)
