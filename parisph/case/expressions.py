@@ -55,6 +55,17 @@ def compile_expression(text, names):
     return evaluate
 
 
+def uniform_field(components):
+    """Return the values (dim,) of a vector field that is the same everywhere and always, else None.
+
+    components : numbers or expressions; those without variables count as numbers
+    """
+    try:
+        return np.array([number(str(component)) for component in components])
+    except ValueError:
+        return None
+
+
 @lru_cache(maxsize=64)
 def vector_field(components, with_time):
     """Compile the components of a vector field of position (and time), once.

@@ -7,7 +7,7 @@ from pydantic import Field, field_validator, model_validator
 
 from parisph.base.errors import CaseError
 from parisph.case import checks
-from parisph.case.expressions import vector_field
+from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.model import Model
 from parisph.case.motion import AtRest, Frame, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
@@ -79,6 +79,14 @@ class Case(Model):
             return False
         gaps = np.abs(np.array(shape.bounds) - np.array(tank.bounds))
         return bool(np.all(gaps < 0.5 * self.numerics.spacing))
+
+    @property
+    def driven(self):
+        """True where the body force or the tank's motion may do work on the fluid: its energy then need not stay.
+
+        A uniform, constant force does none, as its potential is counted.
+        """
+        return not isinstance(self.frame, AtRest) or uniform_field(self.gravity) is None
 
     def body_force(self, x, t):
         """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity less the tank's acceleration."""

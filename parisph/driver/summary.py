@@ -85,7 +85,7 @@ class Account:
             "status": status, "wall_seconds": account["wall"], "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
             "volume_drift": _drift(self.last["volume"], account["volume"]),
-            "energy_drift": _drift(self.last["energy"], account["energy"]),
+            "energy_drift": _drift(self.last["energy"], account["energy"]), "driven": s.case.driven,
             "divergence": self.divergence, "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(store.about["versions"]),
             "petsc_options": store.about["petsc_options"],

@@ -45,7 +45,8 @@ def _entries(summary):
     if fallbacks:
         yield "fallbacks", ", ".join(f"{name} {n}" for name, n in fallbacks.items()) if isinstance(fallbacks, dict) else str(fallbacks)
     yield "volume drift", _number(get("volume_drift"), "+.2%")
-    yield "energy drift", _number(get("energy_drift"), "+.2%")
+    # where work is done on the fluid a change of its energy is no error
+    yield "energy change" if get("driven") else "energy drift", _number(get("energy_drift"), "+.2%")
     for probe, error in (get("errors") or {}).items():
         if isinstance(error, dict) and error.get("relative_l2") is None:
             yield f"error of {probe}", f"not judged: {error.get('reason', 'no reason is known')}"

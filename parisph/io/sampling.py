@@ -95,10 +95,8 @@ class Scene:
 
 def _uniform(gravity):
     """Return the body force (dim,) [m/s2] if it is the same everywhere and always, else zeros: no potential."""
-    try:
-        return np.array([expressions.number(str(component)) for component in gravity])
-    except ValueError:
-        return np.zeros(len(gravity))
+    found = expressions.uniform_field(gravity)
+    return np.zeros(len(gravity)) if found is None else found
 
 
 class View:

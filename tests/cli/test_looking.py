@@ -10,6 +10,7 @@ from mpi4py import MPI
 from parisph import Box, Case, Fluid, Numerics, PressureTap, Tank, Volume
 from parisph.__main__ import main
 from parisph.case import geometry
+from parisph.io import describe
 from parisph.io.store import Store, provenance
 from parisph.parallel.particles import Particles
 from tests.launch import run
@@ -52,6 +53,14 @@ def test_info_says_how_it_went(folder, capsys):
             "error of gauge_at_the_left not judged: share fewer than two samples", "probe P2: pressure [Pa]"} <= words
     assert any(word.startswith("snapshots 5, t = 0.1 to 0.9 s") for word in words)
     assert any(word == "petsc_options -ksp_type gmres" for word in words)
+
+
+def test_energy_of_a_driven_fluid_does_not_drift(folder):
+    def lines(**more):
+        return [" ".join(line.split()) for line in describe.table({**SUMMARY, **more})]
+
+    assert "energy drift -7.00%" in lines() and "energy drift -7.00%" in lines(driven=False)
+    assert "energy change -7.00%" in lines(driven=True) and not any("energy drift" in line for line in lines(driven=True))
 
 
 @pytest.mark.parametrize("words", [[], ["--json"]])

@@ -32,6 +32,7 @@ def test_every_file_holds_the_options_in_force(tmp_path, monkeypatch):
                      "-pressure_pc_hypre_boomeramg_no_CF "):
             assert text in options
         assert options.count("-pressure_ksp_rtol ") == 1
+    assert found.summary["driven"] is False
     assert found.summary["versions"] == json.loads(found.about["versions"])
 
 

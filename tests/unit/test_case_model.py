@@ -42,6 +42,15 @@ def test_json_gives_the_same_case_back():
     assert Case.model_validate(case.model_dump()) == case
 
 
+@pytest.mark.parametrize(("changes", "driven"), [
+    ({}, False), ({"gravity": (0.0, "-9.81/2")}, False), ({"gravity": (0.0, 0.0)}, False),
+    ({"frame": Sway(0.1, 2.0)}, True), ({"frame": Tabulated((0.0, 1.0, 2.0, 3.0), (0.0, 0.1, 0.0, 0.2))}, True),
+    ({"gravity": (0.0, "-9.81*cos(t)")}, True), ({"gravity": ("-x", 0.0)}, True),
+])
+def test_work_is_done_by_a_moving_frame_and_by_a_force_that_varies(changes, driven):
+    assert scene(**changes).driven is driven
+
+
 def test_frozen():
     with pytest.raises(Exception, match="frozen"):
         scene().end_time = 2.0
