@@ -1,6 +1,7 @@
 """What a process of parisph finds in its environment, and how it starts others."""
 
 import os
+import shlex
 import subprocess
 import sys
 import time
@@ -107,6 +108,36 @@ def test_launch_kills_what_ignores_a_gentle_end(monkeypatch):
 @pytest.mark.parametrize("script", ["setup", "test", "demo", "env", "dam_break.slurm"])
 def test_scripts_are_valid_shell(script):
     assert run(["bash", "-n", ROOT / "run_scripts" / script]).returncode == 0
+
+
+@pytest.fixture(scope="module")
+def small_clone(tmp_path_factory):
+    """A folder with run_scripts/test and a few tests, of which one fails on rank 1 alone."""
+    folder = tmp_path_factory.mktemp("clone")
+    files = {
+        "run_scripts/test": (ROOT / "run_scripts" / "test").read_text(), "run_scripts/setup": "#!/bin/sh\n",
+        ".venv/bin/activate": f"PATH={shlex.quote(os.path.dirname(sys.executable))}:$PATH\n",
+        "tests/test_a.py": "def test_alone(): pass\n",
+        "tests/parallel/test_b.py": "import os\ndef test_ranks(): pass\n"
+                                    "def test_bad(): assert os.environ.get('OMPI_COMM_WORLD_RANK', os.environ.get('PMI_RANK')) != '1'\n",
+    }
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    (folder / "run_scripts" / "setup").chmod(0o755)
+    return folder
+
+
+@pytest.mark.parametrize(("name", "code", "says"), [
+    ("alone", 0, "test: all passed"), ("ranks", 0, "test: all passed"), ("alone or ranks", 0, "test: all passed"),
+    ("bad", 1, "FAILED, tests on two ranks: exit code 1"), ("ranks or bad", 1, "FAILED, tests on two ranks"),
+    ("nothing", 1, "no test was run"),
+])
+def test_selected_tests_are_judged(small_clone, name, code, says):
+    """To leave no test for the ranks is no failure of mpirun, and hides none."""
+    done = run(["bash", "run_scripts/test", "-k", name], cwd=small_clone)
+    assert done.returncode == code and says in done.stdout + done.stderr
+    assert ("non-zero" in done.stderr) <= ("bad" in name)
 
 
 @pytest.mark.parametrize("script", ["demo", "dam_break.slurm"])
