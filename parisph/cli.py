@@ -35,12 +35,33 @@ def parse(words):
         args.set += more
         unknown = [word for word in unknown if word not in more]
     if unknown:
-        hint = "; options for PETSc come after a lone --" if unknown[0].startswith(("-pressure_", "-log", "-ksp", "-pc")) else ""
-        raise CaseError(f"unknown argument {unknown[0]}{hint} (parisph {args.verb} -h lists the arguments)")
+        raise CaseError(f"unknown argument {unknown[0]}{_hint(unknown[0])} (parisph {args.verb} -h lists the arguments)")
     if petsc and not hasattr(args, "petsc"):
         raise CaseError(f"parisph {args.verb} takes no options for PETSc")
+    _check_petsc(petsc)
     args.petsc = petsc
     return args
+
+
+def _hint(word):
+    """Return what to do with a word before the lone -- that is for PETSc, as the end of a message; else nothing."""
+    if word.startswith("-log"):
+        return f"; {_early(word)}"
+    return "; options for PETSc come after a lone --" if word.startswith(("-pressure_", "-ksp", "-pc")) else ""
+
+
+def _check_petsc(words):
+    """Raise CaseError for words after the lone -- that PETSc cannot heed there: the run would go on without them."""
+    for word in words:
+        if word.startswith("--") or word in ("-o", "-q", "-h"):
+            raise CaseError(f"{word} stands after the lone --, where only options for PETSc belong, such as -pressure_ksp_rtol: "
+                            f"write {word} and its value before the --")
+        if word.startswith("-log_view"):
+            raise CaseError(f"{word} after the lone -- comes too late, as PETSc has started by then: {_early(word)}")
+
+
+def _early(word):
+    return f"set PETSC_OPTIONS={word} before the command"
 
 
 def execute(words):

@@ -58,6 +58,11 @@ def driver(monkeypatch):
     (["check", "tank.py", "--sets", "spacing=1"], "unknown argument --sets"),
     (["run", "tank.py", "-pressure_ksp_view"], "come after a lone --"),
     (["check", "tank.py", "--", "-pressure_ksp_view"], "takes no options for PETSc"),
+    (["run", "tank.py", "-log_view"], "set PETSC_OPTIONS=-log_view before the command"),
+    (["run", "tank.py", "--", "-log_view"], "set PETSC_OPTIONS=-log_view before the command"),
+    (["run", "tank.py", "--", "-pressure_ksp_view", "--set", "spacing=0.05"], "write --set and its value before the --"),
+    (["run", "tank.py", "--", "-o", "mine"], "write -o and its value before the --"),
+    (["restart", "runs/tank", "--", "--until", "3"], "write --until and its value before the --"),
     (["restart"], "required: DIR"),
     (["restart", "runs/tank", "--until", "late"], "invalid float value: 'late'"),
     (["compare", "runs/tank"], "required: REFERENCE.csv"),
@@ -116,10 +121,10 @@ def test_a_new_run_never_takes_the_folder_of_another(case, driver, capsys):
 
 
 def test_restart_hands_over(driver):
-    assert entry.main(["restart", "runs/tank", "--until", "2.5", "-o", "more", "--", "-log_view"]) == 0
+    assert entry.main(["restart", "runs/tank", "--until", "2.5", "-o", "more", "--", "-pressure_ksp_view"]) == 0
     (path, _), options = driver.calls[0]
     assert path == "runs/tank"
-    assert options == {"until": 2.5, "out": "more", "petsc_options": ["-log_view"], "progress": True}
+    assert options == {"until": 2.5, "out": "more", "petsc_options": ["-pressure_ksp_view"], "progress": True}
 
 
 def test_check_describes(case, driver, capsys):
