@@ -185,7 +185,7 @@ def _add_looking(verbs):
     verb.add_argument("--json", action="store_true", help="print as JSON")
     for option, text in (("--probe", "which probe, where there are several"), ("--column", "which of its columns"),
                          ("--time", "the reference's column of times (default: the first)"),
-                         ("--value", "the reference's column of values (default: the second)")):
+                         ("--value", "the reference's column of values (default: that of the probe's name for it, else the first after the time)")):
         verb.add_argument(option, metavar="NAME", help=text)
     for option, default, text in (
             ("--offset", 0.0, "truth = offset + scale * value"), ("--scale", 1.0, "see --offset"),

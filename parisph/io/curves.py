@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from parisph.base.errors import StoreError
+from parisph.base.errors import CaseError, StoreError
 from parisph.io import style
 from parisph.io.reader import Run, open_run
 from parisph.io.series import read_reference
@@ -30,7 +30,8 @@ def plot_probe(run, names=None, path=None, truth=None, normalise=False):
 
     Raises
     ------
-    StoreError : no such probe, or nothing to draw
+    CaseError : no such probe, or nothing to normalise by
+    StoreError : nothing to draw
     """
     run = run if isinstance(run, Run) else open_run(run)
     names = [names] if isinstance(names, str) else list(names or run.probe_names)
@@ -102,7 +103,7 @@ def _by_unit(run, names):
 def _own(run, normalise):
     own = style.scales(run.case)
     if normalise and own.time is None:
-        raise StoreError("this scene has no constant gravity: it has no sqrt(H/g) to divide by")
+        raise CaseError("this scene has no constant gravity: it has no sqrt(H/g) to divide by")
     return own
 
 

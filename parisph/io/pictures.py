@@ -27,7 +27,8 @@ def plot(run, time=None, peak=None, field=None, probes=None, surface=False, norm
 
     Raises
     ------
-    CaseError : `out` for two pictures; StoreError : no such snapshot, probe or field.
+    CaseError : `out` for two pictures, no such probe or quantity; StoreError : no such snapshot, a field that was
+    not written, or a file that cannot be.
     """
     flow = time is not None or peak is not None or field is not None
     if out is not None and flow and probes:
@@ -54,7 +55,7 @@ def animate(run, field=None, surface=False, normalise=False, out=None):
 
 
 def peak_time(run, probe):
-    """Return the time [s] at which the first column of a probe is greatest. Raises StoreError."""
+    """Return the time [s] at which the first column of a probe is greatest. Raises CaseError, StoreError."""
     series = run.probe(probe)
     column = next(name for name in series.dtype.names if name not in ("time", "step"))
     if not np.any(np.isfinite(series[column])):

@@ -5,13 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from parisph.base.errors import StoreError
+from parisph.base.errors import CaseError, StoreError
 from parisph.io import series, snapshot
 from parisph.io.layout import INDEX
 
 
 class Run:
-    """A finished or a running run, read from its folder. Made by `open_run`; every method raises StoreError.
+    """A finished or a running run, read from its folder. Made by `open_run`; every method raises
+    StoreError for files, and CaseError for the name of a probe that is not there.
 
     Attributes
     ----------
@@ -77,7 +78,7 @@ class Run:
 
     def _probe_path(self, name):
         if name not in self.probe_names:
-            raise StoreError(f"{self.folder} has no probe {name!r} (it has: {', '.join(self.probe_names) or 'none'})")
+            raise CaseError(f"{self.folder} has no probe {name!r} (it has: {', '.join(self.probe_names) or 'none'})")
         return self.folder / "probes" / f"{name}.csv"
 
     def _json(self, name):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parisph.base.errors import StoreError
+from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WET
 
 
@@ -52,10 +52,10 @@ LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")  # Ok
 
 
 def quantity(name):
-    """Return the Quantity of that name. Raises StoreError naming those there are."""
+    """Return the Quantity of that name. Raises CaseError naming those there are."""
     found = QUANTITIES.get(ALIASES.get(name, name))
     if found is None:
-        raise StoreError(f"no quantity {name!r} to show (there are: {', '.join(QUANTITIES)})")
+        raise CaseError(f"no quantity {name!r} to show (there are: {', '.join(QUANTITIES)})")
     return found
 
 

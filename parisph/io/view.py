@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from parisph.base.errors import StoreError
+from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
 from parisph.io import style
 from parisph.io.reader import Run, open_run
@@ -29,6 +29,7 @@ def plot_field(run, which=-1, field="pressure", path=None, surface=False, normal
 
     Raises
     ------
+    CaseError : no such quantity, or nothing to normalise by
     StoreError : no such snapshot, or the quantity was not written
     """
     run = run if isinstance(run, Run) else open_run(run)
@@ -45,7 +46,7 @@ def movie(run, path, field="pressure", surface=False, normalise=False, limits=No
     """Write all snapshots as an animation: .gif, or .mp4 where ffmpeg is installed; return its path.
 
     Colours and axes are the same in every frame: `limits`, or what suits the bulk of all frames.
-    Other parameters as of plot_field. Raises StoreError.
+    Other parameters as of plot_field. Raises CaseError (also for another ending), StoreError.
     """
     run = run if isinstance(run, Run) else open_run(run)
     figure, path = style.drawing(), Path(path)
@@ -81,7 +82,7 @@ class FieldView:
         self.case, self.name, self.surface, self.normalise = case, field, surface, normalise
         self.quantity, self.own = style.quantity(field), style.scales(case)
         if normalise and self.own.time is None:
-            raise StoreError("this scene has no constant gravity: it has no sqrt(g H) to divide by")
+            raise CaseError("this scene has no constant gravity: it has no sqrt(g H) to divide by")
         self.length = self.own.length if normalise else 1.0
         self.spacing = case["numerics"]["spacing"] / self.length
         self.window = self._window(snapshots)
@@ -259,7 +260,7 @@ def _movie_writer(path, frames_per_second):
     if path.suffix == ".gif":
         return animation.PillowWriter(fps=frames_per_second)
     if path.suffix != ".mp4":
-        raise StoreError(f"{path}: a movie ends in .gif or .mp4")
+        raise CaseError(f"{path}: a movie ends in .gif or .mp4")
     if not animation.FFMpegWriter.isAvailable():
         raise StoreError("an .mp4 needs the program ffmpeg, which is not installed: write a .gif instead")
     return animation.FFMpegWriter(fps=frames_per_second, extra_args=["-pix_fmt", "yuv420p"])

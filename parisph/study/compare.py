@@ -14,7 +14,8 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
     run : io.reader.Run
     reference : path of a CSV file with one header line
     probe, column : name of the probe and of its column; may be left out where there is only one
-    time, value : names of the reference's columns (default: its first and its second)
+    time, value : names of the reference's columns. By default its first, and the one named as the probe's
+        or, where there is none, the first that is neither the time nor `step`
     offset, scale, time_scale : truth = offset + scale * value; t = time_scale * time [s]
     shift : [s], added to the run's time
     best_shift : None, or the largest time shift [s] either way among which the best one is sought
@@ -22,7 +23,7 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
 
     Returns
     -------
-    dict: probe, column, shift [s], and what errors.judge returns.
+    dict: probe, column, time and value (the columns of the reference), shift [s], and what errors.judge returns.
 
     Raises
     ------
@@ -31,26 +32,37 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
     probe = _only(probe, run.probe_names, f"{run.folder} has the probes", "--probe")
     found = run.probe(probe)
     column = _only(column, [name for name in found.dtype.names if name not in ("time", "step")], f"{probe} has the columns", "--column")
-    names = series.read(reference, cut=False).dtype.names
-    if len(names) < 2:
-        raise CaseError(f"{reference} has one column; a series needs a time and a value")
-    t, truth = series.read_reference(reference, time or names[0], value or names[1], offset, scale, time_scale)
+    time, value = _columns(reference, series.read(reference, cut=False).dtype.names, time, value, column)
+    t, truth = series.read_reference(reference, time, value, offset, scale, time_scale)
     try:
         if best_shift is not None:
             shift = errors.best_shift(found["time"], found[column], t, truth, best_shift)
         judged = errors.judge(found["time"] + shift, found[column], t, truth, rest)
     except ValueError as error:
         raise CaseError(f"{probe} against {reference}: {error}") from None
-    return {"probe": probe, "column": column, "shift": shift, **judged}
+    return {"probe": probe, "column": column, "time": time, "value": value, "shift": shift, **judged}
 
 
 def text(result):
     """Return the result of `compare` as lines."""
     of = "the wave" if result["relative_l2"] != result["z14"] else "the reference"
-    return (f"{result['probe']}, {result['column']}: {result['samples']} samples, t = {result['start']:.6g} to "
+    return (f"{result['probe']}, {result['column']} against the column {result['value']} over {result['time']}: "
+            f"{result['samples']} samples, t = {result['start']:.6g} to "
             f"{result['end']:.6g} s, run shifted by {result['shift']:+.4g} s\n"
             f"relative L2 error  {result['relative_l2']:.4g} of {of}\n"
             f"norm of Z14        {result['z14']:.4g}")
+
+
+def _columns(reference, names, time, value, column):
+    """Return the names of the reference's columns of time and of value; raise CaseError for those that are not there."""
+    for name, option in ((time, "--time"), (value, "--value")):
+        if name is not None and name not in names:
+            raise CaseError(f"{reference} has no column {name!r} (it has: {', '.join(names)}): choose one with {option}")
+    time = time or names[0]
+    values = [name for name in names if name not in (time, "time", "step")]
+    if value is None and not values:
+        raise CaseError(f"{reference} has the columns {', '.join(names)}; a series needs a time and a value")
+    return time, value or (column if column in values else values[0])
 
 
 def _only(name, names, there, option):

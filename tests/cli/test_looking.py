@@ -101,10 +101,11 @@ def test_plot_of_flow_and_probe_makes_two(folder, capsys):
 @pytest.mark.parametrize(("words", "code", "says"), [
     (["plot", "--time", "1", "--peak", "P2"], 2, "--time and --peak both"),
     (["plot", "--time", "1", "--probe", "P2", "-o", "x.png"], 2, "two pictures"),
-    (["plot", "--probe", "P9"], 5, "no probe 'P9' (it has: P2, volume)"),
-    (["plot", "--field", "salt"], 5, "no quantity 'salt'"),
+    (["plot", "--probe", "P9"], 2, "no probe 'P9' (it has: P2, volume)"),
+    (["plot", "--peak", "P9"], 2, "no probe 'P9'"),
+    (["plot", "--field", "salt"], 2, "no quantity 'salt'"),
     (["plot", "--probe", "P2", "-o", "x.unknown"], 5, "cannot write the picture"),
-    (["movie", "-o", "x.txt"], 5, "ends in .gif or .mp4"),
+    (["movie", "-o", "x.txt"], 2, "ends in .gif or .mp4"),
 ])
 def test_plot_that_cannot_be(folder, capsys, words, code, says):
     assert main([words[0], str(folder), *words[1:]]) == code
@@ -141,14 +142,39 @@ def test_compare_finds_a_known_error_and_shift(folder, reference, capsys):
 
 def test_compare_in_words(folder, reference, capsys):
     assert main(["compare", str(folder), reference, "--probe", "P2", "--shift", "0.02"]) == 0
-    assert "relative L2 error  0.01961 of the reference" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "relative L2 error  0.01961 of the reference" in said and "P2, pressure against the column p over t: " in said
+
+
+@pytest.mark.parametrize(("head", "column"), [
+    ("time,step,pressure", "pressure"), ("time,step,other,pressure", "pressure"), ("time,step,p,q", "p"), ("step,t,p", "p"),
+])
+def test_compare_takes_the_column_of_values(folder, tmp_path, capsys, head, column):
+    """As in the files of parisph's own probes, where the second column is the step."""
+    names = head.split(",")
+    path = tmp_path / "other.csv"
+    lines = [[{"step": step, "t": 0.1 * step, "time": 0.1 * step, column: 100.0 - 20 * abs(step - 5)}.get(name, -7.0) for name in names]
+             for step in range(11)]
+    np.savetxt(path, lines, delimiter=",", header=head, comments="")
+    words = ["--time", "t"] if "t" in names else []
+    assert main(["compare", str(folder), str(path), "--probe", "P2", "--json", *words]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["value"], found["time"]) == (column, words[-1] if words else "time")
+    assert found["relative_l2"] < 1e-12
+
+
+def test_compare_with_a_series_without_values(folder, tmp_path, capsys):
+    (tmp_path / "other.csv").write_text("time,step\n0,0\n1,1\n")
+    assert main(["compare", str(folder), str(tmp_path / "other.csv"), "--probe", "P2"]) == 2
+    assert "a series needs a time and a value" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("words", "code", "says"), [
     ([], 2, "has the probes P2, volume: choose one with --probe"),
     (["--probe", "P9"], 2, "there is no 'P9'"),
     (["--probe", "P2", "--column", "u"], 2, "P2 has the columns pressure; there is no 'u'"),
-    (["--probe", "P2", "--value", "q"], 5, "no column 'q' (it has: t, p, other)"),
+    (["--probe", "P2", "--value", "q"], 2, "has no column 'q' (it has: t, p, other): choose one with --value"),
+    (["--probe", "P2", "--time", "q"], 2, "has no column 'q' (it has: t, p, other): choose one with --time"),
     (["--probe", "P2", "--shift", "9"], 2, "share fewer than two samples"),
 ])
 def test_compare_that_cannot_be(folder, reference, capsys, words, code, says):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.base.errors import StoreError
+from parisph.base.errors import CaseError, StoreError
 from parisph.io.reader import open_run
 from parisph.io.store import Store, provenance
 from tests.owned_rows import OwnedRows, everything
@@ -53,7 +53,7 @@ def test_a_snapshot_by_number_or_nearest_time(folder, which, step):
 
 def test_what_is_not_there_is_named(folder, tmp_path):
     run = open_run(folder)
-    with pytest.raises(StoreError, match="no probe 'P9' .it has: P2"):
+    with pytest.raises(CaseError, match="no probe 'P9' .it has: P2"):
         run.probe("P9")
     with pytest.raises(StoreError, match="4 snapshots, there is no number 4"):
         run.snapshot(4)

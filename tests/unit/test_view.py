@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.base.errors import StoreError
+from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FIELDS, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.schema import Box, Case, Disc, Energy, Fluid, Numerics, PressureTap, SurfaceGauge, Tank, Volume
 from parisph.io import curves, style, view
@@ -143,7 +143,7 @@ def test_a_scene_without_tank_and_gravity_has_no_dimensionless_time(tmp_path):
     run = written(tmp_path / "drop", case, water())
     picture = view.plot_field(run)
     assert picture.axes[0].get_title(loc="left") == "Basin\n$t$ = 0.200 s" and not picture.axes[0].lines
-    with pytest.raises(StoreError, match="no constant gravity"):
+    with pytest.raises(CaseError, match="no constant gravity"):
         view.plot_field(run, normalise=True)
 
 
@@ -189,13 +189,21 @@ def test_truths_named_in_the_case_are_read(run, tmp_path):
 
 
 @pytest.mark.parametrize("what, message", [
-    ({"field": "vorticity"}, "no quantity 'vorticity' to show .there are: pressure"),
     ({"field": "density_ratio"}, "'alpha' was not written"), ({"which": 7}, "3 snapshots"),
     ({"path": "/no/such/folder/a.png"}, "cannot write the picture"), ({"path": "a.xyz"}, "cannot write the picture"),
 ])
 def test_what_cannot_be_drawn_is_said(run, what, message):
     with pytest.raises(StoreError, match=message):
         view.plot_field(run, **what)
+
+
+def test_what_is_misnamed_is_an_error_of_usage(run, tmp_path):
+    with pytest.raises(CaseError, match="no quantity 'vorticity' to show .there are: pressure"):
+        view.plot_field(run, field="vorticity")
+    with pytest.raises(CaseError, match="no probe 'P9'"):
+        curves.plot_probe(run, "P9")
+    with pytest.raises(CaseError, match="ends in .gif or .mp4"):
+        view.movie(run, tmp_path / "a.txt")
 
 
 def test_a_run_without_snapshots_or_probes_is_said(tmp_path):
