@@ -202,7 +202,7 @@ def _add_run(verb):
 def _add_drawing(verb):
     verb.add_argument("--field", metavar="NAME", help="pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
     verb.add_argument("--surface", action="store_true", help="mark the particles of the free surface")
-    verb.add_argument("--normalise", action="store_true", help="lengths by H, times by sqrt(H/g), pressures by rho g H")
+    verb.add_argument("--normalise", action="store_true", help="lengths by H, times by sqrt(H/g), pressures by rho g H (of the flow or of probes, not of the whole run)")
     verb.add_argument("-o", "--out", metavar="FILE",
                       help="where to write (default: in the folder of the run): a .png, .pdf, ...; a movie's .gif or .mp4")
 

@@ -18,22 +18,25 @@ def plot(run, time=None, peak=None, field=None, probes=None, surface=False, norm
     Parameters
     ----------
     run : io.reader.Run
-    time : [s], the flow at the nearest snapshot; the last one if only `field` is given
+    time : [s], the flow at the nearest snapshot, with a warning on standard error if it is farther before the
+        first, or after the last, than any time inside is from its snapshot; the last one if only `field` is given
     peak : name of a probe: the flow when its first column is greatest, instead of `time`
     field : what colours the flow (see view.plot_field); the pressure if None
     probes : list of probe names: their series in one picture
-    surface, normalise : see view.plot_field
+    surface, normalise : see view.plot_field; the page of the whole run cannot be normalised
     out : file to write; None: files in the folder of the run, named after what they show
 
     Raises
     ------
-    CaseError : `out` for two pictures, no such probe or quantity; StoreError : no such snapshot, a field that was
+    CaseError : `out` for two pictures, `normalise` for the whole run, no such probe or quantity; StoreError : no such snapshot, a field that was
     not written, or a file that cannot be.
     """
     flow = time is not None or peak is not None or field is not None
     if out is not None and flow and probes:
         raise CaseError("-o names one file, and these are two pictures, of the flow and of probes: ask for them one by one")
     if not flow and not probes:
+        if normalise:
+            raise CaseError("--normalise has no meaning for the whole run on one page: give --time, --peak, --field or --probe too")
         path = Path(out or run.folder / "overview.png")
         curves.plot_overview(run, path, field or "pressure", surface)
         return [path]
@@ -66,11 +69,23 @@ def peak_time(run, probe):
 def _plot_flow(run, time, peak, field, surface, normalise, out):
     if peak is not None:
         time = peak_time(run, peak)
+    elif time is not None:
+        _warn_of_other_time(run, time)
     which = -1 if time is None else float(time)
     if out is None:
         out = run.folder / f"flow_{field}_{run.times[run.number(which)]:.4f}s.png"
     view.plot_field(run, which, field, out, surface, normalise)
     return Path(out)
+
+
+def _warn_of_other_time(run, time):
+    """Say on standard error that no snapshot is near a time [s] outside the run, and which one is shown."""
+    if len(run) == 0:
+        return
+    slack = 0.5 * np.diff(run.times).max(initial=0.0)
+    if not run.times[0] - slack <= time <= run.times[-1] + slack:
+        print(f"parisph: warning: --time {time:g} s is outside the run, whose snapshots are of {run.times[0]:g} to {run.times[-1]:g} s: "
+              f"the picture is of {run.times[run.number(float(time))]:g} s", file=sys.stderr)
 
 
 def _truths(run):

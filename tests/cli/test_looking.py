@@ -93,6 +93,16 @@ def test_plot_names_the_picture_it_made(folder, capsys, words, name):
     assert (folder / name).read_bytes().startswith(b"\x89PNG") and (folder / name).stat().st_size > 5000
 
 
+@pytest.mark.parametrize(("time", "shown"), [("99", 0.9), ("-1", 0.1), ("1.01", 0.9), ("0.99", None), ("0.9", None), ("0.24", None)])
+def test_plot_warns_of_a_time_outside_the_run(folder, capsys, time, shown):
+    assert main(["plot", str(folder), "--time", time]) == 0
+    said = capsys.readouterr().err
+    if shown is None:
+        assert said == ""
+    else:
+        assert f"--time {float(time):g} s is outside the run" in said and f"0.1 to 0.9 s: the picture is of {shown:g} s" in said
+
+
 def test_plot_of_flow_and_probe_makes_two(folder, capsys):
     assert main(["plot", str(folder), "--time", "0.5", "--probe", "P2"]) == 0
     assert lines_of(capsys) == [str(folder / "flow_pressure_0.5000s.png"), str(folder / "probes_P2.png")]
@@ -100,6 +110,8 @@ def test_plot_of_flow_and_probe_makes_two(folder, capsys):
 
 @pytest.mark.parametrize(("words", "code", "says"), [
     (["plot", "--time", "1", "--peak", "P2"], 2, "--time and --peak both"),
+    (["plot", "--normalise"], 2, "--normalise has no meaning for the whole run"),
+    (["plot", "--normalise", "--surface"], 2, "give --time, --peak, --field or --probe"),
     (["plot", "--time", "1", "--probe", "P2", "-o", "x.png"], 2, "two pictures"),
     (["plot", "--probe", "P9"], 2, "no probe 'P9' (it has: P2, volume)"),
     (["plot", "--peak", "P9"], 2, "no probe 'P9'"),
