@@ -7,7 +7,7 @@ from parisph.kernels import collisions, shifting
 from parisph.kernels import surface as surfaces
 from parisph.methods import schemes
 
-WORK = 0.1  # largest share of |u|^2 that the work of one displacement may change
+WORK = 0.1  # largest share of the kinetic energy that the work of one displacement may change
 SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
 CAP = 0.1  # longest move of the position projection and of the shift, in spacings
 
@@ -39,7 +39,7 @@ def velocity(method, dt):
 
 
 def positions(method, force):
-    """Position projection, then Fick shift, with the work that they do taken from the speed. Collective.
+    """Position projection, then Fick shift, neither of which makes or takes energy. Collective.
 
     force : (n_all, dim), body force per unit mass [m/s^2]
 
@@ -85,12 +85,29 @@ def _project(method, force, walls, h):
 
 
 def _move(method, move, force):
-    """Displace the owned fluid, but not into a wall, and no farther along the force than it can pay for."""
+    """Displace the owned fluid, but not into a wall, and keep the energy of all fluid. Collective."""
     p, d, n = method.particles, method.domain, method.numerics
-    shifting.limit_work(move, p.u, force, p.kind, WORK, p.n_owned, method.axes)
     if n.wall_guard > 0.0:
         collisions.keep_off_walls(move, p.x_all, p.kind_all, p.corner_all, p.normal_all,
                                   n.wall_guard * method.spacing, d.indptr, d.indices, method.axes)
-    shifting.take_work(p.u, move, force, p.kind, p.n_owned, method.axes)
+    share, scale = _paid(p, move, force)
     fluid = p.kind == FLUID
-    p.x[fluid] += move[fluid]
+    p.x[fluid] += share * move[fluid]
+    p.u[fluid] *= scale
+
+
+def _paid(p, move, force):
+    """Return the share of the displacements that is made, and the factor of all velocities for it. Collective.
+
+    Particles that are lifted gain potential energy, which a regularisation must not make: without
+    this the falling column has gained .3 % before the impact, and a shaken tank a quarter of its
+    wave. All motion pays alike, by some 1e-5 in a step, and so the velocity stays free of
+    divergence; paid by each particle alone, the pressure is rough and slow fluid tears at walls.
+    Fluid at rest is not stirred: the work is at most the share WORK of the kinetic energy.
+    """
+    own = [np.einsum("i,ia,ia", p.volume, force[:p.n_owned], move), 0.5 * np.einsum("i,ia,ia", p.volume, p.u, p.u)]
+    work, kinetic = p.comm.allreduce(np.array(own))
+    if work == 0.0 or not np.isfinite(work + kinetic):    # what is wrong is said where particles are looked for
+        return 1.0, 1.0
+    share = min(1.0, WORK * kinetic / abs(work))
+    return share, np.sqrt(1.0 + share * work / kinetic) if kinetic > 0.0 else 1.0
