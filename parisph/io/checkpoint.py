@@ -91,8 +91,17 @@ def read(comm, path):
 
     Raises
     ------
-    StoreError on every rank if the file is missing, foreign, of a newer version, cut short or altered.
+    StoreError on every rank if the file is missing, foreign, of a newer version, cut short or altered;
+    it names the newest sound checkpoint beside the file, if there is one, and the command that takes it.
     """
+    try:
+        return _read(comm, path)
+    except StoreError as error:    # on every rank
+        advice = comm.bcast(_advice(Path(path)) if comm.rank == 0 else None)
+        raise StoreError(f"{error}{advice}") from None
+
+
+def _read(comm, path):
     loaded, problem, sums, stored = None, None, [], []
     try:
         loaded, stored = _read_share(path, comm.rank, comm.size)
@@ -103,13 +112,32 @@ def read(comm, path):
     sums = _sum_over_ranks(comm, sums)
     for name, found, expected in zip(loaded.arrays, sums, stored):
         if found != expected:  # the same on every rank
-            raise StoreError(f"{path} is damaged: field {name!r} does not match its checksum; use an older checkpoint")
+            raise StoreError(f"{path} is damaged: field {name!r} does not match its checksum")
     return loaded
 
 
 def paths(folder):
     """Return the whole checkpoints of a folder, oldest first; empty if there is no such folder."""
     return sorted(path for path in Path(folder).glob("*.h5") if path.stem.isdigit())
+
+
+def _advice(damaged):
+    """Return how to go on without a checkpoint, as the end of a message; nothing if no other is sound. Not collective."""
+    there = [path for path in paths(damaged.parent) if path.name != damaged.name]
+    sound = next((path for path in reversed(there) if _is_sound(path)), None)
+    if sound is None:
+        return ""
+    place = "" if sound.name > damaged.name and sound == there[-1] else " -o DIR"
+    return f"; the newest sound one beside it is {sound}: parisph restart {sound}{place}"
+
+
+def _is_sound(path):
+    """Return whether a checkpoint can be read whole, with the checksums that stand in it. Not collective."""
+    try:
+        found, stored = _read_share(path, 0, 1)
+    except (StoreError, RuntimeError):
+        return False
+    return [_checksum(data, 0) for data in found.arrays.values()] == stored
 
 
 def _read_share(path, rank, size):

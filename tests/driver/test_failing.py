@@ -3,6 +3,7 @@
 import json
 import os
 
+import h5py
 import pytest
 
 from parisph import __main__ as entry
@@ -170,6 +171,37 @@ def test_restart_removes_no_results(folder, capfd, ranks):
     assert contents(folder) == before
     if ranks == 1:
         assert entry.main(["restart", str(last), "-q", "--until", "0.04", "-o", "run"]) == 0
+
+
+def cut_short(path):
+    os.truncate(path, os.path.getsize(path) // 2)
+
+
+def alter(path):
+    with h5py.File(path, "r+") as file:
+        file["particles/p"][3] += 1.0
+
+
+@pytest.mark.parametrize(("damage", "ranks"), [(cut_short, 1), (alter, 1), (alter, 2)])
+def test_damaged_checkpoint_names_the_sound_one_and_how_to_take_it(folder, capfd, damage, ranks):
+    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
+    capfd.readouterr()
+    older, last = checkpoint.paths("run/checkpoints")
+    damage(last)
+    said = fails(["restart", "run", "--until", "0.03"], capfd, 5, ranks)
+    assert str(last) in said and f"the newest sound one beside it is {older}: parisph restart {older} -o DIR" in said
+    assert entry.main(["restart", str(older), "-q", "-o", "again"]) == 0
+    capfd.readouterr()
+    alter(older)
+    assert "sound" not in fails(["restart", "run", "--until", "0.03"], capfd, 5)
+
+
+def test_damaged_older_checkpoint_names_the_last(folder, capfd):
+    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
+    capfd.readouterr()
+    older, last = checkpoint.paths("run/checkpoints")
+    alter(older)
+    assert fails(["restart", str(older)], capfd, 5).endswith(f"parisph restart {last}\n")
 
 
 def test_restart_tells_the_folder_of_the_run(folder, capfd):
