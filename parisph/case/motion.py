@@ -12,6 +12,9 @@ from pydantic import AfterValidator, Field, model_validator
 from parisph.case.model import Model
 
 
+SHARE = 1 / 50    # of the period of a sway: the longest adaptive time step
+
+
 def _not_zero(direction):
     if not np.any(direction):
         raise ValueError(f"{direction!r} must not be zero; give for example (1, 0)")
@@ -43,6 +46,12 @@ class Motion(Model):
         return self._along(self._series(t)[2])
 
 
+    @property
+    def longest_step(self):
+        """Longest time step [s] that resolves the motion; infinite where it has no time of its own."""
+        return np.inf
+
+
 class AtRest(Motion):
     """A tank that does not move."""
 
@@ -67,6 +76,11 @@ class Sway(Motion):
     def _series(self, t):
         a, w = self.amplitude, self.frequency
         return a * (1.0 - np.cos(w * t)), a * w * np.sin(w * t), a * w * w * np.cos(w * t)
+
+    @property
+    def longest_step(self):
+        """See Motion: a share of the period; infinite where the amplitude is zero."""
+        return SHARE * 2.0 * np.pi / self.frequency if self.amplitude else np.inf
 
 
 class Tabulated(Motion):

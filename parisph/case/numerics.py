@@ -19,7 +19,8 @@ class Numerics(Model):
     ----------
     spacing : particle spacing s [m]
     method, preset : names, see METHODS and PRESETS
-    time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s)
+    time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s),
+        of at most a fiftieth of the period of a Sway
     max_time_step : upper limit of an adaptive step [s]
     zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)

@@ -1,5 +1,7 @@
 """What `parisph check` says of a case: particles, stages, memory, steps."""
 
+import math
+
 from parisph.case import geometry
 
 # Measured: peak memory of the dam break on one rank, 231, 301 and 487 MB with 3840, 30,720 and 119,040
@@ -55,5 +57,5 @@ def _text(value):
 def _steps(case, n):
     if n.time_step is not None:
         return f"{round(case.end_time / n.time_step)} of {n.time_step:.3g} s"
-    return f"adaptive, at most {n.cfl:g} spacings a step" + (
-        f" and {n.max_time_step:g} s" if n.max_time_step is not None else "")
+    longest = min(case.frame.longest_step, n.max_time_step or math.inf)
+    return f"adaptive, at most {n.cfl:g} spacings a step" + (f" and {longest:.3g} s" if longest < math.inf else "")

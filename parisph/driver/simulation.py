@@ -110,6 +110,8 @@ class Simulation:
     def _limit(self):
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
         dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt)
+        if self.numerics.time_step is None:    # a small force at the start, or between two turns, says nothing of what comes
+            dt = min(dt, self.case.frame.longest_step)
         if self.numerics.time_step is None and self.dt is None:
             # a scene that rests in no field has no time scale of its own
             dt = min(dt, FIRST * self.case.end_time)

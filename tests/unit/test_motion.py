@@ -49,3 +49,8 @@ def test_tabulated_rests_outside_its_times():
 
 def test_at_rest():
     assert not AtRest().acceleration(1.0).any() and AtRest().acceleration(1.0).shape == (2,)
+
+
+def test_a_sway_limits_the_time_step_to_a_share_of_its_period():
+    assert Sway(0.02, 2.0 * np.pi * 4.0).longest_step == pytest.approx(0.25 / 50)
+    assert Sway(0.0, 3.0).longest_step == AtRest().longest_step == np.inf
