@@ -14,7 +14,7 @@ PRESETS = {
         "kappa": 0.2,
         "shift": 0.3,
         "filter": 0.03,
-        "collision_distance": 0.7,
+        "collision_distance": 0.85,
         "restitution": 0.2,
         "wall_guard": 0.5,
         "surface_rule": "gap",
