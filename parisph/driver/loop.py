@@ -3,7 +3,7 @@
 import logging
 import os
 import signal
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, fields
 from pathlib import Path
 from time import perf_counter
@@ -45,8 +45,8 @@ def run(case, comm, out, petsc_options=None, progress=True):
     CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder
     then holds summary.json and everything up to there, unless it held a run already (CaseError).
     """
-    on_first(comm, f"start a run in {out}", lambda: _check_new(Path(out)))
-    with Signals() as signals, _built(case, comm, petsc_options) as simulation:
+    made = on_first(comm, f"start a run in {out}", lambda: _check_new(Path(out)))
+    with _left_only_if_used(made), Signals() as signals, _built(case, comm, petsc_options) as simulation:
         samplers = probes.build(case, simulation.comm)
         store = Store.create(simulation.comm, out, simulation.case.model_dump_json(), _about(simulation),
                              case.output.fields)
@@ -77,6 +77,21 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True)
         store = Store.resume(simulation.comm, out or folder, simulation.case.model_dump_json(), saved.time, saved.step,
                              _about(simulation), case.output.fields)
         return _Run(simulation, samplers, store, Account.resumed(saved.state), progress).go(signals, first=False)
+
+
+@contextmanager
+def _left_only_if_used(made):
+    """Remove a folder that was made for a run, if the run ends before anything is written into it. Not collective.
+
+    made : pathlib.Path on the rank that made it, else None
+    """
+    try:
+        yield
+    except ParisphError:
+        if made is not None:
+            with suppress(OSError):    # it is not empty: the run has begun
+                made.rmdir()
+        raise
 
 
 @contextmanager
@@ -247,7 +262,7 @@ class _Run:
 def _check_new(folder):
     if (folder / "case.json").exists():
         raise CaseError(f"{folder} holds a run already: give another folder with -o, or remove it")
-    _check_folder(folder)
+    return _check_folder(folder)
 
 
 def _check_nothing_is_lost(path, step, folder, out):
@@ -262,11 +277,13 @@ def _check_nothing_is_lost(path, step, folder, out):
 
 
 def _check_folder(folder):
-    """Make the folder and see that a file can be made in it, before any work. Raises OSError."""
+    """Make the folder and see that a file can be made in it, before any work; return it if it is new. Raises OSError."""
+    new = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
     probe = folder / f".{os.getpid()}.tmp"
     probe.touch()
     probe.unlink()
+    return folder if new else None
 
 
 def _case(saved, until):

@@ -116,7 +116,7 @@ def test_failed_run_goes_on_from_its_last_checkpoint(folder, capfd):
 ])
 def test_bad_case_is_refused_before_any_work(folder, capfd, words, says):
     assert says in fails([*words, "-o", "run"] if "--" not in words else [*words[:2], "-o", "run", *words[2:]], capfd, 2)
-    assert not os.path.exists("run/case.json")
+    assert not os.path.exists("run")
 
 
 def test_folder_of_another_run_is_left_alone(folder, capfd):
