@@ -145,7 +145,7 @@ class Store:
         for name in FOLDERS:
             (self.folder / name).mkdir(parents=True, exist_ok=True)
         for folder in (self.folder, *(self.folder / name for name in FOLDERS)):
-            for path in folder.glob(".*.tmp"):  # left by a run that was killed
+            for path in folder.glob(".*.tmp*"):  # left by a run that was killed; MPI puts its own name behind ours
                 path.unlink()
         write_text(self.folder / "case.json", json.dumps(json.loads(self._case), indent=2) + "\n")
 

@@ -204,6 +204,14 @@ def test_damaged_older_checkpoint_names_the_last(folder, capfd):
     assert fails(["restart", str(older)], capfd, 5).endswith(f"parisph restart {last}\n")
 
 
+def test_restart_clears_away_what_a_killed_run_left(folder, capfd):
+    assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
+    for name in ("checkpoints/.00000011.h5.tmp", "checkpoints/.00000011.h5.tmp.locktest.0"):
+        (folder / "run" / name).touch()
+    assert entry.main(["restart", "run", "-q", "--until", "0.03"]) == 0
+    assert not list((folder / "run").rglob(".*"))
+
+
 def test_restart_tells_the_folder_of_the_run(folder, capfd):
     assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
     capfd.readouterr()
