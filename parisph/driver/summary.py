@@ -2,6 +2,7 @@
 
 import json
 import resource
+from pathlib import Path
 from time import perf_counter, process_time
 
 import numpy as np
@@ -78,7 +79,7 @@ class Account:
         """
         s, comm = simulation, comm or simulation.comm
         account = self.state(s, comm)["account"]
-        peak = comm.allgather(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6)
+        peak = comm.allgather(_peak_memory())
         content = {
             "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": s.comm.size,
             "particles": int(s.particles.n_global), "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,
@@ -118,3 +119,15 @@ def _from_files(case, store):
         return iterations, truth.errors(case, run)
     except ParisphError as error:
         return None, {"unavailable": str(error)}
+
+
+def _peak_memory():
+    """Return the largest resident memory that this process has had [MB].
+
+    Linux's own mark begins with the program; that of getrusage is inherited from whatever started it.
+    """
+    try:
+        line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM:"))
+        return int(line.split()[1]) * 1024 / 1e6
+    except (OSError, StopIteration, ValueError):
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e6

@@ -4,6 +4,7 @@ import io
 import json
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from mpi4py import MPI
 
@@ -126,3 +127,9 @@ def test_phases_count_cpu_time(monkeypatch):
         1 / 0
     assert timers.reduce_cpu(MPI.COMM_SELF) == {"solve": 3.0, "store": 1.0}
     assert set(timers.seconds) == {"solve", "store"}
+
+
+def test_memory_of_who_started_the_run_is_not_counted(tmp_path):
+    ballast = np.ones(100_000_000)      # 800 MB, as a notebook may have
+    test_memory_is_estimated_as_it_is_measured(tmp_path)
+    assert ballast[-1] == 1.0
