@@ -18,6 +18,14 @@ def collided(pool, u, distance=0.85, restitution=0.2, volume=None):
     return change, pairs
 
 
+def couple(dim, seed):
+    """Return two particles .8 spacings apart, the direction from the first to the second, and the generator."""
+    random = np.random.default_rng(seed)
+    direction = random.normal(size=dim)
+    direction /= np.linalg.norm(direction)
+    return free(np.vstack([np.zeros(dim), 0.8 * direction])), direction, random
+
+
 def guarded(pool, u, distance=0.5, dt=0.01):
     u = u.copy()
     slowed = collisions.wall_guard(u, *pool.walls, distance * pool.spacing, dt, *pool.csr)
@@ -30,10 +38,7 @@ def guarded(pool, u, distance=0.5, dt=0.01):
 @dims
 @pytest.mark.parametrize("restitution", [0.0, 0.2, 1.0])
 def test_unequal_pair_keeps_momentum_and_elastic_ones_energy(dim, restitution):
-    random = np.random.default_rng(2)
-    direction = random.normal(size=dim)
-    direction /= np.linalg.norm(direction)
-    pool = free(np.vstack([np.zeros(dim), 0.8 * direction]))
+    pool, direction, _ = couple(dim, 2)
     u, volume = np.vstack([direction, np.zeros(dim)]), np.array([0.5, 1.5])
     change, _ = collided(pool, u, restitution=restitution, volume=volume)
     after = u + change
@@ -47,10 +52,7 @@ def test_unequal_pair_keeps_momentum_and_elastic_ones_energy(dim, restitution):
 @dims
 @pytest.mark.parametrize("restitution", [0.0, 0.2, 1.0])
 def test_single_pair(dim, restitution):
-    random = np.random.default_rng(0)
-    direction = random.normal(size=dim)
-    direction /= np.linalg.norm(direction)
-    pool = free(np.vstack([np.zeros(dim), 0.8 * direction]))
+    pool, direction, random = couple(dim, 0)
     u = random.normal(size=(2, dim))
     approach = (u[0] - u[1]) @ direction
     u[0] += (1.0 - approach) * direction  # approaching at 1 m/s
