@@ -30,7 +30,8 @@ def build(case, rank=0, size=1):
     Returns
     -------
     dict of arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8;
-    x [m], u [m/s], normal (n, dim); volume (n,) [m^dim] (see Lattice.cells), 0 for walls; p (n,) [Pa], zero: the first solve finds it. Wall
+    x [m], u [m/s], normal (n, dim); volume (n,) [m^dim] (see Lattice.cells), 0 for walls; p (n,)
+    [Pa], zero: the first solve finds it. Wall
     normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
     """
     points = lattice(case)

@@ -68,7 +68,8 @@ class Scene:
     """What samplers need to know of the case.
 
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
-    the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2], zero where the body force is not uniform and constant.
+    the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2],
+    zero where the body force is not uniform and constant.
     """
 
     dim: int

@@ -17,8 +17,8 @@ def pair_collisions(change, u, x, kind, volume, distance, restitution, indptr, i
     not depend on the order of the pairs, nor on which rank owns which, and momentum is kept:
     masses are as the volumes.
 
-    change : (n_owned, dim) output [m/s]; volume : (n_all,) [m^dim], > 0 for fluid. Returns the number of colliding pairs (each counted
-    once a particle).
+    change : (n_owned, dim) output [m/s]; volume : (n_all,) [m^dim], > 0 for fluid. Returns the
+    number of colliding pairs (each counted once a particle).
     """
     dim = len(axes)
     d2 = distance * distance

@@ -43,8 +43,9 @@ def positions(method, force):
 
     force : (n_all, dim), body force per unit mass [m/s^2]
 
-    Returns the SolveRecord of the position projection, None without one. The lists and the matrix are those of the
-    pressure: half a step has moved neighbours against each other by far less than a spacing.
+    Returns the SolveRecord of the position projection, None without one. The lists and the matrix
+    are those of the pressure: half a step has moved neighbours against each other by far less
+    than a spacing.
     """
     p, d, n = method.particles, method.domain, method.numerics
     h = schemes.DENSITY * method.spacing
