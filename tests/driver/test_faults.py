@@ -1,0 +1,17 @@
+"""A few attempts of each part of the fault campaign; `python -m tests.faults` makes all of them."""
+
+import numpy as np
+import pytest
+
+from tests.faults.parts import PARTS
+
+# Enough to see that a part works and that nothing obvious misbehaves, and quick.
+FEW = {}
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_few_attempts(tmp_path, name):
+    count = FEW.get(name, 3)
+    found = list(PARTS[name].make(count, np.random.default_rng(1), tmp_path))
+    assert len(found) == count
+    assert [line for line in found if line is not None] == []

@@ -1,0 +1,59 @@
+"""What a part of the campaign is, how it is carried out, and the table of all of them."""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+SHOWN = 20    # misbehaviours of a part that are printed
+
+
+@dataclass(frozen=True)
+class Part:
+    """One kind of fault.
+
+    Attributes
+    ----------
+    what : a few words for the table
+    attempts : how many the whole campaign makes
+    make : function(count, random, folder) that makes `count` attempts in an empty folder and yields, for
+        each, None if parisph behaved, or a line that says what it did. It chooses with `random`, a
+        numpy.random.Generator, so that a seed repeats it.
+    """
+
+    what: str
+    attempts: int
+    make: Callable[[int, np.random.Generator, Path], Iterator[str | None]]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the table; misbehaved : list of what went wrong; seconds : wall time."""
+
+    name: str
+    what: str
+    attempts: int
+    misbehaved: list
+    seconds: float
+
+
+def carry_out(name, part, count, seed, folder):
+    """Make the attempts of a part, say on standard error what misbehaves, and return the Row."""
+    begun, made, misbehaved = time.monotonic(), 0, []
+    for found in part.make(count, np.random.default_rng(seed), folder):
+        made += 1
+        if found is not None:
+            misbehaved.append(found)
+            if len(misbehaved) <= SHOWN:
+                print(f"{name}, attempt {made}: {found}", file=sys.stderr, flush=True)
+    return Row(name, part.what, made, misbehaved, time.monotonic() - begun)
+
+
+def text(rows):
+    """Return the rows as a Markdown table."""
+    lines = ["| part | what | attempts | misbehaved | s |", "|---|---|---|---|---|"]
+    lines += [f"| {row.name} | {row.what} | {row.attempts} | {len(row.misbehaved)} | {row.seconds:.0f} |" for row in rows]
+    return "\n".join(lines)
