@@ -15,7 +15,8 @@ _PUBLIC = {
     "load": "parisph.case.load",
     **{
         name: "parisph.base.errors"
-        for name in ("ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted")
+        for name in ("ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted",
+                     "MissingLibrary")
     },
     **{name: "parisph.driver" for name in ("run", "restart", "Simulation")},
     "open_run": "parisph.io.reader",

@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 
 from parisph import __version__
-from parisph.base import environment
+from parisph.base import environment, libraries
 from parisph.base.errors import CaseError, ParisphError, agree
 
 EXIT_CODES = "exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 files, 1 anything else"
@@ -107,9 +107,10 @@ def _everywhere(action):
 def _world():
     """Return the communicator of all ranks.
 
-    Raises ParisphError where a launcher has started several ranks and MPI sees one: each would
-    run the whole case, all into the same folder.
+    Raises MissingLibrary where there is no MPI or PETSc, and ParisphError where a launcher has
+    started several ranks and MPI sees one: each would run the whole case, all into the same folder.
     """
+    libraries.require(*libraries.ENGINE)
     from mpi4py import MPI
 
     launched = environment.launched()[1]

@@ -21,6 +21,10 @@ class StoreError(ParisphError):
     """A file of the run cannot be written, or is not one that parisph wrote."""
 
 
+class MissingLibrary(ParisphError, ImportError):
+    """A library that parisph can be installed without is needed here, and cannot be imported."""
+
+
 class Interrupted(ParisphError):
     """The run was asked to stop and did so between two steps."""
 

@@ -1,7 +1,21 @@
 """From a case to a finished run: build, run, restart, describe."""
 
-from parisph.driver.describe import describe
-from parisph.driver.loop import restart, run
-from parisph.driver.simulation import Simulation
+from importlib import import_module
 
-__all__ = ["Simulation", "describe", "restart", "run"]
+from parisph.base import libraries
+from parisph.driver.describe import describe
+
+# Loaded when first asked for: describing a case must work where there is no MPI.
+_ENGINE = {"Simulation": "parisph.driver.simulation", "restart": "parisph.driver.loop", "run": "parisph.driver.loop"}
+
+__all__ = ["describe", *_ENGINE]
+
+
+def __getattr__(name):
+    """Load the engine for `run`, `restart` and `Simulation`. Raises MissingLibrary where there is none."""
+    if name not in _ENGINE:
+        raise AttributeError(f"module 'parisph.driver' has no attribute {name!r}")
+    libraries.require(*libraries.ENGINE)
+    value = getattr(import_module(_ENGINE[name]), name)
+    globals()[name] = value
+    return value

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parisph.base import libraries
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WET
 
@@ -118,11 +119,10 @@ def with_prefix(largest, unit):
 
 
 def drawing():
-    """Return matplotlib's module `figure`, or raise StoreError that says how to get it."""
-    try:
-        from matplotlib import figure
-    except ImportError:
-        raise StoreError("pictures need matplotlib: pip install 'parisph[plot]'") from None
+    """Return matplotlib's module `figure`. Raises MissingLibrary, which says how to get it."""
+    libraries.require("matplotlib")
+    from matplotlib import figure
+
     return figure
 
 

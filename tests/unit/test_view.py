@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.base.errors import CaseError, StoreError
+from parisph.base.errors import CaseError, MissingLibrary, StoreError
 from parisph.base.fields import BALLISTIC, FIELDS, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.schema import Box, Case, Disc, Energy, Fluid, Numerics, PressureTap, SurfaceGauge, Tank, Volume
 from parisph.io import curves, style, view
@@ -217,5 +217,5 @@ def test_a_run_without_snapshots_or_probes_is_said(tmp_path):
 
 def test_without_matplotlib_the_remedy_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(StoreError, match=r"pip install 'parisph\[plot\]'"):
+    with pytest.raises(MissingLibrary, match=r"pip install 'parisph\[plot\]'"):
         style.drawing()
