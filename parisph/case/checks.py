@@ -5,6 +5,7 @@ Each check yields one line for each problem, with field, value, limit and remedy
 
 import numpy as np
 
+from parisph.base.text import shown
 from parisph.case.expressions import compile_expression, vector_field
 from parisph.case.lattice import FIT, Lattice, misfit, nearest_spacings
 from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge
@@ -117,15 +118,15 @@ def _elevation(case):
     eta = compile_expression(str(case.fluid.elevation), ("x",))(x=x)
     height = float(case.fluid.shape.size[-1])
     if not np.all(np.isfinite(eta)):
-        yield f"fluid.elevation = {case.fluid.elevation!r}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
+        yield f"fluid.elevation = {shown(case.fluid.elevation)}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
     elif eta.min() < -0.5 * height or eta.max() > height:
         yield (
-            f"fluid.elevation = {case.fluid.elevation!r}: reaches from {eta.min():g} to {eta.max():g}, must stay between "
+            f"fluid.elevation = {shown(case.fluid.elevation)}: reaches from {eta.min():g} to {eta.max():g}, must stay between "
             f"{-0.5 * height:g} and {height:g}, or the columns are stretched too far"
         )
     elif case.walls is not None and upper[-1] + eta.max() > case.walls.bounds[1][-1]:
         yield (
-            f"fluid.elevation = {case.fluid.elevation!r}: raises the surface to {upper[-1] + eta.max():g}, "
+            f"fluid.elevation = {shown(case.fluid.elevation)}: raises the surface to {upper[-1] + eta.max():g}, "
             f"above the tank's top at {case.walls.bounds[1][-1]:g}; lower it, or make the tank higher"
         )
 
@@ -147,7 +148,7 @@ def _finite(case):
             bad = ~np.isfinite(values[:, axis])
             if np.any(bad):
                 at = ", ".join(f"{value:g}" for value in x[bad][0])
-                yield f"{name}[{axis}] = {component!r}: is not a finite number at ({at})"
+                yield f"{name}[{axis}] = {shown(component)}: is not a finite number at ({at})"
 
 
 def _probes(case):

@@ -9,6 +9,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from parisph.base.text import shown
+
 FUNCTIONS = {
     name: getattr(np, name)
     for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "minimum", "maximum", "where")
@@ -109,7 +111,7 @@ def number(text):
     """Return the value of a text without variables, such as '1/24' or '2*pi'. Raises ValueError."""
     value = float(compile_expression(text, ())())
     if not np.isfinite(value):
-        raise ValueError(f"{text!r} is not a finite number")
+        raise ValueError(f"{shown(text)} is not a finite number")
     return value
 
 
@@ -120,14 +122,14 @@ def _parse(text, names):
         tree = ast.parse(text.strip(), mode="eval")
         _check_tree(tree, names, text, DEEPEST)
     except (SyntaxError, RecursionError, MemoryError) as error:
-        raise ValueError(f"{text!r} is not an expression ({getattr(error, 'msg', None) or 'nested too deeply'})") from None
+        raise ValueError(f"{shown(text)} is not an expression ({getattr(error, 'msg', None) or 'nested too deeply'})") from None
     return tree
 
 
 def _check_tree(node, names, text, depth):
     """Check a node and all below it, at most `depth` levels."""
     if depth == 0:
-        raise ValueError(f"the expression {text[:40]!r}... is nested more than {DEEPEST} levels deep")
+        raise ValueError(f"the expression {shown(text)} is nested more than {DEEPEST} levels deep")
     _check(node, names, text)
     for child in ast.iter_child_nodes(node):
         if not (isinstance(node, ast.Call) and child is node.func):  # a function's name stands only before "("
@@ -138,7 +140,7 @@ def _check(node, names, text):
     """Raise ValueError unless the node is of the short list of what may be computed."""
     if isinstance(node, ast.Constant):
         if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
-            raise ValueError(f"{node.value!r} in {text!r} is not a number")
+            raise ValueError(f"{shown(node.value)} in {shown(text)} is not a number")
     elif isinstance(node, ast.Name):
         if node.id not in names and node.id not in CONSTANTS:
             raise ValueError(_unknown_name(node.id, names, text))
@@ -146,10 +148,10 @@ def _check(node, names, text):
         _check_call(node, text)
     elif isinstance(node, ast.Compare):
         if len(node.ops) > 1:
-            raise ValueError(f"write {text!r} with single comparisons, multiplied: (0 < x)*(x < 1)")
+            raise ValueError(f"write {shown(text)} with single comparisons, multiplied: (0 < x)*(x < 1)")
     elif not isinstance(node, (ast.Expression, ast.Load, ast.BinOp, ast.UnaryOp, *OPERATORS)):
         raise ValueError(
-            f"{type(node).__name__} is not allowed in {text!r}: use numbers, + - * / **, comparisons, "
+            f"{type(node).__name__} is not allowed in {shown(text)}: use numbers, + - * / **, comparisons, "
             f"{', '.join(names)}{', ' if names else ''}pi and {', '.join(FUNCTIONS)}"
         )
 
@@ -157,14 +159,14 @@ def _check(node, names, text):
 def _check_call(node, text):
     name = getattr(node.func, "id", None)
     if name not in FUNCTIONS:
-        raise ValueError(f"unknown function in {text!r}; known are {', '.join(FUNCTIONS)}")
+        raise ValueError(f"unknown function in {shown(text)}; known are {', '.join(FUNCTIONS)}")
     if len(node.args) != ARGUMENTS[name] or node.keywords:
-        raise ValueError(f"{name} in {text!r} takes {ARGUMENTS[name]} arguments")
+        raise ValueError(f"{name} in {shown(text)} takes {ARGUMENTS[name]} arguments")
 
 
 def _unknown_name(name, names, text):
     known = ", ".join([*names, *CONSTANTS])
-    return f"unknown name {name!r} in {text!r}; known are {known} and the functions {', '.join(FUNCTIONS)}"
+    return f"unknown name {shown(name)} in {shown(text)}; known are {known} and the functions {', '.join(FUNCTIONS)}"
 
 
 class _NamedNumbers(ast.NodeTransformer):

@@ -3,9 +3,18 @@
 import difflib
 import typing
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from parisph.base.errors import CaseError
+from parisph.base.text import named, shown
+from parisph.case import values
+
+MOST_LINES = 10     # of problems in one message
+PLAIN = {           # pydantic's words for what a value must be are those of programmers
+    "string_type": "a text", "tuple_type": "several values, as in (1, 2)", "bool_type": "True or False",
+    "float_type": "a number", "int_type": "a whole number", "int_from_float": "a whole number",
+}
 
 
 class Model(BaseModel):
@@ -39,6 +48,14 @@ class Model(BaseModel):
     # place of an error inside a stored case would be lost.
     __init__.__pydantic_base_init__ = True
 
+    @model_validator(mode="before")
+    @classmethod
+    def _values_of_their_kind(cls, data):
+        found = list(values.faults(cls.model_fields, data)) if isinstance(data, dict) else []
+        if found:
+            raise PydanticCustomError("values", "wrong values", {"owner": cls, "found": found})
+        return data
+
     @classmethod
     def model_validate(cls, *args, **kwargs):
         """Build from a dictionary. Raises CaseError."""
@@ -59,11 +76,17 @@ class Model(BaseModel):
 def explain(error, model):
     """Return one line for each problem of a pydantic ValidationError raised by `model`."""
     lines = {}
-    for item in error.errors():
+    for item in error.errors(include_url=False):
         # A value that may be of several types fails once for each of them; the first says enough.
         place = _follow(model, item["loc"])[0]
         lines.setdefault((place, item["type"] == "value_error"), _line(item, model))
-    return "\n".join(lines.values())
+    return first_lines(list(lines.values()))
+
+
+def first_lines(problems):
+    """Return problems as text, one line each; of many, the first ones and how many there are."""
+    left = len(problems) - MOST_LINES
+    return "\n".join([*problems[:MOST_LINES], *([f"and {left:,} more problems like these"] if left > 0 else [])])
 
 
 def _positional(model):
@@ -76,26 +99,39 @@ def _line(item, model):
     place, owner, name = _follow(model, item["loc"])
     if kind == "value_error":  # our own message, which may have several lines
         return "\n".join(f"{place}: {line}" if item["loc"] else line for line in str(context["error"]).split("\n"))
+    if kind == "values":
+        return "\n".join(f"{place}.{name}{inside} = {shown(value)}: must be {limit}{_meaning(context['owner'], name)}"
+                         for name, inside, value, limit in context["found"])
     if kind == "extra_forbidden":
         return _unknown_field(owner, item["loc"][-1])
-    meaning = owner.model_fields[name].description if name in owner.model_fields else None
     if kind == "missing":
+        meaning = owner.model_fields[name].description if name in owner.model_fields else None
         return f"{place} is missing: give {meaning or 'a value'}"
     if kind == "json_invalid":
         return f"{place} cannot be read: {item['msg']}"
-    return f"{place} = {given!r}: must be {_limit(item, context)}{f' ({meaning})' if meaning else ''}"
+    return f"{place} = {shown(given)}: must be {_limit(item, context)}{_meaning(owner, name)}"
+
+
+def _meaning(owner, name):
+    """Return what a field means, in brackets, or nothing."""
+    meaning = owner.model_fields[name].description if name in owner.model_fields else None
+    return f" ({meaning})" if meaning else ""
 
 
 def _limit(item, context):
     kind = item["type"]
     if kind == "too_short":
         return f"at least {context['min_length']} values, not {context['actual_length']}"
+    if kind in ("string_too_short", "string_too_long"):
+        return f"a text of {'at least' if 'short' in kind else 'at most'} {next(iter(context.values()))} characters"
     if kind == "too_long":
         return f"at most {context['max_length']} values"
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return f"of a known kind: {context.get('expected_tags', 'give one by its class')}"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return "an object of the right class"
+    if kind in PLAIN:
+        return PLAIN[kind]
     return item["msg"].removeprefix("Input should be ")
 
 
@@ -103,7 +139,7 @@ def _unknown_field(owner, name):
     names = list(owner.model_fields)
     close = difflib.get_close_matches(str(name), names, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
-    return f"{owner.__name__} has no field {name!r}{hint} (its fields: {', '.join(names)})"
+    return f"{owner.__name__} has no field {shown(name)}{hint} (its fields: {', '.join(names)})"
 
 
 def _follow(model, loc):

@@ -9,6 +9,7 @@ from typing import Annotated, Literal, Union
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 
+from parisph.base.text import shown
 from parisph.case.model import Model
 
 
@@ -17,7 +18,7 @@ SHARE = 1 / 50    # of the period of a sway: the longest adaptive time step
 
 def _not_zero(direction):
     if not np.any(direction):
-        raise ValueError(f"{direction!r} must not be zero; give for example (1, 0)")
+        raise ValueError(f"{shown(direction)} must not be zero; give for example (1, 0)")
     return direction
 
 

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Optional
 from pydantic import Field, field_validator, model_validator
 
 from parisph.base.fields import FIELDS
+from parisph.base.text import shown
 from parisph.case.model import Model
 from parisph.case.presets import METHODS, PRESETS
 
@@ -122,5 +123,5 @@ class Output(Model):
 
 def _known(what, name, names):
     if name not in names:
-        raise ValueError(f"unknown {what} {name!r}; known are {', '.join(names)}")
+        raise ValueError(f"unknown {what} {shown(name)}; known are {', '.join(names)}")
     return name

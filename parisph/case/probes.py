@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from parisph.base.errors import CaseError
+from parisph.base.text import shown
 from parisph.case.model import Model
 
 
@@ -44,7 +45,7 @@ class Probe(Model):
     def _file_name(cls, name):
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", name):
             raise ValueError(
-                f"{name!r} cannot name a file: use up to 64 letters, digits, '_', '-' or '.', and start with a letter or digit"
+                f"{shown(name)} cannot name a file: use up to 64 letters, digits, '_', '-' or '.', and start with a letter or digit"
             )
         return name
 

@@ -6,9 +6,10 @@ import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from parisph.base.errors import CaseError
+from parisph.base.text import named, shown
 from parisph.case import checks
 from parisph.case.expressions import uniform_field, vector_field
-from parisph.case.model import Model
+from parisph.case.model import Model, first_lines
 from parisph.case.motion import AtRest, Frame, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
 from parisph.case.presets import METHODS, PRESETS
@@ -42,7 +43,7 @@ class Case(Model):
     CaseError : with one line for each problem
     """
 
-    title: str = Field(min_length=1, description="one line for people")
+    title: str = Field(min_length=1, max_length=200, description="one line for people")
     fluid: Fluid
     walls: Optional[Tank] = None
     gravity: tuple[Union[float, str], ...] = Field(description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
@@ -63,7 +64,7 @@ class Case(Model):
     def _can_run(self):
         found = checks.problems(self)
         if found:
-            raise ValueError("\n".join(found))
+            raise ValueError(first_lines(found))
         return self
 
     @property
@@ -106,6 +107,6 @@ class Case(Model):
             for key in path:
                 part = part.get(key)
                 if not isinstance(part, dict):
-                    raise CaseError(f"{name}: the case has no part {key!r}; it has {', '.join(data)}")
+                    raise CaseError(f"{named(name)}: the case has no part {shown(key)}; it has {', '.join(data)}")
             part[last] = value.model_dump() if isinstance(value, Model) else value
         return Case.model_validate(data)

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Union
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
+from parisph.base.text import shown
 from parisph.case.expressions import compile_expression, variable_names
 from parisph.case.model import Model
 
@@ -150,7 +151,7 @@ class Fluid(Model):
         if self.elevation is not None:
             if not isinstance(self.shape, Box):
                 raise ValueError(
-                    f"elevation = {self.elevation!r}: only a Box has a top to raise; "
+                    f"elevation = {shown(self.elevation)}: only a Box has a top to raise; "
                     f"leave it out for a {type(self.shape).__name__}"
                 )
             try:
@@ -163,7 +164,7 @@ class Fluid(Model):
 def check_components(field, components, dim, with_time):
     """Raise ValueError unless `components` are dim numbers or expressions that compile."""
     if len(components) != dim:
-        raise ValueError(f"{field} = {components!r}: must have {dim} components, as the fluid's shape has")
+        raise ValueError(f"{field} = {shown(components)}: must have {dim} components, as the fluid's shape has")
     for component in components:
         try:
             compile_expression(str(component), variable_names(dim, with_time))

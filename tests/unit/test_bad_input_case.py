@@ -36,7 +36,7 @@ def numerics(**changes):
     # numbers
     (lambda: Box(-1.0, 1.0), "Box.width = -1.0: must be greater than 0"),
     (lambda: Box(math.nan, 1.0), "Box.width = nan: must be a finite number"),
-    (lambda: Box("wide", 1.0), "Box.width = 'wide': must be a valid number"),
+    (lambda: Box("wide", 1.0), "Box.width = 'wide': must be a number"),
     (lambda: Box(1.0), "Box.height is missing: give a length"),
     (lambda: Box(1.0, 1.0, (1.0,)), "Box.at = .*: must be at least 2 values, not 1"),
     (lambda: Box(1.0, 1.0, (1.0, 2.0), 3.0), "Box takes at most 3 values by position .*, got 4"),
@@ -46,6 +46,20 @@ def numerics(**changes):
     (lambda: Polygon(((0, 0), (1, 0))), "Polygon.points = .*: must be at least 3 values"),
     (lambda: Polygon(((0, 0), (1, 0), (2, 0))), "enclose no area"),
     (lambda: Polygon(((0, 0, 0), (1, 0, 0), (2, 1, 0))), "two coordinates"),
+    # values that no field may have
+    (lambda: Box(True, 1.0), "Box.width = True: must be a number"),
+    (lambda: Box("1.0", 1.0), "Box.width = '1.0': must be a number"),
+    (lambda: Box(b"1", 1.0), "Box.width = b'1': must be a number"),
+    (lambda: Box(1e300, 1.0), r"Box.width = 1e.300: must be at most 1e.30 in size \(a length \[m\]\)"),
+    (lambda: Box(10**400, 1.0), "Box.width = 1000.*...0000: must be at most 1e.30 in size"),
+    (lambda: Box(5e-324, 1.0), "Box.width = 5e-324: must be at least 1e-30"),
+    (lambda: Tank(1.0, 1.0, "yes"), "Tank.lid = 'yes': must be True or False"),
+    (lambda: Polygon(((0, 0), (1, 0), (1, True))), r"Polygon.points\[2\]\[1\] = True: must be a number"),
+    (lambda: Sway(0.1, True), "Sway.frequency = True: must be a number"),
+    (lambda: Truth("a\nb", "t", "v"), r"Truth.file = 'a\\nb': must be one line of text"),
+    (lambda: Output(times=(0.0,) * (10**6 + 1)), r"Output.times\[1000000\] = 0.0: must be one of at most 1,000,000 values"),
+    (lambda: Box("w" * 999, 1.0), "Box.width = 'w{36,40}[.]{3}w*': must be a number"),
+    (lambda: Box(**{"a\n" * 99: 1.0, "width": 1.0, "height": 1.0}), r"Box has no field 'a\\n.*[.]{3}.*' "),
     # the fluid
     (lambda: fluid(density=-1.0), "Fluid.density = -1.0: must be greater than 0"),
     (lambda: fluid(density=math.inf), "Fluid.density = inf: must be a finite number"),
@@ -66,6 +80,9 @@ def numerics(**changes):
     (lambda: numerics(surface_rule="gaps"), "Numerics.surface_rule = 'gaps': must be 'gap', 'auxiliary'"),
     (lambda: numerics(rtol=1.0), "Numerics.rtol = 1.0: must be less than 1"),
     (lambda: numerics(jitter=2.0), "Numerics.jitter = 2.0: must be less than or equal to 1.2"),
+    (lambda: numerics(seed=True), "Numerics.seed = True: must be a number"),
+    (lambda: numerics(jitter_surface=1), "Numerics.jitter_surface = 1: must be True or False"),
+    (lambda: numerics(method="x" * 999), "unknown method 'x*[.]{3}x*'; known are"),
     (lambda: numerics(seed=-1), "Numerics.seed = -1: must be greater than or equal to 0"),
     (lambda: numerics(time_step=-0.1), "Numerics.time_step = -0.1: must be greater than 0"),
     (lambda: numerics(zeta=1.0, zeta_time=0.1), "give only one of them"),
@@ -79,7 +96,7 @@ def numerics(**changes):
     (lambda: Energy(""), "Energy.name: '' cannot name a file"),
     (lambda: Energy("a" * 65), "cannot name a file"),
     (lambda: Energy(".hidden"), "cannot name a file"),
-    (lambda: Energy("a\n"), "cannot name a file"),
+    (lambda: Energy("a\n"), "Energy.name = .*: must be one line of text"),
     (lambda: Truth("f", time="t"), "Truth.value is missing"),
     (lambda: Sway(0.1, 0.0), "Sway.frequency = 0.0: must be greater than 0"),
     (lambda: Sway(0.1, 1.0, (0.0, 0.0)), "Sway.direction: .* must not be zero"),
@@ -114,7 +131,13 @@ def test_parts(make, message):
     ({"frame": Sway(0.1, 1.0, (1.0, 0.0, 0.0))}, "frame.direction = .*: must have 2 components"),
     ({"walls": Tank(2.0, 2.0, at=(0.0, 0.0, 0.0))}, "walls.at = .*: must have 2 components"),
     ({"end_time": 0.0}, "Case.end_time = 0.0: must be greater than 0"),
+    ({"end_time": True}, "Case.end_time = True: must be a number"),
+    ({"gravity": (0.0, True)}, r"Case.gravity\[1\] = True: must be a number"),
     ({"title": ""}, "Case.title = ''"),
+    ({"title": "x" * 201}, "Case.title = 'x*[.]{3}x*': must be a text of at most 200 characters"),
+    ({"title": "a\n2026-01-01 ERROR"}, r"Case.title = 'a\\n2026-01-01 ERROR': must be one line of text"),
+    ({"title": "\x1b[2J"}, r"Case.title = '\\x1b\[2J': must be one line of text"),
+    ({"gravity": (0.0, "x" + "+x" * 1200)}, "the expression has 2401 characters"),
     ({"numerics": numerics(time_step=0.2)}, r"numerics.time_step = 0.2 s: is \d+ times the step of .* s that moves the fastest fluid by 0.4 spacings"),
     ({"numerics": numerics(time_step=0.01), "end_time": 0.005}, "numerics.time_step = 0.01 s: is longer than the run"),
     ({"output": Output(times=(2.0,))}, "output.times: 2 s is after the end of the run"),
@@ -145,6 +168,15 @@ def test_every_problem_has_its_line():
     with pytest.raises(CaseError) as error:
         Numerics(spacing=-1.0, method="x", cfl=7.0)
     assert len(str(error.value).split("\n")) == 3
+
+
+def test_many_problems_are_counted():
+    with pytest.raises(CaseError) as error:
+        Output(times=(-1.0,) * 1000)
+    lines = str(error.value).split("\n")
+    assert len(lines) == 11 and lines[-1] == "and 990 more problems like these"
+    with pytest.raises(CaseError, match="and 990 more problems"):
+        scene(output=Output(times=(2.0,) * 1000))
 
 
 def test_stored_text_is_checked_like_a_case():

@@ -1,0 +1,59 @@
+"""Texts that come from outside, made fit to be shown: on one line, without control characters, not too long."""
+
+import reprlib
+import unicodedata
+
+LIMIT = 80          # characters of a value in a message
+# Control characters, half of a surrogate pair (a byte that is not UTF-8), line and paragraph separators.
+_UNFIT = ("Cc", "Cs", "Zl", "Zp")
+
+_short = reprlib.Repr()
+_short.maxstring = _short.maxother = _short.maxlong = LIMIT
+_short.maxlevel = 3
+
+
+def is_plain(text):
+    """Return whether a text is one line without control characters."""
+    return not any(unicodedata.category(character) in _UNFIT for character in text)
+
+
+def plain(text):
+    """Return a text on one line: control characters and line breaks become escapes such as \\n or \\x1b."""
+    if is_plain(text):
+        return text
+    return "".join(character.encode("unicode_escape").decode() if unicodedata.category(character) in _UNFIT else character
+                   for character in text)
+
+
+def clipped(text, limit=LIMIT):
+    """Return a text of at most `limit` characters; what is left out of the middle becomes '...'."""
+    if len(text) <= limit:
+        return text
+    end = (limit - 3) // 3
+    return f"{text[:limit - 3 - end]}...{text[len(text) - end:]}"
+
+
+def shown(value, limit=LIMIT):
+    """Return any value as a message shows it: its repr on one line, of at most `limit` characters.
+
+    Never raises: the repr of an object of a user's own may.
+    """
+    try:
+        text = repr(value) if isinstance(value, str) and len(value) <= limit else _short.repr(value)
+    except Exception:
+        text = f"<{type(value).__name__}>"
+    return clipped(plain(" ".join(text.split())) if not isinstance(value, str) else plain(text), limit)
+
+
+def named(text, limit=LIMIT):
+    """Return a name or path as a message shows it: without quotes, on one line, of at most `limit` characters."""
+    return clipped(plain(str(text)), limit)
+
+
+def of_error(error, limit=300):
+    """Return the message of an exception on one line, of at most `limit` characters; never raises."""
+    try:
+        text = str(error)
+    except Exception:
+        text = "its message cannot be shown"
+    return clipped(plain(" ".join(text.split("\n"))), limit)

@@ -1,0 +1,90 @@
+"""What every value of a case must keep to, whatever field it is in. Checked before pydantic converts anything.
+
+pydantic alone takes True for 1.0 and '0.1' for 0.1, numbers whose squares are infinite, and titles
+that write lines of their own into a log.
+"""
+
+import typing
+from numbers import Number
+
+import numpy as np
+
+from parisph.base.text import is_plain
+
+LARGEST = 1e30            # in SI units: products of several quantities stay finite
+SMALLEST = 1e-30          # of what must be greater than zero
+MOST_VALUES = 10**6       # in one field
+MOST_CHARACTERS = 10_000  # of one text
+_SCALARS = {bool, int, float, str}
+
+
+def faults(fields, data):
+    """Yield (field, place in it, value, what it must be) for values that no field of their kind may have.
+
+    fields : {name: pydantic FieldInfo}; data : {name: value} before validation. The place is '' or as '[1]'.
+    """
+    for name, value in data.items():
+        kinds = _kinds(fields[name].annotation) if name in fields else None
+        if kinds:
+            positive = _is_positive(fields[name])
+            for count, (place, item) in enumerate(_items(value)):
+                limit = _fault(item, kinds, positive) if count < MOST_VALUES else f"one of at most {MOST_VALUES:,} values"
+                if limit:
+                    yield name, place, item, limit
+                    break
+
+
+def _fault(item, kinds, positive):
+    flag = isinstance(item, (bool, np.bool_))
+    if kinds == {bool}:
+        return None if flag else "True or False"
+    if flag and bool not in kinds:
+        return "a text" if kinds == {str} else "a number"
+    if isinstance(item, (str, bytes)):
+        return _fault_of_text(item, kinds)
+    if isinstance(item, Number) and not flag and kinds & {int, float}:
+        return _fault_of_size(item, positive)
+    return None
+
+
+def _fault_of_text(text, kinds):
+    if str not in kinds:
+        return "a number"
+    if isinstance(text, bytes):
+        return "a text"
+    if len(text) > MOST_CHARACTERS:
+        return f"a text of at most {MOST_CHARACTERS:,} characters"
+    return None if is_plain(text) else "one line of text, without control characters"
+
+
+def _fault_of_size(number, positive):
+    try:
+        size = abs(float(number))
+    except OverflowError:       # an integer of hundreds of digits
+        size = 2.0 * LARGEST
+    except (TypeError, ValueError):
+        return None             # complex, say: pydantic names what it wants
+    if LARGEST < size < np.inf:
+        return f"at most {LARGEST:g} in size"
+    return f"at least {SMALLEST:g}" if positive and 0.0 < size < SMALLEST else None
+
+
+def _items(value, place="", depth=3):
+    """Yield (place, value) in nested lists and tuples; records, as dict or as object, are looked at by themselves."""
+    if isinstance(value, (list, tuple)) and depth:
+        for number, item in enumerate(value):
+            yield from _items(item, f"{place}[{number}]", depth - 1)
+    elif not isinstance(value, dict) and value is not None:
+        yield place, value
+
+
+def _kinds(annotation):
+    """Return which of bool, int, float and str an annotation mentions; a Literal of texts counts as str."""
+    if typing.get_origin(annotation) is typing.Literal:
+        return {type(value) for value in typing.get_args(annotation)} & _SCALARS
+    found = {annotation} & _SCALARS if isinstance(annotation, type) else set()
+    return found.union(*map(_kinds, typing.get_args(annotation)))
+
+
+def _is_positive(field):
+    return any(getattr(item, "gt", None) == 0 for item in field.metadata)
