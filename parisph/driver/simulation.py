@@ -69,7 +69,7 @@ class Simulation:
     def solve_start(self):
         """Give the particles of the start a pressure, which no step has done yet; nothing moves."""
         with self.timers("start"):
-            self.method.pressure_now(self.time, self._limit())
+            self.method.pressure_now(self.time)
 
     def advance(self):
         """Take one step of the case's size; return its StepReport.

@@ -101,18 +101,25 @@ class Projection:
             divergence = self._divergence() * dt
         return self._report(dt, solve, divergence, isolated, collisions, positions)
 
-    def pressure_now(self, time, dt):
-        """Solve for the pressure where the particles are, and move nothing. Collective.
+    def pressure_now(self, time):
+        """Solve for the pressure where the particles are at `time` [s], and move nothing. Collective.
 
-        For the picture at the start of a run, which no step has given a pressure yet; dt [s]
-        only weighs the divergence of the start velocity.
+        For the start of a run, which no step has given a pressure yet. A flow that keeps its volume has
+        lap p = rho (div g - tr((grad u)^2)) at every instant: the divergence of Euler's equation. A step
+        gets half of the second term from the strain source and half from div u*, where particles have
+        moved on by dt/2; here nothing has moved, and neither a time step nor its weights matter.
         """
         p = self.particles
         self.domain.refresh()
         self._classify()
         self._wall_velocity()
         self.domain.update("role", "u")
-        matrix, right, _ = self._assemble(self.acceleration(p.x_all, time), dt)
+        force = self.acceleration(p.x_all, time)
+        self._fill(force)
+        invariant = np.empty(p.n_owned)
+        self.rows.second_invariant(invariant, p.u_all, p.role_all)
+        target = self.density * (self.rows.div[:p.n_owned] - invariant)
+        matrix, right, _ = self._equation(target, force)
         p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
 
     # -- the parts of the step, in order ---------------------------------------------------
@@ -162,17 +169,29 @@ class Projection:
 
     def _assemble(self, force, dt):
         """Rows and right-hand side: Eq. 19 at inner particles, Eq. 25 at wet walls (2014 paper)."""
-        p, d, n = self.particles, self.domain, self.numerics
-        self.rows.fill(p.u_all + dt * force, p.x_all, p.role_all, p.normal_all, d.indptr, d.indices)
-        owned = slice(0, p.n_owned)
+        p, n = self.particles, self.numerics
+        self._fill(p.u_all + dt * force)
         zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
-        target = self.density / dt * zeta * self.rows.div[owned]
+        target = self.density / dt * zeta * self.rows.div[:p.n_owned]
         if n.gamma > 0.0:
             target -= n.gamma * self.density / dt**2 * regularise.compression(self)
         if n.strain > 0.0:
             target -= n.strain * self.density * self._strain(dt)
+        return self._equation(target, force)
+
+    def _fill(self, velocity):
+        """Fill the rows, and the flux divergence of a velocity or body force (n_all, dim)."""
+        p, d = self.particles, self.domain
+        self.rows.fill(velocity, p.x_all, p.role_all, p.normal_all, d.indptr, d.indices)
+
+    def _equation(self, target, force):
+        """Return (CSR matrix, right-hand side, isolated) for lap p = target (n_owned,) [Pa/m^2]. Collective.
+
+        At wet walls n . grad p = rho n . force, whatever the target says there.
+        """
+        p = self.particles
         walls = p.role == WET
-        target[walls] = self.density * np.einsum("ia,ia->i", p.normal[walls], force[owned][walls])
+        target[walls] = self.density * np.einsum("ia,ia->i", p.normal[walls], force[:p.n_owned][walls])
         right = self.rows.right_hand_side(target)
         matrix, isolated = self._matrix()
         right[(p.role != INNER) & (p.role != WET)] = 0.0

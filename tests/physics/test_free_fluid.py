@@ -48,11 +48,32 @@ def centre_pressure():
     return -2.0 * np.sum(16.0 / np.pi**2 * np.outer(sign / m, sign / m) / k2)
 
 
-def test_first_pressure_of_a_rotating_patch():
-    s = Simulation(scene("rotating_patch", {"time_step": 1e-3}, spacing=0.05), MPI.COMM_SELF)
-    s.advance()
+@pytest.mark.parametrize("settle", ["solve_start", "advance"])
+@pytest.mark.parametrize("preset", ["violent", "gentle"])
+def test_first_pressure_of_a_rotating_patch(preset, settle):
+    """Of the start, where no step has been made, and of the first step: both are the exact one."""
+    s = Simulation(scene("rotating_patch", {"time_step": 1e-3, "preset": preset}, spacing=0.05), MPI.COMM_SELF)
+    getattr(s, settle)()
     centre = np.argmin(np.linalg.norm(s.particles.x, axis=1))
     assert s.particles.p[centre] / 1000.0 == pytest.approx(centre_pressure(), rel=2e-3)
+    s.destroy()
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 1.0])
+@pytest.mark.parametrize("numerics", [{}, {"strain": 0.0}, {"zeta_time": 0.1}, {"gamma": 0.1}])
+def test_first_pressure_of_a_straining_drop(stiffness, numerics):
+    """p = rho/2 (1 + B^2) (R^2 - r^2) at the start, whatever the weights of a step are.
+
+    The particles end up to a spacing inside the circle, so the pressure is lower by as much everywhere.
+    """
+    s = Simulation(scene("free_drop", {"time_step": 0.01, **numerics}, spacing=0.025, stiffness=stiffness), MPI.COMM_SELF)
+    s.solve_start()
+    p = s.particles
+    unit = 500.0 * (1.0 + stiffness**2)
+    inside = np.linalg.norm(p.x, axis=1) < 0.5
+    lower = 1.0 - (p.x[inside] ** 2).sum(axis=1) - p.p[inside] / unit
+    assert 0.0 < lower.mean() < 0.05, "2 s/R at most"
+    assert np.ptp(lower) < 0.02
     s.destroy()
 
 

@@ -80,7 +80,7 @@ def test_position_projection_spreads_what_is_too_dense():
     simulation.method._classify()
     before = p.alpha.copy()
     simulation.method._assemble(np.zeros_like(p.x_all), 0.001)
-    simulation.method.pressure_now(0.0, 0.001)
+    simulation.method.pressure_now(0.0)
     regularise.positions(simulation.method, np.zeros_like(p.x_all))
     simulation.domain.refresh()
     simulation.method._classify()
