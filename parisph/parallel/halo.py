@@ -113,7 +113,7 @@ def _from_doubles(values, dtype):
 
 def _star_forest(comm, n_roots, owner, root):
     """Return the plan by which leaf k copies root[k] of rank owner[k]. Collective."""
-    from petsc4py import PETSc  # here, because the import starts PETSc
+    from parisph.parallel.petsc import PETSc  # here, because the import starts PETSc
 
     forest = PETSc.SF().create(comm=comm)
     remote = np.stack([owner, root], axis=1).astype(PETSc.IntType)

@@ -3,9 +3,8 @@
 import ctypes
 from contextlib import contextmanager
 
-from petsc4py import PETSc
-
 from parisph.base.errors import CaseError
+from parisph.parallel.petsc import PETSc
 
 PREFIX = "pressure_"
 

@@ -5,10 +5,10 @@ from time import perf_counter
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
 
 from parisph.base.errors import CaseError, ParisphError, SolverDiverged, agree
 from parisph.base.log import logger
+from parisph.parallel.petsc import PETSc
 from parisph.pressure import options as opts
 from parisph.pressure.checks import row_fault, vector_fault
 from parisph.pressure.system import System

@@ -2,9 +2,9 @@
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
 
 from parisph.base.errors import SolverDiverged
+from parisph.parallel.petsc import PETSc
 
 # |A v| below this part of the largest entry is rounding: v is a null vector.
 _NULL = 1e-9

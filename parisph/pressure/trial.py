@@ -4,10 +4,9 @@ import ctypes
 import os
 
 import numpy as np
-import petsc4py
 from mpi4py import MPI
-from petsc4py import PETSc
 
+from parisph.parallel.petsc import PETSc, petsc4py_version
 from parisph.pressure.solver import PressureSolver
 
 SIDE = 48    # unknowns along one side of the square: enough for several multigrid levels
@@ -20,7 +19,7 @@ def versions():
     """
     return {
         "PETSc": ".".join(map(str, PETSc.Sys.getVersion())),
-        "petsc4py": petsc4py.__version__,
+        "petsc4py": petsc4py_version,
         "hypre": _hypre_version() if PETSc.Sys.hasExternalPackage("hypre") else None,
         "scalar": np.dtype(PETSc.ScalarType).name,
         "integer": np.dtype(PETSc.IntType).name,

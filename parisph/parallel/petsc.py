@@ -1,0 +1,54 @@
+"""PETSc, started without the option files of the current folder.
+
+By itself PETSc reads `.petscrc` and `petscrc` of the folder that a program is started in, and an
+option there may load any library (`-dll_append`): a folder from elsewhere would run code even when
+its cases are only checked. What the user has set stays: `PETSC_OPTIONS`, and `~/.petscrc`.
+
+The import is collective over all ranks, as the start of PETSc is. A program that has started
+PETSc itself keeps what it has.
+"""
+
+import os
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+import petsc4py
+from mpi4py import MPI
+
+VARIABLE = "PETSC_OPTIONS"
+
+petsc4py_version = petsc4py.__version__
+
+
+def _file_of_the_user():
+    """Return the path of ~/.petscrc, None where there is none or the home folder is the current one."""
+    try:
+        home = Path.home()
+        file = home / ".petscrc"
+        return str(file) if file.is_file() and not home.samefile(Path.cwd()) else None
+    except (OSError, RuntimeError):    # no home, or a folder that has been removed
+        return None
+
+
+@contextmanager
+def _read_first(file):
+    """Let PETSc read an option file before the rest of PETSC_OPTIONS, which wins, as it does over ~/.petscrc."""
+    before = os.environ.get(VARIABLE)
+    if file is not None:
+        os.environ[VARIABLE] = f'-options_file "{file}" {before or ""}'
+    try:
+        yield
+    finally:
+        if before is not None:
+            os.environ[VARIABLE] = before
+        else:
+            os.environ.pop(VARIABLE, None)
+
+
+if "petsc4py.PETSc" not in sys.modules:
+    # one rank looks: PETSc reads the file on all of them together, or on none
+    with _read_first(MPI.COMM_WORLD.bcast(_file_of_the_user())):
+        petsc4py.init(["-skip_petscrc"])
+
+from petsc4py import PETSc  # noqa: E402, F401

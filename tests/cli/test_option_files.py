@@ -1,0 +1,80 @@
+"""PETSc's option files: the user's own is read, one that lies in the current folder never."""
+
+import sys
+
+import pytest
+
+from tests.launch import mpirun, parisph, run
+
+CASE = '''
+from parisph import Box, Case, Fluid, Numerics, Tank
+def case() -> Case:
+    return Case(title="tank", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), gravity=(0.0, -9.81),
+                walls=Tank(width=1.0, height=1.0), numerics=Numerics(spacing=0.1, time_step=0.01), end_time=0.02)
+'''
+BAD = "-log_view\n-pressure_ksp_type nonsense\n"    # who reads it shows its log at the end, and can solve nothing
+VERBS = (["run", "tank.py", "-q"], ["check", "tank.py"], ["doctor", "--trial"])
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with a case, and one to be the home of the user."""
+    (tmp_path / "work").mkdir()
+    (tmp_path / "work" / "tank.py").write_text(CASE)
+    (tmp_path / "my home").mkdir()
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", [".petscrc", "petscrc"])
+@pytest.mark.parametrize("words", VERBS)
+def test_file_in_the_current_folder_is_not_read(folder, words, name):
+    (folder / "work" / name).write_text(BAD)
+    done = parisph(*words, cwd=folder / "work", HOME=str(folder / "my home"))
+    assert done.returncode == 0, done.stderr
+    assert "PETSc" not in done.stdout
+
+
+@pytest.mark.parametrize("words", [VERBS[0], VERBS[2]])
+def test_nor_on_two_ranks(folder, words):
+    (folder / "work" / ".petscrc").write_text(BAD)
+    done = mpirun(2, ["-m", "parisph", *words], cwd=folder / "work", HOME=str(folder / "my home"))
+    assert done.returncode == 0, done.stderr
+
+
+def test_nor_where_the_current_folder_is_the_home(folder):
+    (folder / "work" / ".petscrc").write_text(BAD)
+    assert parisph(*VERBS[0], cwd=folder / "work", HOME=str(folder / "work")).returncode == 0
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_file_in_the_home_is_read(folder, ranks):
+    (folder / "my home" / ".petscrc").write_text(BAD)
+    done = mpirun(ranks, ["-m", "parisph", *VERBS[0]], cwd=folder / "work", HOME=str(folder / "my home"))
+    assert done.returncode == 2 and "nonsense" in done.stderr
+
+
+def options(folder, script, **settings):
+    """Return PETSc's options after a script, which runs in the folder."""
+    script += "\nfrom parisph.parallel.petsc import PETSc\nprint(PETSc.Options().getAll())\n"
+    done = run([sys.executable, "-c", script], cwd=folder / "work", HOME=str(folder / "my home"), **settings)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_environment_variable_wins_over_the_file_in_the_home(folder):
+    (folder / "my home" / ".petscrc").write_text("-one home\n-two home\n")
+    found = options(folder, "import os", PETSC_OPTIONS="-two env")
+    assert "'one': 'home'" in found and "'two': 'env'" in found
+
+
+def test_environment_is_left_as_it_was(folder):
+    (folder / "my home" / ".petscrc").write_text("-one home\n")
+    show = "import os, parisph.parallel.petsc\nprint('here', os.environ.get('PETSC_OPTIONS'))"
+    assert "here None" in options(folder, show)
+    assert "here -two env" in options(folder, show, PETSC_OPTIONS="-two env")
+
+
+def test_program_that_has_started_petsc_keeps_what_it_has(folder):
+    (folder / "work" / ".petscrc").write_text("-here 1\n")
+    found = options(folder, "import petsc4py\npetsc4py.init(['-mine', '2'])")
+    assert "'mine': '2'" in found and "'here': '1'" in found and "skip_petscrc" not in found
