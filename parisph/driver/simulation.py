@@ -5,12 +5,13 @@ import numpy as np
 from parisph.base.errors import CaseError, ParisphError, ParticleLost, SolverDiverged, agree
 from parisph.base.fields import FLUID
 from parisph.case import geometry
+from parisph.case.checks import stable_time_step
 from parisph.driver import warmup
 from parisph.driver.phases import PhaseTimers
 from parisph.kernels import selfcheck
 from parisph.methods import schemes
 from parisph.methods.projection import Projection
-from parisph.methods.timestep import next_step
+from parisph.methods.timestep import first_step, next_step, rest_step
 from parisph.parallel.neighbours import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.solver import PressureSolver
@@ -18,8 +19,7 @@ from parisph.pressure.solver import PressureSolver
 SKIN = 1.0        # spacings a particle moves until particles are redistributed and sorted
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
 WORK = ("surface", "assemble", "correct", "regularise")  # phases whose time is this rank's own
-FIRST = 1 / 20    # of the whole time: the longest first step of a scene that nothing else limits
-SHORTEST = 1e-8   # of the whole time: a step below it would never end the run
+SHORTEST = 1e-5   # of the step that the case itself asks for: what needs a shorter one is out of hand
 
 
 class Simulation:
@@ -63,6 +63,8 @@ class Simulation:
         self.method = Projection(self.numerics, case.fluid.density, self._force, self.particles, self.domain,
                                  self.solver, self.timers, closed=case.closed)
         self.bad_force = None
+        self._has_pressure = start is not None
+        self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
         self._recorded = 0.0
         self._open_tank = self._reach_of_open_tank(lower, upper) if case.walls is not None and not case.walls.lid else None
 
@@ -70,6 +72,7 @@ class Simulation:
         """Give the particles of the start a pressure, which no step has done yet; nothing moves."""
         with self.timers("start"):
             self.method.pressure_now(self.time)
+        self._has_pressure = True
 
     def advance(self):
         """Take one step of the case's size; return its StepReport.
@@ -109,15 +112,22 @@ class Simulation:
 
     def _limit(self):
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
-        dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt)
-        if self.numerics.time_step is None:    # a small force at the start, or between two turns, says nothing of what comes
-            dt = min(dt, self.case.frame.longest_step)
-        if self.numerics.time_step is None and self.dt is None:
-            # a scene that rests in no field has no time scale of its own
-            dt = min(dt, FIRST * self.case.end_time)
-        if self.numerics.time_step is None and not dt > SHORTEST * self.case.end_time:
-            raise SolverDiverged(f"the time step has shrunk to {dt:.3g} s, as the flow is far too fast")
-        return dt
+        dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt, self._shortest)
+        if self.numerics.time_step is not None:
+            return dt
+        dt = min(dt, self.case.frame.longest_step)    # a small force between two turns says nothing of what comes
+        return dt if self.dt is not None else self._first(dt)
+
+    def _first(self, dt):
+        """Return the first step [s]; the pressure of the start is found if nobody has asked for it yet."""
+        if not self._has_pressure:
+            self.solve_start()
+        p = self.particles
+        fluid = p.x[p.kind == FLUID]
+
+        def force_at(after):
+            return float(np.linalg.norm(self.case.body_force(fluid, self.time + after), axis=1).max(initial=0.0))
+        return first_step(self.comm, p, self.numerics, self.method.acceleration_now(self.time), dt, force_at)
 
     def _share(self, limit):
         """Return an adaptive step that meets the end time, and without a crumb of a step before it.

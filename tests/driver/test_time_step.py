@@ -1,12 +1,15 @@
-"""The limits on an adaptive time step that come from the case."""
+"""The limits on an adaptive time step."""
 
-from math import pi
+from math import pi, sqrt
 
+import numpy as np
 import pytest
 from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, Sway, Tank
+from parisph.base.errors import SolverDiverged
 from parisph.driver import Simulation, describe
+from parisph.io import checkpoint
 
 PERIOD = 1.0    # [s]
 
@@ -25,3 +28,80 @@ def test_adaptive_step_resolves_the_sway(numerics, longest):
     s.destroy()
     assert steps == pytest.approx([longest] * 4)
     assert f"{longest:g} s" in describe(s.case)
+
+
+def still(gravity=(0.0, 0.0), velocity=(0.0, 0.0), walls=None, end_time=1.0, spacing=0.1):
+    """A box of fluid with an adaptive step."""
+    return Case(title="still", fluid=Fluid(Box(width=1.0, height=1.0), density=1000.0, velocity=velocity), walls=walls,
+                gravity=gravity, numerics=Numerics(spacing=spacing), end_time=end_time)
+
+
+def steps_of(case, count):
+    """Return the first steps [s] of a case."""
+    s = Simulation(case, MPI.COMM_SELF)
+    found = [s.advance().dt for _ in range(count)]
+    s.destroy()
+    return found
+
+
+def test_first_step_knows_the_acceleration_to_come():
+    """Column that is let go: from one step to the next the step never falls by more than velocities allow."""
+    steps = np.array(steps_of(still((0.0, -9.81), walls=Tank(width=3.0, height=2.0, lid=True), spacing=0.05), 25))
+    assert (steps[1:] / steps[:-1]).min() > 0.75 and (steps[1:] / steps[:-1]).max() < 1.1 + 1e-12
+    assert 0.5 < steps[:8].max() / steps[0] < 2.0
+
+
+def test_the_step_does_not_know_when_the_run_ends():
+    """Bit for bit, up to the last two steps, which meet the end."""
+    walls, found = Tank(width=2.0, height=2.0, lid=True), []
+    for end_time in (0.1, 0.2):
+        s = Simulation(still((0.0, -9.81), walls=walls, end_time=end_time, spacing=0.05), MPI.COMM_SELF)
+        s.solve_start()
+        states = []
+        while s.time < 0.1 * (1.0 - 1e-12):
+            s.advance()
+            states.append((s.time, s.gather("x", "u", "p", "role")))
+        s.destroy()
+        found.append(states)
+    short, long = found
+    assert len(short) > 8
+    for (t, a), (u, b) in zip(short[:-2], long[:len(short) - 2], strict=True):
+        assert t == u and all(np.array_equal(a[name], b[name]) for name in a)
+
+
+@pytest.mark.parametrize("end_time", [1.0, 1e3])
+def test_what_rests_in_no_field_has_the_step_of_a_fall(end_time):
+    first, second = steps_of(still(end_time=end_time), 2)
+    assert first == pytest.approx(sqrt(2.0 * 0.4 * 0.1 / 9.81)) and second == pytest.approx(1.1 * first)
+
+
+@pytest.mark.parametrize("force", ["0.5*sin(2*t + 1e-9)", "0.5*sin(2*t)"])
+def test_force_that_is_almost_nothing_at_the_start(force):
+    """The step is what the force at its end allows: a fall of .4 s with .5 m/s2 or so takes .4 s."""
+    first = steps_of(still((force, 0.0), end_time=100.0), 1)[0]
+    assert 0.05 < first < 0.5
+
+
+def test_speed_alone_sets_the_step():
+    assert steps_of(still(velocity=(2.0, 0.0)), 1) == pytest.approx([0.4 * 0.1 / 2.0])
+
+
+def test_restart_at_the_start_has_the_same_first_step(tmp_path):
+    case = still((0.0, -9.81), walls=Tank(width=2.0, height=2.0, lid=True))
+    s = Simulation(case, MPI.COMM_SELF)
+    s.solve_start()
+    path = checkpoint.write(s.comm, tmp_path, s.particles, 0.0, 0, 0.0, case.model_dump_json(), {}, {})
+    first = s.advance().dt
+    s.destroy()
+    s = Simulation(case, MPI.COMM_SELF, start=checkpoint.read(MPI.COMM_SELF, path))
+    assert s.advance().dt == first
+    s.destroy()
+
+
+def test_flow_out_of_hand_is_named():
+    s = Simulation(still((0.0, -9.81), walls=Tank(width=2.0, height=2.0, lid=True)), MPI.COMM_SELF)
+    s.advance()
+    s.particles.u[0] = [1e7, 0.0]
+    with pytest.raises(SolverDiverged, match=r"1e\+07 m/s.*far too fast"):
+        s.advance()
+    s.destroy()
