@@ -4,6 +4,7 @@ Nothing here imports MPI or numpy: it runs before both.
 """
 
 import os
+from pathlib import Path
 
 # One thread a rank: ranks fill the cores, and threads on top of them only compete.
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -43,6 +44,11 @@ def prepare(environ=os.environ):
     for name in THREADS:
         environ.setdefault(name, "1")
     environ.setdefault("H5PY_ALWAYS_USE_MPI", "1")
+
+
+def cache_folder(environ=os.environ) -> Path:
+    """Return the folder where parisph may keep what can be made again: XDG_CACHE_HOME/parisph, or ~/.cache/parisph."""
+    return Path(environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()) / "parisph"
 
 
 def launched(environ=os.environ):

@@ -1,8 +1,11 @@
-"""What `parisph check` says of a case: particles, stages, memory, steps."""
+"""What `parisph check` says of a case: particles, resolution, stages, steps, seconds, memory."""
 
 import math
 
-from parisph.case import geometry
+import numpy as np
+
+from parisph.case import geometry, scales
+from parisph.driver import cost
 
 # Measured: peak memory of the dam break on one rank, 231, 301 and 487 MB with 3840, 30,720 and 119,040
 # particles, preconditioner included. A run that compiles its kernels first takes 110 MB more.
@@ -17,13 +20,18 @@ def describe(case, parameters=None):
     """
     numerics = case.numerics.resolved()
     count = geometry.counts(case)
+    expected = scales.expected(case)
+    steps = estimated_steps(case, numerics, expected)
+    seconds, basis = cost.seconds_per_step(numerics, count["all"])
     lines = [
         ("case", case.title),
         ("method", f"{numerics.method}, preset {numerics.preset}"),
         ("particles", f"{count['all']} ({count['fluid']} fluid, {count['wall']} wall), spacing {numerics.spacing:g} m"),
+        ("resolution", _resolution(case, expected)),
         ("stages", ", ".join(stages(case))),
         ("end time", f"{case.end_time:g} s"),
-        ("steps", _steps(case, numerics)),
+        ("steps", _steps(case, numerics, steps)),
+        ("time", f"about {_duration(steps * seconds)} on one rank, {_rounded(1e3 * seconds)} ms a step (estimated from {basis})"),
         ("memory", f"about {(BASE + BYTES * count['all']) / 1e6:.0f} MB on one rank"),
         ("probes", ", ".join(probe.name for probe in case.probes) or "none"),
     ]
@@ -54,8 +62,50 @@ def _text(value):
     return "none" if value is None else f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
-def _steps(case, n):
+def estimated_steps(case, numerics, expected):
+    """Return the number of steps: exact if the step is fixed, else an estimate, good to a factor of two or so.
+
+    numerics : resolved Numerics; expected : scales.Scales of the case
+    """
+    if numerics.time_step is not None:
+        return round(case.end_time / numerics.time_step)
+    move = numerics.cfl * numerics.spacing
+    longest = min(_longest_step(case, numerics), math.sqrt(2.0 * move / expected.force) if expected.force else math.inf, case.end_time)
+    return math.ceil(case.end_time * np.mean(np.maximum(expected.speeds / move, 1.0 / longest)))
+
+
+def _longest_step(case, n):
+    return min(case.frame.longest_step, n.max_time_step or math.inf)
+
+
+def _steps(case, n, steps):
     if n.time_step is not None:
-        return f"{round(case.end_time / n.time_step)} of {n.time_step:.3g} s"
-    longest = min(case.frame.longest_step, n.max_time_step or math.inf)
-    return f"adaptive, at most {n.cfl:g} spacings a step" + (f" and {longest:.3g} s" if longest < math.inf else "")
+        return f"{steps} of {n.time_step:.3g} s"
+    longest = _longest_step(case, n)
+    limits = f"at most {n.cfl:g} spacings a step" + (f" and {longest:.3g} s" if longest < math.inf else "")
+    return f"about {_rounded(steps)}, adaptive: {limits}"
+
+
+def _resolution(case, expected):
+    """How many spacings the lengths of a scene have."""
+    s = case.numerics.spacing
+    lower, upper = case.fluid.shape.bounds
+    width, depth = (upper - lower)[[0, -1]]
+    found = [f"fluid {width / s:.3g} x {depth / s:.3g} spacings"]
+    if case.walls is not None and case.walls.width != width:
+        found.append(f"tank {case.walls.width / s:.3g} wide")
+    if expected.wave is not None:
+        found.append(f"wave amplitude {expected.wave / s:.2g} (about {expected.wave:.2g} m by linear theory)")
+    return ", ".join(found)
+
+
+def _rounded(number):
+    """An estimate with two digits, as text."""
+    return f"{float(f'{number:.1e}'):.10g}"
+
+
+def _duration(seconds):
+    for unit, size in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{_rounded(seconds / size)} {unit}"
+    return f"{_rounded(seconds)} s"

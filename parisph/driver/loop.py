@@ -14,6 +14,7 @@ from mpi4py import MPI
 from parisph.base import log
 from parisph.base.errors import CaseError, Interrupted, ParisphError, StoreError, agree
 from parisph.case.schema import Case
+from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Signals, Times
@@ -115,6 +116,7 @@ class _Run:
         self.progress = Progress(self.case.end_time, progress, self.comm.rank == 0)
         self.last_checkpoint, self.saved_step = None, None
         self.saved_at = perf_counter()
+        self.clock = Clock()
         self.snapshots = Times(self.case.output.every, self.case.output.times)
         self.checkpoints = Times(self.case.output.checkpoint_every)
 
@@ -174,6 +176,7 @@ class _Run:
             if self.snapshots.due(s.time + 0.5 * s.dt):
                 self._snapshot()
         self.account.step(report)
+        self.clock.step()
         self.progress.step(s, report)
         self._pause(signals, self.checkpoints.due(s.time + 0.5 * s.dt))
 
@@ -256,6 +259,8 @@ class _Run:
             log.stop()
         if error is not None:
             raise error
+        if self.comm.rank == 0:
+            self.clock.remember(self.simulation.numerics, self.simulation.particles.n_global, self.comm.size)
         return summary
 
 

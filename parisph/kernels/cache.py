@@ -6,6 +6,8 @@ import stat
 import tempfile
 from pathlib import Path
 
+from parisph.base.environment import cache_folder
+
 
 def folder():
     """Return the folder for compiled kernels, named by the sources of all of them. Not collective.
@@ -18,9 +20,8 @@ def folder():
     here = Path(__file__).resolve().parent
     sources = [*sorted(here.glob("*.py")), here.parent / "base" / "fields.py"]
     name = "kernels-" + hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()) / "parisph"
     places = [Path(os.environ["NUMBA_CACHE_DIR"])] if os.environ.get("NUMBA_CACHE_DIR") else []
-    for place in [*places, here / "__pycache__", home]:
+    for place in [*places, here / "__pycache__", cache_folder()]:
         if _can_be_made(place / name):
             return str(place / name)
     return str(private_folder() / name)

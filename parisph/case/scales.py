@@ -1,0 +1,147 @@
+"""The scales of a scene, estimated before it is run: waves and speeds to expect. For `parisph check`.
+
+Rough on purpose: one mode of linear waves, free fall, and what the fluid starts with.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from parisph.case.expressions import compile_expression, uniform_field, vector_field
+from parisph.case.shapes import Box
+from parisph.case.waves import angular_frequency
+
+SAMPLES = 400        # points, or times, at which a field of the case is looked at
+PER_PERIOD = 40      # steps of the oscillator in one period of the first mode
+MOST_STEPS = 20_000  # of the oscillator; a longer run is judged by its beginning
+
+
+@dataclass(frozen=True)
+class Scales:
+    """What to expect of a scene.
+
+    Attributes
+    ----------
+    wave : amplitude of the waves [m], by linear theory; None where there is no level water with waves on it
+    times : (n,) [s], from 0 to the end of the run
+    speeds : (n,) largest speed of a particle at these times [m/s]
+    force : largest body force per unit mass at the start [m/s^2]
+    """
+
+    wave: float | None
+    times: np.ndarray
+    speeds: np.ndarray
+    force: float
+
+
+def expected(case) -> Scales:
+    """Return the Scales of a case, by these rules.
+
+    Level water between two walls has the speed of the start and that of waves: of its elevation, and
+    of its first mode, an oscillator driven by the horizontal body force, which includes the motion of
+    the tank. Breaking limits waves to the depth, and their speed to that of a fall from it. All other
+    fluid gains the energy of a fall from its top to the tank's bed (Z14 Sec. 3.1.2).
+    """
+    times = np.linspace(0.0, case.end_time, SAMPLES)
+    force, down = _gravity(case)
+    speeds = np.full(SAMPLES, _start_speed(case))
+    wave = None
+    if case.closed or force == 0.0:
+        return Scales(wave, times, speeds, force)
+    if _is_level(case, down):
+        wave, moving = _waves(case, force, times)
+        speeds += moving
+    else:
+        speeds = np.hypot(speeds, np.minimum(force * times, np.sqrt(2.0 * force * _fall(case, down))))
+    return Scales(wave, times, speeds, force)
+
+
+def _sample(case):
+    """Return points (n, dim) [m] of the fluid at the start, without its elevation."""
+    lower, upper = case.fluid.shape.bounds
+    count = max(3, round(SAMPLES ** (1.0 / case.dim)))
+    axes = [np.linspace(a, b, count) for a, b in zip(lower, upper)]
+    x = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
+    return x[case.fluid.shape.inside(x, 0.0)]
+
+
+def _gravity(case):
+    """Return the largest body force of the start [m/s^2], and the unit vector of its mean (zero if there is none)."""
+    force = vector_field(case.gravity, with_time=True)(_sample(case))
+    mean = force.mean(axis=0)
+    size = float(np.linalg.norm(mean))
+    largest = float(np.linalg.norm(force, axis=1).max(initial=0.0))
+    return largest, mean / size if size > 1e-9 * largest > 0.0 else np.zeros(case.dim)
+
+
+def _start_speed(case):
+    return float(np.linalg.norm(vector_field(case.fluid.velocity, with_time=False)(_sample(case)), axis=1).max(initial=0.0))
+
+
+def _is_level(case, down):
+    """Return whether the fluid is a Box between the tank's walls, on its bed, below -y."""
+    if case.walls is None or not isinstance(case.fluid.shape, Box) or down[-1] > -0.99:
+        return False
+    (lower, upper), (low, high) = case.fluid.shape.bounds, case.walls.bounds
+    slack = 0.5 * case.numerics.spacing
+    return bool(np.all(np.abs(lower - low) < slack) and np.all(np.abs(upper - high)[:-1] < slack))
+
+
+def _fall(case, down):
+    """Return how far fluid can fall [m]: to the tank's far side; without a tank, for ever or to the middle of a central force."""
+    lower, upper = case.fluid.shape.bounds
+    if case.walls is None:
+        return np.inf if uniform_field(case.gravity) is not None else 0.25 * float(np.max(upper - lower))
+    low, high = case.walls.bounds
+    top = np.where(down > 0.0, lower, upper) @ -down
+    return float(top - np.where(down > 0.0, high, low) @ -down)
+
+
+def _waves(case, g, times):
+    """Return the largest amplitude of waves on level water [m], None without any, and the speed of its particles [m/s]."""
+    (length, depth), (lower, upper) = case.fluid.shape.size[[0, -1]], case.fluid.shape.bounds
+    eta, speed = _sloshing(case, g, np.pi / length, depth, times)
+    x = np.linspace(lower[0], upper[0], SAMPLES)
+    amplitude, k = _harmonic(x, _elevation(case, x))
+    omega = angular_frequency(k, depth, g)
+    speed = speed + amplitude * omega / np.tanh(k * depth)
+    surface = np.column_stack([x, np.full((SAMPLES, case.dim - 1), upper[1:])])
+    rise, k = _harmonic(x, vector_field(case.fluid.velocity, with_time=False)(surface)[:, -1])
+    amplitude = min(eta + np.hypot(amplitude, rise / angular_frequency(k, depth, g)), depth)
+    return (amplitude if amplitude > 0.0 else None), np.minimum(speed, np.sqrt(2.0 * g * depth))
+
+
+def _sloshing(case, g, k, depth, times):
+    """Amplitude [m] and speed (n,) [m/s] of the first mode, eta'' + omega^2 eta = -(omega^2/g) f 4L/pi^2.
+
+    f is the horizontal body force; the linear potential problem of a tank, projected on cos(pi x/L).
+    """
+    omega = float(angular_frequency(k, depth, g))
+    count = int(np.clip(case.end_time * omega / (2.0 * np.pi) * PER_PERIOD, SAMPLES, MOST_STEPS))
+    dt = min(case.end_time / count, 2.0 * np.pi / omega / PER_PERIOD)
+    centre = _sample(case).mean(axis=0, keepdims=True)
+    share = -4.0 * omega**2 / (g * np.pi * k)
+    eta, rate, largest, size = 0.0, 0.0, 0.0, np.zeros(count)
+    for step in range(count):
+        force = float(case.body_force(centre, step * dt)[0, 0])
+        rate += dt * (share * force - omega**2 * eta)
+        eta += dt * rate
+        largest = max(largest, abs(eta))
+        size[step] = np.hypot(eta, rate / omega)
+    speed = omega * size / np.tanh(k * depth)
+    return largest, np.interp(times, dt * np.arange(1, count + 1), speed)
+
+
+def _elevation(case, x):
+    """Return the elevation of the surface at the start [m], at x (n,) [m]."""
+    if case.fluid.elevation is None:
+        return np.zeros_like(x)
+    return compile_expression(str(case.fluid.elevation), ("x",))(x=x)
+
+
+def _harmonic(x, values):
+    """Return amplitude and wave number [1/m] of the cosine most like values (n,) at x (n,), at least half a wave long."""
+    amplitude, longest = float(np.ptp(values)) / 2.0, np.pi / (x[-1] - x[0])
+    if amplitude == 0.0:
+        return 0.0, longest
+    return amplitude, max(float(np.std(np.diff(values) / np.diff(x)) / np.std(values)), longest)

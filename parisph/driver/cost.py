@@ -1,0 +1,121 @@
+"""What a step costs on this machine, for the estimate of `parisph check`.
+
+The cost of a step has a known shape, measured on one machine (COSTS). How fast another machine is
+follows from the runs that it has done, of which a file in the user's cache folder keeps the cost,
+or, before the first of them, from a short timing of numpy.
+"""
+
+import json
+import os
+import platform
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from parisph.base import environment
+
+# Measured with `python tests/benchmarks/step_cost.py` and with cases/small_sloshing.py on one core of
+# an AMD EPYC (Zen 4): [s] per step, and per particle and step, with and without a position projection.
+COSTS = {True: (1.4e-3, 3.6e-6), False: (0.7e-3, 2.7e-6)}
+ROWS = {"ISPH": 1.7}     # times that, where the rows reach farther
+YARDSTICK = 2.4e-4       # [s] that `yardstick` takes there
+LEAST = 10.0             # [s]: the steps of a shorter run are no measure
+KEPT = 20                # runs whose cost is kept
+
+
+def seconds_per_step(numerics, particles: int) -> tuple[float, str]:
+    """Return the cost of a step on one rank [s], and in words what it rests on. Not collective.
+
+    numerics : resolved Numerics
+    """
+    shape = _on_reference(numerics.method, numerics.kappa > 0.0, particles)
+    runs = [run for run in _runs() if run["processor"] == _processor()]
+    if not runs:
+        return shape * yardstick() / YARDSTICK, "a short timing of this processor"
+    like = (numerics.method, numerics.kappa > 0.0)
+    run = min(reversed(runs), key=lambda run: ((run["method"], run["projection"]) != like, abs(np.log(run["particles"] / particles))))
+    factor = run["seconds"] / _on_reference(run["method"], run["projection"], run["particles"])
+    return shape * factor, f"an earlier run of {run['particles']} particles on this processor"
+
+
+def yardstick() -> float:
+    """Return the shortest time [s] of an operation like those of a step: values of neighbours, arithmetic on them.
+
+    Its arrays stay in the cache and are made once, so that other jobs on the machine hardly count.
+    """
+    n, neighbours = 5000, 20
+    random = np.random.default_rng(0)
+    columns = (np.arange(n)[:, None] + random.integers(-300, 300, (n, neighbours))) % n
+    values, x = random.random((n, neighbours)), random.random(n)
+    out, total, best = np.empty((n, neighbours)), np.empty(n), np.inf
+    for _ in range(60):
+        start = perf_counter()
+        np.take(x, columns, out=out, mode="clip")
+        np.sqrt(np.multiply(out, values, out=out), out=out)
+        np.einsum("ij,ij->i", out, values, out=total)
+        best = min(best, perf_counter() - start)
+    return best
+
+
+class Clock:
+    """Times the steps of a run, from the end of the first one on: that one may compile kernels."""
+
+    def __init__(self):
+        self._start, self._last, self._steps = None, None, 0
+
+    def step(self) -> None:
+        """Count a step that has just ended. Not collective."""
+        self._last = perf_counter()
+        if self._start is None:
+            self._start = self._last
+        else:
+            self._steps += 1
+
+    def remember(self, numerics, particles: int, ranks: int) -> None:
+        """Keep what a step of this run took, for the estimates to come. One rank.
+
+        Nothing is kept of a short run, or of one with more ranks than cores or on several nodes. A
+        cache folder that cannot be written is no error.
+        """
+        seconds = (self._last or 0.0) - (self._start or 0.0)
+        if seconds < LEAST or ranks > (os.cpu_count() or 1):
+            return
+        run = {"processor": _processor(), "method": numerics.method, "projection": numerics.kappa > 0.0,
+               "particles": particles, "seconds": seconds / self._steps * ranks}
+        path = _file()
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            own = path.with_name(f"{path.name}.{os.getpid()}")    # two runs may end at once
+            own.write_text(json.dumps([*_runs(), run][-KEPT:]), encoding="utf-8")
+            own.replace(path)
+        except (OSError, RuntimeError):    # RuntimeError: there is no home
+            pass
+
+
+def _on_reference(method, projection, particles):
+    """Cost of a step [s] on the machine of COSTS."""
+    fixed, each = COSTS[projection]
+    return fixed + each * ROWS.get(method, 1.0) * particles
+
+
+def _file() -> Path:
+    return environment.cache_folder() / "costs.json"
+
+
+def _runs():
+    """Return the runs that are kept, oldest first; none if the file is missing or cannot be understood."""
+    try:
+        runs = json.loads(_file().read_text(encoding="utf-8"))
+        return [run for run in runs if run["seconds"] > 0.0 and run["particles"] > 0 and {"processor", "method", "projection"} <= run.keys()]
+    except (OSError, RuntimeError, ValueError, TypeError, KeyError, AttributeError):
+        return []
+
+
+def _processor():
+    """Return the name of the processor: the nodes of a cluster that share a home may differ."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
