@@ -1,6 +1,7 @@
 """One scene in memory: particles, domain, solver and method, advanced step by step."""
 
 import numpy as np
+from mpi4py import MPI
 
 from parisph.base.errors import CaseError, ParisphError, ParticleLost, SolverDiverged, agree
 from parisph.base.fields import FLUID
@@ -46,8 +47,18 @@ class Simulation:
     def __init__(self, case, comm, petsc_options=None, start=None):
         self.numerics = _numerics(case)
         # what is stored is what was computed, whatever a preset becomes later
-        self.case = case = case.model_copy(update={"numerics": self.numerics})
-        self.comm = comm.Dup()
+        self.case = case.model_copy(update={"numerics": self.numerics})
+        self.comm, self.domain, self.solver = comm.Dup(), None, None
+        try:
+            self._build(petsc_options, start)
+        except BaseException as error:
+            if self.comm.size == 1 or isinstance(error, ParisphError):    # else perhaps on this rank alone
+                self.destroy()
+            raise
+
+    def _build(self, petsc_options, start):
+        """Make the parts of the scene. Collective; what is made here `destroy` frees."""
+        case = self.case
         if self.comm.size > 1:
             warmup.on_one_rank_first(self.comm, Simulation, case, self.numerics)
         agree(self.comm, _wrong_code())
@@ -105,10 +116,12 @@ class Simulation:
         return {name: column[order] for name, column in zip(names, columns[1:])}
 
     def destroy(self):
-        """Free what MPI and PETSc hold for this scene."""
-        self.domain.destroy()
-        self.solver.destroy()
-        self.comm.Free()
+        """Free what MPI and PETSc hold for this scene; once more does nothing."""
+        for part in (self.domain, self.solver):
+            if part is not None:
+                part.destroy()
+        if self.comm != MPI.COMM_NULL:
+            self.comm.Free()
 
     def _limit(self):
         """Return the time step that the case and the flow allow [s], the same on all ranks."""

@@ -2,7 +2,7 @@
 
 from mpi4py import MPI
 
-from parisph.base.errors import ParisphError
+from parisph.base.errors import ParisphError, agree
 from parisph.case.schema import Box, Case, Fluid, Tank, Volume
 from parisph.io import probes
 
@@ -19,13 +19,20 @@ def on_one_rank_first(comm, make, case, numerics):
 
     make : Simulation, as a function (case, comm) -> Simulation
     case, numerics : the scene that is to be run, whose kernels are wanted
+
+    Raises
+    ------
+    ParisphError on every rank: what else may fail on rank 0, such as the compiler.
     """
+    problem = None
     if comm.rank == 0:
         try:
             _step(make(small(case, numerics), MPI.COMM_SELF))
         except ParisphError:
             pass    # what ails the small scene, the true one will show on all ranks at once
-    comm.Barrier()
+        except Exception as error:
+            problem = error
+    agree(comm, problem)
 
 
 def small(case, numerics):
