@@ -89,7 +89,7 @@ def clock(monkeypatch, steps, each):
     """A Clock that has seen steps of so many seconds."""
     now, found = iter(np.arange(1, steps + 1) * each), cost.Clock()
     with monkeypatch.context() as patch:
-        patch.setattr(cost, "perf_counter", lambda: next(now))
+        patch.setattr(cost, "process_time", lambda: next(now))
         for _ in range(steps):
             found.step()
     return found
