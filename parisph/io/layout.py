@@ -4,7 +4,7 @@
     DIR/steps.csv                      one line a step
     DIR/probes/NAME.csv                one file a probe
     DIR/snapshots/NNNNNN.vtkhdf        the particles at one time
-    DIR/flow.vtkhdf.series             the list of snapshots, to open in ParaView
+    DIR/flow.hdf.series                the list of snapshots, to open in ParaView
     DIR/checkpoints/NNNNNNNN.h5        the last two; the number is that of the step
     DIR/summary.json                   at the end of the run, also of one that failed
     DIR/run.log                        the driver's log
@@ -12,7 +12,7 @@
 
 from pathlib import Path
 
-INDEX = "flow.vtkhdf.series"
+INDEX = "flow.hdf.series"
 FILES = ("case.json", "summary.json", "steps.csv", INDEX, "run.log")
 FOLDERS = ("probes", "snapshots", "checkpoints")
 

@@ -1,8 +1,10 @@
-"""Snapshots: the particles at one time, as VTKHDF PolyData that ParaView, VTK and h5py read.
+"""Snapshots: the particles at one time, in VTKHDF files that ParaView, VTK and h5py read.
 
-Layout of a file (see the VTKHDF description of VTK): /VTKHDF/Points (n, 3), one vertex cell per
-particle, /VTKHDF/PointData/<name>. In 2D the third component is zero. At the root of the file
-stand the attributes that say how the run was made: case (JSON), method, versions and so on.
+Layout of a file (see the VTKHDF description of VTK): an UnstructuredGrid in one piece, which
+VTK reads since 9.1 (PolyData: not in 9.2). /VTKHDF/Points (n, 3), one vertex cell per particle,
+/VTKHDF/PointData/<name>, /VTKHDF/FieldData/TimeValue and Step. In 2D the third component is zero.
+At the root of the file stand the attributes that say how the run was made: case (JSON), method,
+versions and so on.
 """
 
 import json
@@ -20,6 +22,7 @@ from parisph.io.rows import Slab
 # Names in the file, for people, where they differ from those of the registry.
 NAMES = {"u": "velocity", "p": "pressure", "alpha": "density_ratio", "phi": "position_potential"}
 ALWAYS = ("id", "kind", "role")
+VERTEX = 1  # VTK's number for a cell of one point
 
 
 def write(comm, path, particles, time, step, fields, attributes):
@@ -125,24 +128,19 @@ def _cells(n, start, total):
     if start == 0 and (n > 0 or total == 0):  # offsets have one entry more than cells: a leading zero
         ends, first = np.concatenate(([0], ends)), 0
     return [
-        Slab("VTKHDF/Vertices/Connectivity", numbers, start, total),
-        Slab("VTKHDF/Vertices/Offsets", ends, first, total + 1),
+        Slab("VTKHDF/Connectivity", numbers, start, total),
+        Slab("VTKHDF/Offsets", ends, first, total + 1),
+        Slab("VTKHDF/Types", np.full(n, VERTEX, dtype=np.uint8), start, total),
     ]
 
 
 def _decorate(file, total, dim, time, step, ranks, attributes):
     file.attrs.update({**attributes, "time": float(time), "step": int(step), "dim": dim, "ranks": ranks})
     group = file.create_group("VTKHDF")
-    group.attrs["Version"] = np.array([2, 0], dtype=np.int64)
+    group.attrs["Version"] = np.array([1, 0], dtype=np.int64)
     # VTK asks for an ASCII string of fixed length here.
-    group.attrs.create("Type", b"PolyData", dtype=h5py.string_dtype("ascii", len("PolyData")))
-    group["NumberOfPoints"] = np.array([total], dtype=np.int64)
-    for kind, count in (("Vertices", total), ("Lines", 0)):
-        cells = group.create_group(kind)
-        cells["NumberOfCells"] = cells["NumberOfConnectivityIds"] = np.array([count], dtype=np.int64)
-    cells["Connectivity"] = np.zeros(0, dtype=np.int64)
-    cells["Offsets"] = np.zeros(1, dtype=np.int64)
-    group["Polygons"] = group["Strips"] = cells  # links to the group without cells
-    group.create_group("PointData")
+    group.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", len("UnstructuredGrid")))
+    for name in ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"):    # one entry a piece
+        group[name] = np.array([total], dtype=np.int64)
     group["FieldData/TimeValue"] = np.array([time], dtype=np.float64)
     group["FieldData/Step"] = np.array([step], dtype=np.int64)

@@ -38,7 +38,7 @@ def test_run_on_two_ranks_and_go_on_with_three(place):
     first = summary(folder)
     assert (first["status"], first["ranks"], first["steps"]) == ("completed", 2, 20)
     assert first["time"] == pytest.approx(0.2)
-    for name in ("case.json", "steps.csv", "probes/corner.csv", "flow.vtkhdf.series", "snapshots/000004.vtkhdf", "run.log"):
+    for name in ("case.json", "steps.csv", "probes/corner.csv", "flow.hdf.series", "snapshots/000004.vtkhdf", "run.log"):
         assert (folder / name).stat().st_size > 0, name
 
     done = mpirun(3, ["-m", "parisph", "restart", "runs/dam", "--until", "0.3", "-q"], timeout=200, cwd=place)

@@ -56,8 +56,9 @@ def test_snapshot_has_every_row_once_however_spread(folder, way, dim):
     for name in ("x", "u", "p", "normal", "id", "kind", "role"):
         np.testing.assert_array_equal(found[name], truth[name][order], err_msg=name)
     with h5py.File(folder / "a.vtkhdf", "r") as file:
-        np.testing.assert_array_equal(file["VTKHDF/Vertices/Offsets"][()], np.arange(12))
-        np.testing.assert_array_equal(file["VTKHDF/Vertices/Connectivity"][()], np.arange(11))
+        np.testing.assert_array_equal(file["VTKHDF/Offsets"][()], np.arange(12))
+        np.testing.assert_array_equal(file["VTKHDF/Connectivity"][()], np.arange(11))
+        np.testing.assert_array_equal(file["VTKHDF/Types"][()], np.ones(11))
         assert file["VTKHDF/Points"].shape == (11, 3)
 
 
@@ -223,7 +224,7 @@ def test_a_run_is_resumed_on_other_ranks_where_its_checkpoint_ends(folder):
     store.snapshot(OwnedRows(spreads(WORLD.size)[0], WORLD.rank), 0.15, 2)
     store.close()
     assert [path.name for path in checkpoint.paths(run / "checkpoints")] == ["00000001.h5"]
-    names, times = snapshot.read_index(run / "flow.vtkhdf.series")
+    names, times = snapshot.read_index(run / "flow.hdf.series")
     assert times == [0.0, 0.1, 0.15]
     assert sorted(path.name for path in (run / "snapshots").iterdir()) == [Path(name).name for name in names]
     assert (run / "probes/P2.csv").read_text().splitlines()[-3:] == ["0.0,0,0.0", "0.1,1,10.0", "0.2,2,-1.0"]
