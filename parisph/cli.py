@@ -284,6 +284,8 @@ def _info(args):
 
     run = reader.open_run(args.run)
     print(json.dumps(run.summary, indent=2) if args.json else describe.describe(run))
+    if not args.json and len(run):    # comes last, as it opens a snapshot, which may be damaged
+        print(f"\n{describe.provenance(run)}")
 
 
 def _compare(args):

@@ -1,8 +1,9 @@
 """Checkpoints: all that a run needs to go on, in one plain HDF5 file, on any number of ranks.
 
-Layout: /particles/<field> (n, ...) for every field that migrates with its particle, each with
-the attribute `checksum`; attributes of the root: format, version, time, step, dt, case (JSON),
-state (JSON) and how the run was made. The file gets its name only when it is whole.
+Layout: /particles/<field> (n, ...) for every field that migrates with its particle; attributes of
+the root: format, version, time, step, dt, case (JSON), state (JSON) and how the run was made;
+behind the HDF5 part the digest of all of it (parisph.io.digest), which is compared before HDF5 sees
+the file. The file gets its name only when it is whole.
 """
 
 import json
@@ -12,13 +13,13 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from parisph.base.errors import StoreError, agree
+from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
-from parisph.io import rows
-from parisph.io.files import on_first
+from parisph.io import digest, rows
+from parisph.io.files import on_first, together
 from parisph.io.rows import Slab
 
-FORMAT, VERSION = "parisph checkpoint", 1
+FORMAT, VERSION = "parisph checkpoint", 2
 KEEP = 2  # the last and, in case a disk loses it, the one before
 
 
@@ -65,11 +66,9 @@ def write(comm, folder, particles, time, step, dt, case, state, attributes):
     path = Path(folder) / f"{step:08d}.h5"
     n, start, total = particles.n_owned, particles.offset, particles.n_global
     names = [name for name, field in FIELDS.items() if field.migrates]
-    data = {name: np.ascontiguousarray(getattr(particles, name)) for name in names}
-    sums = _sum_over_ranks(comm, [_checksum(data[name], start) for name in names])
     slabs = [
-        Slab(f"particles/{name}", data[name], start, total, {"unit": FIELDS[name].unit, "checksum": np.uint64(total_sum)})
-        for name, total_sum in zip(names, sums)
+        Slab(f"particles/{name}", np.ascontiguousarray(getattr(particles, name)), start, total, {"unit": FIELDS[name].unit})
+        for name in names
     ]
 
     def decorate(file):
@@ -91,28 +90,20 @@ def read(comm, path):
 
     Raises
     ------
-    StoreError on every rank if the file is missing, foreign, of a newer version, cut short or altered;
+    StoreError on every rank if the file is missing, cut short or altered, foreign, or of another version;
     it names the newest sound checkpoint beside the file, if there is one, and the command that takes it.
     """
+    path = Path(path)
     try:
         return _read(comm, path)
     except StoreError as error:    # on every rank
-        advice = comm.bcast(_advice(Path(path)) if comm.rank == 0 else None)
-        raise StoreError(f"{error}{advice}") from None
+        raise StoreError(f"{error}{_advice(comm, path)}") from None
 
 
 def _read(comm, path):
-    loaded, problem, sums, stored = None, None, [], []
-    try:
-        loaded, stored = _read_share(path, comm.rank, comm.size)
-        sums = [_checksum(data, loaded.offset) for data in loaded.arrays.values()]
-    except StoreError as error:
-        problem = error
-    agree(comm, problem)
-    sums = _sum_over_ranks(comm, sums)
-    for name, found, expected in zip(loaded.arrays, sums, stored):
-        if found != expected:  # the same on every rank
-            raise StoreError(f"{path} is damaged: field {name!r} does not match its checksum")
+    digest.check_together(comm, path)
+    loaded = together(comm, f"read {path}", lambda: _read_share(path, comm.rank, comm.size))
+    on_first(comm, f"read {path}", lambda: _check_place(path, loaded))
     return loaded
 
 
@@ -121,43 +112,39 @@ def paths(folder):
     return sorted(path for path in Path(folder).glob("*.h5") if path.stem.isdigit())
 
 
-def _advice(damaged):
-    """Return how to go on without a checkpoint, as the end of a message; nothing if no other is sound. Not collective."""
-    there = [path for path in paths(damaged.parent) if path.name != damaged.name]
-    sound = next((path for path in reversed(there) if _is_sound(path)), None)
+def _advice(comm, damaged):
+    """Return how to go on without a checkpoint, as the end of a message; "" if no other is sound. Collective."""
+    there = comm.bcast([path for path in paths(damaged.parent) if path.name != damaged.name] if comm.rank == 0 else None)
+    sound = next((path for path in reversed(there) if _is_sound(comm, path)), None)
     if sound is None:
         return ""
     place = "" if sound.name > damaged.name and sound == there[-1] else " -o DIR"
     return f"; the newest sound one beside it is {sound}: parisph restart {sound}{place}"
 
 
-def _is_sound(path):
-    """Return whether a checkpoint can be read whole, with the checksums that stand in it. Not collective."""
+def _is_sound(comm, path):
+    """Return whether a checkpoint can be read. Collective."""
     try:
-        found, stored = _read_share(path, 0, 1)
-    except (StoreError, RuntimeError):
+        _read(comm, path)
+    except StoreError:    # on every rank
         return False
-    return [_checksum(data, 0) for data in found.arrays.values()] == stored
+    return True
 
 
 def _read_share(path, rank, size):
+    """Return a Checkpoint with the share of one rank. The digest of the file has been compared. Not collective."""
     try:
         with h5py.File(path, "r") as file:
             _check_format(path, file)
             total = int(file.attrs["particles"])
             first, last = _share(total, rank, size)
             _check_fields(path, file["particles"])
-            arrays, stored = {}, []
-            for name, data in file["particles"].items():
-                arrays[name] = data[first:last]
-                stored.append(int(data.attrs["checksum"]))
             attrs = file.attrs
             return Checkpoint(
                 time=float(attrs["time"]), step=int(attrs["step"]), dt=float(attrs["dt"]), case=attrs["case"],
-                state=json.loads(attrs["state"]), dim=int(attrs["dim"]), arrays=arrays, offset=first, total=total,
-            ), stored
-    except FileNotFoundError:
-        raise StoreError(f"there is no checkpoint {path}") from None
+                state=json.loads(attrs["state"]), dim=int(attrs["dim"]), offset=first, total=total,
+                arrays={name: data[first:last] for name, data in file["particles"].items()},
+            )
     except (OSError, KeyError, ValueError) as error:
         raise StoreError(f"{path} is not a whole checkpoint of parisph: {error}") from None
 
@@ -165,8 +152,9 @@ def _read_share(path, rank, size):
 def _check_format(path, file):
     if file.attrs.get("format") != FORMAT:
         raise StoreError(f"{path} is an HDF5 file, but not a checkpoint of parisph")
-    if int(file.attrs["version"]) > VERSION:
-        raise StoreError(f"{path} was written by a newer parisph (version {file.attrs['version']} of the format, this one reads {VERSION})")
+    if int(file.attrs["version"]) != VERSION:
+        raise StoreError(f"{path} has version {file.attrs['version']} of the format, this parisph reads {VERSION}: "
+                         "restart it with the parisph that wrote it (its parisph_version says which)")
 
 
 def _check_fields(path, particles):
@@ -183,22 +171,18 @@ def _share(total, rank, size):
     return first, first + length + (rank < longer)
 
 
-def _checksum(data, start):
-    """Sum of the words of data, each times an odd number of its place, modulo 2^64.
-
-    Adds over ranks, however the rows are spread; a change of any one word changes it, and so
-    does exchanging two.
-    """
-    words = np.ascontiguousarray(data).reshape(-1)
-    words = words.view(f"u{words.itemsize}").astype(np.uint64)
-    first = start * int(np.prod(data.shape[1:]))
-    places = 2 * np.arange(first, first + len(words), dtype=np.uint64) + np.uint64(1)
-    return int(np.sum(words * places, dtype=np.uint64))
-
-
-def _sum_over_ranks(comm, sums):
-    everyone = np.array(comm.allgather(sums), dtype=np.uint64)
-    return [int(total) for total in np.sum(everyone, axis=0, dtype=np.uint64)]  # wraps, as it should
+def _check_place(path, loaded):
+    """Raise StoreError if a sound checkpoint has the name of another step, or stands in the folder of another run."""
+    if path.stem.isdigit() and int(path.stem) != loaded.step:
+        raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, or another one copied over it")
+    beside = path.resolve().parent.parent / "case.json"
+    try:
+        run = json.loads(beside.read_text(encoding="utf-8"))["run"]
+        own = json.loads(loaded.case)["run"]
+    except (OSError, ValueError, KeyError, TypeError):    # what is wrong with case.json is said by those who read it
+        return
+    if path.parent.name == "checkpoints" and own != run:
+        raise StoreError(f"{path} is of another run than the folder that it is in: it has been copied there")
 
 
 def _remove_old(folder, newest):

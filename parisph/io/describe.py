@@ -9,7 +9,7 @@ def table(summary):
 
 
 def describe(run):
-    """Return the text about a Run (io.reader): what is in it, how it was made, how it went."""
+    """Return the text about a Run (io.reader): what is in it, how it went."""
     lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
     lines += ["", *(table(run.summary) if run.summary else ["no summary.json: the run goes on, or was killed"])]
     if len(run):
@@ -21,10 +21,12 @@ def describe(run):
         columns = (f"{column} [{unit}]" if unit else column for column, unit in run.units(name).items()
                    if column not in ("time", "step"))
         lines.append(f"{'probe':<16}{name}: {', '.join(columns)}")
-    about = run.about
-    if about:
-        lines += ["", *(f"{name:<16}{value}" for name, value in sorted(about.items()))]
     return "\n".join(lines)
+
+
+def provenance(run):
+    """Return the text about how a Run was made, "" if it has no snapshot. Raises StoreError if the first one is damaged."""
+    return "\n".join(f"{name:<16}{value}" for name, value in sorted(run.about.items()))
 
 
 def _entries(summary):

@@ -43,7 +43,8 @@ class Run:
         dict of arrays by the names of the field registry: x (n, dim) [m], u [m/s], p [Pa], role, kind,
         id, ..., sorted by id; and `time` [s], `step`.
         """
-        return snapshot.read(self.folder / self._files[self.number(which)])
+        number = self.number(which)
+        return snapshot.read(self.folder / self._files[number], self.times[number], str(self.case.get("run", "")))
 
     def number(self, which):
         """Return the number of a snapshot given by number (int) or time (float)."""

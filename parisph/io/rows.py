@@ -17,6 +17,7 @@ import h5py
 import numpy as np
 
 from parisph.base.errors import StoreError
+from parisph.io import digest
 from parisph.io.files import on_first, publish, temporary, together
 
 METADATA = 1 << 20  # bytes for groups and attributes; a case with a tabulated motion has many
@@ -42,7 +43,7 @@ class Slab:
 
 
 def write(comm, path, slabs, decorate):
-    """Write one HDF5 file from the rows of all ranks, and publish it under its name. Collective.
+    """Write one HDF5 file from the rows of all ranks, with its digest, and publish it under its name. Collective.
 
     Parameters
     ----------
@@ -60,6 +61,7 @@ def write(comm, path, slabs, decorate):
     try:
         on_first(comm, doing, lambda: _lay_out(hidden, slabs, decorate))
         _fill(comm, doing, hidden, slabs)
+        digest.append(comm, hidden, doing)
         on_first(comm, doing, lambda: publish(path))
     except Exception:
         if comm.rank == 0:

@@ -4,10 +4,11 @@ Layout of a file (see the VTKHDF description of VTK): an UnstructuredGrid in one
 VTK reads since 9.1 (PolyData: not in 9.2). /VTKHDF/Points (n, 3), one vertex cell per particle,
 /VTKHDF/PointData/<name>, /VTKHDF/FieldData/TimeValue and Step. In 2D the third component is zero.
 At the root of the file stand the attributes that say how the run was made: case (JSON), method,
-versions and so on.
+versions and so on; behind the HDF5 part stands its digest (parisph.io.digest).
 """
 
 import json
+from contextlib import contextmanager
 from pathlib import Path
 
 import h5py
@@ -15,7 +16,7 @@ import numpy as np
 
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
-from parisph.io import rows
+from parisph.io import digest, rows
 from parisph.io.files import write_text
 from parisph.io.rows import Slab
 
@@ -52,34 +53,51 @@ def write(comm, path, particles, time, step, fields, attributes):
     rows.write(comm, path, slabs, lambda file: _decorate(file, total, particles.dim, time, step, comm.size, attributes))
 
 
-def read(path):
+def read(path, time=None, run=""):
     """Return the particles of a snapshot as a dict of arrays, by the names of the field registry.
 
     x (n, dim) [m], id, kind, role, and what else was written: u (n, dim) [m/s], p (n) [Pa], ...
     Rows are sorted by id, so that a row is the same particle in every snapshot; `time` [s] and
-    `step` are in the dict too. Not collective. Raises StoreError if it is not a whole snapshot.
+    `step` are in the dict too. Not collective.
+
+    Parameters
+    ----------
+    time [s], run : at which time and of which run (its identity) the snapshot must be; None, "" for any
+
+    Raises
+    ------
+    StoreError : the file does not match its digest, is no snapshot, or not the one asked for.
     """
     registry = {NAMES.get(name, name): name for name in FIELDS}
-    try:
-        with h5py.File(path, "r") as file:
-            time, step, dim = float(file.attrs["time"]), int(file.attrs["step"]), int(file.attrs["dim"])
-            group = file["VTKHDF"]
-            arrays = {registry.get(name, name): data[()] for name, data in group["PointData"].items()}
-            arrays["x"] = group["Points"][()]
-    except (OSError, KeyError) as error:
-        raise StoreError(f"{path} is not a snapshot of parisph, or it is damaged: {error}") from None
-    order = np.argsort(arrays["id"], kind="stable")
+    with _opened(path) as file:
+        found, step, dim = float(file.attrs["time"]), int(file.attrs["step"]), int(file.attrs["dim"])
+        if run and file.attrs.get("run", run) != run:
+            raise StoreError(f"{path} is of another run than the folder that it is in: it has been copied there")
+        if time is not None and found != time:
+            raise StoreError(f"{path} is the snapshot of {found:.12g} s, not that of {time:.12g} s: another one has been copied over it")
+        group = file["VTKHDF"]
+        arrays = {registry.get(name, name): data[()] for name, data in group["PointData"].items()}
+        arrays["x"] = group["Points"][()]
+        order = np.argsort(arrays["id"], kind="stable")
     arrays = {name: data[order, :dim] if data.ndim == 2 else data[order] for name, data in arrays.items()}
-    return {"time": time, "step": step, **arrays}
+    return {"time": found, "step": step, **arrays}
 
 
 def read_attributes(path):
-    """Return the attributes at the root of a snapshot or checkpoint as a dict. Raises StoreError."""
+    """Return the attributes at the root of a snapshot or checkpoint as a dict. Raises StoreError as `read`."""
+    with _opened(path) as file:
+        return {name: value.item() if hasattr(value, "item") else value for name, value in file.attrs.items()}
+
+
+@contextmanager
+def _opened(path):
+    """The h5py.File of a snapshot, after its digest was compared. Raises StoreError, also for what the body finds missing."""
+    digest.check(path)
     try:
         with h5py.File(path, "r") as file:
-            return {name: value.item() if hasattr(value, "item") else value for name, value in file.attrs.items()}
-    except OSError as error:
-        raise StoreError(f"{path} is not an HDF5 file that can be read: {error}") from None
+            yield file
+    except (OSError, KeyError, ValueError) as error:
+        raise StoreError(f"{path} is not a snapshot of parisph: {error}") from None
 
 
 def write_index(path, files, times):

@@ -72,6 +72,19 @@ def test_info_to_a_reader_that_leaves(folder, words):
         assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_info_and_plot_name_a_damaged_snapshot(folder, capsys):
+    """What can be known without it is still shown."""
+    path = folder / "snapshots" / "000000.vtkhdf"
+    path.write_bytes(path.read_bytes().replace(b"gmres", b"bcgsl"))
+    assert main(["info", str(folder)]) == 5
+    out, said = capsys.readouterr()
+    assert "particles       3,200" in out and "snapshots       5" in out and "petsc_options" not in out
+    assert said == f"parisph: error: {path} is damaged: its content does not match the digest at its end\n"
+    assert main(["plot", str(folder), "--time", "0.1", "-o", str(folder / "a.png")]) == 5
+    assert said == capsys.readouterr().err
+    assert not (folder / "a.png").exists()
+
+
 def test_info_as_json_and_of_an_unfinished_run(folder, capsys):
     assert main(["info", str(folder), "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == SUMMARY

@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
-from parisph.io import checkpoint, files, rows, snapshot
+from parisph.io import checkpoint, digest, files, rows, snapshot
 from parisph.io.store import Store
 from parisph.parallel.particles import Particles
 from tests.owned_rows import OwnedRows, everything
@@ -110,10 +110,27 @@ def test_particles_go_into_a_checkpoint_and_come_back(folder):
     np.testing.assert_array_equal(snapshot.read(folder / "a.vtkhdf")["id"], np.arange(11))
 
 
-def damage(path):
-    """Flip one bit in the rows of one field."""
-    with h5py.File(path, "r") as file:
-        place = file["particles/u"].id.get_offset() + 8 * 13 + 3
+@pytest.mark.parametrize("way", range(3))
+def test_a_file_has_the_same_digest_on_any_number_of_ranks(folder, way, monkeypatch):
+    monkeypatch.setattr(digest, "CHUNK", 1000)
+    snapshot.write(WORLD, folder / "a.vtkhdf", OwnedRows(spreads(WORLD.size)[way], WORLD.rank), 0.25, 7, ("u",), {})
+    digest.check(folder / "a.vtkhdf")    # each rank alone
+    for readers in range(1, WORLD.size + 1):
+        comm = first_ranks(readers)
+        if comm:
+            digest.check_together(comm, folder / "a.vtkhdf")
+    WORLD.barrier()
+    if WORLD.rank == WORLD.size - 1:
+        flip(folder / "a.vtkhdf", 5003)
+    WORLD.barrier()
+    with pytest.raises(StoreError, match="a.vtkhdf is damaged: its content does not match the digest"):
+        digest.check_together(WORLD, folder / "a.vtkhdf")
+    with pytest.raises(StoreError, match="a.vtkhdf is damaged: its content does not match the digest"):
+        digest.check(folder / "a.vtkhdf")
+
+
+def flip(path, place):
+    """Flip one bit of the byte at `place`."""
     with open(path, "r+b") as file:
         file.seek(place)
         byte = file.read(1)[0]
@@ -121,33 +138,82 @@ def damage(path):
         file.write(bytes([byte ^ 4]))
 
 
-@pytest.mark.parametrize("fault, message", [("bit", "'u' does not match"), ("cut", "not a whole checkpoint"), ("gone", "no checkpoint"),
-                                            ("foreign", "not a checkpoint of parisph"), ("text", "not a whole checkpoint"),
-                                            ("old", "lacks volume")])
+def sealed(path, change):
+    """Change the HDF5 part of a file by change(h5py.File) and give it the digest of what it then is."""
+    os.truncate(path, path.stat().st_size - digest.LENGTH)
+    with h5py.File(path, "r+") as file:
+        change(file)
+    digest.append(MPI.COMM_SELF, path)
+
+
+def in_rows(path):
+    with h5py.File(path, "r") as file:
+        place = file["particles/u"].id.get_offset() + 8 * 13 + 3
+    flip(path, place)
+
+
+def in_case(path):
+    flip(path, path.read_bytes().index(b"made up"))
+
+
+def in_attributes_heap(path):
+    """Zero a block of the strings, which HDF5 1.10 then reads for ever."""
+    content = path.read_bytes()
+    place = content.index(b"GCOL")
+    path.write_bytes(content[:place] + bytes(512) + content[place + 512:])
+
+
+def is_foreign(path):
+    h5py.File(path, "w").close()
+    digest.append(MPI.COMM_SELF, path)
+
+
+FAULTS = [
+    (in_rows, "is damaged"), (in_case, "is damaged"), (in_attributes_heap, "is damaged"),
+    (lambda path: os.truncate(path, path.stat().st_size // 2), "no digest at its end"),
+    (lambda path: os.truncate(path, path.stat().st_size - 1), "no digest at its end"),
+    (lambda path: path.unlink(), "there is no file"),
+    (lambda path: path.write_text("not HDF5"), "no digest at its end"),
+    (lambda path: h5py.File(path, "w").close(), "no digest at its end"),
+    (is_foreign, "not a checkpoint of parisph"),
+    (lambda path: sealed(path, lambda file: file.attrs.update(version=1)), "version 1 of the format, this parisph reads 2"),
+    (lambda path: sealed(path, lambda file: file["particles"].pop("volume")), "lacks volume"),
+    (lambda path: sealed(path, lambda file: file.attrs.pop("dt")), "not a whole checkpoint"),
+    (lambda path: sealed(path, lambda file: file.attrs.update(step=7)), "is the checkpoint of step 7"),
+]
+
+
+@pytest.mark.parametrize(("fault", "message"), FAULTS)
 def test_a_bad_checkpoint_is_refused_on_every_rank(folder, fault, message):
     path = folder / "00000003.h5"
     checkpoint.write(WORLD, folder, OwnedRows(spreads(WORLD.size)[0], WORLD.rank), 0.0, 3, 0.1, CASE, {}, {})
     checkpoint.read(WORLD, path)
     if WORLD.rank == 0:
-        if fault == "bit":
-            damage(path)
-        elif fault == "cut":
-            os.truncate(path, path.stat().st_size // 2)
-        elif fault == "gone":
-            path.unlink()
-        elif fault == "foreign":
-            h5py.File(path, "w").close()
-        elif fault == "old":
-            with h5py.File(path, "r+") as file:
-                del file["particles/volume"]
-        else:
-            path.write_text("not HDF5")
+        fault(path)
     WORLD.barrier()
-    with pytest.raises(StoreError, match=message):
+    with pytest.raises(StoreError, match=f"00000003.h5.*{message}|{message}.*00000003.h5"):
         checkpoint.read(WORLD, path)
 
 
-@pytest.mark.parametrize("failing", ["layout", "rows", "publish"])
+def test_a_checkpoint_of_another_run_is_refused_on_every_rank(folder):
+    for name in ("a", "b"):
+        case = json.dumps({"run": name, "title": "the same"})
+        if WORLD.rank == 0:
+            (folder / name / "checkpoints").mkdir(parents=True)
+            (folder / name / "case.json").write_text(case)
+        WORLD.barrier()
+        for step in (3, 5):
+            checkpoint.write(WORLD, folder / name / "checkpoints", OwnedRows(spreads(WORLD.size)[0], WORLD.rank), 0.0, step, 0.1, case, {}, {})
+    last = folder / "a" / "checkpoints" / "00000005.h5"
+    assert checkpoint.read(WORLD, last).step == 5
+    if WORLD.rank == 0:
+        os.replace(folder / "b" / "checkpoints" / "00000005.h5", last)
+    WORLD.barrier()
+    with pytest.raises(StoreError, match="00000005.h5 is of another run .* newest sound one beside it is .*00000003.h5"):
+        checkpoint.read(WORLD, last)
+
+
+@pytest.mark.parametrize("failing", ["layout", "rows", "digest", "publish"])
 def test_a_full_disk_on_one_rank_is_raised_on_all_and_the_old_file_stays(folder, failing, monkeypatch):
     particles = OwnedRows(spreads(WORLD.size)[0], WORLD.rank)
     checkpoint.write(WORLD, folder, particles, 0.0, 1, 0.1, CASE, {}, {})
@@ -161,10 +227,10 @@ def test_a_full_disk_on_one_rank_is_raised_on_all_and_the_old_file_stays(folder,
         monkeypatch.setattr(os, "posix_fallocate", full)
     elif failing == "publish":
         monkeypatch.setattr(rows, "publish", full)
-    elif WORLD.rank == WORLD.size - 1:  # only one rank fails, among its rows
-        monkeypatch.setattr(rows, "_write_own", full)
+    elif WORLD.rank == WORLD.size - 1:  # only one rank fails, among its rows or with its share of the digest
+        monkeypatch.setattr(*((rows, "_write_own") if failing == "rows" else (digest, "_chunks")), full)
     particles.u += 1.0
-    with pytest.raises(StoreError, match="No space left"):
+    with pytest.raises(StoreError, match="cannot write .*/00000001.h5: .*No space left"):
         checkpoint.write(WORLD, folder, particles, 0.0, 1, 0.1, CASE, {}, {})
     WORLD.barrier()
     assert (folder / "00000001.h5").read_bytes() == before

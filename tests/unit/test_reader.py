@@ -7,6 +7,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.io import checkpoint, snapshot
 from parisph.io.reader import open_run
 from parisph.io.store import Store, provenance
 from tests.owned_rows import OwnedRows, everything
@@ -59,9 +60,47 @@ def test_what_is_not_there_is_named(folder, tmp_path):
         run.snapshot(4)
     with pytest.raises(StoreError, match="no case.json"):
         open_run(tmp_path)
-    (folder / "snapshots/000002.vtkhdf").write_bytes(b"damaged")
-    with pytest.raises(StoreError, match="000002.vtkhdf is not a snapshot"):
+
+
+def test_a_snapshot_that_is_not_what_was_written_is_refused(folder, tmp_path):
+    run, path = open_run(folder), folder / "snapshots/000002.vtkhdf"
+    content = path.read_bytes()
+    for place in (40, len(content) // 2, content.index(b"made up"), len(content) - 3):
+        path.write_bytes(content[:place] + bytes([content[place] ^ 1]) + content[place + 1:])
+        with pytest.raises(StoreError, match="000002.vtkhdf (is damaged|is not a whole file)"):
+            run.snapshot(2)
+    path.write_bytes(content)
+    run.snapshot(2)
+    path.write_bytes((folder / "snapshots/000001.vtkhdf").read_bytes())
+    with pytest.raises(StoreError, match="000002.vtkhdf is the snapshot of 0.5 s, not that of 1 s"):
         run.snapshot(2)
+    path.unlink()
+    with pytest.raises(StoreError, match="there is no file .*000002.vtkhdf"):
+        run.snapshot(2)
+
+
+def test_a_snapshot_of_another_run_is_refused(tmp_path):
+    path = tmp_path / "a.vtkhdf"
+    snapshot.write(MPI.COMM_SELF, path, OwnedRows([30], 0), 0.5, 1, ("u",), {"run": "one"})
+    assert snapshot.read(path, 0.5, "one")["step"] == 1
+    with pytest.raises(StoreError, match="a.vtkhdf is of another run"):
+        snapshot.read(path, 0.5, "two")
+
+
+def test_a_sound_file_that_is_no_snapshot_is_refused(folder, tmp_path):
+    path = checkpoint.write(MPI.COMM_SELF, tmp_path, OwnedRows([30], 0), 0.5, 1, 0.1, CASE, {}, {})
+    with pytest.raises(StoreError, match="00000001.h5 is not a snapshot of parisph"):
+        snapshot.read(path)
+    with pytest.raises(StoreError, match="000000.vtkhdf is an HDF5 file, but not a checkpoint"):
+        checkpoint.read(MPI.COMM_SELF, folder / "snapshots/000000.vtkhdf")
+
+
+def test_the_rest_of_a_run_can_be_read_beside_a_damaged_snapshot(folder):
+    (folder / "snapshots/000000.vtkhdf").write_bytes(b"damaged")
+    run = open_run(folder)
+    assert len(run) == 4 and run.snapshot(3)["step"] == 3
+    with pytest.raises(StoreError, match="000000.vtkhdf is not a whole file of parisph"):
+        run.about
 
 
 def test_an_earlier_run_is_removed_only_on_request_and_only_by_its_own_names(folder):

@@ -1,0 +1,121 @@
+"""Digests: a last line behind the HDF5 part of a file, by which any change to the file is found.
+
+HDF5 trusts what it reads: a few damaged bytes may send HDF5 1.10 round in circles for ever, end the
+process, or pass for data. So every file is compared with its digest before HDF5 opens it. The line
+is plain text of fixed length, behind the last byte that HDF5 knows of, where no reader looks:
+
+    parisph digest 1 <bytes before the line> <SHA-256>
+
+The digest is that of the length and of the digests of all chunks of the file. So ranks share the
+work, and a file has the same digest whoever wrote it on however many ranks.
+"""
+
+import hashlib
+import os
+import re
+import stat
+from pathlib import Path
+
+from parisph.base.errors import StoreError
+from parisph.io.files import on_first, together
+
+VERSION = 1
+CHUNK = 1 << 20   # bytes
+PATTERN = re.compile(rb"\nparisph digest (\d) \d{20} [0-9a-f]{64}\n")
+LENGTH = len(b"\nparisph digest 1 ") + 20 + 1 + 64 + 1
+
+
+def append(comm, path, doing=None):
+    """Write the digest of a file behind it. The file must be closed on every rank. Collective.
+
+    doing : what to call it where it fails, by default "write PATH"
+    Raises StoreError on every rank.
+    """
+    doing = doing or f"write {path}"
+    length = comm.bcast(on_first(comm, doing, lambda: Path(path).stat().st_size))
+    line = _line_of_all(comm, path, length, doing)
+
+    def write():
+        with open(path, "ab") as file:
+            file.write(line)
+    on_first(comm, doing, write)
+
+
+def check(path):
+    """Raise StoreError unless a file is, byte for byte, what parisph wrote. Not collective."""
+    length, line = _ending(path)
+    try:
+        digests = _chunks(path, length)
+    except OSError as error:
+        raise StoreError(f"cannot read {path}: {error}") from None
+    _compare(path, line, _line(length, digests))
+
+
+def check_together(comm, path):
+    """As `check`, with the work shared by the ranks; StoreError on every rank. Collective."""
+    length, line, problem = 0, b"", None
+    if comm.rank == 0:
+        try:
+            length, line = _ending(path)
+        except StoreError as error:
+            problem = str(error)
+    length, line, problem = comm.bcast((length, line, problem))
+    if problem:
+        raise StoreError(problem)
+    _compare(path, line, _line_of_all(comm, path, length, f"read {path}"))
+
+
+def _line_of_all(comm, path, length, doing):
+    """Return the line that belongs behind the first `length` bytes of a file, on every rank. Collective."""
+    own = together(comm, doing, lambda: _chunks(path, length, comm.rank, comm.size))
+    shares = comm.allgather(own)
+    count = sum(len(share) for share in shares)
+    return _line(length, [shares[number % comm.size][number // comm.size] for number in range(count)])
+
+
+def _chunks(path, length, rank=0, size=1):
+    """Return the digests of chunks rank, rank + size, ... of the first `length` bytes of a file. Raises OSError."""
+    numbers = range(rank, -(-length // CHUNK), size)
+    if not numbers:
+        return []
+    found, buffer = [], memoryview(bytearray(CHUNK))    # one for all chunks: fresh memory for each costs half as much again
+    with open(path, "rb") as file:
+        for number in numbers:
+            file.seek(number * CHUNK)
+            count = file.readinto(buffer[:min(CHUNK, length - number * CHUNK)])
+            found.append(hashlib.sha256(buffer[:count]).digest())
+    return found
+
+
+def _line(length, digests):
+    digest = hashlib.sha256(b"%d " % length + b"".join(digests)).hexdigest()
+    return b"\nparisph digest %d %020d %s\n" % (VERSION, length, digest.encode())
+
+
+def _ending(path):
+    """Return (number of bytes before the line, the line) of a file. Raises StoreError if it ends in no such line."""
+    try:
+        status = os.stat(path)
+        if not stat.S_ISREG(status.st_mode):    # a pipe would be waited for
+            raise StoreError(f"{path} is not a file")
+        length = max(0, status.st_size - LENGTH)
+        with open(path, "rb") as file:
+            file.seek(length)
+            line = file.read(LENGTH + 1)
+    except FileNotFoundError:
+        raise StoreError(f"there is no file {path}") from None
+    except OSError as error:
+        raise StoreError(f"cannot read {path}: {error}") from None
+    found = PATTERN.fullmatch(line)
+    if found is None:
+        raise StoreError(f"{path} is not a whole file of parisph: it has no digest at its end, as it was cut short or "
+                         "changed, or written by an older parisph")
+    if int(found[1]) != VERSION:
+        raise StoreError(f"{path} has a digest of version {int(found[1])}, this parisph knows {VERSION}: "
+                         "it is damaged, or was written by a newer parisph")
+    return length, line
+
+
+def _compare(path, found, expected):
+    if found != expected:
+        raise StoreError(f"{path} is damaged: its content does not match the digest at its end")
