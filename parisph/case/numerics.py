@@ -97,10 +97,10 @@ class Numerics(Model):
 
 
 class Output(Model):
-    """What is written and when.
+    """What is written and when. The start and the end of a run are written as snapshots in any case.
 
-    every : time between snapshots [s], None for none but those of `times`
-    times : further times of snapshots [s]
+    every : time between snapshots [s]; they are of these times exactly, as the steps before are shortened
+    times : further times of snapshots [s], met in the same way
     fields : names of the particle fields in snapshots
     checkpoint_every : simulated time between checkpoints [s], None for one at the end only
     probe_every : steps between samples of the probes

@@ -17,7 +17,7 @@ from parisph.case.schema import Case
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.progress import Progress
-from parisph.driver.schedule import Signals, Times
+from parisph.driver.schedule import ROUNDING, Signals, Times
 from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.io import checkpoint, probes
@@ -158,27 +158,31 @@ class _Run:
         self.account.start(s)
         if first:
             self.store.append(s.time, s.steps, self._sampled())
-            if self.case.output.every or 0.0 in self.case.output.times:
-                self._snapshot()
+            self._snapshot()
             self._save()
-        # half a step on, as in _step: else what was due at the checkpoint would be due again
-        for due in (self.snapshots, self.checkpoints):
-            due.skip(s.time + 0.5 * (s.dt or 0.0))
+        # as in _step: else what was due at the checkpoint would be due again
+        self.snapshots.skip(self._now())
+        self.checkpoints.skip(self._now(0.5))
 
     def _step(self, signals):
         s = self.simulation
+        s.choose_step(self.snapshots.after(self._now()))
         report = s.advance()
         lines = {"steps": tuple(asdict(report).values())}
         if s.steps % self.case.output.probe_every == 0:
             lines.update(self._sampled())
         with s.timers("store"):
             self.store.append(s.time, s.steps, lines)
-            if self.snapshots.due(s.time + 0.5 * s.dt):
+            if self.snapshots.due(self._now()) or s.finished():    # and before the checkpoint, which follows
                 self._snapshot()
         self.account.step(report)
         self.clock.step()
         self.progress.step(s, report)
-        self._pause(signals, self.checkpoints.due(s.time + 0.5 * s.dt))
+        self._pause(signals, self.checkpoints.due(self._now(0.5)))
+
+    def _now(self, ahead=ROUNDING):
+        """Return the time [s] up to which something is due: `ahead` of a step from now."""
+        return self.simulation.time + ahead * (self.simulation.dt or 0.0)
 
     def _pause(self, signals, due=False):
         """Write a checkpoint if one is due or asked for, and stop if that is asked. Collective."""

@@ -1,8 +1,28 @@
 """When a run has something to do: at simulated times, and when it is told to stop."""
 
+import math
 import signal
 
-import numpy as np
+ROUNDED = 1.0 + 1e-12   # a time that is reached but for rounding is reached
+ROUNDING = 1e-6         # of a step: what the sum of many steps may be off by
+
+
+def step_towards(target, time, limit):
+    """Return a step of at most `limit` (or a thousandth more) on the way to `target`, and the time after it, all in s.
+
+    The last two steps before the target share what is left, so that none is shorter than half of
+    `limit` and the target is met exactly. The answer depends on nothing that went before: a run
+    that goes on between these two takes the same ones. A fixed step that divides the way stays
+    what it is, to the last bit.
+    """
+    left = target - time
+    if not 0.0 < left <= 2.0 * limit:
+        return limit, time + limit
+    last = left < 1.001 * limit
+    dt = left if last else 0.5 * left
+    if abs(dt - limit) < ROUNDING * limit:
+        dt = limit
+    return dt, target if last else time + dt
 
 
 class Times:
@@ -19,9 +39,17 @@ class Times:
 
     def skip(self, time):
         """Count everything up to `time` as done."""
-        self.count = sum(t <= time for t in self.times)
+        self.count = sum(t <= time * ROUNDED for t in self.times) + self._multiple(time)
+
+    def after(self, time):
+        """Return the first time [s] that is due after `time`, infinity if there is none."""
+        found = [t for t in self.times if t > time * ROUNDED][:1]
         if self.every:
-            self.count += int(np.floor(time / self.every * (1.0 + 1e-12)))
+            found.append((self._multiple(time) + 1) * self.every)
+        return min(found, default=math.inf)
+
+    def _multiple(self, time):
+        return math.floor(time / self.every * ROUNDED) if self.every else 0
 
 
 class Signals:

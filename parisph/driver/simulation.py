@@ -9,6 +9,7 @@ from parisph.case import geometry
 from parisph.case.checks import stable_time_step
 from parisph.driver import warmup
 from parisph.driver.phases import PhaseTimers
+from parisph.driver.schedule import step_towards
 from parisph.kernels import selfcheck
 from parisph.methods import schemes
 from parisph.methods.projection import Projection
@@ -76,6 +77,7 @@ class Simulation:
         self.bad_force = None
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
+        self._chosen = None     # (limit, step, time after it) of the next step
         self._recorded = 0.0
         self._open_tank = self._reach_of_open_tank(lower, upper) if case.walls is not None and not case.walls.lid else None
 
@@ -85,17 +87,33 @@ class Simulation:
             self.method.pressure_now(self.time)
         self._has_pressure = True
 
-    def advance(self):
-        """Take one step of the case's size; return its StepReport.
+    def choose_step(self, until=None):
+        """Settle how long the next `advance` is, and return the time [s] after it, the same on all ranks.
+
+        until : a time [s] to meet exactly, None for none. As soon as it is less than two steps away the
+            steps to it are shortened; nothing else changes, and the growth of an adaptive step goes on
+            from the step that was not shortened.
+
+        Raises SolverDiverged.
+        """
+        limit = self._limit()
+        self._chosen = (limit, *step_towards(self._target(until), self.time, limit))
+        return self._chosen[-1]
+
+    def advance(self, until=None):
+        """Take one step of the case's size, or of what `choose_step` has chosen; return its StepReport.
+
+        until : as of choose_step, where that has not been called.
 
         Raises SolverDiverged or ParticleLost.
         """
-        limit = self._limit()
-        dt = self._share(limit)
+        if self._chosen is None:
+            self.choose_step(until)
+        (limit, dt, after), self._chosen = self._chosen, None
         report = self.method.step(self.time, dt)
-        self.time += dt
+        self.time = after
         self.steps += 1
-        self.dt = limit     # not the shorter one that meets the end: a run that is extended shall not notice
+        self.dt = limit     # not a shorter one that meets a time: who goes on from there shall not notice
         self._record_load()
         if self._open_tank is not None:
             self._keep_in_open_tank()
@@ -142,15 +160,15 @@ class Simulation:
             return float(np.linalg.norm(self.case.body_force(fluid, self.time + after), axis=1).max(initial=0.0))
         return first_step(self.comm, p, self.numerics, self.method.acceleration_now(self.time), dt, force_at)
 
-    def _share(self, limit):
-        """Return an adaptive step that meets the end time, and without a crumb of a step before it.
+    def _target(self, until):
+        """Return the time [s] that steps must meet next, infinity if there is none.
 
-        Who asks for steps after the end gets whole ones.
+        An adaptive run meets its end too, a fixed step comes to within half of it.
         """
-        left = self.case.end_time - self.time
-        if self.numerics.time_step is not None or left > 2.0 * limit or self.finished():
-            return limit
-        return left if left < 1.001 * limit else 0.5 * left
+        target = np.inf if until is None else until
+        if self.numerics.time_step is None and not self.finished():
+            target = self.case.end_time if finished(self.case, target) else target
+        return target
 
     def _force(self, x, t):
         """Body force (n, dim) [m/s^2] at x (n, dim) and t; remembers when it was no number."""
