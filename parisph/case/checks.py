@@ -5,27 +5,33 @@ Each check yields one line for each problem, with field, value, limit and remedy
 
 import numpy as np
 
+from parisph.base.memory import amount
 from parisph.base.text import shown
 from parisph.case.expressions import compile_expression, vector_field
-from parisph.case.lattice import FIT, Lattice, misfit, nearest_spacings
+from parisph.case import size
+from parisph.case.lattice import FIT, misfit, nearest_spacings
+from parisph.case.motion import SHARE
 from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge
 from parisph.case.shapes import Box, check_components
+from parisph.case.values import LARGEST
 
 ABSURD = 10.0   # a fixed time step this many times the stable one is taken for a mistake
-MOST = 2**31 - 1  # rows of the pressure matrix that 32-bit numbers can name
 LEAST = 4       # particles in a body of fluid
+FAR = 1e9       # spacings from the origin at which float64 still tells places apart well
 SAMPLES = 9     # points along each edge at which an expression is tried out
+MOST_STEPS = 1e8    # of a run: far beyond what any machine computes in a year
+MOST_FILES = 1e6    # of one kind that a run writes
 
 
 def problems(case):
     """Return the list of problems of a case, each one line; empty for a case that can run."""
     found = list(_dimensions(case))
     if not found:
-        found += [*_spacing(case), *_inside(case)]
+        found += [*_spacing(case), *_inside(case), *_size(case)]
     if not found:
-        found += [*_something_to_compute(case), *_surface(case), *_elevation(case), *_finite(case), *_probes(case)]
+        found += [*_surface(case), *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
-        found += [*_times(case)]
+        found += [*_times(case), *_steps(case), *_files(case)]
     return found
 
 
@@ -35,8 +41,6 @@ def _dimensions(case):
         check_components("gravity", case.gravity, dim, with_time=True)
     except ValueError as error:
         yield str(error)
-    if case.walls is not None and len(case.walls.at) != dim:
-        yield f"walls.at = {case.walls.at}: must have {dim} components, as the fluid's shape has"
     if case.frame.kind != "at_rest" and len(case.frame.direction) != dim:
         yield f"frame.direction = {case.frame.direction}: must have {dim} components, as the fluid's shape has"
     if case.frame.kind != "at_rest" and case.walls is None:
@@ -54,16 +58,31 @@ def _spacing(case):
     """The spacing must divide every length that the lattice has to meet."""
     lengths = dict(_lengths(case))
     s = case.numerics.spacing
-    bad = {name: length for name, length in lengths.items() if misfit(length, s) > FIT or round(length / s) < 1}
+
+    def fits(value, among=tuple(lengths.values())):
+        return all(misfit(length, value) <= FIT and round(length / value) >= 1 for length in among)
+
+    bad = {name: length for name, length in lengths.items() if not fits(s, [length])}
     if not bad:
         return
-    listed = ", ".join(f"{name} = {length:g}" for name, length in bad.items())
-    fitting = nearest_spacings(list(lengths.values()), s)
+    listed = ", ".join(f"{name} = {_digits(length, lambda value: not fits(s, [value]))}" for name, length in bad.items())
+    fitting = [value for value in nearest_spacings(list(lengths.values()), s) if fits(value)]
     if fitting:
-        remedy = "the nearest that fit are " + " and ".join(f"{value:.10g}" for value in fitting)
+        remedy = "the nearest that fit are " + " and ".join(_digits(value, fits, 10) for value in fitting)
     else:
-        remedy = "no spacing near it fits all lengths: make the lengths multiples of one number"
-    yield f"numerics.spacing = {s:g}: must divide {listed} into whole spacings; {remedy}"
+        name, length = next(iter(bad.items()))
+        near = max(round(length / s), 1) * s
+        remedy = f"no spacing near it fits all lengths: make the lengths multiples of one number, such as {name} = {near:.10g}"
+    yield f"numerics.spacing = {_digits(s, lambda value: not fits(value))}: must divide {listed} into whole spacings; {remedy}"
+
+
+def _digits(value, holds, least=6):
+    """Return a number as text, with so many digits that `holds(number)` is true of what is said as well."""
+    for digits in (least, 10):
+        text = f"{value:.{digits}g}"
+        if holds(float(text)):
+            return text
+    return repr(float(value))
 
 
 def _lengths(case):
@@ -76,7 +95,7 @@ def _lengths(case):
         yield "walls.height", tank.height
         if isinstance(shape, Box):
             for axis, offset in enumerate(np.array(shape.at) - np.array(tank.at)):
-                if offset > 1e-9 * shape.size[axis]:
+                if offset > FIT * case.numerics.spacing:    # less is rounding: it stands at the wall
                     yield f"the distance of fluid.shape from the wall in {'xyz'[axis]}", float(offset)
 
 
@@ -93,21 +112,36 @@ def _inside(case):
             )
 
 
-def _something_to_compute(case):
-    lower, upper = case.fluid.shape.bounds
-    estimate = float(np.prod((upper - lower) / case.numerics.spacing))
-    if estimate > MOST:
+def _size(case):
+    s = case.numerics.spacing
+    n = size.counts(case)
+    if n["all"] > size.MOST:
         yield (
-            f"numerics.spacing = {case.numerics.spacing:g}: makes about {estimate:.1e} particles, "
-            f"at most {MOST:.1e} can be numbered; use a larger spacing"
+            f"numerics.spacing = {s:g}: makes about {n['all']:.3g} particles, {n['wall']:.3g} of them on walls, which take about "
+            f"{amount(size.memory(n['all']))} of memory; at most {size.MOST:.2g} can be numbered; "
+            "use a larger spacing, or less fluid and a smaller tank"
         )
-        return
-    n = Lattice(case.fluid.shape, case.walls, case.numerics.spacing).count()
-    if n < LEAST:
+    elif size.search(case) > size.MOST:
         yield (
-            f"numerics.spacing = {case.numerics.spacing:g}: leaves {n} fluid particles, "
-            f"at least {LEAST} are needed; use a smaller spacing"
+            f"fluid.shape: the rectangle around it has {size.search(case):.3g} lattice points, at most {size.MOST:.2g} are searched "
+            "for fluid; use a larger spacing, or a body that fills more of its rectangle"
         )
+    elif n["exact"] and n["fluid"] < LEAST:
+        yield f"numerics.spacing = {s:g}: leaves {n['fluid']} fluid particles, at least {LEAST} are needed; use a smaller spacing"
+    else:
+        yield from _far(case)
+
+
+def _far(case):
+    s = case.numerics.spacing
+    for name, part in (("walls", case.walls), ("fluid.shape", case.fluid.shape)):
+        far = 0.0 if part is None else float(np.max(np.abs(part.bounds)))
+        if far > FAR * s:
+            yield (
+                f"{name}: reaches {far:.3g} m from the origin, at most {FAR:g} spacings, here {FAR * s:.3g} m, can be told apart "
+                "there; move the scene to the origin"
+            )
+            return
 
 
 def _elevation(case):
@@ -145,10 +179,11 @@ def _finite(case):
     for name, components, with_time in (("fluid.velocity", case.fluid.velocity, False), ("gravity", case.gravity, True)):
         values = vector_field(components, with_time)(x)
         for axis, component in enumerate(components):
-            bad = ~np.isfinite(values[:, axis])
+            bad = ~(np.abs(values[:, axis]) <= LARGEST)
             if np.any(bad):
-                at = ", ".join(f"{value:g}" for value in x[bad][0])
-                yield f"{name}[{axis}] = {shown(component)}: is not a finite number at ({at})"
+                at, value = ", ".join(f"{value:g}" for value in x[bad][0]), values[bad, axis][0]
+                what = f"is {value:.3g}, more than {LARGEST:g} in size," if np.isfinite(value) else "is not a finite number"
+                yield f"{name}[{axis}] = {shown(component)}: {what} at ({at})"
 
 
 def _probes(case):
@@ -199,6 +234,40 @@ def _times(case):
             yield (
                 f"output.times: {time:g} s is after the end of the run, end_time = {case.end_time:g} s; "
                 "leave it out or run longer"
+            )
+
+
+def _steps(case):
+    """A run that would not end in a year is a mistake, and so is its time step."""
+    dt, why = min(_time_steps(case), key=lambda item: item[0])
+    if case.end_time > MOST_STEPS * dt:
+        yield (
+            f"{why} takes steps of {dt:.2g} s: some {case.end_time / dt:.1e} of them until end_time = {case.end_time:g} s, "
+            f"at most {MOST_STEPS:g} can be computed; change that, or run shorter"
+        )
+
+
+def _time_steps(case):
+    """Yield the steps [s] that a case asks for, and what asks for each: the field, and why."""
+    n, frame = case.numerics, case.frame
+    if n.time_step is not None:
+        yield n.time_step, f"numerics.time_step = {n.time_step:g} s"
+        return
+    limit, reason = stable_time_step(case)
+    yield limit, f"gravity, fluid.velocity and numerics.spacing: a step that {reason}"
+    yield frame.longest_step, f"frame: {1 / SHARE:.0f} steps in a period of {frame.longest_step / SHARE:.2g} s"
+    if frame.top_speed > 0.0:
+        yield n.cfl * n.spacing / frame.top_speed, f"frame: a tank that moves at {frame.top_speed:.2g} m/s"
+    if n.max_time_step is not None:
+        yield n.max_time_step, f"numerics.max_time_step = {n.max_time_step:g} s"
+
+
+def _files(case):
+    for name, every in (("every", case.output.every), ("checkpoint_every", case.output.checkpoint_every)):
+        if every is not None and case.end_time > MOST_FILES * every:
+            yield (
+                f"output.{name} = {every:g} s: makes {case.end_time / every:.1e} files until end_time = {case.end_time:g} s, "
+                f"at most {MOST_FILES:g} are written; use a longer time"
             )
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.expressions import compile_expression, vector_field
 from parisph.case.lattice import Lattice
@@ -10,13 +11,6 @@ from parisph.case.lattice import Lattice
 def lattice(case):
     """Return the Lattice on which the case starts."""
     return Lattice(case.fluid.shape, case.walls, case.numerics.spacing)
-
-
-def counts(case):
-    """Return {"fluid": n, "wall": n, "all": n}, without building the particles."""
-    points = lattice(case)
-    fluid, wall = points.count(), len(points.wall_indices()[0])
-    return {"fluid": fluid, "wall": wall, "all": fluid + wall}
 
 
 def build(case, rank=0, size=1):
@@ -33,15 +27,19 @@ def build(case, rank=0, size=1):
     x [m], u [m/s], normal (n, dim); volume (n,) [m^dim] (see Lattice.cells), 0 for walls; p (n,)
     [Pa], zero: the first solve finds it. Wall
     normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
+
+    Raises
+    ------
+    CaseError : there is no fluid
     """
     points = lattice(case)
     n_fluid = points.count()
-    wall, inward = points.wall_indices()
-    total = n_fluid + len(wall)
+    if n_fluid == 0:    # the checks of a case count the fluid by its area where counting takes long
+        raise CaseError("fluid.shape: no lattice point is in it: it is too thin for the spacing")
+    total = n_fluid + points.wall_count()
     start, stop = total * rank // size, total * (rank + 1) // size
     fluid = _fluid(case, points, min(start, n_fluid), min(stop, n_fluid))
-    own = slice(max(start - n_fluid, 0), max(stop - n_fluid, 0))
-    solid = _walls(case, points, wall[own], inward[own])
+    solid = _walls(case, points, *points.wall_indices(max(start - n_fluid, 0), max(stop - n_fluid, 0)))
     arrays = {name: np.concatenate([fluid[name], solid[name]]) for name in fluid}
     arrays["id"] = np.arange(start, stop, dtype=np.int64)
     arrays["p"] = np.zeros(stop - start)

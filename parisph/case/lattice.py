@@ -5,6 +5,8 @@ fluid at s, 2s, ... from it. Without a tank it begins at the lower corner of a B
 has a point at the centre of a Disc. All in any number of dimensions.
 """
 
+import math
+
 import numpy as np
 
 from parisph.case.shapes import Box, Disc
@@ -155,25 +157,48 @@ class Lattice:
     def _unravel(self, number):
         return self.first + np.stack(np.unravel_index(number, self.counts), axis=1).astype(np.int64)
 
-    def wall_indices(self):
-        """Return the indices (n, dim) of the wall particles and their face sums (n, dim).
+    def wall_count(self):
+        """Return the number of wall particles."""
+        return 0 if self.tank is None else boundary_size(self._points(), self._closed_above())
+
+    def wall_indices(self, start=0, stop=None):
+        """Return the indices (n, dim) of wall particles number start to stop, and their face sums (n, dim).
 
         The face sum adds the inward unit vectors of all walls that a particle lies on: two of them in
-        a corner. The rim of an open tank belongs to the side walls alone.
+        a corner. The rim of an open tank belongs to the side walls alone. Only these are held in memory.
         """
         if self.tank is None:
             empty = np.empty((0, len(self.counts)), dtype=np.int64)
             return empty, empty
-        dim, closed = len(self.counts), self._closed_above()
-        blocks = []
-        for axis in range(dim):
-            for value in (0, self.top[axis]) if closed[axis] else (0,):
-                ranges = [np.arange(n + 1) for n in self.top]
-                ranges[axis] = np.array([value])
-                blocks.append(np.stack(np.meshgrid(*ranges, indexing="ij"), axis=-1).reshape(-1, dim))
-        index = np.unique(np.concatenate(blocks), axis=0)
+        total, closed = self.wall_count(), self._closed_above()
+        index = _boundary(self._points(), closed, np.arange(start, total if stop is None else min(stop, total)))
         inward = (index == 0).astype(np.int64) - ((index == self.top) & closed)
         return index, inward
+
+    def _points(self):
+        """Number of lattice points along each edge of the tank, walls included."""
+        return [int(n) + 1 for n in self.top]
+
+
+def boundary_size(counts, closed):
+    """Return how many points of a block of `counts` points lie on a face: at the lower end of an axis, or the upper where closed."""
+    return math.prod(counts) - math.prod(n - 1 - int(upper) for n, upper in zip(counts, closed))
+
+
+def _boundary(counts, closed, number):
+    """Return the indices (n, dim) of the points number (n,) on the faces of a block, in the order of their indices."""
+    if len(counts) == 1:
+        return np.where(number == 0, 0, counts[0] - 1)[:, None]
+    layer, edge = math.prod(counts[1:]), boundary_size(counts[1:], closed[1:])
+    between = counts[0] - 1 - int(closed[0])    # layers of which only the edge is on a face
+    first, last = number < layer, number >= layer + between * edge
+    index = np.empty((len(number), len(counts)), dtype=np.int64)
+    index[:, 0] = np.where(first, 0, np.where(last, counts[0] - 1, 1 + (number - layer) // edge))
+    inside = np.where(first, number, number - layer - between * edge)
+    whole = first | last
+    index[whole, 1:] = np.stack(np.unravel_index(inside[whole], counts[1:]), axis=1)
+    index[~whole, 1:] = _boundary(counts[1:], closed[1:], (number[~whole] - layer) % edge)
+    return index
 
 
 def _offsets(dim):

@@ -11,13 +11,14 @@ from pydantic import AfterValidator, Field, model_validator
 
 from parisph.base.text import shown
 from parisph.case.model import Model
+from parisph.case.values import SMALLEST
 
 
 SHARE = 1 / 50    # of the period of a sway: the longest adaptive time step
 
 
 def _not_zero(direction):
-    if not np.any(direction):
+    if np.linalg.norm(direction) < SMALLEST:
         raise ValueError(f"{shown(direction)} must not be zero; give for example (1, 0)")
     return direction
 
@@ -52,6 +53,11 @@ class Motion(Model):
         """Longest time step [s] that resolves the motion; infinite where it has no time of its own."""
         return np.inf
 
+    @property
+    def top_speed(self):
+        """Greatest speed of the tank [m/s]."""
+        return 0.0
+
 
 class AtRest(Motion):
     """A tank that does not move."""
@@ -83,6 +89,11 @@ class Sway(Motion):
         """See Motion: a share of the period; infinite where the amplitude is zero."""
         return SHARE * 2.0 * np.pi / self.frequency if self.amplitude else np.inf
 
+    @property
+    def top_speed(self):
+        """See Motion."""
+        return abs(self.amplitude) * self.frequency
+
 
 class Tabulated(Motion):
     """A measured motion: displacement [m] at increasing times [s], joined by a cubic spline.
@@ -101,10 +112,15 @@ class Tabulated(Motion):
     def _series_is_sound(self):
         if len(self.times) != len(self.values):
             raise ValueError(f"values: {len(self.values)} displacements for {len(self.times)} times; give one for each")
-        late = np.flatnonzero(np.diff(self.times) <= 0)
+        late = np.flatnonzero(np.diff(self.times) < SMALLEST)
         if len(late):
             raise ValueError(f"times[{late[0] + 1}] = {self.times[late[0] + 1]}: must be later than the time before it")
         return self
+
+    @property
+    def top_speed(self):
+        """See Motion: that of the straight lines between the times."""
+        return float(np.max(np.abs(np.diff(self.values) / np.diff(self.times))))
 
     def _series(self, t):
         knots, y, m = _spline(self.times, self.values)

@@ -69,7 +69,7 @@ class Case(Model):
 
     @property
     def dim(self):
-        """Number of dimensions, 2 or 3."""
+        """Number of dimensions: 2, as scenes in 3D are refused so far."""
         return self.fluid.dim
 
     @property

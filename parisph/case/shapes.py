@@ -1,16 +1,24 @@
 """The shapes of a scene: bodies of fluid and the tank that holds them."""
 
-from typing import Annotated, Literal, Union
+from typing import Annotated, ClassVar, Literal, Union
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from parisph.base.text import shown
 from parisph.case.expressions import compile_expression, variable_names
 from parisph.case.model import Model
 
+def _in_the_plane(point):
+    if len(point) == 3:
+        raise ValueError(f"{point} has three components: scenes are 2D so far, give (x, y)")
+    return point
+
+
 Length = Annotated[float, Field(gt=0, description="a length [m]")]
-Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="a point (x, y) [m]")]
+Point = Annotated[
+    tuple[float, ...], Field(min_length=2, max_length=3, description="a point (x, y) [m]"), AfterValidator(_in_the_plane)
+]
 Number = Union[float, str]  # a number, or an expression of position
 
 
@@ -21,6 +29,11 @@ class Box(Model):
     width: Length
     height: Length
     at: Point = (0.0, 0.0)
+
+    @property
+    def area(self):
+        """[m2]"""
+        return self.width * self.height
 
     @property
     def size(self):
@@ -45,6 +58,12 @@ class Disc(Model):
     kind: Literal["disc"] = "disc"
     radius: Length
     at: Point = (0.0, 0.0)
+    edges: ClassVar[int] = 1
+
+    @property
+    def area(self):
+        """[m2]"""
+        return np.pi * self.radius**2
 
     @property
     def bounds(self):
@@ -61,17 +80,26 @@ class Polygon(Model):
     """A polygon of fluid, given by its corners in order, either way round [m]."""
 
     kind: Literal["polygon"] = "polygon"
-    points: Annotated[tuple[Point, ...], Field(min_length=3, description="corners ((x, y), ...) in order [m]")]
+    points: Annotated[tuple[tuple[float, ...], ...], Field(min_length=3, max_length=1000, description="corners ((x, y), ...) in order [m]")]
 
     @field_validator("points")
     @classmethod
-    def _plane(cls, points):
+    def _encloses(cls, points):
         if any(len(point) != 2 for point in points):
-            raise ValueError("every corner must have two coordinates (x, y)")
-        x, y = np.array(points).T
-        if abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) == 0.0:
+            raise ValueError("every corner must have two coordinates (x, y): scenes are 2D so far")
+        if _area(points) == 0.0:
             raise ValueError("the corners enclose no area: give at least three that are not on one line")
         return points
+
+    @property
+    def edges(self):
+        """Number of edges."""
+        return len(self.points)
+
+    @property
+    def area(self):
+        """[m2]"""
+        return _area(self.points)
 
     @property
     def bounds(self):
@@ -91,6 +119,12 @@ class Polygon(Model):
                 at = a[0] + (x[:, 1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
                 crossings ^= ((a[1] > x[:, 1]) != (b[1] > x[:, 1])) & (x[:, 0] < at)
         return crossings | near
+
+
+def _area(points):
+    x, y = np.array(points).T
+    x, y = x - x[0], y - y[0]    # far from the origin the products would cancel
+    return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
 
 
 class Tank(Model):
@@ -141,7 +175,7 @@ class Fluid(Model):
 
     @property
     def dim(self):
-        """Number of dimensions, 2 or 3."""
+        """Number of dimensions: 2, as scenes in 3D are refused so far."""
         return len(self.shape.bounds[0])
 
     @model_validator(mode="after")

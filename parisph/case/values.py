@@ -30,7 +30,7 @@ def faults(fields, data):
             for count, (place, item) in enumerate(_items(value)):
                 limit = _fault(item, kinds, positive) if count < MOST_VALUES else f"one of at most {MOST_VALUES:,} values"
                 if limit:
-                    yield name, place, item, limit
+                    yield name, "".join(f"[{number}]" for number in place), item, limit
                     break
 
 
@@ -69,11 +69,11 @@ def _fault_of_size(number, positive):
     return f"at least {SMALLEST:g}" if positive and 0.0 < size < SMALLEST else None
 
 
-def _items(value, place="", depth=3):
-    """Yield (place, value) in nested lists and tuples; records, as dict or as object, are looked at by themselves."""
+def _items(value, place=(), depth=3):
+    """Yield (indices, value) in nested lists and tuples; records, as dict or as object, are looked at by themselves."""
     if isinstance(value, (list, tuple)) and depth:
         for number, item in enumerate(value):
-            yield from _items(item, f"{place}[{number}]", depth - 1)
+            yield from _items(item, (*place, number), depth - 1)
     elif not isinstance(value, dict) and value is not None:
         yield place, value
 

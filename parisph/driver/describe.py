@@ -4,13 +4,9 @@ import math
 
 import numpy as np
 
-from parisph.case import geometry, scales
+from parisph.base import memory
+from parisph.case import scales, size
 from parisph.driver import cost
-
-# Measured: peak memory of the dam break on one rank, 231, 301 and 487 MB with 3840, 30,720 and 119,040
-# particles, preconditioner included. A run that compiles its kernels first takes 110 MB more.
-BYTES = 2500.0  # per particle
-BASE = 223e6    # interpreter, libraries and kernels of one rank
 
 
 def describe(case, parameters=None):
@@ -19,25 +15,33 @@ def describe(case, parameters=None):
     parameters : {name: value} of the case file (case.load.arguments), for those who will set others
     """
     numerics = case.numerics.resolved()
-    count = geometry.counts(case)
+    count = size.counts(case)
     expected = scales.expected(case)
     steps = estimated_steps(case, numerics, expected)
     seconds, basis = cost.seconds_per_step(numerics, count["all"])
     lines = [
         ("case", case.title),
         ("method", f"{numerics.method}, preset {numerics.preset}"),
-        ("particles", f"{count['all']} ({count['fluid']} fluid, {count['wall']} wall), spacing {numerics.spacing:g} m"),
+        ("particles", f"{'' if count['exact'] else 'about '}{count['all']} ({count['fluid']} fluid, {count['wall']} wall), spacing {numerics.spacing:g} m"),
         ("resolution", _resolution(case, expected)),
         ("stages", ", ".join(stages(case))),
         ("end time", f"{case.end_time:g} s"),
         ("steps", _steps(case, numerics, steps)),
         ("time", f"about {_duration(steps * seconds)} on one rank, {_rounded(1e3 * seconds)} ms a step (estimated from {basis})"),
-        ("memory", f"about {(BASE + BYTES * count['all']) / 1e6:.0f} MB on one rank"),
+        ("memory", _memory(count["all"])),
         ("probes", ", ".join(probe.name for probe in case.probes) or "none"),
     ]
     if parameters:
         lines.append(("--set", ", ".join(f"{name}={_text(value)}" for name, value in parameters.items())))
     return "\n".join(f"{name:<12}{text}" for name, text in lines)
+
+
+def _memory(particles):
+    need, there = size.memory(particles), memory.total()
+    text = f"about {memory.amount(need)} on one rank"
+    if there is not None and need > there:
+        text += f", more than the {memory.amount(there)} of this machine: the case needs a larger one, or several"
+    return text
 
 
 def stages(case):

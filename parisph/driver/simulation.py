@@ -7,7 +7,7 @@ from parisph.base.errors import CaseError, ParisphError, ParticleLost, SolverDiv
 from parisph.base.fields import FLUID
 from parisph.case import geometry
 from parisph.case.checks import stable_time_step
-from parisph.driver import warmup
+from parisph.driver import room, warmup
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.schedule import step_towards
 from parisph.kernels import selfcheck
@@ -46,6 +46,7 @@ class Simulation:
     """
 
     def __init__(self, case, comm, petsc_options=None, start=None):
+        room.check(case, comm)
         self.numerics = _numerics(case)
         # what is stored is what was computed, whatever a preset becomes later
         self.case = case.model_copy(update={"numerics": self.numerics})

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph.base import memory
 from parisph.driver import describe, progress
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.progress import Progress
@@ -39,6 +40,18 @@ def test_memory_is_estimated_as_it_is_measured(tmp_path):
     peak, = json.loads((tmp_path / "second" / "summary.json").read_text())["peak_memory_mb"]
     told = next(line for line in describe(scene("dam_break", spacing=1 / 240)).splitlines() if line.startswith("memory"))
     assert int(told.split()[2]) == pytest.approx(peak, rel=0.15)
+
+
+def test_a_case_for_a_larger_machine_is_described_all_the_same(monkeypatch):
+    told = describe(scene("dam_break"))
+    assert "MB on one rank\n" in told
+    monkeypatch.setattr(memory, "total", lambda: 10**8)
+    assert "MB on one rank, more than the 100 MB of this machine" in describe(scene("dam_break"))
+    case = scene("dam_break").changed(**{"walls.width": 1e6, "walls.height": 1e6, "probes": ()})
+    assert "particles   320003200 (3200 fluid, 320000000 wall)" in describe(case) and "about 800 GB" in describe(case)
+    radius = scene("free_drop").fluid.shape.radius
+    drop = scene("free_drop").changed(**{"numerics.spacing": radius / 10_000, "numerics.time_step": None})
+    assert "particles   about 314159265 (314159265 fluid, 0 wall)" in describe(drop)
 
 
 def test_values_are_written_as_set_takes_them():

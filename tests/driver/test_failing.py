@@ -56,6 +56,16 @@ def check_summary(steps_at_least, began=True):
     return summary["status"]
 
 
+@pytest.mark.parametrize(("ranks", "need"), [(1, "223 MB of memory on 1 rank;"), (2, "446 MB of memory on 2 ranks;")])
+def test_what_does_not_fit_into_memory_is_refused_before_anything_is_made(folder, ranks, need):
+    # a small machine, because a large one may have room for any case that is quick to describe
+    (folder / "wild.py").write_text("from parisph.base import memory\nmemory.total = lambda: 10**8\n" + CASE)
+    done = mpirun(ranks, ["-m", "parisph", "run", "wild.py"], timeout=40, cwd=folder)
+    assert done.returncode == 2 and done.stderr.count("parisph: error: ") == 1 and "Traceback" not in done.stderr
+    assert f"makes 130 particles, which take about {need} there is 100 MB" in done.stderr
+    assert not list(folder.glob("runs/*"))
+
+
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_body_force_that_becomes_infinite(folder, capfd, ranks):
     words = ["run", "wild.py", "-o", "run", "-q", "--set", "gravity=-9.81/where(t < 0.0501, 1, 0)"]

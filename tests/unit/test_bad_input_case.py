@@ -1,6 +1,7 @@
 """Bad cases are refused before any work, with one clear line for each problem."""
 
 import math
+import time
 
 import pytest
 
@@ -45,7 +46,11 @@ def numerics(**changes):
     (lambda: Tank(1.0, 1.0, lit=True), r"Tank has no field 'lit'; did you mean 'lid'\?"),
     (lambda: Polygon(((0, 0), (1, 0))), "Polygon.points = .*: must be at least 3 values"),
     (lambda: Polygon(((0, 0), (1, 0), (2, 0))), "enclose no area"),
-    (lambda: Polygon(((0, 0, 0), (1, 0, 0), (2, 1, 0))), "two coordinates"),
+    # three dimensions
+    (lambda: Polygon(((0, 0, 0), (1, 0, 0), (2, 1, 0))), "Polygon.points: every corner must have two coordinates .x, y.: scenes are 2D so far"),
+    (lambda: Box(1.0, 1.0, (0.0, 0.0, 0.0)), "Box.at: .* has three components: scenes are 2D so far, give .x, y."),
+    (lambda: Disc(1.0, (0.0, 0.0, 0.0)), "Disc.at: .* scenes are 2D so far"),
+    (lambda: Tank(2.0, 2.0, at=(0.0, 0.0, 0.0)), "Tank.at: .* scenes are 2D so far"),
     # values that no field may have
     (lambda: Box(True, 1.0), "Box.width = True: must be a number"),
     (lambda: Box("1.0", 1.0), "Box.width = '1.0': must be a number"),
@@ -116,7 +121,26 @@ def test_parts(make, message):
     ({"walls": Tank(2.0**0.5, 2.0)}, "must divide walls.width = 1.41421 .*no spacing near it fits all lengths"),
     ({"fluid": fluid(shape=Box(1.0, 1.0, (0.05, 0.0)))}, "the distance of fluid.shape from the wall in x = 0.05"),
     ({"numerics": numerics(spacing=0.5), "fluid": fluid(shape=Box(0.5, 0.5))}, "leaves 1 fluid particles, at least 4 are needed"),
-    ({"numerics": numerics(spacing=1e-6)}, "makes about 1.0e.12 particles, at most 2.1e.09"),
+    ({"numerics": numerics(spacing=1e-6)}, r"makes about 1e.12 particles, 6e.06 of them on walls, which take about 2.5 PB of memory; at most 2.1e.09"),
+    ({"walls": Tank(1e8, 1e8)}, r"makes about 3e.09 particles, 3e.09 of them on walls, which take about 7.5 TB of memory"),
+    ({"walls": Tank(1e30, 1e30)}, r"makes about 3e.31 particles"),
+    ({"fluid": fluid(shape=Disc(1e6)), "walls": None}, r"makes about 3.14e.14 particles, 0 of them on walls"),
+    ({"fluid": fluid(shape=Polygon(((0, 0), (1e6, 1e6), (1e6, 1e6 + 1)))), "walls": None}, "the rectangle around it has 1e.14 lattice points"),
+    ({"fluid": fluid(shape=Box(1.0, 1.0, (1e17, 0.0))), "walls": None}, r"fluid.shape: reaches 1e.17 m from the origin, at most 1e.09 spacings"),
+    ({"walls": Tank(2.0, 2.0, at=(-1e12, 0.0)), "fluid": fluid(shape=Box(1.0, 1.0, (-1e12, 0.0)))}, "walls: reaches 1e.12 m from the origin"),
+    # remedies are right: what is proposed fits, and what is said not to fit does not
+    ({"numerics": numerics(spacing=0.05000001), "walls": Tank(1e4, 2.0)}, r"numerics.spacing = 0.05000001: must divide walls.width = 10000 .*; the nearest that fit are 0.05 and 0.05263157895$"),
+    ({"numerics": numerics(spacing=0.05), "walls": Tank(1000.0001, 2.0)}, r"numerics.spacing = 0.05: must divide walls.width = 1000.0001 .*; no spacing near it fits all lengths: .* walls.width = 1000$"),
+    ({"frame": Sway(1.0, 1e9)}, r"frame: a tank that moves at 1e.09 m/s takes steps of 4e-11 s: some 2.5e.10 of them"),
+    ({"frame": Sway(1e-12, 1e10)}, r"frame: 50 steps in a period of 6.3e-10 s takes steps of 1.3e-11 s"),
+    ({"frame": Tabulated((0, 1e-12, 1, 2), (0, 1, 1, 1))}, r"frame: a tank that moves at 1e.12 m/s"),
+    ({"fluid": fluid(velocity=(1e12, 0.0))}, r"gravity, fluid.velocity and numerics.spacing: a step that moves the fastest fluid by 0.4 spacings takes steps of"),
+    ({"numerics": numerics(time_step=1e-12)}, r"numerics.time_step = 1e-12 s takes steps of 1e-12 s: some 1.0e.12 of them until end_time = 1 s, at most 1e.08"),
+    ({"numerics": numerics(max_time_step=1e-12)}, "numerics.max_time_step = 1e-12 s takes"),
+    ({"end_time": 1e20}, "some .* of them until end_time = 1e.20 s"),
+    ({"output": Output(every=1e-9)}, r"output.every = 1e-09 s: makes 1.0e.09 files until end_time = 1 s, at most 1e.06"),
+    ({"output": Output(checkpoint_every=1e-9)}, "output.checkpoint_every = 1e-09 s: makes"),
+    ({"fluid": fluid(velocity=("1e200", 0.0))}, r"fluid.velocity\[0\] = '1e200': is 1e.200, more than 1e.30 in size, at \(0, 0\)"),
     ({"fluid": fluid(shape=Box(1.0, 3.0))}, "fluid.shape reaches from y = 0 to 3: must lie in the tank, from 0 to 2"),
     ({"fluid": fluid(shape=Disc(1.0, (0.5, 1.0)))}, "fluid.shape reaches from x = -0.5 to 1.5: must lie in the tank"),
     ({"fluid": fluid(elevation="0.6*x-0.6")}, "fluid.elevation = '0.6.x-0.6': reaches from -0.6 to 0, must stay between -0.5 and 1"),
@@ -129,7 +153,6 @@ def test_parts(make, message):
     ({"gravity": (0.0, math.inf)}, r"Case.gravity\[1\] = inf: must be a finite number"),
     ({"walls": None, "frame": Sway(0.1, 1.0)}, "there is no tank to move"),
     ({"frame": Sway(0.1, 1.0, (1.0, 0.0, 0.0))}, "frame.direction = .*: must have 2 components"),
-    ({"walls": Tank(2.0, 2.0, at=(0.0, 0.0, 0.0))}, "walls.at = .*: must have 2 components"),
     ({"end_time": 0.0}, "Case.end_time = 0.0: must be greater than 0"),
     ({"end_time": True}, "Case.end_time = True: must be a number"),
     ({"gravity": (0.0, True)}, r"Case.gravity\[1\] = True: must be a number"),
@@ -189,7 +212,22 @@ def test_stored_text_is_checked_like_a_case():
         Case.model_validate_json(text[:-1] + ',"colour":1}')
 
 
+@pytest.mark.filterwarnings("error")
+def test_sizes_without_a_limit_are_refused_at_once_and_without_warnings():
+    begun = time.monotonic()
+    for length in (1e6, 1e8, 1e15, 2e29):
+        for shape in (Box(length, length), Disc(length), Polygon(((0, 0), (length, 0), (0, length)))):
+            for walls in (None, Tank(4 * length, 4 * length, at=(-2 * length, -2 * length))):
+                for spacing in (1e-30, 1e-3):
+                    with pytest.raises(CaseError, match="makes about .* particles|must divide|reaches"):
+                        scene(fluid=fluid(shape=shape), walls=walls, numerics=numerics(spacing=spacing))
+    assert time.monotonic() - begun < 5.0
+
+
 def test_good_edges_are_let_through():
+    scene(walls=Tank(1e6, 1e6), numerics=numerics(spacing=0.05))     # 6e7 wall particles: for a large machine
+    scene(fluid=fluid(shape=Disc(100.0)), walls=None, numerics=numerics(spacing=0.01))
+    scene(fluid=fluid(shape=Box(1.0, 1.0, (1e-8, 0.0))), walls=Tank(1.0 + 1e-8, 2.0), numerics=numerics(spacing=0.05))
     scene(walls=Tank(2.0, 2.0, lid=True), probes=[PressureTap("lid", (1.0, 2.0)), SurfaceGauge("wall", 2.0)])
     scene(fluid=fluid(shape=Box(2.0, 2.0)))
     scene(walls=None, fluid=fluid(shape=Disc(0.55)), gravity=("-x", "-y"))

@@ -8,7 +8,7 @@ import pytest
 
 from parisph import load
 from parisph.base.fields import CONTACT, SURFACE, WET
-from parisph.case import geometry, waves
+from parisph.case import geometry, size, waves
 from parisph.case.checks import stable_time_step
 from parisph.case.load import parameters
 from parisph.case.probes import read_truth
@@ -25,7 +25,7 @@ def test_loads_and_is_stored_without_its_script(file):
     known = parameters(file)
     assert {"spacing", "method", "end_time", "time_step", "jitter", "seed"} <= set(known)
     coarse = load(file, {"spacing": 2.0 * known["spacing"][0], "jitter": 0.4})
-    n, m = geometry.counts(case)["fluid"], geometry.counts(coarse)["fluid"]
+    n, m = size.counts(case)["fluid"], size.counts(coarse)["fluid"]
     assert 3.4 < n / m < 4.7
     assert coarse.numerics.time_step is None or coarse.numerics.time_step < 5.0 * stable_time_step(coarse)[0]
 
@@ -35,7 +35,7 @@ def test_readme_lists_it_with_its_size(file):
     row = re.search(rf"^\| `{file.name}`.*$", (CASES / "README.md").read_text(encoding="utf-8"), re.M).group()
     case = load(file)
     cells = [cell.strip() for cell in row.split("|")]
-    assert int(cells[3]) == geometry.counts(case)["fluid"]
+    assert int(cells[3]) == size.counts(case)["fluid"]
     if case.numerics.time_step is not None:
         assert int(cells[4]) == round(case.end_time / case.numerics.time_step), "a run ends within half a step of its end time"
 
@@ -55,7 +55,7 @@ def test_dam_break():
 @pytest.mark.parametrize("spacing, count", [(0.1, 190), (0.05, 780), (0.025, 3160)])
 def test_small_sloshing(spacing, count):
     case = load(CASES / "small_sloshing.py", {"spacing": spacing})
-    assert geometry.counts(case)["fluid"] == count
+    assert size.counts(case)["fluid"] == count
     omega = 0.8 * waves.angular_frequency(np.pi, 0.5)
     assert case.frame.acceleration(0.0) == pytest.approx([0.0005 * omega**2, 0.0])
     t, eta = read_truth(case.probes[0].truth)

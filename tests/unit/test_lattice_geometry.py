@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from parisph import Box, Case, Disc, Fluid, Numerics, Polygon, Tank
+from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
-from parisph.case import geometry
+from parisph.case import geometry, size
 from parisph.case.lattice import Lattice, misfit, nearest_spacings
 
 
@@ -55,7 +56,7 @@ def test_slices_make_up_the_whole(name):
 def test_arrays_are_those_of_the_registry(name):
     case = SCENES[name]
     arrays = geometry.build(case)
-    n = geometry.counts(case)
+    n = size.counts(case)
     assert n["all"] == n["fluid"] + n["wall"] == len(arrays["id"])
     assert np.array_equal(arrays["id"], np.arange(n["all"]))
     assert np.count_nonzero(arrays["kind"] == WALL) == n["wall"]
@@ -93,6 +94,15 @@ def test_cells_of_a_column_beside_walls():
 ])
 def test_volumes_add_up_to_the_body(shape, walls, volume, within):
     assert geometry.build(scene(shape, walls))["volume"].sum() == pytest.approx(volume, rel=within)
+
+
+def test_fluid_that_is_counted_by_its_area_and_misses_all_points_is_refused():
+    # on the lattice of the tank, between its points, and among too many of them to look at each
+    sliver = Polygon(((0.05, 0.15), (299.0, 299.1), (299.0, 299.102)))
+    case = scene(sliver, Tank(300.0, 300.0), spacing=0.2)
+    assert not size.counts(case)["exact"] and size.counts(case)["fluid"] > 4
+    with pytest.raises(CaseError, match="no lattice point is in it"):
+        geometry.build(case)
 
 
 def test_every_particle_stands_for_something():
@@ -248,13 +258,6 @@ def test_rounded_spacing_still_ends_on_the_wall():
     assert len({*np.round(arrays["x"][:, 0], 9)}) == 49
 
 
-def test_nearest_spacings():
-    assert nearest_spacings([0.5, 1.0, 2.0], 0.013) == pytest.approx((0.5 / 39, 0.5 / 38))
-    assert nearest_spacings([0.75, 1.0], 1.0) == pytest.approx((0.25,))
-    assert nearest_spacings([1.0, 2.0**0.5], 0.1) == ()
-    assert misfit(1.0, 0.0416667) < 1e-3 < misfit(1.0, 0.0417)
-
-
 class Brick(Box):
     """A box in three dimensions: the scenes have none yet, the lattice must not care."""
 
@@ -262,16 +265,47 @@ class Brick(Box):
     def size(self):
         return np.array([0.4, 0.3, self.height])
 
+    @property
+    def bounds(self):
+        return np.zeros(3), self.size
+
 
 class Basin(Tank):
     @property
     def size(self):
         return np.array([0.8, 0.3, self.height])
 
+    @property
+    def bounds(self):
+        return np.zeros(3), self.size
+
+
+@pytest.mark.parametrize("lid", [False, True])
+@pytest.mark.parametrize("shape, tank", [(Box, Tank), (Brick, Basin)])
+def test_slices_of_the_walls_make_up_the_faces_of_the_tank(shape, tank, lid):
+    points = Lattice(shape(0.4, 0.5), tank(0.8, 0.7, lid), 0.1)
+    block = np.stack(np.meshgrid(*[np.arange(n + 1) for n in points.top], indexing="ij"), axis=-1).reshape(-1, len(points.top))
+    on_lower, on_upper = block == 0, block == points.top
+    on_upper[:, -1] &= lid
+    faces = (on_lower | on_upper).any(axis=1)
+    index, inward = points.wall_indices()
+    assert np.array_equal(index, block[faces]) and len(index) == points.wall_count()
+    assert np.array_equal(inward, on_lower[faces].astype(int) - on_upper[faces])
+    for cuts in ((0, 1, 2, 7, 20, len(index)), (0, 0, len(index), len(index))):
+        parts = [points.wall_indices(start, stop) for start, stop in zip(cuts, cuts[1:])]
+        assert np.array_equal(np.concatenate([part[0] for part in parts]), index)
+        assert np.array_equal(np.concatenate([part[1] for part in parts]), inward)
+
+
+def test_nearest_spacings():
+    assert nearest_spacings([0.5, 1.0, 2.0], 0.013) == pytest.approx((0.5 / 39, 0.5 / 38))
+    assert nearest_spacings([0.75, 1.0], 1.0) == pytest.approx((0.25,))
+    assert nearest_spacings([1.0, 2.0**0.5], 0.1) == ()
+    assert misfit(1.0, 0.0416667) < 1e-3 < misfit(1.0, 0.0417)
+
 
 def test_lattice_in_three_dimensions():
-    origin = (0.0, 0.0, 0.0)
-    points = Lattice(Brick(0.4, 0.5, origin), Basin(0.8, 1.0, True, origin), 0.1)
+    points = Lattice(Brick(0.4, 0.5), Basin(0.8, 1.0, True), 0.1)
     fluid = points.fluid_indices()
     assert len(fluid) == points.count() == 4 * 2 * 5  # walls at both sides in y
     surface = fluid[points.is_surface(fluid)]

@@ -1,0 +1,54 @@
+"""How much memory this machine has."""
+
+import os
+from pathlib import Path
+
+_LIMITS = ("memory.max", "memory.limit_in_bytes")    # of control groups, version 2 and 1
+
+
+def total(root="/"):
+    """Return the bytes of memory that this process may use at most: those of the machine, or of its
+    control group (a container, a batch job) where that is less; None where the system does not tell.
+
+    root : where /proc and /sys are
+    """
+    found = _limits(Path(root))
+    try:
+        found.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (ValueError, OSError, AttributeError):
+        pass
+    return min(found, default=None)
+
+
+def amount(size):
+    """Return a number of bytes for people: '160 GB'."""
+    for unit in ("B", "kB", "MB", "GB", "TB", "PB", "EB"):
+        if size < 999.5:
+            return f"{size:.3g} {unit}"
+        size /= 1000.0
+    return f"{1000.0 * size:.3g} EB"
+
+
+def _limits(root):
+    """Return the limits of the control groups that this process is in, and of those around them."""
+    try:
+        groups = [line.split(":", 2) for line in (root / "proc/self/cgroup").read_text().splitlines()]
+    except OSError:
+        return []
+    found = []
+    for _, controllers, path in (group for group in groups if len(group) == 3):
+        top = root / "sys/fs/cgroup" / ("memory" if "memory" in controllers.split(",") else "")
+        folder = top / path.lstrip("/")
+        # In a container the path may be that of the host, and only the top be there.
+        for place in (folder, *folder.parents):
+            if not place.is_relative_to(top):
+                break
+            found += [limit for name in _LIMITS for limit in _number(place / name)]
+    return found
+
+
+def _number(path):
+    try:
+        return [int(path.read_text())]
+    except (OSError, ValueError):    # not there, or the word "max"
+        return []
