@@ -21,6 +21,7 @@ FAR = 1e9       # spacings from the origin at which float64 still tells places a
 SAMPLES = 9     # points along each edge at which an expression is tried out
 MOST_STEPS = 1e8    # of a run: far beyond what any machine computes in a year
 MOST_FILES = 1e6    # of one kind that a run writes
+MOST_SAMPLES = 1e8  # of a probe
 
 
 def problems(case):
@@ -269,6 +270,12 @@ def _files(case):
                 f"output.{name} = {every:g} s: makes {case.end_time / every:.1e} files until end_time = {case.end_time:g} s, "
                 f"at most {MOST_FILES:g} are written; use a longer time"
             )
+    interval = case.output.probe_interval
+    if interval is not None and case.end_time > MOST_SAMPLES * interval:
+        yield (
+            f"output.probe_interval = {interval:g} s: takes {case.end_time / interval:.1e} samples until "
+            f"end_time = {case.end_time:g} s, at most {MOST_SAMPLES:g} are written; use a longer time"
+        )
 
 
 def stable_time_step(case):

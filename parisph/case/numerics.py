@@ -104,6 +104,8 @@ class Output(Model):
     fields : names of the particle fields in snapshots
     checkpoint_every : simulated time between checkpoints [s], None for one at the end only
     probe_every : steps between samples of the probes
+    probe_interval : time between samples of the probes [s], in place of `probe_every`: they are of these times
+        exactly, interpolated linearly in time between the steps around, and no step is shortened for them
     """
 
     every: Optional[float] = Field(None, gt=0, description="time between snapshots [s]")
@@ -111,6 +113,7 @@ class Output(Model):
     fields: tuple[str, ...] = Field(("u", "p", "role"), description="names of fields in snapshots")
     checkpoint_every: Optional[float] = Field(None, gt=0, description="simulated time between checkpoints [s]")
     probe_every: int = Field(1, ge=1, description="steps between samples of the probes")
+    probe_interval: Optional[float] = Field(None, gt=0, description="time between samples of the probes [s]")
 
     @field_validator("fields")
     @classmethod
@@ -119,6 +122,15 @@ class Output(Model):
         for name in names:
             _known("field", name, known)
         return tuple(dict.fromkeys(names))
+
+    @model_validator(mode="after")
+    def _one_rate(self):
+        if self.probe_interval is not None and self.probe_every != 1:
+            raise ValueError(
+                f"probe_every = {self.probe_every} and probe_interval = {self.probe_interval:g} s: give only one of them, "
+                "samples are taken every so many steps or at a fixed rate in time"
+            )
+        return self
 
 
 def _known(what, name, names):

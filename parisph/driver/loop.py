@@ -17,9 +17,10 @@ from parisph.case.schema import Case
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.progress import Progress
-from parisph.driver.schedule import ROUNDING, Signals, Times
+from parisph.driver.schedule import Signals, Times
 from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
+from parisph.driver.watch import Watch
 from parisph.io import checkpoint, probes
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
@@ -111,12 +112,13 @@ class _Run:
     """What happens around the steps of one run."""
 
     def __init__(self, simulation, samplers, store, account, progress):
-        self.simulation, self.samplers, self.store, self.account = simulation, samplers, store, account
+        self.simulation, self.store, self.account = simulation, store, account
         self.comm, self.case = simulation.comm, simulation.case
         self.progress = Progress(self.case.end_time, progress, self.comm.rank == 0)
         self.last_checkpoint, self.saved_step = None, None
         self.saved_at = perf_counter()
         self.clock = Clock()
+        self.watch = Watch(simulation, samplers, self.case.output)
         self.snapshots = Times(self.case.output.every, self.case.output.times)
         self.checkpoints = Times(self.case.output.checkpoint_every)
 
@@ -147,8 +149,8 @@ class _Run:
         together(self.comm, f"write {path}", lambda: log.start(self.comm, path, level))
         self.store.add_series("steps", {f.name: UNITS.get(f.name, "") for f in fields(StepReport)},
                               "one line a step")
-        for sampler in self.samplers:
-            self.store.add_series(f"probes/{sampler.name}", sampler.columns, sampler.title)
+        for sampler in self.watch.samplers:
+            self.store.add_series(f"probes/{sampler.name}", sampler.columns, self.watch.title(sampler))
         log.logger.info(f"{self.case.title}: {s.particles.n_global} particles on {self.comm.size} "
                         f"rank{'s' * (self.comm.size > 1)}, {'into' if first else 'on in'} {self.store.folder}")
         if first:
@@ -157,32 +159,31 @@ class _Run:
             s.domain.refresh()
         self.account.start(s)
         if first:
-            self.store.append(s.time, s.steps, self._sampled())
+            self._write(self.watch.at_start())
             self._snapshot()
             self._save()
         # as in _step: else what was due at the checkpoint would be due again
-        self.snapshots.skip(self._now())
-        self.checkpoints.skip(self._now(0.5))
+        self.snapshots.skip(s.reached)
+        self.checkpoints.skip(s.time + 0.5 * (s.dt or 0.0))
 
     def _step(self, signals):
         s = self.simulation
-        s.choose_step(self.snapshots.after(self._now()))
+        self.watch.before_step(s.choose_step(self.snapshots.after(s.reached)))
         report = s.advance()
-        lines = {"steps": tuple(asdict(report).values())}
-        if s.steps % self.case.output.probe_every == 0:
-            lines.update(self._sampled())
+        lines = self.watch.after_step()
         with s.timers("store"):
-            self.store.append(s.time, s.steps, lines)
-            if self.snapshots.due(self._now()) or s.finished():    # and before the checkpoint, which follows
+            self.store.append(s.time, s.steps, {"steps": tuple(asdict(report).values())})
+            self._write(lines)
+            if self.snapshots.due(s.reached) or s.finished():    # and before the checkpoint, which follows
                 self._snapshot()
         self.account.step(report)
         self.clock.step()
         self.progress.step(s, report)
-        self._pause(signals, self.checkpoints.due(self._now(0.5)))
+        self._pause(signals, self.checkpoints.due(s.time + 0.5 * s.dt))
 
-    def _now(self, ahead=ROUNDING):
-        """Return the time [s] up to which something is due: `ahead` of a step from now."""
-        return self.simulation.time + ahead * (self.simulation.dt or 0.0)
+    def _write(self, lines):
+        for time, step, values in lines:
+            self.store.append(time, step, {f"probes/{name}": line for name, line in values.items()})
 
     def _pause(self, signals, due=False):
         """Write a checkpoint if one is due or asked for, and stop if that is asked. Collective."""
@@ -192,12 +193,6 @@ class _Run:
         if asked > SAVE and not s.finished():
             raise Interrupted(f"stopped at t = {s.time:.6g} s by {signal.Signals(asked - SAVE).name}; "
                               f"go on with: parisph restart {self.store.folder}")
-
-    def _sampled(self):
-        s = self.simulation
-        with s.timers("probes"):
-            found = probes.sample_all(self.samplers, s.particles, s.domain, s.time)
-        return {f"probes/{name}": line for name, line in found.items()}
 
     def _asked(self, signals):
         """Return what any rank asks for: 0, SAVE, or SAVE + the number of a signal to stop. Collective."""

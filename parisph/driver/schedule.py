@@ -48,6 +48,14 @@ class Times:
             found.append((self._multiple(time) + 1) * self.every)
         return min(found, default=math.inf)
 
+    def between(self, start, end):
+        """Return the times [s] that are due after `start` and up to `end`, in order."""
+        found, time = [], self.after(start)
+        while time <= end * ROUNDED:
+            found.append(time)
+            time = self.after(time)
+        return found
+
     def _multiple(self, time):
         return math.floor(time / self.every * ROUNDED) if self.every else 0
 

@@ -9,7 +9,7 @@ from parisph.case import geometry
 from parisph.case.checks import stable_time_step
 from parisph.driver import room, warmup
 from parisph.driver.phases import PhaseTimers
-from parisph.driver.schedule import step_towards
+from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.kernels import selfcheck
 from parisph.methods import schemes
 from parisph.methods.projection import Projection
@@ -119,6 +119,11 @@ class Simulation:
         if self._open_tank is not None:
             self._keep_in_open_tank()
         return report
+
+    @property
+    def reached(self):
+        """Time [s] up to which things due are due now: what the sum of many steps may be off by is forgiven."""
+        return self.time + ROUNDING * (self.dt or 0.0)
 
     def finished(self):
         """Return whether the end time is reached, to within half a fixed step."""

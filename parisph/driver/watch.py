@@ -1,0 +1,80 @@
+"""When the probes of a run are sampled: every so many steps, or at a fixed rate in time."""
+
+import numpy as np
+
+from parisph.driver.schedule import ROUNDING, Times
+from parisph.io import probes
+
+
+class Watch:
+    """The samples of a run's probes. All methods are collective but where they say otherwise.
+
+    At a fixed rate a sample is of exactly k intervals, interpolated linearly in time between the
+    two ends of the step that passes it. The particles are looked at in these steps only. Nothing
+    need be kept for a restart: the beginning of its first step is sampled again.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    samplers : list of Sampler (io.probes.build)
+    output : Output of the case
+    """
+
+    def __init__(self, simulation, samplers, output):
+        self.simulation, self.samplers = simulation, samplers
+        self._every = output.probe_every
+        self._times = Times(output.probe_interval) if output.probe_interval else None
+        self._last = None    # (time [s], values) at the beginning of a step that passes a sample
+        self._since = 0.0    # [s], up to where samples are taken
+
+    def title(self, sampler):
+        """Return the line for the head of a probe's file. Not collective."""
+        if self._times is None:
+            return sampler.title
+        return f"{sampler.title}; every {self._times.every:.12g} s by linear interpolation in time between the steps around"
+
+    def at_start(self):
+        """Return the lines [(time [s], step, {probe: values})] of the start of a run."""
+        s = self.simulation
+        return [(s.time, s.steps, self._sample())]
+
+    def before_step(self, after):
+        """Look at the particles before a step that ends at `after` [s], if samples lie between."""
+        s = self.simulation
+        self._since = s.reached
+        if self._times is None or not self._times.after(self._since) < after - ROUNDING * (after - s.time):
+            return
+        if self._last is None or self._last[0] != s.time:
+            self._last = s.time, self._sample()
+
+    def after_step(self):
+        """Return the lines [(time [s], step, {probe: values})] that the step has made due."""
+        s = self.simulation
+        if self._times is None:
+            return [] if s.steps % self._every else [(s.time, s.steps, self._sample())]
+        due = self._times.between(self._since, s.reached)
+        if not due:
+            return []
+        before, self._last = self._last, (s.time, self._sample())
+        return [(time, s.steps, _between(before, self._last, time)) for time in due]
+
+    def _sample(self):
+        s = self.simulation
+        with s.timers("probes"):
+            return probes.sample_all(self.samplers, s.particles, s.domain, s.time)
+
+
+def _between(before, after, time):
+    """Return {probe: values} at `time` from two samples (time, {probe: values}), either of which may hold nan.
+
+    Where one of the two has no value there is nothing to interpolate: the nearer one counts.
+    """
+    share = 1.0 if before is None else (time - before[0]) / (after[0] - before[0])
+    if share > 1.0 - ROUNDING:
+        return after[1]
+    found = {}
+    for name, values in after[1].items():
+        a, b = np.array(before[1][name]), np.array(values)
+        mixed = np.where(np.isfinite(a + b), a + share * (b - a), a if share < 0.5 else b)
+        found[name] = tuple(mixed.tolist())
+    return found
