@@ -4,7 +4,7 @@ import argparse
 import json
 from pathlib import Path
 
-from parisph import __version__
+from parisph import __version__, completion
 from parisph.base import environment, libraries
 from parisph.base.errors import CaseError, ParisphError, agree
 
@@ -131,6 +131,8 @@ def _parser():
     verb = _verb(verbs, "doctor", _doctor, "is this machine fit to run parisph?")
     verb.add_argument("--trial", action="store_true",
                       help="only a small solve and a file, on the ranks this is started on (mpirun -n 4 parisph doctor --trial)")
+    verb = _verb(verbs, "completion", _completion, "print the script for completion in a shell")
+    verb.add_argument("shell", choices=completion.SHELLS, metavar="SHELL", help=f"one of {', '.join(completion.SHELLS)}")
     return parser
 
 
@@ -250,6 +252,10 @@ def _doctor(args):
     if comm.rank == 0:
         print(json.dumps(result))
     return 0
+
+
+def _completion(args):
+    print(completion.script(_parser(), args.shell))
 
 
 def _load(args):

@@ -15,6 +15,7 @@ _REMEDIES = {
     ENGINE: f"to run cases, use {_SETUP}",
     ("h5py",): f"to look at runs, pip install 'parisph[look]'; to run cases too, use {_SETUP}",
     ("matplotlib",): "to make pictures, pip install 'parisph[plot]'",
+    ("shtab",): "to complete commands in a shell, pip install 'parisph[completion]'",
 }
 
 

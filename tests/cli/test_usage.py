@@ -138,7 +138,7 @@ def test_info_of_what_is_no_run(tmp_path, capsys):
 
 
 def test_every_verb_explains_itself(capsys):
-    for verb in ("run", "restart", "check", "info", "plot", "movie", "compare", "doctor"):
+    for verb in ("run", "restart", "check", "info", "plot", "movie", "compare", "doctor", "completion"):
         with pytest.raises(SystemExit) as end:
             cli.parse([verb, "-h"])
         assert end.value.code == 0 and f"usage: parisph {verb}" in capsys.readouterr().out

@@ -1,0 +1,30 @@
+"""Completion of `parisph` in a shell: verbs, options, case files, folders of runs. Needs shtab, the extra [completion]."""
+
+import argparse
+
+from parisph.base import libraries
+
+SHELLS = ("bash", "zsh", "fish")
+
+
+def script(parser: argparse.ArgumentParser, shell: str) -> str:
+    """Return the script that completes the command line of a parser in one of SHELLS. Raises MissingLibrary."""
+    libraries.require("shtab")
+    import shtab
+
+    files = {"case": shtab.glob("*.py", "*.json"), "path": shtab.glob("*.h5"), "reference": shtab.glob("*.csv"),
+             "DIR": shtab.DIRECTORY, "FILE": shtab.FILE}
+    for action in _actions(parser):
+        found = files.get(action.dest) or files.get(action.metavar)
+        if found:
+            action.complete = found    # where shtab looks for it
+    return shtab.complete(parser, shell=shell)
+
+
+def _actions(parser):
+    """All arguments of a parser and of its verbs."""
+    for action in parser._actions:
+        yield action
+        if isinstance(action, argparse._SubParsersAction):
+            for verb in action.choices.values():
+                yield from _actions(verb)
