@@ -4,6 +4,7 @@ import reprlib
 import unicodedata
 
 LIMIT = 80          # characters of a value in a message
+LONGEST = 200       # characters of a name or path
 # Control characters, half of a surrogate pair (a byte that is not UTF-8), line and paragraph separators.
 _UNFIT = ("Cc", "Cs", "Zl", "Zp")
 
@@ -45,7 +46,7 @@ def shown(value, limit=LIMIT):
     return clipped(plain(" ".join(text.split())) if not isinstance(value, str) else plain(text), limit)
 
 
-def named(text, limit=LIMIT):
+def named(text, limit=LONGEST):
     """Return a name or path as a message shows it: without quotes, on one line, of at most `limit` characters."""
     return clipped(plain(str(text)), limit)
 

@@ -1,19 +1,24 @@
 """Find a case file, run its function `case` with the values of --set, and say clearly what is wrong with it."""
 
 import difflib
+import functools
 import inspect
 import sys
 import traceback
 import types
 import typing
-from pathlib import Path
+from contextlib import suppress
 
+from parisph.base import paths, reading
 from parisph.base.errors import CaseError
+from parisph.base.text import clipped, named, of_error, plain, shown
 from parisph.case.expressions import number
+from parisph.case.model import first_lines
 from parisph.case.probes import read_truth
 from parisph.case.schema import Case
 
 MISSING = inspect.Parameter.empty
+LONGEST = 400    # characters of a line of a message
 
 
 def load(path, sets=()):
@@ -27,22 +32,20 @@ def load(path, sets=()):
 
     Raises
     ------
-    CaseError : the file, a parameter or the case itself is wrong; says where and what to do
+    CaseError : the file, a parameter or the case itself is wrong; says where and what to do. Whatever the code of
+        the case file raises, SystemExit and the like too, becomes one, except KeyboardInterrupt.
     """
     file = _find(path)
     sets = _as_dict(sets)
     if file.suffix == ".json":
         if sets:
-            raise CaseError(f"{path}: a stored case takes no --set; give the case file that made it")
+            raise CaseError(f"{named(path)}: a stored case takes no --set; give the case file that made it")
         return _stored(file, path)
     function = _function(file, path)
     given = {name: _value(function, name, value, path) for name, value in sets.items()}
-    try:
-        case = function(**given)
-    except (Exception, SystemExit) as error:
-        raise CaseError(f"{_where(error, file, path)}: {_what(error)}") from error
-    if not isinstance(case, Case):
-        raise CaseError(f"{path}: case(...) returned a {type(case).__name__}; it must return a Case")
+    case = _users_code(lambda: function(**given), file, path)
+    if not _users_code(lambda: isinstance(case, Case), file, path):
+        raise CaseError(f"{named(path)}: case(...) returned a {type(case).__name__}; it must return a Case")
     return _with_truths(case, file.parent)
 
 
@@ -67,23 +70,33 @@ def parameters(path):
 
 
 def _find(path):
-    file = Path(path)
+    file = paths.checked(path, "CASE")
     if file.is_file():
         return file.resolve()
-    if file.suffix == "" and file.with_suffix(".py").is_file():
+    if file.name and file.suffix == "" and file.with_suffix(".py").is_file():
         return file.with_suffix(".py").resolve()
     folder = file if file.is_dir() else file.parent
     near = sorted(item.name for item in folder.glob("*.py")) if folder.is_dir() else []
-    problem = "is a folder; give a case file" if file.is_dir() else "there is no such case file"
-    hint = f"; {folder} has {', '.join(near)}" if near else ""
-    raise CaseError(f"{path}: {problem}{hint}")
+    if file.is_dir():
+        problem = "is a folder; give a case file"
+    else:
+        problem = "is not a regular file; give a case file" if file.exists() else "there is no such case file"
+    hint = f"; {named(folder)} has {named(', '.join(near), 300)}" if near else ""
+    raise CaseError(f"{named(path)}: {problem}{hint}")
+
+
+def _read(file, path):
+    try:
+        return reading.read_text(file)
+    except OSError as error:
+        raise CaseError(f"{named(path)}: cannot be read: {error.strerror}") from None
 
 
 def _stored(file, path):
     try:
-        return Case.model_validate_json(file.read_text(encoding="utf-8"))
-    except (CaseError, OSError, UnicodeDecodeError) as error:
-        raise CaseError(f"{path}: {_what(error)}") from error
+        return Case.model_validate_json(_read(file, path))
+    except CaseError as error:
+        raise CaseError(f"{named(path)}: {_what(error)}") from error
 
 
 def _function(file, path):
@@ -91,43 +104,60 @@ def _function(file, path):
 
     The text is compiled here and not imported: no __pycache__ beside the cases, on which ranks could race.
     """
+    text = _read(file, path)
     module = types.ModuleType("parisph_case")
     module.__file__ = str(file)
     sys.path.insert(0, str(file.parent))
     try:
-        exec(compile(file.read_text(encoding="utf-8"), str(file), "exec"), module.__dict__)  # noqa: S102
-    except (Exception, SystemExit) as error:
-        raise CaseError(f"{_where(error, file, path)}: {_what(error)}") from error
+        _users_code(lambda: exec(compile(text, str(file), "exec"), module.__dict__), file, path)  # noqa: S102
     finally:
-        sys.path.remove(str(file.parent))
-    function = getattr(module, "case", None)
-    if not callable(function):
-        raise CaseError(f"{path}: has no function case(...) that returns a Case")
+        with suppress(ValueError):    # the case file may have taken it out
+            sys.path.remove(str(file.parent))
+    function = vars(module).get("case")
+    if not callable(function) or inspect.iscoroutinefunction(function):
+        there = "has no function case(...)" if function is None else f"`case` is a {type(function).__name__}, not a plain function"
+        raise CaseError(f"{named(path)}: {there}; write: def case(...) -> Case")
     _check_parameters(function, path)
     return function
 
 
 def _check_parameters(function, path):
-    for name, parameter in inspect.signature(function).parameters.items():
-        if parameter.kind not in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY) or parameter.default is MISSING:
-            raise CaseError(f"{path}: the parameter {name!r} of case(...) needs a default, as in {name}: float = 1.0")
+    try:
+        known = inspect.signature(function).parameters.items()
+    except (TypeError, ValueError):
+        raise CaseError(f"{named(path)}: `case` is {shown(function)}, whose parameters cannot be found; write: def case(...) -> Case") from None
+    for name, parameter in known:
+        if parameter.kind not in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY):
+            raise CaseError(f"{named(path)}: the parameter {parameter} of case(...) cannot be set by name; write it as {name}: float = 1.0")
+        if parameter.default is MISSING:
+            raise CaseError(f"{named(path)}: the parameter {name!r} of case(...) needs a default, as in {name}: float = 1.0")
+
+
+def _users_code(action, file, path):
+    """Return action(), which runs code of a case file. Raises CaseError that says where it failed; Ctrl-C stays what it is."""
+    try:
+        return action()
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        raise CaseError(f"{_where(error, file, path)}: {_what(error)}") from error
 
 
 def _where(error, file, path):
     """Return 'path, line n' of the last line of the case file that the error passed through."""
     if isinstance(error, SyntaxError) and error.filename == str(file):
-        return f"{path}, line {error.lineno}"
+        return f"{named(path)}, line {error.lineno}"
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
-    return f"{path}, line {lines[-1]}" if lines else str(path)
+    return f"{named(path)}, line {lines[-1]}" if lines else named(path)
 
 
 def _what(error):
     if isinstance(error, CaseError):
-        lines = str(error).split("\n")
-        return lines[0] if len(lines) == 1 else "\n  " + "\n  ".join(lines)
+        lines = [clipped(plain(line), LONGEST) for line in str(error).split("\n")]
+        return lines[0] if len(lines) == 1 else "\n  " + first_lines(lines).replace("\n", "\n  ")
     if isinstance(error, SyntaxError):
-        return f"syntax error: {error.msg}"
-    return f"{type(error).__name__}: {error}"
+        return f"syntax error: {clipped(plain(str(error.msg)), LONGEST)}"
+    return f"{type(error).__name__}: {of_error(error)}".removesuffix(": ")
 
 
 def _as_dict(sets):
@@ -137,7 +167,9 @@ def _as_dict(sets):
     for text in sets or ():
         name, equals, value = text.partition("=")
         if not equals or not name.strip():
-            raise CaseError(f"--set {text}: must be name=value, for example --set spacing=0.02")
+            raise CaseError(f"--set {named(text)}: must be name=value, for example --set spacing=0.02")
+        if name.strip() in values:
+            raise CaseError(f"--set {named(name.strip())} is given twice: {named(values[name.strip()])} and {named(value.strip())}")
         values[name.strip()] = value.strip()
     return values
 
@@ -148,8 +180,8 @@ def _value(function, name, value, path):
     if name not in known:
         close = difflib.get_close_matches(name, known, n=1)
         hint = f"; did you mean {close[0]!r}?" if close else "."
-        listed = ", ".join(f"{key}={item.default!r}" for key, item in known.items()) or "none"
-        raise CaseError(f"{path} has no parameter {name!r}{hint} Its parameters and their defaults: {listed}")
+        listed = ", ".join(f"{key}={shown(item.default, 40)}" for key, item in known.items()) or "none"
+        raise CaseError(f"{named(path)} has no parameter {shown(name)}{hint} Its parameters and their defaults: {clipped(listed, LONGEST)}")
     if not isinstance(value, str):
         return value
     hint = _hints(function).get(name)
@@ -158,10 +190,13 @@ def _value(function, name, value, path):
     try:
         return _convert(value, wanted)
     except (ValueError, TypeError) as error:
-        raise CaseError(f"--set {name}={value}: must be {_type_name(wanted)}, as the default {default!r} is ({error})") from None
+        raise CaseError(f"--set {named(name)}={named(value)}: must be {_type_name(wanted)}, as the default {shown(default, 40)} is "
+                        f"({of_error(error, 100)})") from None
 
 
 def _hints(function):
+    while isinstance(function, functools.partial):
+        function = function.func
     try:
         return typing.get_type_hints(function)
     except Exception:
@@ -207,14 +242,15 @@ def _first(text, kinds):
 
 
 def _type_name(wanted):
-    plain = {float: "a number", int: "a whole number", bool: "true or false", str: "a text", type(None): "none"}
-    if wanted in plain:
-        return plain[wanted]
+    known = {float: "a number", int: "a whole number", bool: "true or false", str: "a text", type(None): "none"}
+    for kind, words in known.items():
+        if wanted is kind:
+            return words
     if typing.get_origin(wanted) in (typing.Union, types.UnionType):
         return " or ".join(_type_name(item) for item in typing.get_args(wanted))
     if wanted is tuple or typing.get_origin(wanted) is tuple:
         return "values with commas between them"
-    return getattr(wanted, "__name__", str(wanted))
+    return named(getattr(wanted, "__name__", None) or shown(wanted))
 
 
 def _with_truths(case, folder):
@@ -222,11 +258,14 @@ def _with_truths(case, folder):
     probes = []
     for probe in case.probes:
         if probe.truth is not None:
-            truth = probe.truth.model_copy(update={"file": str((folder / probe.truth.file).resolve())})
             try:
+                file = paths.checked(folder / probe.truth.file, "truth.file").resolve()
+                truth = probe.truth.model_copy(update={"file": str(file)})
                 read_truth(truth)
             except CaseError as error:
                 raise CaseError(f"probe {probe.name!r}: {error}") from None
+            except (OSError, RuntimeError) as error:    # links in a circle
+                raise CaseError(f"probe {probe.name!r}: truth.file = {shown(probe.truth.file)}: {of_error(error)}") from None
             probe = probe.model_copy(update={"truth": truth})
         probes.append(probe)
     return case.model_copy(update={"probes": tuple(probes)})

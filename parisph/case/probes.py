@@ -1,16 +1,16 @@
 """What a run watches: descriptions only; the values are computed by parisph.io.probes."""
 
-import csv
 import re
-from pathlib import Path
 from typing import Annotated, Literal, Union
 
 import numpy as np
 from pydantic import Field, field_validator
 
+from parisph.base import reading
 from parisph.base.errors import CaseError
-from parisph.base.text import shown
+from parisph.base.text import named, shown
 from parisph.case.model import Model
+from parisph.case.values import LARGEST
 
 
 class Truth(Model):
@@ -113,25 +113,31 @@ def read_truth(truth):
 
     Raises
     ------
-    CaseError : the file cannot be read, or lacks a column, or holds something that is not a number
+    CaseError : the file cannot be read, or lacks a column, or holds something that is not a number. It shows no
+        more than a few words of the file: a stored case may name any.
     """
     try:
-        text = Path(truth.file).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
-        raise CaseError(f"truth.file = {truth.file!r}: cannot be read ({reason})") from None
-    rows = list(csv.reader(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
-    header = [name.strip() for name in rows[0]] if rows else []
-    for name in (truth.time, truth.value):
-        if name not in header:
-            raise CaseError(f"truth: {truth.file!r} has no column {name!r}; its columns are {', '.join(header) or 'none'}")
-    columns = [header.index(truth.time), header.index(truth.value)]
-    try:
-        data = np.array([[float(row[k]) for k in columns] for row in rows[1:]]).reshape(-1, 2)
-    except (ValueError, IndexError):
-        raise CaseError(
-            f"truth: {truth.file!r} holds something that is not a number in {truth.time!r} or {truth.value!r}"
-        ) from None
-    if len(data) < 2 or not np.all(np.isfinite(data)) or np.any(np.diff(data[:, 0]) <= 0):
-        raise CaseError(f"truth: {truth.file!r} must have at least two rows of finite numbers, at increasing times")
+        names, lines = reading.read_columns(truth.file)
+    except OSError as error:
+        raise CaseError(f"truth.file = {shown(truth.file)}: cannot be read ({error.strerror})") from None
+    except ValueError as error:
+        raise CaseError(f"truth.file = {shown(truth.file)}: cannot be read ({error})") from None
+    for field, name in (("time", truth.time), ("value", truth.value)):
+        if name not in names:
+            raise CaseError(f"truth.{field} = {shown(name)}: {named(truth.file)} has no such column; it has {reading.listed(names)}")
+    columns = [names.index(truth.time), names.index(truth.value)]
+    data = np.array([_numbers(truth, number, [cells[k] for k in columns]) for number, cells in lines.items()]).reshape(-1, 2)
+    if len(data) < 2 or np.any(np.diff(data[:, 0]) <= 0):
+        raise CaseError(f"truth.file = {shown(truth.file)}: must have at least two lines of finite numbers, at increasing times")
     return data[:, 0] * truth.time_scale, truth.offset + truth.scale * data[:, 1]
+
+
+def _numbers(truth, line, cells):
+    try:
+        found = [float(cell) for cell in cells]
+    except ValueError:
+        found = [np.nan]
+    if not np.all(np.abs(found) <= LARGEST):
+        raise CaseError(f"truth.file = {shown(truth.file)}: line {line} holds something that is not a finite number of at most "
+                        f"{LARGEST:g} in {shown(truth.time)} or {shown(truth.value)}")
+    return found

@@ -1,8 +1,11 @@
 """Case files: found, run with --set, and their errors told with file and line."""
 
+import os
+
 import pytest
 
 from parisph import CaseError, load
+from parisph.base.text import is_plain
 from parisph.case.load import arguments, parameters
 
 TEMPLATE = '''"""A case."""
@@ -86,7 +89,25 @@ def test_bad_values_name_the_type(write, kind, text):
     ("x = 1\n", r"has no function case"),
     ("def case():\n    return 3\n", r"returned a int; it must return a Case"),
     ("def case(a):\n    pass\n", r"parameter 'a' of case\(...\) needs a default"),
-    ("def case(*a):\n    pass\n", r"parameter 'a' of case\(...\) needs a default"),
+    ("def case(*a):\n    pass\n", r"the parameter \*a of case\(...\) cannot be set by name"),
+    ("def case(a, /):\n    pass\n", r"the parameter a of case\(...\) cannot be set by name"),
+    ("case = {}\n", r"`case` is a dict, not a plain function; write: def case\(...\) -> Case"),
+    ("async def case():\n    pass\n", "`case` is a function, not a plain function"),
+    ("case = dict.fromkeys\n", "the parameter iterable of case.* cannot be set by name"),
+    ("case = min\n", "`case` is <built-in function min>, whose parameters cannot be found"),
+    ("class case:\n    pass\n", "returned a case; it must return a Case"),
+    ("import functools\ncase = functools.partial(dict, a=1)\n", "whose parameters cannot be found|returned a dict"),
+    ("class Own(BaseException):\n    pass\ndef case():\n    raise Own('mine')\n", r"my_case.py, line 4: Own: mine"),
+    ("def case():\n    raise GeneratorExit\n", r"my_case.py, line 2: GeneratorExit$"),
+    ("class Mute(Exception):\n    def __str__(self):\n        raise ValueError\nraise Mute\n", r"line 4: Mute: its message cannot be shown"),
+    ("def case():\n    raise ValueError('a\\n' * 5000)\n", r"line 2: ValueError: a a a.*[.]{3}"),
+    ("def case():\n    return case()\n", "line 2: RecursionError"),
+    ("def case():\n    raise MemoryError\n", "line 2: MemoryError$"),
+    ("def __getattr__(name):\n    raise SystemExit\n", "has no function case"),
+    ("class Liar:\n    @property\n    def __class__(self):\n        raise SystemExit(3)\ndef case():\n    return Liar()\n", "line 4: SystemExit"),
+    ("import sys\ndel sys.path[0]\n", "has no function case"),
+    ("x = '\0'\n", "it is not text: see character 5"),
+    ("(" * 5000, "syntax error|MemoryError|RecursionError"),
     ("def f():\n    return [][1]\n\ndef case():\n    return f()\n", r"my_case.py, line 2: IndexError"),
     ("raise SystemExit(3)\n", r"my_case.py, line 1: SystemExit"),
 ])
@@ -94,6 +115,59 @@ def test_bad_files(write, text, message):
     with pytest.raises(CaseError, match=message) as error:
         load(write(text=text))
     assert "\n" not in str(error.value)
+
+
+def test_a_partial_and_an_object_serve_as_case(write):
+    source = TEMPLATE.format(parameters="spacing: float = 0.1, name: str = 'a'", body="pass", title="name", probes="()")
+    partial = write(text=source + "\nimport functools\ncase = functools.partial(case, name='b')\n")
+    assert load(partial).title == "b" and load(partial, ["spacing=1/20"]).numerics.spacing == 0.05
+    made = "\nof = case\nclass Scene:\n    def __call__(self, spacing: float = 0.1):\n        return of(spacing)\ncase = Scene()\n"
+    assert load(write(text=source + made), ["spacing=1/20"]).numerics.spacing == 0.05
+
+
+def test_an_interruption_inside_a_case_stays_one(write):
+    for text in ("raise KeyboardInterrupt\n", "def case():\n    raise KeyboardInterrupt\n"):
+        with pytest.raises(KeyboardInterrupt):
+            load(write(text=text))
+
+
+@pytest.mark.parametrize("name, message", [
+    ("", "CASE = '': must not be empty"), (" ", "must not be empty"), ("a\nb.py", r"CASE = 'a\\nb.py': must be text without line breaks"),
+    ("a\0.py", "without line breaks or control"), ("\udcff.py", "without line breaks or control"), ("x" * 300 + ".py", "is too long: a name has at most 255 bytes"),
+    ("x/" * 3000, "is too long: .* a path 4095"), (".", "is a folder; give a case file"), ("/dev/null", "is not a regular file"),
+    ("pipe", "is not a regular file"), (3, "must be a text or a pathlib.Path"), (None, "must be a text"),
+])
+def test_odd_names(tmp_path, monkeypatch, name, message):
+    monkeypatch.chdir(tmp_path)
+    os.mkfifo("pipe")
+    with pytest.raises(CaseError, match=message) as error:
+        load(name)
+    assert len(str(error.value)) < 400 and is_plain(str(error.value))
+
+
+def test_a_byte_order_mark_is_no_part_of_a_case(write, tmp_path):
+    file = write()
+    file.write_text("\ufeff" + file.read_text(encoding="utf-8"), encoding="utf-8")
+    assert load(file).title == "test"
+
+
+def test_a_case_file_has_a_size(tmp_path):
+    file = tmp_path / "big.py"
+    with open(file, "wb") as empty:
+        empty.truncate(10**12)
+    with pytest.raises(CaseError, match="big.py: cannot be read: it has 1 TB, at most 16 MB are read"):
+        load(file)
+
+
+@pytest.mark.parametrize("sets, message", [
+    (["spacing=0.1", "spacing=0.2"], "--set spacing is given twice: 0.1 and 0.2"),
+    (["x" * 9999 + "=1"], r"no parameter 'x*[.]{3}x*'"), (["spacing=" + "9" * 9999], r"--set spacing=9*[.]{3}9*: must be a number"),
+    (["n=" + "9" * 9999], "must be a whole number"), (["odd=1"], "a parameter of type .* cannot be set from text"),
+])
+def test_long_and_odd_sets(write, sets, message):
+    with pytest.raises(CaseError, match=message) as error:
+        load(write(parameters="spacing: float = 0.1, n: int = 1, odd: [1, 2] = 3"), sets)
+    assert len(str(error.value)) < 1000
 
 
 def test_file_that_is_not_text(tmp_path):
@@ -138,15 +212,39 @@ def test_truth_files_are_found_beside_the_case_and_checked(write, tmp_path):
         load(file)
     data = tmp_path / "eta.csv"
     for text, message in (
-        ("t,h\n0,1\n1,2\n", "no column 'eta'; its columns are t, h"), ("t,eta\n0,a\n1,2\n", "not a number"),
-        ("t,eta\n0,1\n", "at least two"), ("t,eta\n1,1\n0,1\n", "increasing"), ("t,eta\n0,1\n1,nan\n", "finite"), ("", "no column"),
-        ("t,eta\n0,1\n1\n", "not a number"),
+        ("t,h\n0,1\n1,2\n", "truth.value = 'eta': .* has no such column; it has t, h"), ("t,eta\n0,a\n1,2\n", "line 2 holds something that is not"),
+        ("t,eta\n0,1\n", "at least two"), ("t,eta\n1,1\n0,1\n", "increasing"), ("t,eta\n0,1\n1,nan\n", "line 3 .* finite"),
+        ("", "no line with the names of columns"), ("t,eta\n0,1\n1\n", "line 3 has 1 values, and there are 2 columns"),
+        ("t,eta,t\n0,1,2\n1,2,3\n", "two columns are named 't'"), ("t,eta,\n0,1,\n1,2,\n", "column 3 has no name"),
+        ("t,eta\n0,1e200\n1,2\n", "line 2 .* finite number of at most 1e.30"), ("t,eta\n0,\"1\n1,2\n", "line 2 is not one of a CSV file"),
+        ("t,eta\n0,1\0\n1,2\n", "it is not text"), ("t,eta\n0," + "1" * 10**6, "line 2 is not one of a CSV file|finite"),
     ):
         data.write_text(text, encoding="utf-8")
         with pytest.raises(CaseError, match=message):
             load(file)
     data.write_text("# made up\nt,eta\n0,1\n1,2\n", encoding="utf-8")
     assert load(file).probes[0].truth.file == str(data)
+
+
+def test_a_truth_shows_little_of_a_file_that_is_none(write, tmp_path):
+    secret = "secret" * 1000
+    (tmp_path / "eta.csv").write_text(secret + "," + "b" * 9999 + "\n1,2\n", encoding="utf-8")
+    with pytest.raises(CaseError) as error:
+        load(write(probes="[SurfaceGauge('g', 0.5, Truth('eta.csv', time='t', value='eta'))]"))
+    assert "it has secret" in str(error.value) and len(str(error.value).partition("it has ")[2]) <= 80
+
+
+@pytest.mark.parametrize("name, message", [
+    (".", "it is a folder"), ("/dev/zero", "it is not a regular file"), ("pipe", "it is not a regular file"), ("loop", "loop|symbolic links"),
+    ("big", "at most 16 MB are read"), ("x" * 300, "is too long"), ("", "it is a folder"),
+])
+def test_a_truth_is_a_regular_file_of_some_size(write, tmp_path, name, message):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "loop").symlink_to("loop")
+    with open(tmp_path / "big", "wb") as empty:
+        empty.truncate(10**12)
+    with pytest.raises(CaseError, match=f"probe 'g': truth.file = .*({message})"):
+        load(write(probes=f"[SurfaceGauge('g', 0.5, Truth({name!r}, time='t', value='eta'))]"))
 
 
 def test_arguments_are_what_load_passes(write):

@@ -1,0 +1,37 @@
+"""Names of files and folders from outside, looked at before the system is asked for them."""
+
+import os
+from pathlib import Path
+
+from parisph.base.errors import CaseError
+from parisph.base.text import is_plain, shown
+
+# Bytes that Linux, macOS and most file systems allow for a name, and for all of a path.
+LONGEST_NAME, LONGEST_PATH = 255, 4095
+
+
+def checked(path, what):
+    """Return a pathlib.Path. Raises CaseError for what can name no file, or would write lines of its own into a log.
+
+    path : str or os.PathLike; what : what it is the path of, for the message
+    """
+    problem = fault(path)
+    if problem:
+        raise CaseError(f"{what} = {shown(path)}: {problem}")
+    return Path(path)
+
+
+def fault(path):
+    """Return what is wrong with a path, or None."""
+    if isinstance(path, os.PathLike):
+        path = os.fspath(path)
+    if not isinstance(path, str):
+        return "must be a text or a pathlib.Path"
+    if not path.strip():
+        return "must not be empty"
+    if not is_plain(path):
+        return "must be text without line breaks or control characters"
+    longest, total = max(len(os.fsencode(name)) for name in path.split("/")), len(os.fsencode(path))
+    if longest > LONGEST_NAME or total > LONGEST_PATH:
+        return f"is too long: a name has at most {LONGEST_NAME} bytes, a path {LONGEST_PATH}; here {longest} and {total}"
+    return None

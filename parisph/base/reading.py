@@ -1,0 +1,92 @@
+"""Text files from outside: read only if they are files, of a sane size, and text. Not collective."""
+
+import csv
+import errno
+import os
+import stat
+
+from parisph.base.memory import amount
+from parisph.base.text import clipped, named, shown
+
+MOST = 16 * 10**6    # bytes of a file that is read
+
+
+def read_text(path, most=MOST):
+    """Return the text of a UTF-8 file, without a byte order mark.
+
+    Raises
+    ------
+    OSError, whose strerror is one line: there is no such file, it is a folder, a pipe or a device (which is not
+    opened), it has more than `most` bytes, or is not text.
+    """
+    try:
+        _check_regular(os.stat(path), most)
+        with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
+            _check_regular(os.fstat(file.fileno()), most)    # it may be another one by now
+            data = file.read(most + 1)
+        if len(data) > most:
+            raise OSError(errno.EFBIG, f"it has more than {amount(most)}")
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise OSError(errno.EILSEQ, f"it is not text in UTF-8: see byte {error.start}") from None
+    except ValueError:    # a null character in the name
+        raise OSError(errno.EINVAL, "no file can have this name") from None
+    if "\0" in text:
+        raise OSError(errno.EILSEQ, f"it is not text: see character {text.index(chr(0))}")
+    return text
+
+
+def read_columns(path):
+    """Return (names, lines) of a CSV file with one header line: names of its columns, and {line number: cells}.
+
+    Lines that begin with '#' and empty lines are left out.
+
+    Raises
+    ------
+    OSError as read_text. ValueError, one line that shows little of the file: the columns have no name or not one each,
+    a line has too few or too many cells, or there is no header.
+    """
+    names, lines = [], {}
+    for number, row in enumerate(read_text(path).splitlines(), 1):
+        if not row.strip() or row.startswith("#"):
+            continue
+        cells = [cell.strip() for cell in _cells(row, number)]
+        if not names:
+            _check_names(cells)
+            names = cells
+        elif len(cells) != len(names):
+            raise ValueError(f"line {number} has {len(cells)} values, and there are {len(names)} columns")
+        else:
+            lines[number] = cells
+    if not names:
+        raise ValueError("it has no line with the names of columns")
+    return names, lines
+
+
+def listed(names):
+    """Return names of columns as a message shows them: few of them, as the file may be anything."""
+    return clipped(", ".join(named(name) for name in names[:9]) + ", ..." * (len(names) > 9)) or "none"
+
+
+def _check_regular(status, most):
+    if stat.S_ISDIR(status.st_mode):
+        raise OSError(errno.EISDIR, "it is a folder")
+    if not stat.S_ISREG(status.st_mode):
+        raise OSError(errno.EINVAL, "it is not a regular file")
+    if status.st_size > most:
+        raise OSError(errno.EFBIG, f"it has {amount(status.st_size)}, at most {amount(most)} are read")
+
+
+def _cells(row, number):
+    try:
+        return next(csv.reader([row], strict=True))
+    except csv.Error as error:
+        raise ValueError(f"line {number} is not one of a CSV file ({error})") from None
+
+
+def _check_names(names):
+    for number, name in enumerate(names, 1):
+        if not name:
+            raise ValueError(f"column {number} has no name")
+        if name in names[number:]:
+            raise ValueError(f"two columns are named {shown(name)}")
