@@ -147,6 +147,7 @@ def _add_running(verbs):
     verb = _verb(verbs, "run", _run, "run a case: mpirun -n 2 parisph run CASE [options] [-- PETSc options]")
     _add_case(verb)
     verb.add_argument("-o", "--out", metavar="DIR", help="folder of the run (default: runs/NAME of the case, or the first free runs/NAME-2, ...)")
+    verb.add_argument("--overwrite", action="store_true", help="if DIR holds a run, move it aside to DIR.old first")
     _add_progress(verb)
     verb = _verb(verbs, "restart", _restart,
                  "go on from a checkpoint, on any number of ranks: parisph restart DIR [options] [-- PETSc options]")
@@ -166,6 +167,8 @@ def _add_case(verb):
 
 def _add_progress(verb):
     verb.add_argument("-q", "--quiet", action="store_true", help="no progress lines")
+    verb.add_argument("--force", action="store_true",
+                      help="use DIR even if a process on another host may still write into it (it left run.lock behind)")
     verb.set_defaults(petsc=[], collective=True)
 
 
@@ -218,7 +221,7 @@ def _run(args):
     out = comm.bcast(_everywhere(lambda: _folder(args)))
     from parisph import driver
 
-    summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet)
+    summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite, force=args.force)
     _tell(comm, summary, out)
 
 
@@ -228,7 +231,7 @@ def _restart(args):
     from parisph.io.layout import run_of
 
     summary = driver.restart(args.path, comm, until=args.until, out=args.out, petsc_options=args.petsc,
-                             progress=not args.quiet)
+                             progress=not args.quiet, force=args.force)
     _tell(comm, summary, args.out or run_of(args.path))
 
 
@@ -267,13 +270,13 @@ def _load(args):
 def _folder(args):
     """Return the folder for a new run; one that holds a run already is never taken."""
     if args.out is not None:
-        if (Path(args.out) / "case.json").exists():
-            raise CaseError(f"{args.out} holds a run already: give another folder with -o, or remove it")
+        if (Path(args.out) / "case.json").exists() and not args.overwrite:
+            raise CaseError(f"{args.out} holds a run already: give another folder with -o, or move it aside with --overwrite")
         return args.out
     case = Path(args.case)
     name = case.resolve().parent.name if case.name == "case.json" else case.stem
     number = 1
-    while (folder := Path("runs") / (name if number == 1 else f"{name}-{number}")).exists():
+    while (folder := Path("runs") / (name if number == 1 else f"{name}-{number}")).exists() and not args.overwrite:
         number += 1
     return str(folder)
 

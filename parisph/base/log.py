@@ -1,8 +1,9 @@
 """What a run says while it runs, and how long each phase takes."""
 
 import logging
+import os
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from time import perf_counter
 
 import numpy as np
@@ -31,8 +32,27 @@ def start(comm, path=None, level=logging.INFO, stream=None):
         return
     logger.setLevel(logging.DEBUG if path else level)
     if path:
-        _add(logging.FileHandler(path), logging.DEBUG, "%(asctime)s %(levelname)s %(message)s")
+        _add(_LogFile(path), logging.DEBUG, "%(asctime)s %(levelname)s %(message)s")
     _add(logging.StreamHandler(stream or sys.stderr), level, "%(message)s")
+
+
+class _LogFile(logging.StreamHandler):
+    """Appends to a file, but not through a symbolic link; a disk that refuses a line costs that line and no more.
+
+    Raises OSError where the file cannot be opened.
+    """
+
+    def __init__(self, path):
+        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW, 0o666)
+        super().__init__(open(handle, "a", encoding="utf-8", errors="replace"))
+
+    def handleError(self, record):
+        """Leave the line out: what the disk refuses is an error where results are written, and is raised there."""
+
+    def close(self):
+        with suppress(OSError):    # what could not be written is tried once more
+            self.stream.close()
+        super().close()
 
 
 def stop():

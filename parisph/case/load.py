@@ -12,6 +12,7 @@ from contextlib import suppress
 from parisph.base import paths, reading
 from parisph.base.errors import CaseError
 from parisph.base.text import clipped, named, of_error, plain, shown
+from parisph.case import stored
 from parisph.case.expressions import number
 from parisph.case.model import first_lines
 from parisph.case.probes import read_truth
@@ -94,7 +95,7 @@ def _read(file, path):
 
 def _stored(file, path):
     try:
-        return Case.model_validate_json(_read(file, path))
+        return stored.from_json(_read(file, path))
     except CaseError as error:
         raise CaseError(f"{named(path)}: {_what(error)}") from error
 

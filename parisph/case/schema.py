@@ -3,7 +3,7 @@
 from typing import Optional, Union
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
@@ -23,6 +23,10 @@ __all__ = [
     "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "Volume", "WaterFront",
 ]
 
+# Context of a validation that checks names and types alone: a run of an older release may be looked at
+# even if this one would not run it.
+READ_ONLY = "read only"
+
 
 class Case(Model):
     """A scene and how it is computed, in SI units.
@@ -37,6 +41,8 @@ class Case(Model):
     numerics, output : Numerics, Output
     probes : what is watched
     end_time : [s]
+    asked : None, or in a stored case the numerics as they were asked for; `numerics` then holds
+        them with every value that the preset gave
 
     Raises
     ------
@@ -52,6 +58,7 @@ class Case(Model):
     output: Output = Output()
     probes: tuple[AnyProbe, ...] = ()
     end_time: float = Field(gt=0, description="end of the run [s]")
+    asked: Optional[Numerics] = Field(None, description="the numerics as they were asked for, in a stored case")
 
     @field_validator("probes", mode="before")
     @classmethod
@@ -61,7 +68,9 @@ class Case(Model):
         return probes
 
     @model_validator(mode="after")
-    def _can_run(self):
+    def _can_run(self, info: ValidationInfo):
+        if info.context == READ_ONLY:
+            return self
         found = checks.problems(self)
         if found:
             raise ValueError(first_lines(found))
@@ -93,8 +102,14 @@ class Case(Model):
         """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity less the tank's acceleration."""
         return vector_field(self.gravity, with_time=True)(x, t) - self.frame.acceleration(t)
 
-    def changed(self, **values):
+    def resolved(self, numerics: Numerics) -> "Case":
+        """Return the case with `numerics` in which the preset has been filled in, and those that were asked for beside."""
+        return self.model_copy(update={"numerics": numerics, "asked": self.asked or self.numerics})
+
+    def changed(self, **values) -> "Case":
         """Return a validated copy with other values; a dot reaches inside: changed(**{"numerics.cfl": 0.3}).
+
+        In a stored case another preset replaces all values that the old one gave, but none that were asked for.
 
         Raises
         ------
@@ -102,11 +117,37 @@ class Case(Model):
         """
         data = self.model_dump()
         for name, value in values.items():
-            *path, last = name.split(".")
-            part = data
-            for key in path:
-                part = part.get(key)
-                if not isinstance(part, dict):
-                    raise CaseError(f"{named(name)}: the case has no part {shown(key)}; it has {', '.join(data)}")
-            part[last] = value.model_dump() if isinstance(value, Model) else value
-        return Case.model_validate(data)
+            _put(data, name, value)
+        if self.asked is not None:
+            _put_asked(data, values)
+        asked = data.pop("asked")    # apart, or what is wrong with the numerics would be said twice
+        case = Case.model_validate(data)
+        return case if asked is None else case.model_copy(update={"asked": Numerics.model_validate(asked)})
+
+
+def _put(data, name, value):
+    """Set an entry of nested dictionaries by its name with dots."""
+    *path, last = name.split(".")
+    part = data
+    for key in path:
+        part = part.get(key)
+        if not isinstance(part, dict):
+            raise CaseError(f"{named(name)}: the case has no part {shown(key)}; it has {', '.join(data)}")
+    part[last] = value.model_dump() if isinstance(value, Model) else value
+
+
+def _put_asked(data, values):
+    """Make the same changes to the numerics that were asked for, and ask the preset again for what follows from them."""
+    names = {name.partition(".")[2] for name in values if name.startswith("numerics.")} & set(Numerics.model_fields)
+    for name in names:
+        data["asked"][name] = data["numerics"][name]
+    if "numerics" in values:
+        data["asked"] = None
+    elif "preset" in names:
+        data["numerics"], data["asked"] = data["asked"], None
+    else:
+        again = {other for name, other in (("zeta", "zeta_time"), ("zeta_time", "zeta")) if name in names}
+        if any(name.partition(".")[0] in ("fluid", "walls") for name in values):
+            again.add("surface_rule")    # a full tank with a lid has none
+        for name in again - names:
+            data["numerics"][name] = data["asked"][name]

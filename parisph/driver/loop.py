@@ -1,5 +1,6 @@
 """The run: steps, probes, snapshots, checkpoints, and how it ends."""
 
+import json
 import logging
 import os
 import signal
@@ -13,7 +14,7 @@ from mpi4py import MPI
 
 from parisph.base import log
 from parisph.base.errors import CaseError, Interrupted, ParisphError, StoreError, agree
-from parisph.case.schema import Case
+from parisph.case.stored import from_json, to_json
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.progress import Progress
@@ -22,8 +23,10 @@ from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.driver.watch import Watch
 from parisph.io import checkpoint, probes
-from parisph.io.files import on_first, together, write_json
+from parisph.io.files import create, on_first, read_json, together, write_json
+from parisph.io.folder import move_run_aside
 from parisph.io.layout import run_of
+from parisph.io.lock import Lock
 from parisph.io.store import Store, provenance
 from parisph.methods.projection import StepReport
 from parisph.pressure.options import as_text
@@ -34,65 +37,82 @@ SAVE = 1            # what ranks ask of each other at the end of a step; above i
 UNITS = {"dt": "s", "setup_seconds": "s", "solve_seconds": "s"}
 
 
-def run(case, comm, out, petsc_options=None, progress=True):
+def run(case, comm, out, petsc_options=None, progress=True, overwrite=False, force=False):
     """Run a case from its start into the folder `out`, and return the summary, the same dict on every rank. Collective.
 
     Parameters
     ----------
     case : Case; comm : mpi4py communicator; out : folder, without an earlier run
     petsc_options : list of str; progress : whether rank 0 tells how far it is
+    overwrite : whether an earlier run in `out` is moved aside, to `out`.old; nothing is ever removed
+    force : whether to use a folder that another process, of which nobody knows if it still runs, has locked
 
     Raises
     ------
     CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder
     then holds summary.json and everything up to there, unless it held a run already (CaseError).
     """
-    made = on_first(comm, f"start a run in {out}", lambda: _check_new(Path(out)))
-    with _left_only_if_used(made), Signals() as signals, _built(case, comm, petsc_options) as simulation:
+    made, old = on_first(comm, f"start a run in {out}", lambda: _new_folder(Path(out), overwrite, force)) or (None, None)
+    with (_left_only_if_used(made, old), Signals() as signals, _locked(comm, out, force) as lock,
+          _built(case, comm, petsc_options) as simulation):
         samplers = probes.build(case, simulation.comm)
-        store = Store.create(simulation.comm, out, simulation.case.model_dump_json(), _about(simulation),
-                             case.output.fields)
+        store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation), case.output.fields, lock)
         return _Run(simulation, samplers, store, Account.new(), progress).go(signals, first=True)
 
 
-def restart(path, comm, until=None, out=None, petsc_options=None, progress=True):
+def restart(path, comm, until=None, out=None, petsc_options=None, progress=True, force=False):
     """Go on from the last checkpoint of a run, or from a given one, on any number of ranks. Collective.
+
+    A run that was killed before its first checkpoint begins again; one that was killed between its last
+    checkpoint and its summary gets what is missing.
 
     path : folder of a run or checkpoint file; until : new end time [s]; out : folder for what
     follows, without an earlier run, by default the same. Otherwise as `run`.
 
     Raises
     ------
-    CaseError on every rank, before anything is touched, besides: `out` holds another run, or results
-    of the same folder that come after the checkpoint would be lost.
+    As `run`; besides, on every rank and before anything is touched, CaseError: `out` holds another run, results
+    of the same folder that come after the checkpoint would be lost, or there is nothing left to do; and
+    StoreError: the folder is in use, or one of its files is damaged.
     """
-    path, folder = _find(path, comm)
-    saved = checkpoint.read(comm, path)
-    on_first(comm, f"go on with the run in {out or folder}", lambda: _check_nothing_is_lost(path, saved.step, folder, out))
-    case = together(comm, f"read the case in {path}", lambda: _case(saved, until))
-    if finished(case, saved.time):
-        raise CaseError(f"end_time = {case.end_time:g} s: the checkpoint {path} is of {saved.time:g} s already; "
-                        "ask for more with --until")
-    on_first(comm, f"go on with the run in {out or folder}", lambda: _check_folder(Path(out or folder)))
-    with Signals() as signals, _built(case, comm, petsc_options, saved) as simulation:
-        samplers = probes.build(case, simulation.comm)
-        store = Store.resume(simulation.comm, out or folder, simulation.case.model_dump_json(), saved.time, saved.step,
-                             _about(simulation), case.output.fields)
-        return _Run(simulation, samplers, store, Account.resumed(saved.state), progress).go(signals, first=False)
+    folder = together(comm, f"find the run {path}", lambda: run_of(path))
+    elsewhere = out is not None and Path(out).resolve() != folder.resolve()
+    target = Path(out) if elsewhere else folder
+    made, _ = on_first(comm, f"go on with the run in {target}",
+                       lambda: _new_folder(target) if elsewhere else _check_run(folder, path)) or (None, None)
+    with _left_only_if_used(made), _locked(comm, target, force) as lock:
+        found = _find(Path(path), folder, comm)
+        saved = checkpoint.read(comm, found) if found else None
+        case, identity = together(comm, f"read the case of {folder}", lambda: _case_of(saved, found, folder, until))
+        done = saved is not None and finished(case, saved.time)
+        on_first(comm, f"go on with the run in {target}", lambda: _check_useful(saved, case, found, folder, elsewhere, done, until))
+        with Signals() as signals, _built(case, comm, petsc_options, saved) as simulation:
+            samplers = probes.build(case, simulation.comm)
+            time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
+            names = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
+            store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),
+                                 case.output.fields, lock, identity, names)
+            account = Account.resumed(saved.state) if saved else Account.new()
+            run = _Run(simulation, samplers, store, account, progress)
+            if done:
+                run.saved_step, run.last_checkpoint = saved.step, found
+            return run.go(signals, first=saved is None)
 
 
 @contextmanager
-def _left_only_if_used(made):
+def _left_only_if_used(made, old=None):
     """Remove a folder that was made for a run, if the run ends before anything is written into it. Not collective.
 
-    made : pathlib.Path on the rank that made it, else None
+    made, old : pathlib.Path on the rank that made it, and that of the earlier run which was moved aside for it, else None
     """
     try:
         yield
     except ParisphError:
-        if made is not None:
-            with suppress(OSError):    # it is not empty: the run has begun
+        with suppress(OSError):    # it is not empty: the run has begun
+            if made is not None:
                 made.rmdir()
+                if old is not None:
+                    os.rename(old, made)
         raise
 
 
@@ -263,52 +283,92 @@ class _Run:
         return summary
 
 
-def _check_new(folder):
+@contextmanager
+def _locked(comm, folder, force):
+    """The lock of a folder (on rank 0; None on the others), given back at the end. Collective.
+
+    Raises StoreError on every rank if another process writes into the folder.
+    """
+    lock = on_first(comm, f"use the folder {folder}", lambda: Lock(folder, force))
+    try:
+        yield lock
+    finally:
+        if lock is not None:
+            lock.release()
+
+
+def _new_folder(folder, overwrite=False, force=False):
+    """Make the folder for a new run, before any work.
+
+    Returns the folder if it is new, else None; and where an earlier run was moved to, else None. Raises CaseError, StoreError, OSError.
+    """
+    given, folder, old = folder, folder.resolve(), None
     if (folder / "case.json").exists():
-        raise CaseError(f"{folder} holds a run already: give another folder with -o, or remove it")
-    return _check_folder(folder)
-
-
-def _check_nothing_is_lost(path, step, folder, out):
-    """Raise CaseError if going on from `path`, which is of `step`, removes a run from `out` or later results from `folder`."""
-    if out is not None and Path(out).resolve() != folder.resolve():
-        _check_new(Path(out))
-        return
-    last = checkpoint.paths(folder / "checkpoints")[-1:]
-    if last and int(last[0].stem) > step:
-        raise CaseError(f"{path} is not the last checkpoint of {folder}, which is {last[0]}: what came after step {step} "
-                        "would be lost; give another folder with -o DIR, or go on from the last one")
-
-
-def _check_folder(folder):
-    """Make the folder and see that a file can be made in it, before any work; return it if it is new. Raises OSError."""
+        if not overwrite:
+            raise CaseError(f"{given} holds a run already: give another folder with -o, or move it aside with --overwrite")
+        Lock(folder, force).release()    # it must not be in use
+        old = move_run_aside(folder)
     new = not folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
+    _check_writable(folder)
+    return folder if new else None, old
+
+
+def _check_writable(folder):
+    """See that a file can be made in a folder. Raises OSError."""
     probe = folder / f".{os.getpid()}.tmp"
-    probe.touch()
+    os.close(create(probe))
     probe.unlink()
-    return folder if new else None
 
 
-def _case(saved, until):
-    case = Case.model_validate_json(saved.case)
-    return case if until is None else case.changed(end_time=float(until))
+def _check_run(folder, path):
+    """See that there is a run to go on with, and that its folder can be written. Raises StoreError, OSError."""
+    if not Path(path).exists():
+        raise StoreError(f"{path}: no such folder or file")
+    if not (folder / "case.json").exists() and not checkpoint.paths(folder / "checkpoints"):
+        if Path(path).is_file():
+            checkpoint.read(MPI.COMM_SELF, path)    # says what is wrong with it
+            raise StoreError(f"{path} is not in the folder of a run: say with -o DIR where to go on")
+        raise StoreError(f"{path} holds no run to go on with: it has neither case.json nor a checkpoint")
+    _check_writable(folder)
 
 
-def _find(path, comm):
-    """Return (checkpoint file, folder of its run), the same on every rank."""
-    path, error, found = Path(path), None, None
-    if comm.rank == 0:
-        if path.is_dir():
-            there = checkpoint.paths(path / "checkpoints")
-            found = (there[-1], path) if there else None
-            error = None if there else StoreError(f"{path} holds no checkpoint to go on from")
-        elif path.is_file():
-            found = (path, run_of(path))
-        else:
-            error = StoreError(f"{path}: no such folder or file")
-    agree(comm, error)
-    return comm.bcast(found)
+def _find(path, folder, comm):
+    """Return the checkpoint file to go on from, None where a run has none yet, the same on every rank. Collective."""
+    def find():
+        if path.is_file():
+            return path
+        return next(reversed(checkpoint.paths(folder / "checkpoints")), None)
+    return comm.bcast(on_first(comm, f"find the checkpoints of {folder}", find))
+
+
+def _case_of(saved, found, folder, until):
+    """Return the case to go on with, and the identity of its run."""
+    text = saved.case if saved else (folder / "case.json").read_text(encoding="utf-8")
+    try:
+        case = from_json(text)
+    except CaseError as error:
+        raise CaseError(f"{found or folder / 'case.json'}: {error}") from None
+    return case if until is None else case.changed(end_time=float(until)), json.loads(text).get("run", "")
+
+
+def _check_useful(saved, case, found, folder, elsewhere, done, until):
+    """Raise CaseError where nothing is left to do, or where going on would take later results out of the run."""
+    last = checkpoint.paths(folder / "checkpoints")[-1:]
+    if saved and not elsewhere and last and int(last[0].stem) > saved.step:
+        raise CaseError(f"{found} is not the last checkpoint of {folder}, which is {last[0]}: what came after step {saved.step} "
+                        "would be lost; give another folder with -o DIR, or go on from the last one")
+    if done and (elsewhere or until is not None or _is_complete(folder)):
+        raise CaseError(f"end_time = {case.end_time:g} s: the checkpoint {found} is of {saved.time:g} s already; "
+                        "ask for more with --until")
+
+
+def _is_complete(folder):
+    """Return whether a run has a summary that says that it is completed."""
+    try:
+        return str(read_json(folder / "summary.json").get("status")).startswith("completed")
+    except StoreError:
+        return False
 
 
 def _about(simulation):

@@ -49,7 +49,7 @@ class Simulation:
         room.check(case, comm)
         self.numerics = _numerics(case)
         # what is stored is what was computed, whatever a preset becomes later
-        self.case = case.model_copy(update={"numerics": self.numerics})
+        self.case = case.resolved(self.numerics)
         self.comm, self.domain, self.solver = comm.Dup(), None, None
         try:
             self._build(petsc_options, start)

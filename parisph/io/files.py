@@ -7,6 +7,7 @@ sees the old content or the new one, never a part of it. What fails on one rank 
 import json
 import math
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from parisph.base.errors import StoreError, agree
@@ -43,6 +44,15 @@ def temporary(path):
     return path.with_name(f".{path.name}.tmp")
 
 
+def create(path: Path) -> int:
+    """Make a new, empty file and return its descriptor for writing. One rank. Raises OSError.
+
+    What has the name already is removed first, and a symbolic link is never followed.
+    """
+    Path(path).unlink(missing_ok=True)
+    return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666)
+
+
 def publish(path):
     """Force the temporary file of `path` to the disk and give it its name. One rank. Raises OSError."""
     path = Path(path)
@@ -52,14 +62,35 @@ def publish(path):
 
 
 def write_text(path, text):
-    """Replace the file `path` by `text` in one go. One rank. Raises OSError."""
-    temporary(path).write_text(text, encoding="utf-8")
-    publish(path)
+    """Replace the file `path` by `text` in one go. One rank. Raises OSError; then no part of `text` is left behind."""
+    try:
+        with open(create(temporary(path)), "w", encoding="utf-8") as file:
+            file.write(text)
+        publish(path)
+    except OSError:
+        with suppress(OSError):    # the first cause is the one to report
+            temporary(path).unlink(missing_ok=True)
+        raise
 
 
 def write_json(path, content):
     """Replace the file `path` by JSON that any reader accepts (numpy scalars become plain, NaN null)."""
     write_text(path, json.dumps(plain(content), indent=2) + "\n")
+
+
+def read_json(path: Path) -> dict:
+    """Return the JSON object in a file of a run. Not collective. Raises StoreError, with the file's name."""
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise StoreError(f"there is no {path}") from None
+    except OSError as error:
+        raise StoreError(f"cannot read {path}: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        raise StoreError(f"{path} is damaged: it is not JSON ({str(error)[:80]})") from None
+    if not isinstance(content, dict):
+        raise StoreError(f"{path} is damaged: it holds a {type(content).__name__}, not an object")
+    return content
 
 
 def plain(content):

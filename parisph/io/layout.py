@@ -8,6 +8,8 @@
     DIR/checkpoints/NNNNNNNN.h5        the last two; the number is that of the step
     DIR/summary.json                   at the end of the run, also of one that failed
     DIR/run.log                        the driver's log
+    DIR/run.lock                       who writes into the folder; gone at the end
+    DIR/replaced/N/...                 what a restart has replaced, by its old name
 """
 
 from pathlib import Path
@@ -15,6 +17,7 @@ from pathlib import Path
 INDEX = "flow.hdf.series"
 FILES = ("case.json", "summary.json", "steps.csv", INDEX, "run.log")
 FOLDERS = ("probes", "snapshots", "checkpoints")
+REPLACED = "replaced"
 
 
 def run_of(path):

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.case import stored
 from parisph.io import series, snapshot
+from parisph.io.files import read_json
 from parisph.io.layout import INDEX
 
 
@@ -18,20 +20,32 @@ class Run:
     ----------
     folder : pathlib.Path
     case : dict, the resolved case
-    summary : dict, or None while the run goes on
+    identity : str, what all files of the run bear
     times : (n,) times [s] of the snapshots
     probe_names : list of str
     """
 
     def __init__(self, folder):
         self.folder = Path(folder)
-        self.case = self._json("case.json")
-        if self.case is None:
+        if not (self.folder / "case.json").exists():
             raise StoreError(f"{folder} is not the folder of a run: it has no case.json")
-        self.summary = self._json("summary.json")
-        self._files, times = snapshot.read_index(self.folder / INDEX)
-        self.times = np.array(times)
+        self.case = _case(self.folder / "case.json")
+        self.identity = str(self.case.get("run", ""))
+        found = snapshot.listed(self.folder / INDEX, self.identity)
+        if found is None:    # without an index of this run the files themselves say which snapshots there are
+            found = snapshot.find(self.folder, self.identity)
+        self._files, self.times = list(found), np.array(list(found.values()))
         self.probe_names = sorted(path.stem for path in (self.folder / "probes").glob("*.csv"))
+
+    @property
+    def summary(self) -> dict | None:
+        """The content of summary.json, None while the run goes on or where it was killed."""
+        if not (self.folder / "summary.json").exists():
+            return None
+        content = read_json(self.folder / "summary.json")
+        if content.pop("run", self.identity) != self.identity:
+            raise StoreError(f"{self.folder / 'summary.json'} is of another run")
+        return content
 
     def __len__(self):
         """Number of snapshots."""
@@ -58,7 +72,7 @@ class Run:
 
     def probe(self, name):
         """Return a probe's series as a structured array with columns time [s], step and the probe's own."""
-        return series.read(self._probe_path(name))
+        return series.table(*series.read_own(self._probe_path(name), self.identity))
 
     def units(self, name):
         """Return the unit of each column of a probe as a dict."""
@@ -67,7 +81,7 @@ class Run:
     @property
     def steps(self):
         """One line a step as a structured array: time, step, dt, iterations, ... (see steps.csv)."""
-        return series.read(self.folder / "steps.csv")
+        return series.table(*series.read_own(self.folder / "steps.csv", self.identity, each_step=True))
 
     @property
     def about(self):
@@ -82,12 +96,15 @@ class Run:
             raise CaseError(f"{self.folder} has no probe {name!r} (it has: {', '.join(self.probe_names) or 'none'})")
         return self.folder / "probes" / f"{name}.csv"
 
-    def _json(self, name):
-        path = self.folder / name
-        try:
-            return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
-        except (OSError, ValueError) as error:
-            raise StoreError(f"cannot read {path}: {error}") from None
+
+def _case(path):
+    """Return the content of case.json as a dict. Raises StoreError if it is not that of a case."""
+    content = read_json(path)
+    try:
+        stored.from_json(json.dumps(content), read_only=True)
+    except CaseError as error:
+        raise StoreError(f"{path} is damaged, or is not the case of a run: {str(error).splitlines()[0][:200]}") from None
+    return content
 
 
 def open_run(folder):

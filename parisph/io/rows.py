@@ -11,6 +11,7 @@ the process (HDF5 1.10). Therefore the space is asked of the system before HDF5 
 
 import math
 import os
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import h5py
@@ -18,7 +19,7 @@ import numpy as np
 
 from parisph.base.errors import StoreError
 from parisph.io import digest
-from parisph.io.files import on_first, publish, temporary, together
+from parisph.io.files import create, on_first, publish, temporary, together
 
 METADATA = 1 << 20  # bytes for groups and attributes; a case with a tabulated motion has many
 
@@ -65,7 +66,8 @@ def write(comm, path, slabs, decorate):
         on_first(comm, doing, lambda: publish(path))
     except Exception:
         if comm.rank == 0:
-            hidden.unlink(missing_ok=True)
+            with suppress(OSError):    # what went wrong first is what is raised
+                hidden.unlink(missing_ok=True)
         raise
 
 
@@ -78,7 +80,7 @@ def _check_h5py(comm):
 
 
 def _lay_out(path, slabs, decorate):
-    with open(path, "wb") as file:
+    with open(create(path), "wb") as file:
         os.posix_fallocate(file.fileno(), 0, _size(slabs))
     with h5py.File(path, "w") as file:
         decorate(file)

@@ -7,12 +7,16 @@ as soon as it is complete, so a killed process loses none; a line cut in the mid
 
 import csv
 import math
+import os
 from pathlib import Path
 
 import numpy as np
 
 from parisph.base.errors import StoreError
 from parisph.io.files import write_text
+
+OF_RUN = "run "
+OF_RUN_LINE = f"# {OF_RUN}"
 
 
 class Series:
@@ -24,35 +28,104 @@ class Series:
     columns : dict of column name -> unit ("" for none); `time` and `step` come first by themselves
     title : str, one line for people
     keep_to : None to start the file anew, or the last step of which lines are kept (restart)
+    run : identity of the run that writes it, or ""
+
+    Attributes
+    ----------
+    dropped : int, how many lines after `keep_to` the file had
+
+    Raises
+    ------
+    StoreError : what the file holds already is damaged, or of another run
     """
 
-    def __init__(self, path, columns, title="", keep_to=None):
+    def __init__(self, path, columns, title="", keep_to=None, run=""):
         self.path = Path(path)
         self.columns = {"time": "s", "step": "", **columns}
-        kept = self._kept_lines(keep_to)
+        kept, self.dropped = self._kept_lines(keep_to, run)
         units = ", ".join(f"{name} [{unit or '-'}]" for name, unit in self.columns.items())
-        head = [f"# {line}" for line in (title, units) if line] + [",".join(self.columns)]
+        head = [f"# {line}" for line in (title, units, f"{OF_RUN}{run}" if run else "") if line] + [",".join(self.columns)]
         write_text(self.path, "\n".join(head + kept) + "\n")
-        self._file = open(self.path, "a", encoding="utf-8")
+        # not buffered: a line that the disk refuses must not come back when the file is closed
+        self._file = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_NOFOLLOW)
 
     def append(self, time, step, values):
         """Add one line: time [s], step and one value (number, str, None for none) for each further column."""
         if len(values) != len(self.columns) - 2:
             raise ValueError(f"{self.path.name} has {len(self.columns) - 2} values a line, got {len(values)}")
-        self._file.write(",".join(_text(value) for value in (time, step, *values)) + "\n")
-        self._file.flush()
+        line = (",".join(_text(value) for value in (time, step, *values)) + "\n").encode()
+        written = os.write(self._file, line)
+        while written < len(line):    # the disk has little room left: the next call says so
+            written += os.write(self._file, line[written:])
 
     def close(self):
         """Close the file."""
-        self._file.close()
+        os.close(self._file)
 
-    def _kept_lines(self, keep_to):
+    def _kept_lines(self, keep_to, run):
+        """Return the lines up to `keep_to` and the number of those after it."""
         if keep_to is None or not self.path.exists():
-            return []
-        names, lines = _lines(self.path)
+            return [], 0
+        names, lines = read_own(self.path, run)
         if names != list(self.columns):
-            raise StoreError(f"{self.path} has the columns {names}, not {list(self.columns)}: it is of another run")
-        return [",".join(line) for line in lines if int(line[1]) <= keep_to]
+            raise StoreError(f"{self.path} has the columns {', '.join(names)[:200]}, not {', '.join(self.columns)}: it is of another run")
+        kept = [",".join(line) for line in lines if int(line[1]) <= keep_to]
+        return kept, len(lines) - len(kept)
+
+
+def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[str], list[list[str]]]:
+    """Return the names of the columns of a Series file and its complete lines, cell by cell. Not collective.
+
+    run : identity of the run that it must be of, "" for any; each_step : whether no step may be missing
+
+    Raises StoreError: the file cannot be read, is damaged (it names the line), or is of another run.
+    """
+    path = Path(path)
+    try:
+        text = path.read_bytes().decode("utf-8")
+    except FileNotFoundError:
+        raise StoreError(f"there is no {path}: it was removed or moved away") from None
+    except OSError as error:
+        raise StoreError(f"cannot read {path}: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise StoreError(f"{path} is damaged: it is not text") from None
+    names, lines, before = [], [], None
+    text = text[: text.rfind("\n") + 1]    # a last line without its end was cut off by a kill
+    for number, row in enumerate(text.split("\n")[:-1], 1):
+        if row.startswith(OF_RUN_LINE) and run and row[len(OF_RUN_LINE):].strip() != run:
+            raise StoreError(f"{path} is of another run")
+        if row.startswith("#"):
+            continue
+        cells = row.split(",")
+        if not names:
+            names = [name.strip() for name in cells]
+            if names[:2] != ["time", "step"]:
+                raise StoreError(f"{path} is damaged, or was not written by parisph: its columns do not begin with time, step")
+            continue
+        before = _checked(path, number, cells, len(names), before, each_step)
+        lines.append(cells)
+    if not names:
+        raise StoreError(f"{path} is damaged: it has no columns")
+    return names, lines
+
+
+def _checked(path, number, cells, count, before, each_step):
+    """Return (time, step) of a line of a Series file. Raises StoreError if the line cannot be one that was written."""
+    try:
+        if len(cells) != count or not row_is_plain(cells):
+            raise ValueError
+        time, step = float(cells[0]), int(cells[1])
+    except ValueError:
+        raise StoreError(f"{path} is damaged: line {number} does not hold {count} values. Mend the file or move it away") from None
+    if before and (not time > before[0] or step < before[1] or (each_step and step != before[1] + 1)):
+        raise StoreError(f"{path} is damaged: in line {number} step {step} at {time:g} s follows step {before[1]} at {before[0]:g} s. "
+                         "Mend the file or move it away")
+    return time, step
+
+
+def row_is_plain(cells: list[str]) -> bool:
+    """Return whether all cells are numbers, words or empty, and none holds what is no text."""
+    return all(cell.isprintable() and '"' not in cell for cell in cells)
 
 
 def read(path, cut=True):
@@ -66,11 +139,16 @@ def read(path, cut=True):
         names, lines = _lines(path, cut)
     except OSError as error:
         raise StoreError(f"cannot read {path}: {error}") from None
+    return table(names, lines)
+
+
+def table(names: list[str], lines: list[list[str]]) -> np.ndarray:
+    """Return lines of cells as a structured array (see `read`). Not collective."""
     columns = [_column(name, [line[k] for line in lines]) for k, name in enumerate(names)]
-    table = np.empty(len(lines), dtype=[(name, column.dtype) for name, column in zip(names, columns)])
+    found = np.empty(len(lines), dtype=[(name, column.dtype) for name, column in zip(names, columns)])
     for name, column in zip(names, columns):
-        table[name] = column
-    return table
+        found[name] = column
+    return found
 
 
 def units(path):

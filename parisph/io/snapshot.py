@@ -16,8 +16,9 @@ import numpy as np
 
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
+from parisph.base.log import logger
 from parisph.io import digest, rows
-from parisph.io.files import write_text
+from parisph.io.files import read_json, write_text
 from parisph.io.rows import Slab
 
 # Names in the file, for people, where they differ from those of the registry.
@@ -100,22 +101,48 @@ def _opened(path):
         raise StoreError(f"{path} is not a snapshot of parisph: {error}") from None
 
 
-def write_index(path, files, times):
-    """Write the list of snapshots that ParaView opens as one series. One rank. Raises OSError."""
+def write_index(path, files, times, run=""):
+    """Write the list of snapshots of a run that ParaView opens as one series. One rank. Raises OSError."""
     entries = [{"name": name, "time": time} for name, time in zip(files, times)]
-    write_text(path, json.dumps({"file-series-version": "1.0", "files": entries}, indent=1) + "\n")
+    write_text(path, json.dumps({"file-series-version": "1.0", "run": run, "files": entries}, indent=1) + "\n")
 
 
-def read_index(path):
-    """Return (names, times): snapshots in the index file `path`, relative to it; empty without an index."""
-    path = Path(path)
-    if not path.exists():
-        return [], []
+def listed(path: Path, run: str = "") -> dict[str, float] | None:
+    """Return {file name relative to the index: time [s]} of an index; None if there is none of this run that can be read.
+
+    The index is for ParaView and saves time; which snapshots there are, the files themselves say. Not collective.
+    """
     try:
-        entries = json.loads(path.read_text(encoding="utf-8"))["files"]
-        return [entry["name"] for entry in entries], [float(entry["time"]) for entry in entries]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise StoreError(f"{path} is not an index of snapshots: {error}") from None
+        content = read_json(path)
+        entries = {str(entry["name"]): float(entry["time"]) for entry in content["files"]}
+    except (StoreError, KeyError, TypeError, ValueError):
+        return None
+    return entries if content.get("run", "") == run else None
+
+
+def find(folder: Path, run: str = "") -> dict[str, float]:
+    """Return {file name relative to the folder of a run: time [s]} by reading each snapshot of the run. Not collective.
+
+    Files that are damaged, or of another run, are left out, with a warning for the damaged ones.
+    """
+    found = {}
+    for path in sorted((folder / "snapshots").glob("*.vtkhdf")):
+        time = time_of_own(path, run)
+        if time is not None:
+            found[f"snapshots/{path.name}"] = time
+    return dict(sorted(found.items(), key=lambda item: item[1]))
+
+
+def time_of_own(path: Path, run: str) -> float | None:
+    """Return the time [s] of a snapshot, None if it is damaged (with a warning), a link, or of another run. Not collective."""
+    if path.is_symlink() or not path.is_file():
+        return None
+    try:
+        about = read_attributes(path)
+    except StoreError as error:
+        logger.warning(f"{error}; it is left out")
+        return None
+    return float(about["time"]) if about.get("run", "") == run and "time" in about else None
 
 
 def check_fields(fields):

@@ -1,7 +1,7 @@
 """The writer of one run's folder (parisph.io.layout says what stands in it)."""
 
 import json
-import shutil
+import os
 from importlib import metadata
 from pathlib import Path
 
@@ -9,10 +9,12 @@ import h5py
 
 import parisph
 from parisph.base.errors import StoreError
+from parisph.base.log import logger
 from parisph.io import checkpoint, snapshot
-from parisph.io.files import on_first, write_json, write_text
-from parisph.io.layout import FILES, FOLDERS, INDEX
-from parisph.io.series import Series
+from parisph.io import folder as folders
+from parisph.io.files import on_first, write_json
+from parisph.io.layout import INDEX
+from parisph.io.series import Series, read_own
 
 
 class Store:
@@ -23,20 +25,22 @@ class Store:
     Attributes
     ----------
     folder : pathlib.Path
+    run : str, identity of the run; all its files bear it
     about : dict of str -> str or number, how the run is made; of files that are still to be written
     times : times [s] of the snapshots written so far (known on rank 0 only)
     """
 
-    def __init__(self, comm, folder, case, about, fields):
-        self.comm, self.folder = comm, Path(folder)
+    def __init__(self, comm, folder, case, about, fields, lock=None):
+        self.comm, self.folder, self.lock = comm, Path(folder), lock
         self.times = []
         snapshot.check_fields(fields)
-        self._case, self._fields = case, tuple(fields)
-        self.about = {**about, "case": case}
-        self._names, self._series, self._keep_to = [], {}, None
+        self._fields = tuple(fields)
+        self._names, self._series, self._keep_to, self._here = [], {}, None, False
+        self.about = dict(about)
+        self._set_run(case, comm.bcast(os.urandom(8).hex() if comm.rank == 0 else None))
 
     @classmethod
-    def create(cls, comm, folder, case, about=None, fields=("u", "p", "role"), overwrite=False):
+    def create(cls, comm, folder, case, about=None, fields=("u", "p", "role"), lock=None):
         """Start a run in `folder`. Collective.
 
         Parameters
@@ -46,27 +50,36 @@ class Store:
         case : the resolved case as JSON text
         about : dict of str -> str or number, how the run is made (see `provenance`)
         fields : names in the field registry for snapshots; id, kind and role are always written
-        overwrite : whether an earlier run in the folder is removed; nothing else in it is touched
+        lock : io.lock.Lock on rank 0, which is looked at while the run goes on; None for none
 
         Raises
         ------
         StoreError on every rank: an unknown field, an earlier run is there, or the folder cannot be written.
         """
-        store = cls(comm, folder, case, about or {}, fields)
-        on_first(comm, f"start a run in {folder}", lambda: store._start(overwrite))
+        store = cls(comm, folder, case, about or {}, fields, lock)
+        on_first(comm, f"start a run in {folder}", store._start)
         return store
 
     @classmethod
-    def resume(cls, comm, folder, case, time, step, about=None, fields=("u", "p", "role")):
+    def resume(cls, comm, folder, case, time, step, about=None, fields=("u", "p", "role"), lock=None, run=None, series=()):
         """Go on writing a run from a checkpoint at `time` [s] and `step`. Collective.
 
-        What the folder holds of later times is removed: snapshots, checkpoints, the summary, and
-        the lines of time series (when `add_series` opens them). An empty folder is as good.
-        Parameters and errors as of `create`.
+        In the folder of the run itself, what this run wrote after the checkpoint is moved to replaced/N:
+        snapshots, checkpoints, the summary, and time series that are cut back to `step` (when `add_series` opens
+        them). Nothing else is touched. In an empty folder a run of its own begins at the checkpoint.
+
+        run : identity of the run that the checkpoint is of, by default the one that `case` bears
+        series : names of the time series that will be added; they are looked at before anything is touched
+        Other parameters as of `create`.
+
+        Raises StoreError on every rank: as of `create`, a file is damaged, or the folder holds another run.
         """
-        store = cls(comm, folder, case, about or {}, fields)
+        store = cls(comm, folder, case, about or {}, fields, lock)
         store._keep_to = step
-        on_first(comm, f"resume a run in {folder}", lambda: store._continue(time, step))
+        run = json.loads(case).get("run", "") if run is None else run
+        on_first(comm, f"resume a run in {folder}", lambda: store._continue(run, time, step, series))
+        store._set_run(case, comm.bcast(store.run))
+        on_first(comm, f"write {folder}/case.json", lambda: folders.write_case(store.folder, store._case, store.run))
         return store
 
     def add_series(self, name, columns, title=""):
@@ -77,28 +90,33 @@ class Store:
         def add():
             path = self.folder / f"{name}.csv"
             path.parent.mkdir(exist_ok=True)
-            self._series[name] = Series(path, columns, title, self._keep_to)
+            self._series[name] = Series(path, columns, f"{title}{self._missing(path)}", self._keep_to, self.run)
         on_first(self.comm, f"write {self.folder / name}.csv", add)
 
     def append(self, time, step, values):
         """Add a line to time series: values = {name: sequence of the further columns' values}.
 
-        Rank 0's values are written; the other ranks may pass None.
+        Rank 0's values are written; the other ranks may pass None. Now and then this looks if the folder is still
+        this run's own, and raises StoreError if it is not.
         """
         def add():
+            if self.lock is not None:
+                self.lock.check()
             for name, line in values.items():
                 self._series[name].append(time, step, line)
         on_first(self.comm, f"write time series in {self.folder}", add)
 
     def snapshot(self, particles, time, step):
         """Write the particles at `time` [s]; a snapshot of the same time is replaced."""
-        number = self.comm.bcast(len(self.times) - (self.times[-1:] == [time]) if self.comm.rank == 0 else None)
-        name = f"snapshots/{number:06d}.vtkhdf"
+        name = self.comm.bcast(self._next_name(time) if self.comm.rank == 0 else None)
         snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about)
 
         def enter():
-            self._names[number:], self.times[number:] = [name], [time]
-            snapshot.write_index(self.folder / INDEX, self._names, self.times)
+            if self.times[-1:] == [time]:
+                self._names.pop(), self.times.pop()
+            self._names.append(name)
+            self.times.append(time)
+            snapshot.write_index(self.folder / INDEX, self._names, self.times, self.run)
         on_first(self.comm, f"write {self.folder / INDEX}", enter)
 
     def checkpoint(self, particles, time, step, dt, state):
@@ -107,47 +125,83 @@ class Store:
 
     def summary(self, content):
         """Write summary.json from rank 0's dict (numpy numbers become plain, NaN null)."""
+        content = {"run": self.run, **content}
         on_first(self.comm, f"write {self.folder}/summary.json", lambda: write_json(self.folder / "summary.json", content))
 
     def close(self):
         """Close the time series."""
         def close():
-            for series in self._series.values():
-                series.close()
-            self._series.clear()
+            while self._series:
+                self._series.popitem()[1].close()
         on_first(self.comm, f"close time series in {self.folder}", close)
 
-    def _start(self, overwrite):
+    def _set_run(self, case, run):
+        """Give the run its identity, and the case that files are to hold."""
+        self.run = run
+        self._case = json.dumps({"run": run, **{name: value for name, value in json.loads(case).items() if name != "run"}})
+        self.about.update(case=self._case, run=run)
+
+    def _start(self):
         if (self.folder / "case.json").exists():
-            if not overwrite:
-                raise StoreError(f"{self.folder} holds a run already: choose another folder, or ask to overwrite it")
-            _remove_run(self.folder)
-        self._make_folders()
+            raise StoreError(f"{self.folder} holds a run already: choose another folder, or ask to overwrite it")
+        folders.prepare(self.folder)
+        folders.write_case(self.folder, self._case, self.run)
 
-    def _continue(self, time, step):
-        _check_same_run(self.folder / "case.json", json.loads(self._case))
-        self._make_folders()
-        names, times = snapshot.read_index(self.folder / INDEX)
-        kept = [(name, at) for name, at in zip(names, times) if at <= time]
-        self._names, self.times = [name for name, _ in kept], [at for _, at in kept]
-        if len(kept) < len(names):  # shorten the list before the files go, so that it never names a missing one
-            snapshot.write_index(self.folder / INDEX, self._names, self.times)
-        listed = {self.folder / name for name in self._names}
-        for path in (self.folder / "snapshots").iterdir():
-            if path not in listed:
-                path.unlink()
-        for path in checkpoint.paths(self.folder / "checkpoints"):
-            if int(path.stem) > step:
-                path.unlink()
-        (self.folder / "summary.json").unlink(missing_ok=True)
+    def _continue(self, run, time, step, series):
+        """Take over the folder of the run, or begin in an empty one."""
+        there = folders.identity(self.folder)
+        if there is None:
+            self._start()
+            return
+        if there != run:
+            raise StoreError(f"{self.folder} holds another run: choose another folder with -o")
+        self.run, self._here = run, True
+        cut = [path for path in (self.folder / f"{name}.csv" for name in series)
+               if path.exists() and _last_step(path, run) > step]
+        folders.prepare(self.folder)
+        late = self._take_stock(time)
+        late += [path for path in checkpoint.paths(self.folder / "checkpoints") if int(path.stem) > step]
+        late.append(self.folder / "summary.json")
+        snapshot.write_index(self.folder / INDEX, self._names, self.times, run)    # it must never name a missing file
+        folders.move_aside(self.folder, late, copied=cut)
 
-    def _make_folders(self):
-        for name in FOLDERS:
-            (self.folder / name).mkdir(parents=True, exist_ok=True)
-        for folder in (self.folder, *(self.folder / name for name in FOLDERS)):
-            for path in folder.glob(".*.tmp*"):  # left by a run that was killed; MPI puts its own name behind ours
-                path.unlink()
-        write_text(self.folder / "case.json", json.dumps(json.loads(self._case), indent=2) + "\n")
+    def _take_stock(self, time):
+        """Learn which snapshots the run has up to `time` [s], and return those that it wrote later.
+
+        The files themselves say; the index is only asked to save time. What cannot be read, or is of another run, is left alone.
+        """
+        listed = snapshot.listed(self.folder / INDEX, self.run) or {}
+        kept, late = [], []
+        for path in sorted((self.folder / "snapshots").glob("*.vtkhdf")):
+            name = f"snapshots/{path.name}"
+            at = listed.get(name)
+            if at is None or at > time or path.is_symlink():    # about to be taken in, or moved: the file itself must say so
+                at = snapshot.time_of_own(path, self.run)
+            if at is not None:
+                (kept if at <= time else late).append((at, name))
+        kept.sort()
+        self._names, self.times = [name for _, name in kept], [at for at, _ in kept]
+        return [self.folder / name for _, name in late]
+
+    def _next_name(self, time):
+        """Return the name of the next snapshot, of which there is no file, unless it is our own of the same time."""
+        if self.times[-1:] == [time]:
+            return self._names[-1]
+        numbers = [int(path.stem) for path in (self.folder / "snapshots").glob("*.vtkhdf") if path.stem.isdigit()]
+        return f"snapshots/{max(numbers, default=-1) + 1:06d}.vtkhdf"
+
+    def _missing(self, path):
+        """Return what the title of a time series has to say of lines that are gone; "" if nothing is."""
+        if not self._here or self._keep_to <= 0 or path.exists():
+            return ""
+        logger.warning(f"{path} is missing: it begins again after step {self._keep_to}; what it held before is lost")
+        return f" (lines up to step {self._keep_to} are missing: there was no file at a restart)"
+
+
+def _last_step(path, run):
+    """Return the last step in a time series of a run, -1 if it has no line. Raises StoreError if it is damaged."""
+    _, lines = read_own(path, run, each_step=path.name == "steps.csv")
+    return int(lines[-1][1]) if lines else -1
 
 
 def provenance(method="", petsc_options="", **versions):
@@ -166,21 +220,3 @@ def provenance(method="", petsc_options="", **versions):
         "parisph_version": parisph.__version__, "method": method, "petsc_options": petsc_options,
         "versions": json.dumps({**found, **versions}),
     }
-
-
-def _check_same_run(path, case):
-    """Raise StoreError if `path` is the case of another scene: resuming would remove parts of it."""
-    if not path.exists():
-        return
-    there = json.loads(path.read_text(encoding="utf-8"))
-    if any(there.get(part) != case.get(part) for part in ("title", "fluid", "walls")):
-        raise StoreError(f"{path.parent} holds a run of another case ({there.get('title')!r}): choose another folder")
-
-
-def _remove_run(folder):
-    """Remove the files of an earlier run, by name; what else stands in the folder stays."""
-    for name in FILES:
-        (folder / name).unlink(missing_ok=True)
-    for name in FOLDERS:
-        if (folder / name).is_dir():
-            shutil.rmtree(folder / name)

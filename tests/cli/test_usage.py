@@ -105,7 +105,7 @@ def test_run_hands_over_the_case_and_petsc_options(case, driver, capsys):
     (given, comm, out), options = driver.calls[0]
     assert (given.numerics.spacing, given.title) == (0.05, "two = three")
     assert comm.size == 1 and out == "runs/tank"
-    assert options == {"petsc_options": ["-pressure_ksp_rtol", "1e-9"], "progress": False}
+    assert options == {"petsc_options": ["-pressure_ksp_rtol", "1e-9"], "progress": False, "overwrite": False, "force": False}
     shown = capsys.readouterr().out
     assert "12,345" in shown and "+1.23%" in shown and "runs/tank" in shown
 
@@ -124,7 +124,7 @@ def test_restart_hands_over(driver):
     assert entry.main(["restart", "runs/tank", "--until", "2.5", "-o", "more", "--", "-pressure_ksp_view"]) == 0
     (path, _), options = driver.calls[0]
     assert path == "runs/tank"
-    assert options == {"until": 2.5, "out": "more", "petsc_options": ["-pressure_ksp_view"], "progress": True}
+    assert options == {"until": 2.5, "out": "more", "petsc_options": ["-pressure_ksp_view"], "progress": True, "force": False}
 
 
 def test_check_describes(case, driver, capsys):

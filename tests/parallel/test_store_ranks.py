@@ -290,12 +290,15 @@ def test_a_run_is_resumed_on_other_ranks_where_its_checkpoint_ends(folder):
     store.snapshot(OwnedRows(spreads(WORLD.size)[0], WORLD.rank), 0.15, 2)
     store.close()
     assert [path.name for path in checkpoint.paths(run / "checkpoints")] == ["00000001.h5"]
-    names, times = snapshot.read_index(run / "flow.hdf.series")
-    assert times == [0.0, 0.1, 0.15]
-    assert sorted(path.name for path in (run / "snapshots").iterdir()) == [Path(name).name for name in names]
+    found = snapshot.listed(run / "flow.hdf.series", store.run)
+    assert list(found.values()) == [0.0, 0.1, 0.15]
+    assert sorted(path.name for path in (run / "snapshots").iterdir()) == [Path(name).name for name in found]
+    aside = run / "replaced" / "1"
+    assert sorted(str(path.relative_to(aside)) for path in aside.rglob("*.*")) == [
+        "checkpoints/00000003.h5", "snapshots/000002.vtkhdf", "snapshots/000003.vtkhdf", "snapshots/000004.vtkhdf"]
     assert (run / "probes/P2.csv").read_text().splitlines()[-3:] == ["0.0,0,0.0", "0.1,1,10.0", "0.2,2,-1.0"]
     WORLD.barrier()
-    with pytest.raises(StoreError, match="another case"):
+    with pytest.raises(StoreError, match="another run"):
         Store.resume(WORLD, run, json.dumps({"title": "other"}), 0.1, 1)
 
 

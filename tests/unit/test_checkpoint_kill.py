@@ -18,7 +18,7 @@ from mpi4py import MPI
 from parisph.io.store import Store
 from tests.owned_rows import OwnedRows
 
-store = Store.create(MPI.COMM_SELF, sys.argv[1], '{"title": "kill"}', overwrite=True)
+store = Store.create(MPI.COMM_SELF, sys.argv[1], '{"title": "kill"}')
 store.add_series("steps", {"dt": "s"})
 particles = OwnedRows([20000], 0)
 step = 0

@@ -7,12 +7,14 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.case.stored import to_json
 from parisph.io import checkpoint, snapshot
 from parisph.io.reader import open_run
 from parisph.io.store import Store, provenance
+from tests import watched
 from tests.owned_rows import OwnedRows, everything
 
-CASE = json.dumps({"title": "made up", "fluid": {"density": 1000.0}})
+CASE = to_json(watched.scene([]).model_copy(update={"title": "made up"}))
 
 
 @pytest.fixture
@@ -103,17 +105,59 @@ def test_the_rest_of_a_run_can_be_read_beside_a_damaged_snapshot(folder):
         run.about
 
 
-def test_an_earlier_run_is_removed_only_on_request_and_only_by_its_own_names(folder):
-    (folder / "notes.txt").write_text("mine")
+def test_an_earlier_run_is_never_written_over(folder):
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     with pytest.raises(StoreError, match="holds a run already"):
         Store.create(MPI.COMM_SELF, folder, CASE)
-    Store.create(MPI.COMM_SELF, folder, CASE, overwrite=True)
-    run = open_run(folder)
-    assert run.summary is None and len(run) == 0 and run.probe_names == []
-    assert (folder / "notes.txt").read_text() == "mine"
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
 
 
-def test_an_unknown_field_is_refused_before_anything_is_touched(folder):
+def test_an_unknown_field_is_refused_before_anything_is_touched(tmp_path):
     with pytest.raises(StoreError, match="no field 'vorticity' for snapshots .there are: "):
-        Store.create(MPI.COMM_SELF, folder, CASE, overwrite=True, fields=("u", "vorticity"))
-    assert len(open_run(folder)) == 4
+        Store.create(MPI.COMM_SELF, tmp_path / "new", CASE, fields=("u", "vorticity"))
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("damage", [lambda path: path.unlink(), lambda path: path.write_text("{"), lambda path: path.write_text("[]"),
+                                    lambda path: path.write_text(path.read_text().replace('"run": "', '"run": "f'))])
+def test_without_its_index_a_run_finds_its_snapshots(folder, damage):
+    """The files themselves say which they are and of what time; a foreign or damaged one is no part of the run."""
+    damage(folder / "flow.hdf.series")
+    other = Store.create(MPI.COMM_SELF, folder.parent / "other", CASE)
+    other.snapshot(OwnedRows([30], 0), 0.7, 9)
+    (folder / "snapshots/000009.vtkhdf").write_bytes((folder.parent / "other/snapshots/000000.vtkhdf").read_bytes())
+    (folder / "snapshots/000010.vtkhdf").write_bytes(b"nothing")
+    run = open_run(folder)
+    np.testing.assert_array_equal(run.times, [0.0, 0.5, 1.0, 1.5])
+    assert [run.snapshot(k)["step"] for k in range(4)] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("name, content, says", [
+    ("case.json", "{", "case.json is damaged: it is not JSON"),
+    ("case.json", "[1]", "case.json is damaged: it holds a list"),
+    ("case.json", '{"schema": 99}', "newer parisph"),
+    ("case.json", '{"title": "only"}', "case.json is damaged, or is not the case of a run: Case.fluid is missing"),
+    ("case.json", "\xff\x00", "case.json is damaged"),
+    ("summary.json", "", "summary.json is damaged: it is not JSON"),
+    ("summary.json", '{"run": "other"}', "summary.json is of another run"),
+    ("steps.csv", "", "steps.csv is damaged: it has no columns"),
+    ("steps.csv", "time,step,dt\n0,0\n", "steps.csv is damaged: line 2 does not hold 3 values"),
+    ("steps.csv", "time,step,dt\n0,0,1\n0.1,1,1\n0.3,3,1\n", "line 4 step 3 at 0.3 s follows step 1"),
+    ("steps.csv", "# run other\ntime,step,dt\n", "steps.csv is of another run"),
+    ("steps.csv", "time,step,dt\n0,0,1\0\n", "damaged: line 2"),
+    ("steps.csv", None, "there is no .*steps.csv: it was removed or moved away"),
+    ("probes/P2.csv", "time,step,pressure\n0.1,1,2\n0.1,1,2\n", "P2.csv is damaged: in line 3"),
+    ("probes/P2.csv", "a,b\n", "do not begin with time, step"),
+])
+def test_what_is_damaged_or_of_another_run_is_named(folder, name, content, says):
+    path = folder / name
+    path.unlink() if content is None else path.write_text(content, encoding="latin-1")
+    with pytest.raises(StoreError, match=says):
+        run = open_run(folder)
+        run.summary, run.steps, run.probe("P2")
+
+
+def test_a_case_that_this_release_would_not_run_is_still_read(folder):
+    text = (folder / "case.json").read_text()
+    (folder / "case.json").write_text(text.replace('"spacing": 0.05', '"spacing": 0.0501'))
+    assert open_run(folder).case["numerics"]["spacing"] == 0.0501

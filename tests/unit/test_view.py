@@ -1,6 +1,5 @@
 """Pictures: what a reader of them relies on - sizes, scales, units, walls, marks - and clear errors."""
 
-import json
 import sys
 from types import SimpleNamespace
 
@@ -14,6 +13,7 @@ from parisph.case.schema import Box, Case, Disc, Energy, Fluid, Numerics, Pressu
 from parisph.io import curves, style, view
 from parisph.io.reader import open_run
 from parisph.io.store import Store
+from tests import watched
 
 pytest.importorskip("matplotlib")
 S = 0.05  # particle spacing [m]
@@ -207,7 +207,7 @@ def test_what_is_misnamed_is_an_error_of_usage(run, tmp_path):
 
 
 def test_a_run_without_snapshots_or_probes_is_said(tmp_path):
-    Store.create(MPI.COMM_SELF, tmp_path / "run", json.dumps({"title": "empty"}))
+    Store.create(MPI.COMM_SELF, tmp_path / "run", watched.scene([]).model_dump_json())
     for draw in (view.plot_field, curves.plot_overview, curves.plot_probe):
         with pytest.raises(StoreError, match="has no"):
             draw(tmp_path / "run")

@@ -1,0 +1,42 @@
+"""Cases as JSON text: what case.json, snapshots and checkpoints hold, with the version of its schema."""
+
+import json
+
+from parisph.base.errors import CaseError
+from parisph.case.schema import READ_ONLY, Case
+
+# Version of the fields of a case. Raise it when a field is renamed, removed or changes its meaning;
+# a new field with a default needs no new version. Texts without a version are from before 1 and have the same fields.
+SCHEMA = 1
+
+
+def to_json(case: Case) -> str:
+    """Return the case as JSON text with its schema version."""
+    return json.dumps({"schema": SCHEMA, **json.loads(case.model_dump_json())})
+
+
+def from_json(text: str, read_only: bool = False) -> Case:
+    """Return the Case of a JSON text of this version or an older one.
+
+    read_only : whether the run is only looked at; a case that could not be run is then no error
+
+    Raises CaseError: it is no JSON, no case, or of a newer version.
+    """
+    try:
+        content = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise CaseError(f"not a stored case: {_first_line(error)}") from None
+    if not isinstance(content, dict):
+        raise CaseError(f"not a stored case: it holds a {type(content).__name__}, not an object")
+    version = content.pop("schema", 0)
+    if not isinstance(version, int) or isinstance(version, bool) or version < 0:
+        raise CaseError(f"schema = {version!r:.40}: must be a whole number; the file was not written by parisph")
+    if version > SCHEMA:
+        raise CaseError(f"schema = {version}: was written by a newer parisph; this one reads up to schema {SCHEMA}, so update parisph")
+    content.pop("run", None)    # which run it is of (io.store); the case is the same in every run
+    # through the text again: JSON has no tuples, and pydantic takes lists for them only from JSON
+    return Case.model_validate_json(json.dumps(content), context=READ_ONLY if read_only else None)
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).partition("\n")[0][:80] or type(error).__name__

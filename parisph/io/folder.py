@@ -1,0 +1,78 @@
+"""What may be done to the folder of a run: nothing is removed but our own half-written files, and no link is followed.
+
+All functions are for one rank. They raise OSError, or StoreError with the remedy.
+"""
+
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+
+from parisph.base.errors import StoreError
+from parisph.io.files import read_json, write_text
+from parisph.io.layout import FILES, FOLDERS, REPLACED
+
+# What a killed process leaves: our temporary names, with what MPI-IO puts behind them.
+_HALF_WRITTEN = re.compile(r"\.(\w+\.vtkhdf|\d{8}\.h5|[\w.-]+\.(csv|json|series))\.tmp.*|\.run\.lock\.[0-9a-f]{16}")
+
+
+def prepare(folder: Path) -> None:
+    """Make the folders of a run, and clear away what a killed process has left half written."""
+    for place in (folder, *(folder / name for name in FOLDERS)):
+        if place != folder and place.is_symlink():
+            raise StoreError(f"{place} is a symbolic link, and parisph writes only inside the folder of the run: "
+                             "put a real folder in its place, or choose another folder with -o")
+        place.mkdir(parents=True, exist_ok=True)
+        for path in place.iterdir():
+            if _HALF_WRITTEN.fullmatch(path.name) and not path.is_dir():
+                path.unlink()
+
+
+def write_case(folder: Path, case: str, run: str) -> None:
+    """Write case.json: the case (JSON text) and the identity of the run."""
+    write_text(folder / "case.json", json.dumps({"run": run, **json.loads(case)}, indent=2) + "\n")
+
+
+def identity(folder: Path) -> str | None:
+    """Return the identity of the run in a folder, "" if it has none, None if there is no run. Raises StoreError if case.json is damaged."""
+    if not (folder / "case.json").exists():
+        return None
+    return str(read_json(folder / "case.json").get("run", ""))
+
+
+def move_aside(folder: Path, moved: Iterable[Path], copied: Iterable[Path] = ()) -> Path | None:
+    """Move or copy files of a run that are about to be replaced into replaced/N; return that folder, None if there are none."""
+    moved, copied = ([path for path in paths if path.exists()] for paths in (moved, copied))
+    if not moved and not copied:
+        return None
+    if (folder / REPLACED).is_symlink():
+        raise StoreError(f"{folder / REPLACED} is a symbolic link, and parisph writes only inside the folder of the run: remove the link")
+    place = _free(folder / REPLACED / "1", lambda number: folder / REPLACED / str(number))
+    for path in (*moved, *copied):
+        there = place / path.relative_to(folder)
+        there.parent.mkdir(parents=True, exist_ok=True)
+        if path in copied:
+            shutil.copy2(path, there)
+        else:
+            os.rename(path, there)
+    return place
+
+
+def move_run_aside(folder: Path) -> Path | None:
+    """Rename the folder of an earlier run to FOLDER.old, FOLDER.old-2, ...; return the new name, None if it holds no run."""
+    if not (folder / "case.json").exists():
+        return None
+    old = folder.with_name(f"{folder.name}.old")
+    place = _free(old, lambda number: folder.with_name(f"{folder.name}.old-{number}"))
+    os.rename(folder, place)
+    return place
+
+
+def _free(first, numbered):
+    number, place = 1, first
+    while place.exists() or place.is_symlink():
+        number += 1
+        place = numbered(number)
+    return place

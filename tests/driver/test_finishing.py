@@ -1,0 +1,228 @@
+"""A run that was killed at an unlucky moment is finished by a restart, and nothing that it did not write is touched."""
+
+import json
+import os
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+
+from parisph import __main__ as entry
+from parisph.io import checkpoint, reader, snapshot
+
+CASE = '''
+from parisph import Box, Case, Energy, Fluid, Numerics, Output, Tank
+
+def case(end_time: float = 0.02, every: float = 0.004) -> Case:
+    return Case(
+        title="small", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0), walls=Tank(width=2.0, height=2.0),
+        gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, time_step=0.002),
+        output=Output(checkpoint_every=0.01, every=every), end_time=end_time, probes=[Energy("energy")],
+    )
+'''
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A run of ten steps, with snapshots at 0, 4, ... 20 ms and checkpoints at 10 and 20 ms."""
+    folder = tmp_path_factory.mktemp("finished")
+    (folder / "small.py").write_text(CASE)
+    assert entry.main(["run", str(folder / "small.py"), "-o", str(folder / "run"), "-q"]) == 0
+    return folder / "run"
+
+
+@pytest.fixture
+def run(finished, tmp_path, monkeypatch, capfd):
+    """A copy of that run, in the current folder."""
+    shutil.copytree(finished, tmp_path / "run")
+    monkeypatch.chdir(tmp_path)
+    capfd.readouterr()
+    return tmp_path / "run"
+
+
+def restart(*words):
+    return entry.main(["restart", "run", "-q", *words])
+
+
+def check_whole(run, steps=10):
+    """The run is complete: every step and snapshot once, and a summary."""
+    found = reader.open_run(run)
+    np.testing.assert_array_equal(found.steps["step"], np.arange(1, steps + 1))
+    np.testing.assert_array_equal(found.probe("energy")["step"], np.arange(steps + 1))
+    np.testing.assert_allclose(found.times, 0.004 * np.arange(steps // 2 + 1), rtol=1e-12)
+    assert found.summary["status"] == "completed" and found.summary["steps"] == steps
+    assert [found.snapshot(k)["step"] for k in range(len(found))] == list(range(0, steps + 1, 2))
+    assert not (run / "run.lock").exists()
+
+
+def test_killed_before_its_summary(run):
+    before = json.loads((run / "summary.json").read_text())
+    last = checkpoint.paths(run / "checkpoints")[-1]
+    written = last.stat().st_mtime_ns
+    (run / "summary.json").unlink()
+    assert restart() == 0
+    check_whole(run)
+    after = json.loads((run / "summary.json").read_text())
+    assert last.stat().st_mtime_ns == written
+    for name in ("energy_drift", "volume_drift", "particles", "run"):
+        assert after[name] == pytest.approx(before[name]) if name != "run" else after[name] == before[name]
+
+
+def test_a_complete_run_stays_as_it_is(run, capfd):
+    assert restart() == 2
+    assert "ask for more with --until" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("left", [("case.json",), ("case.json", "steps.csv", "probes", "snapshots/000000.vtkhdf", "flow.hdf.series")])
+def test_killed_before_its_first_checkpoint(run, left):
+    for path in sorted(run.rglob("*"), reverse=True):
+        if path.is_file() and not any(str(path.relative_to(run)).startswith(name) for name in left):
+            path.unlink()
+    assert restart() == 0
+    check_whole(run)
+
+
+def test_killed_after_its_last_checkpoint_but_one(run):
+    checkpoint.paths(run / "checkpoints")[-1].unlink()
+    (run / "summary.json").unlink()
+    late = (run / "snapshots/000004.vtkhdf").read_bytes()
+    assert restart() == 0
+    check_whole(run)
+    aside = run / "replaced" / "1"
+    assert sorted(str(path.relative_to(aside)) for path in aside.rglob("*.*")) == [
+        "probes/energy.csv", "snapshots/000003.vtkhdf", "snapshots/000004.vtkhdf", "snapshots/000005.vtkhdf", "steps.csv"]
+    assert (aside / "snapshots/000004.vtkhdf").read_bytes() == late
+    assert reader.open_run(run).about["run"] == json.loads((run / "case.json").read_text())["run"]
+
+
+@pytest.mark.parametrize("damage", ["gone", "empty", "foreign", "short"])
+def test_snapshots_are_found_without_the_index(run, damage):
+    index = run / "flow.hdf.series"
+    content = json.loads(index.read_text())
+    if damage == "gone":
+        index.unlink()
+    elif damage == "empty":
+        index.write_text("")
+    elif damage == "foreign":
+        index.write_text(json.dumps({**content, "run": "f00"}))
+    else:
+        index.write_text(json.dumps({**content, "files": content["files"][:1]}))
+    before = {path.name: path.read_bytes() for path in (run / "snapshots").iterdir()}
+    assert restart("--until", "0.028") == 0
+    check_whole(run, 14)
+    assert {name: (run / "snapshots" / name).read_bytes() for name in before} == before
+
+
+def test_files_of_others_are_never_touched(run, tmp_path):
+    checkpoint.paths(run / "checkpoints")[-1].unlink()
+    mine = {"notes.txt": b"mine", "snapshots/000009.vtkhdf": b"not HDF5", "snapshots/picture.png": b"png", "snapshots/.hidden.tmp": b"x",
+            "probes/other.csv": b"a,b", "checkpoints/readme.tmp": b"y"}
+    for name, content in mine.items():
+        (run / name).write_bytes(content)
+    foreign = run / "snapshots" / "000007.vtkhdf"
+    shutil.copy(run / "snapshots" / "000005.vtkhdf", foreign)
+    with h5py.File(foreign, "r+") as file:
+        file.attrs["run"] = "another"
+    there = foreign.read_bytes()
+    assert restart() == 0
+    for name, content in mine.items():
+        assert (run / name).read_bytes() == content, name
+    assert foreign.read_bytes() == there
+    found = reader.open_run(run)
+    assert len(found) == 6 and found.summary["status"] == "completed"
+    assert [found.snapshot(k)["step"] for k in range(6)] == [0, 2, 4, 6, 8, 10]
+
+
+@pytest.mark.parametrize("name", ["snapshots", "checkpoints", "probes", "replaced"])
+def test_a_linked_folder_is_refused(run, name, capfd):
+    elsewhere = run.parent / "elsewhere"
+    (run / name).mkdir(exist_ok=True)
+    (run / name).rename(elsewhere)
+    (run / name).symlink_to(elsewhere)
+    before = {path: path.read_bytes() for path in elsewhere.rglob("*") if path.is_file()}
+    assert restart("--until", "0.024") == 5
+    assert f"{name} is a symbolic link" in capfd.readouterr().err
+    assert {path: path.read_bytes() for path in elsewhere.rglob("*") if path.is_file()} == before
+
+
+@pytest.mark.parametrize("name", ["run.log", "steps.csv", "probes/energy.csv", "case.json", ".case.json.tmp", "summary.json",
+                                  "flow.hdf.series", "checkpoints/.00000012.h5.tmp", "snapshots/.000006.vtkhdf.tmp", ".steps.csv.tmp"])
+def test_a_linked_file_is_never_written_through(run, name):
+    target = run.parent / "target"
+    path = run / name
+    target.write_bytes(path.read_bytes() if path.exists() else b"mine")
+    path.unlink(missing_ok=True)
+    path.symlink_to(target)
+    before = target.read_bytes()
+    assert restart("--until", "0.024") in (0, 5)
+    assert target.read_bytes() == before
+
+
+def test_a_missing_series_is_said(run, capfd):
+    (run / "steps.csv").unlink()
+    assert restart("--until", "0.024") == 0
+    assert "steps.csv is missing: it begins again after step 10" in capfd.readouterr().err
+    assert "lines up to step 10 are missing" in (run / "steps.csv").read_text().splitlines()[0]
+    assert list(reader.open_run(run).steps["step"]) == [11, 12]
+
+
+@pytest.mark.parametrize("name, damage, says", [
+    ("steps.csv", lambda text: text.replace("\n", "\n\0", 5), "steps.csv is damaged"),
+    ("probes/energy.csv", lambda text: text.replace("time,step,kinetic", "time,step,cinetic"), "energy.csv has the columns"),
+    ("probes/energy.csv", lambda text: text.replace("# run ", "# run f"), "energy.csv is of another run"),
+    ("case.json", lambda text: text[:100], "case.json is damaged"),
+    ("case.json", lambda text: text.replace('"run": "', '"run": "f'), "holds another run"),
+])
+def test_damaged_files_are_named_before_anything_is_touched(run, capfd, name, damage, says):
+    (run / name).write_text(damage((run / name).read_text()))
+    before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file() and path.name != "run.log"}
+    assert restart("--until", "0.024") == 5
+    said = capfd.readouterr().err
+    assert says in said and said.count("parisph: error: ") == 1 and "Traceback" not in said
+    if "columns" not in says:    # the names are known only when the series is opened
+        assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file() and path.name != "run.log"} == before
+
+
+def test_a_case_of_a_newer_release_is_refused_in_plain_words(run, capfd):
+    content = json.loads((run / "case.json").read_text())
+    (run / "case.json").write_text(json.dumps({**content, "schema": 99}))
+    for words, code in ((["run", "run/case.json", "-o", "again"], 2), (["info", "run"], 5)):
+        assert entry.main(words) == code
+        assert "newer parisph" in capfd.readouterr().err
+    assert not os.path.exists("again")
+
+
+def test_overwrite_moves_the_old_run_aside(run, capfd):
+    (run.parent / "small.py").write_text(CASE)
+    before = {path.relative_to(run): path.read_bytes() for path in run.rglob("*") if path.is_file()}
+    words = ["run", "small.py", "-o", "run", "-q", "--set", "end_time=0.004"]
+    assert entry.main(words) == 2
+    for name in ("run.old", "run.old-2"):
+        assert entry.main([*words, "--overwrite"]) == 0
+        assert (run.parent / name / "summary.json").exists()
+    old = run.parent / "run.old"
+    assert {path.relative_to(old): path.read_bytes() for path in old.rglob("*") if path.is_file()} == before
+    # and back again where the new run does not begin
+    assert entry.main([*words, "--overwrite", "--", "-pressure_ksp_type", "nonsense"]) == 2
+    assert reader.open_run(run).summary["status"] == "completed" and not (run.parent / "run.old-3").exists()
+
+
+def test_a_folder_in_use_is_refused(run, capfd):
+    from parisph.io.lock import Lock
+
+    held = Lock(run)
+    (run.parent / "small.py").write_text(CASE)
+    for words in (["restart", "run", "--until", "0.03"], ["run", "small.py", "-o", "run", "--overwrite"]):
+        assert entry.main(words) == 5
+        said = capfd.readouterr().err
+        assert "run is in use by process" in said and said.count("error") == 1
+    held.release()
+
+
+def test_snapshots_name_their_run(run):
+    identity = json.loads((run / "case.json").read_text())["run"]
+    assert snapshot.read_attributes(run / "snapshots/000000.vtkhdf")["run"] == identity
+    assert json.loads((run / "summary.json").read_text())["run"] == identity
+    for name in ("steps.csv", "probes/energy.csv"):
+        assert f"# run {identity}\n" in (run / name).read_text()

@@ -1,0 +1,136 @@
+"""One process at a time writes into the folder of a run."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from parisph.base.errors import StoreError
+from parisph.io import lock
+from parisph.io.lock import Lock
+from tests.launch import clean_environment
+
+HOLDER = """
+import sys, time
+from parisph.io.lock import Lock
+held = Lock(sys.argv[1])
+print("held", flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.fixture
+def holder(tmp_path):
+    """Another process that has the lock of the folder."""
+    process = subprocess.Popen([sys.executable, "-c", HOLDER, str(tmp_path)], env=clean_environment(), stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "held\n"
+    yield process
+    process.kill()
+    process.wait()
+    process.stdout.close()
+
+
+def test_the_lock_is_gone_when_it_is_given_back(tmp_path):
+    held = Lock(tmp_path)
+    assert lock.holder(tmp_path).startswith(f"process {os.getpid()} on ")
+    with pytest.raises(StoreError, match=f"in use by process {os.getpid()} .*still runs: wait"):
+        Lock(tmp_path)
+    held.release()
+    assert not list(tmp_path.iterdir()) and lock.holder(tmp_path) is None
+    Lock(tmp_path).release()
+
+
+def test_a_process_that_runs_keeps_its_lock_even_against_force(tmp_path, holder):
+    for force in (False, True):
+        with pytest.raises(StoreError, match=f"process {holder.pid} .*still runs"):
+            Lock(tmp_path, force)
+
+
+@pytest.mark.parametrize("reaped", [False, True])
+def test_the_lock_of_a_killed_process_is_taken_over(tmp_path, holder, reaped):
+    os.kill(holder.pid, signal.SIGKILL)
+    if reaped:
+        holder.wait()
+    else:
+        time.sleep(0.2)    # it is a zombie now
+    assert lock.holder(tmp_path) is None
+    Lock(tmp_path).release()
+    assert not list(tmp_path.iterdir())
+
+
+def change(folder, **values):
+    path = folder / lock.NAME
+    path.write_text(json.dumps({**json.loads(path.read_text()), **values}))
+
+
+def test_a_number_that_another_process_has_now_is_no_sign_of_life(tmp_path, holder):
+    change(tmp_path, began="1")
+    Lock(tmp_path).release()
+
+
+def test_after_a_restart_of_the_host_no_process_is_left(tmp_path, holder):
+    change(tmp_path, host=f"{lock._host().partition(' ')[0]} 0-0")
+    Lock(tmp_path).release()
+
+
+@pytest.mark.parametrize("content", [{"host": "elsewhere 1-2", "process": 1}, {}, {"host": 7, "process": "x"}])
+def test_what_cannot_be_seen_from_here_is_left_to_the_user(tmp_path, content):
+    (tmp_path / lock.NAME).write_text(json.dumps(content) if content else "")
+    os.utime(tmp_path / lock.NAME, (time.time() - 600, time.time() - 600))
+    with pytest.raises(StoreError, match="last sign of life was 10 min ago, .* repeat the command with --force"):
+        Lock(tmp_path)
+    held = Lock(tmp_path, force=True)
+    assert lock.holder(tmp_path).startswith(f"process {os.getpid()}")
+    held.release()
+
+
+def test_who_has_lost_the_lock_stops(tmp_path, monkeypatch):
+    monkeypatch.setattr(lock, "BEAT", 0.0)
+    held = Lock(tmp_path)
+    os.utime(tmp_path / lock.NAME, (1.0, 1.0))
+    held.check()
+    assert time.time() - (tmp_path / lock.NAME).stat().st_mtime < 60.0
+    change(tmp_path, token="other")
+    with pytest.raises(StoreError, match="taken from this process with --force"):
+        held.check()
+    held.release()
+    assert (tmp_path / lock.NAME).exists()    # of the other
+    (tmp_path / lock.NAME).unlink()
+    with pytest.raises(StoreError, match="removed or moved the folder"):
+        held.check()
+
+
+def test_a_link_is_not_followed(tmp_path):
+    (tmp_path / "target").write_text("mine")
+    (tmp_path / lock.NAME).symlink_to(tmp_path / "target")
+    with pytest.raises(StoreError):
+        Lock(tmp_path, force=True)
+    assert (tmp_path / "target").read_text() == "mine"
+
+
+RACE = """
+import sys, time
+from parisph.base.errors import StoreError
+from parisph.io.lock import Lock
+time.sleep(max(0.0, float(sys.argv[2]) - time.time()))
+try:
+    Lock(sys.argv[1])
+    print("taken", flush=True)
+    time.sleep(3)
+except StoreError:
+    print("refused", flush=True)
+"""
+
+
+def test_of_several_processes_that_find_a_stale_lock_one_takes_it(tmp_path, holder):
+    os.kill(holder.pid, signal.SIGKILL)
+    holder.wait()
+    start = str(time.time() + 1.5)
+    racers = [subprocess.Popen([sys.executable, "-c", RACE, str(tmp_path), start], env=clean_environment(),
+                               stdout=subprocess.PIPE, text=True) for _ in range(4)]
+    said = sorted(racer.communicate(timeout=30)[0].strip() for racer in racers)
+    assert said == ["refused", "refused", "refused", "taken"]

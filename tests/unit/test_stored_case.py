@@ -1,0 +1,79 @@
+"""Cases as stored: their schema version, and what was asked for beside what it was resolved to."""
+
+import json
+
+import pytest
+
+from parisph.base.errors import CaseError
+from parisph.case.presets import PRESETS
+from parisph.case.schema import Box, Tank
+from parisph.case.stored import SCHEMA, from_json, to_json
+from tests.scenes import scene
+
+
+def stored(**numerics):
+    """Return a case as a run stores it: resolved, through JSON and back."""
+    case = scene("small_sloshing", numerics)
+    return from_json(to_json(case.resolved(case.numerics.resolved())))
+
+
+def test_a_case_comes_back_as_it_was():
+    case = stored()
+    assert json.loads(to_json(case))["schema"] == SCHEMA
+    assert from_json(to_json(case)) == case
+    assert from_json(case.model_dump_json()) == case    # from before schemas had versions
+
+
+@pytest.mark.parametrize("text, says", [
+    ("", "not a stored case"), ("[]", "holds a list"), ('{"schema": "x"}', "must be a whole number"), ('{"schema": true}', "whole number"),
+    (f'{{"schema": {SCHEMA + 1}}}', "written by a newer parisph; this one reads up to schema"), ("{}", "Case.title is missing"),
+])
+def test_what_is_no_case_of_this_release_is_said(text, says):
+    with pytest.raises(CaseError, match=says):
+        from_json(text)
+
+
+def test_another_preset_replaces_what_the_old_one_gave():
+    case = stored(kappa=0.4, preset="gentle").changed(**{"numerics.preset": "violent"})
+    found = case.numerics.resolved()
+    due = {**PRESETS["violent"], "kappa": 0.4}
+    assert {name: getattr(found, name) for name in due} == due
+
+
+def test_other_changes_keep_what_was_resolved(monkeypatch):
+    """A preset of a later release with other numbers does not change what a stored run computes."""
+    case = stored(preset="violent")
+    monkeypatch.setitem(PRESETS["violent"], "filter", 0.5)
+    for change in ({"end_time": 1.0}, {"numerics.cfl": 0.3}, {"numerics.kappa": 0.1}):
+        found = from_json(to_json(case.changed(**change)))
+        assert found.numerics.resolved().filter == 0.03
+        again = found.resolved(found.numerics.resolved())
+        assert again.asked.filter is None
+    assert case.changed(**{"numerics.kappa": 0.1}).asked.kappa == 0.1
+
+
+def test_the_weight_of_the_divergence_and_its_time_replace_each_other():
+    case = stored()
+    assert case.numerics.zeta == 1.0 and case.numerics.zeta_time == 0.0
+    relaxed = case.changed(**{"numerics.zeta_time": 0.04}).numerics.resolved()
+    assert (relaxed.zeta, relaxed.zeta_time) == (None, 0.04)
+    fixed = stored().changed(**{"numerics.zeta": 0.5}).numerics.resolved()
+    assert (fixed.zeta, fixed.zeta_time) == (0.5, 0.0)
+    with pytest.raises(CaseError, match="zeta = 0.5 and zeta_time = 0.04: give only one") as found:    # as it is asked for
+        stored(zeta_time=0.04).changed(**{"numerics.zeta": 0.5})
+    assert str(found.value).count("give only one") == 1
+
+
+def test_a_full_tank_that_is_no_longer_full_has_a_surface():
+    case = scene("hydrostatic").changed(walls=Tank(width=1.0, height=0.5, lid=True), fluid={
+        "shape": Box(width=1.0, height=0.5).model_dump(), "density": 1000.0}, probes=())
+    assert case.closed
+    closed = from_json(to_json(case.resolved(case.numerics.resolved().model_copy(update={"surface_rule": "none"}))))
+    opened = closed.changed(walls=Tank(width=1.0, height=1.0))
+    assert opened.numerics.resolved().surface_rule == PRESETS[opened.numerics.preset]["surface_rule"]
+
+
+def test_an_unknown_name_is_said_once():
+    with pytest.raises(CaseError) as found:
+        stored().changed(**{"numerics.cfi": 1.0})
+    assert str(found.value).count("\n") == 0 and "did you mean 'cfl'" in str(found.value)
