@@ -1,0 +1,142 @@
+"""Folders that go bad under a run: a full disk, files removed, permission gone. The first cause is said, once."""
+
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from parisph.kernels import cache
+from tests.launch import clean_environment
+
+NOBODY = 65534    # who runs the case when this is root, whom no permission stops
+SECONDS = 60.0
+CASE = """
+from tests.scenes import scene
+def case():
+    return scene("dam_break", spacing=0.05, end_time=1000.0, snapshot_every=0.05).changed(**{"output.checkpoint_every": 0.1})
+"""
+CAUSES = {
+    "the disk is full": r"File too large|No space left|Disk quota|write failed|errno = 27|posix_fallocate|cannot write",
+    "the folder is removed": r"No such file|gone|removed",
+    "snapshots are removed": r"No such file",
+    "checkpoints are removed": r"No such file",
+    "the folder may not be written": r"Permission denied",
+    "snapshots may not be written": r"Permission denied",
+    "a file stands where snapshots should be": r"Not a directory|not a directory|File exists",
+}
+
+
+def make(count, random, folder):
+    """See table.Part."""
+    os.chmod(folder, 0o755)
+    kernels = folder / "kernels"
+    shutil.copytree(cache.folder(), kernels / Path(cache.folder()).name)
+    _give(kernels)
+    names = list(CAUSES)
+    for attempt in range(count):
+        place = folder / str(attempt)
+        place.mkdir()
+        (place / "case.py").write_text(CASE)
+        _give(place)
+        found = _attempt(place, names[attempt % len(names)], int(random.integers(1, 3)), float(random.uniform(0.0, 1.0)), kernels, random)
+        _open_up(place)
+        shutil.rmtree(place)
+        yield found
+
+
+def _attempt(folder, damage, ranks, moment, kernels, random):
+    what = f"{ranks} ranks, {damage} after {moment:.2f} s"
+    limit = int(random.choice([30_000, 200_000, 350_000])) if damage == "the disk is full" else None
+    words = [sys.executable, "-m", "parisph", "run", "case.py", "-o", "run", "-q"]
+    if ranks > 1:
+        words = [shutil.which("mpirun"), "-n", str(ranks), *words]
+    with open(folder.parent / f"{folder.name}.txt", "w+") as out:
+        process = subprocess.Popen(words, cwd=folder, env=clean_environment(HOME=str(folder), TMPDIR=str(folder), NUMBA_CACHE_DIR=str(kernels)),
+                                   stdout=out, stderr=out, stdin=subprocess.DEVNULL, start_new_session=True,
+                                   preexec_fn=lambda: _restrict(limit))
+        try:
+            code = _wait(process, folder, damage, moment)
+        except subprocess.TimeoutExpired:
+            return f"{what}: still runs after {SECONDS:g} s"
+        finally:
+            _end(process)
+        out.seek(0)
+        said = out.read()
+    return _judge(what, damage, code, said)
+
+
+def _wait(process, folder, damage, moment):
+    """Do the damage once the run goes on, and wait for its end."""
+    if damage != "the disk is full":
+        deadline = time.monotonic() + SECONDS
+        while not (folder / "run" / "checkpoints" / "00000000.h5").exists() and time.monotonic() < deadline and process.poll() is None:
+            time.sleep(0.01)
+        time.sleep(moment)
+        DO[damage](folder / "run")
+    return process.wait(SECONDS)
+
+
+def _judge(what, damage, code, said):
+    if code != 5:
+        return f"{what}: exit code {code}: {said[-600:]}"
+    if said.count("parisph: error: ") != 1 or "Traceback" in said or "Logging error" in said:
+        return f"{what}: says {said[-600:]!r}"
+    error = said.partition("parisph: error: ")[2]
+    return None if re.search(CAUSES[damage], error) else f"{what}: does not say why: {error[:300]!r}"
+
+
+def _remove_folder(run):
+    # the run goes on writing, so what has been emptied may be filled again
+    while run.exists():
+        shutil.rmtree(run, ignore_errors=True)
+
+
+def _put_file(run):
+    (run / "snapshots").rename(run.parent / "moved")
+    (run / "snapshots").write_text("in the way")
+
+
+DO = {
+    "the folder is removed": _remove_folder,
+    "snapshots are removed": lambda run: shutil.rmtree(run / "snapshots", ignore_errors=True) or (run / "snapshots").exists(),
+    "checkpoints are removed": lambda run: shutil.rmtree(run / "checkpoints", ignore_errors=True),
+    "the folder may not be written": lambda run: [os.chmod(path, 0o555) for path in (run / "snapshots", run / "checkpoints", run)],
+    "snapshots may not be written": lambda run: os.chmod(run / "snapshots", 0o555),
+    "a file stands where snapshots should be": _put_file,
+}
+
+
+def _restrict(limit):
+    """In the new process: become nobody, and perhaps write no long files."""
+    if os.geteuid() == 0:
+        os.setgroups([])
+        os.setgid(NOBODY)
+        os.setuid(NOBODY)
+    if limit is not None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+
+def _give(folder):
+    """Give a folder and all in it to who runs the case."""
+    if os.geteuid() == 0:
+        for path in (folder, *folder.rglob("*")):
+            os.chown(path, NOBODY, NOBODY)
+
+
+def _open_up(folder):
+    for path in (folder, *folder.rglob("*")):
+        if path.is_dir():
+            os.chmod(path, 0o755)
+
+
+def _end(process):
+    try:
+        os.killpg(process.pid, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
+    process.wait()

@@ -1,0 +1,112 @@
+"""Kills at random moments, of one rank or of all, each followed by a restart that must finish the run."""
+
+import os
+import shutil
+import signal
+import time
+
+import h5py
+import numpy as np
+
+from parisph.base.errors import ParisphError
+from parisph.io import checkpoint, reader
+from tests.launch import mpirun, parisph
+from tests.running import running
+from tests.scenes import difference
+
+# Checkpoints and snapshots in almost every step: many kills come in the middle of one.
+CASE = """
+from tests.scenes import scene
+def case():
+    return scene("dam_break", {"rtol": 1e-13}, spacing=0.05, end_time=0.5, snapshot_every=0.02).changed(
+        **{"output.checkpoint_every": 0.01})
+"""
+GONE = 20.0        # [s] for all processes to end after a kill
+SECONDS = 120.0    # [s] for a restart
+
+
+def make(count, random, folder):
+    """See table.Part."""
+    due = folder / "due"
+    due.mkdir()
+    (due / "case.py").write_text(CASE)
+    begun = time.monotonic()
+    done = parisph("run", "case.py", "-o", "run", "-q", cwd=due, timeout=SECONDS)
+    whole = time.monotonic() - begun
+    if done.returncode != 0:
+        raise RuntimeError(done.stderr)
+    for attempt in range(count):
+        place = folder / str(attempt)
+        place.mkdir()
+        found = _attempt(place, random, due / "run", whole)
+        if found is None:
+            shutil.rmtree(place)
+        yield found
+
+
+def _attempt(folder, random, due, whole):
+    ranks = int(random.integers(1, 3))
+    victim = str(random.choice(["all", "mpirun", "first", "last"] if ranks > 1 else ["all"]))
+    moment = float(random.uniform(0.0, 1.3 * whole))
+    what = f"{ranks} ranks, {victim} killed after {moment:.2f} s"
+    with running(folder, ranks, "-q", case=CASE) as run:
+        time.sleep(moment)
+        _kill(run, victim, ranks)
+        try:
+            run.process.wait(GONE)
+        except Exception:
+            return f"{what}: processes are left after {GONE:g} s"
+    return _finish(folder, int(random.integers(1, 4)), due, what)
+
+
+def _kill(run, victim, ranks):
+    pids = run.ranks() if ranks > 1 else [run.process.pid]
+    chosen = {"all": pids, "mpirun": [run.process.pid], "first": pids[:1], "last": pids[-1:]}[victim]
+    for pid in chosen:
+        try:
+            os.kill(pid, signal.SIGKILL)
+        except ProcessLookupError:    # it had ended by itself
+            pass
+
+
+def _finish(folder, ranks, due, what):
+    """Restart the run, or start it where it had not begun, and compare it with one that was never killed."""
+    run = folder / "run"
+    if not (run / "case.json").exists():
+        words = ["run", "case.py", "-o", "run", "-q"]
+    elif (run / "summary.json").exists():
+        words = None    # it had ended before the kill
+    else:
+        words = ["restart", "run", "-q"]
+    if words:
+        done = parisph(*words, cwd=folder, timeout=SECONDS) if ranks == 1 else mpirun(ranks, ["-m", "parisph", *words], cwd=folder, timeout=SECONDS)
+        if done.returncode != 0 or "Traceback" in done.stderr:
+            return f"{what}: {words[0]} on {ranks} ranks ends with {done.returncode}: {done.stderr[-500:]}"
+    try:
+        return _compare(run, due, what)
+    except ParisphError as error:
+        return f"{what}: {error}"
+
+
+def _compare(run, due, what):
+    found, expected = reader.open_run(run), reader.open_run(due)
+    if found.summary["status"] != "completed":
+        return f"{what}: status {found.summary['status']}"
+    if not np.array_equal(found.steps["step"], expected.steps["step"]):
+        return f"{what}: steps {found.steps['step']}"
+    if not np.allclose(found.times, expected.times, rtol=1e-12):
+        return f"{what}: snapshots at {found.times}"
+    for number in range(len(found)):
+        found.snapshot(number)
+    left = [path.name for path in run.rglob(".*")] + [path.name for path in run.glob("run.lock")]
+    if left:
+        return f"{what}: left behind {left}"
+    a, b = _last(run), _last(due)
+    wrong = [name for name in ("x", "u", "p") if difference(a[name], b[name]) > 1e-8]
+    return f"{what}: {wrong} differ from the run that was never killed" if wrong else None
+
+
+def _last(run):
+    with h5py.File(checkpoint.paths(run / "checkpoints")[-1], "r") as file:
+        order = np.argsort(file["particles/id"][:])
+        return {name: file["particles"][name][:][order] for name in ("x", "u", "p")}
