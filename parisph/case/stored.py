@@ -3,6 +3,7 @@
 import json
 
 from parisph.base.errors import CaseError
+from parisph.base.seal import opened
 from parisph.case.schema import READ_ONLY, Case
 
 # Version of the fields of a case. Raise it when a field is renamed, removed or changes its meaning;
@@ -28,11 +29,15 @@ def from_json(text: str, read_only: bool = False) -> Case:
         raise CaseError(f"not a stored case: {_first_line(error)}") from None
     if not isinstance(content, dict):
         raise CaseError(f"not a stored case: it holds a {type(content).__name__}, not an object")
-    version = content.pop("schema", 0)
+    version = content.get("schema", 0)
     if not isinstance(version, int) or isinstance(version, bool) or version < 0:
         raise CaseError(f"schema = {version!r:.40}: must be a whole number; the file was not written by parisph")
     if version > SCHEMA:
         raise CaseError(f"schema = {version}: was written by a newer parisph; this one reads up to schema {SCHEMA}, so update parisph")
+    content, sound = opened(content)
+    if not sound:
+        raise CaseError('it does not match its digest: it is damaged, or was edited. After an edit take the line "digest" out')
+    content.pop("schema", None)
     content.pop("run", None)    # which run it is of (io.store); the case is the same in every run
     # through the text again: JSON has no tuples, and pydantic takes lists for them only from JSON
     return Case.model_validate_json(json.dumps(content), context=READ_ONLY if read_only else None)

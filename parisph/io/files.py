@@ -4,6 +4,7 @@ A file is written under a temporary name, forced to the disk and then renamed: w
 sees the old content or the new one, never a part of it. What fails on one rank is raised on all.
 """
 
+import hashlib
 import json
 import math
 import os
@@ -11,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from parisph.base.errors import StoreError, agree
+from parisph.base.seal import opened, sealed
 
 
 def together(comm, doing, action):
@@ -74,12 +76,12 @@ def write_text(path, text):
 
 
 def write_json(path, content):
-    """Replace the file `path` by JSON that any reader accepts (numpy scalars become plain, NaN null)."""
-    write_text(path, json.dumps(plain(content), indent=2) + "\n")
+    """Replace the file `path` by JSON that any reader accepts (numpy scalars become plain, NaN null), with its digest."""
+    write_text(path, json.dumps(sealed(plain(content)), indent=2) + "\n")
 
 
 def read_json(path: Path) -> dict:
-    """Return the JSON object in a file of a run. Not collective. Raises StoreError, with the file's name."""
+    """Return the JSON object in a file of a run, whose digest is right. Not collective. Raises StoreError, with the file's name."""
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -90,7 +92,19 @@ def read_json(path: Path) -> dict:
         raise StoreError(f"{path} is damaged: it is not JSON ({str(error)[:80]})") from None
     if not isinstance(content, dict):
         raise StoreError(f"{path} is damaged: it holds a {type(content).__name__}, not an object")
+    content, sound = opened(content)
+    if not sound:
+        raise StoreError(f"{path} is damaged: it does not match its digest")
     return content
+
+
+def digest(path: Path) -> str:
+    """Return the digest of a whole file. Not collective. Raises OSError."""
+    found = hashlib.blake2b(digest_size=16)
+    with open(path, "rb") as file:
+        while piece := file.read(1 << 20):
+            found.update(piece)
+    return found.hexdigest()
 
 
 def plain(content):

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from parisph.base.errors import StoreError
-from parisph.io.files import read_json, write_text
+from parisph.io.files import digest, read_json, write_json
 from parisph.io.layout import FILES, FOLDERS, REPLACED
 
 # What a killed process leaves: our temporary names, with what MPI-IO puts behind them.
@@ -32,7 +32,7 @@ def prepare(folder: Path) -> None:
 
 def write_case(folder: Path, case: str, run: str) -> None:
     """Write case.json: the case (JSON text) and the identity of the run."""
-    write_text(folder / "case.json", json.dumps({"run": run, **json.loads(case)}, indent=2) + "\n")
+    write_json(folder / "case.json", {"run": run, **json.loads(case)})
 
 
 def identity(folder: Path) -> str | None:
@@ -40,6 +40,26 @@ def identity(folder: Path) -> str | None:
     if not (folder / "case.json").exists():
         return None
     return str(read_json(folder / "case.json").get("run", ""))
+
+
+def digests(folder: Path, names: Iterable[str]) -> dict[str, str]:
+    """Return {name: digest} of files of a run, for its summary; what is not there is left out."""
+    return {name: digest(folder / name) for name in names if (folder / name).is_file()}
+
+
+def summary(folder: Path) -> dict | None:
+    """Return the content of summary.json, None where there is none or it is damaged: a restart writes another one."""
+    try:
+        return read_json(folder / "summary.json")
+    except StoreError:
+        return None
+
+
+def check_unchanged(path: Path, summary: dict | None, name: str) -> None:
+    """Raise StoreError if a file is not as it was when the summary of its run was written. Without a summary nothing is known."""
+    due = (summary or {}).get("files", {}).get(name)
+    if due is not None and path.is_file() and digest(path) != due:
+        raise StoreError(f"{path} is damaged: it is not as it was when the run ended. Move it away, or mend it")
 
 
 def move_aside(folder: Path, moved: Iterable[Path], copied: Iterable[Path] = ()) -> Path | None:

@@ -9,6 +9,8 @@ from parisph.base.errors import CaseError, StoreError
 from parisph.case import stored
 from parisph.io import series, snapshot
 from parisph.io.files import read_json
+from parisph.io.folder import check_unchanged
+from parisph.io.folder import summary as summary_of
 from parisph.io.layout import INDEX
 
 
@@ -45,6 +47,7 @@ class Run:
         content = read_json(self.folder / "summary.json")
         if content.pop("run", self.identity) != self.identity:
             raise StoreError(f"{self.folder / 'summary.json'} is of another run")
+        content.pop("files", None)    # digests, for reading the time series
         return content
 
     def __len__(self):
@@ -72,16 +75,20 @@ class Run:
 
     def probe(self, name):
         """Return a probe's series as a structured array with columns time [s], step and the probe's own."""
-        return series.table(*series.read_own(self._probe_path(name), self.identity))
+        return self._series(self._probe_path(name))
 
     def units(self, name):
         """Return the unit of each column of a probe as a dict."""
-        return series.units(self._probe_path(name))
+        path = self._probe_path(name)
+        try:
+            return series.units(path)
+        except (OSError, UnicodeDecodeError) as error:
+            raise StoreError(f"cannot read {path}: {getattr(error, 'strerror', None) or 'it is not text'}") from None
 
     @property
     def steps(self):
         """One line a step as a structured array: time, step, dt, iterations, ... (see steps.csv)."""
-        return series.table(*series.read_own(self.folder / "steps.csv", self.identity, each_step=True))
+        return self._series(self.folder / "steps.csv", each_step=True)
 
     @property
     def about(self):
@@ -90,6 +97,11 @@ class Run:
             return {}
         found = snapshot.read_attributes(self.folder / self._files[0])
         return {name: value for name, value in found.items() if name not in ("case", "time", "step", "dim")}
+
+    def _series(self, path, each_step=False):
+        found = series.table(*series.read_own(path, self.identity, each_step))
+        check_unchanged(path, summary_of(self.folder), str(path.relative_to(self.folder)))    # last, as it says less
+        return found
 
     def _probe_path(self, name):
         if name not in self.probe_names:

@@ -7,7 +7,6 @@ At the root of the file stand the attributes that say how the run was made: case
 versions and so on; behind the HDF5 part stands its digest (parisph.io.digest).
 """
 
-import json
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -18,7 +17,7 @@ from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
 from parisph.base.log import logger
 from parisph.io import digest, rows
-from parisph.io.files import read_json, write_text
+from parisph.io.files import read_json, write_json
 from parisph.io.rows import Slab
 
 # Names in the file, for people, where they differ from those of the registry.
@@ -104,7 +103,7 @@ def _opened(path):
 def write_index(path, files, times, run=""):
     """Write the list of snapshots of a run that ParaView opens as one series. One rank. Raises OSError."""
     entries = [{"name": name, "time": time} for name, time in zip(files, times)]
-    write_text(path, json.dumps({"file-series-version": "1.0", "run": run, "files": entries}, indent=1) + "\n")
+    write_json(path, {"file-series-version": "1.0", "run": run, "files": entries})
 
 
 def listed(path: Path, run: str = "") -> dict[str, float] | None:

@@ -124,9 +124,11 @@ class Store:
         return checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case, state, self.about)
 
     def summary(self, content):
-        """Write summary.json from rank 0's dict (numpy numbers become plain, NaN null)."""
-        content = {"run": self.run, **content}
-        on_first(self.comm, f"write {self.folder}/summary.json", lambda: write_json(self.folder / "summary.json", content))
+        """Write summary.json from rank 0's dict (numpy numbers become plain, NaN null), with the digests of the time series."""
+        def write():
+            files = folders.digests(self.folder, [f"{name}.csv" for name in self._series])
+            write_json(self.folder / "summary.json", {"run": self.run, **content, "files": files})
+        on_first(self.comm, f"write {self.folder}/summary.json", write)
 
     def close(self):
         """Close the time series."""
@@ -158,6 +160,9 @@ class Store:
         self.run, self._here = run, True
         cut = [path for path in (self.folder / f"{name}.csv" for name in series)
                if path.exists() and _last_step(path, run) > step]
+        summary = folders.summary(self.folder)
+        for name in series:
+            folders.check_unchanged(self.folder / f"{name}.csv", summary, f"{name}.csv")
         folders.prepare(self.folder)
         late = self._take_stock(time)
         late += [path for path in checkpoint.paths(self.folder / "checkpoints") if int(path.stem) > step]

@@ -157,7 +157,32 @@ def test_what_is_damaged_or_of_another_run_is_named(folder, name, content, says)
         run.summary, run.steps, run.probe("P2")
 
 
+def unsealed(text):
+    """Return the JSON text of an object without its digest, as after an edit by hand."""
+    return json.dumps({name: value for name, value in json.loads(text).items() if name != "digest"})
+
+
+@pytest.mark.parametrize("name", ["steps.csv", "probes/P2.csv"])
+def test_a_series_that_was_changed_after_the_end_is_refused(folder, name):
+    path = folder / name
+    path.write_text(path.read_text().replace("1.0,2,", "1.1,2,"))
+    with pytest.raises(StoreError, match="is not as it was when the run ended"):
+        open_run(folder).steps, open_run(folder).probe("P2")
+    (folder / "summary.json").unlink()    # without it nothing is known
+    assert len(open_run(folder).steps) == len(open_run(folder).probe("P2")) == 4
+
+
+def test_a_summary_that_was_changed_is_refused(folder):
+    path = folder / "summary.json"
+    path.write_text(path.read_text().replace('"steps": 4', '"steps": 5'))
+    with pytest.raises(StoreError, match="summary.json is damaged: it does not match its digest"):
+        open_run(folder).summary
+
+
 def test_a_case_that_this_release_would_not_run_is_still_read(folder):
-    text = (folder / "case.json").read_text()
-    (folder / "case.json").write_text(text.replace('"spacing": 0.05', '"spacing": 0.0501'))
+    text = (folder / "case.json").read_text().replace('"spacing": 0.05', '"spacing": 0.0501')
+    (folder / "case.json").write_text(text)
+    with pytest.raises(StoreError, match="case.json is damaged: it does not match its digest"):
+        open_run(folder)
+    (folder / "case.json").write_text(unsealed(text))
     assert open_run(folder).case["numerics"]["spacing"] == 0.0501
