@@ -24,7 +24,7 @@ from parisph.driver.summary import Account
 from parisph.driver.watch import Watch
 from parisph.io import checkpoint, probes
 from parisph.io.files import create, on_first, read_json, together, write_json
-from parisph.io.folder import move_run_aside
+from parisph.io.folder import identity, move_run_aside
 from parisph.io.layout import run_of
 from parisph.io.lock import Lock
 from parisph.io.store import Store, provenance
@@ -83,15 +83,15 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
     with _left_only_if_used(made), _locked(comm, target, force) as lock:
         found = _find(Path(path), folder, comm)
         saved = checkpoint.read(comm, found) if found else None
-        case, identity = together(comm, f"read the case of {folder}", lambda: _case_of(saved, found, folder, until))
+        case, name = together(comm, f"read the case of {folder}", lambda: _case_of(saved, found, folder, until))
         done = saved is not None and finished(case, saved.time)
         on_first(comm, f"go on with the run in {target}", lambda: _check_useful(saved, case, found, folder, elsewhere, done, until))
         with Signals() as signals, _built(case, comm, petsc_options, saved) as simulation:
             samplers = probes.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
-            names = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
+            series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
             store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),
-                                 case.output.fields, lock, identity, names)
+                                 case.output.fields, lock, name, series)
             account = Account.resumed(saved.state) if saved else Account.new()
             run = _Run(simulation, samplers, store, account, progress)
             if done:
@@ -330,6 +330,7 @@ def _check_run(folder, path):
             checkpoint.read(MPI.COMM_SELF, path)    # says what is wrong with it
             raise StoreError(f"{path} is not in the folder of a run: say with -o DIR where to go on")
         raise StoreError(f"{path} holds no run to go on with: it has neither case.json nor a checkpoint")
+    identity(folder)    # says what is wrong with case.json
     _check_writable(folder)
 
 
