@@ -81,27 +81,43 @@ def _alone(verb):
 
 
 def _everywhere(action):
-    """Return action(), done on each rank for itself before anything of MPI is loaded.
+    """Return action(), done on each rank for itself, in a process alone without anything of MPI.
 
-    An error on one rank is raised on all, which loads MPI if this process has been launched with
-    others.
+    An error on one rank is raised on all.
     """
+    if environment.launched()[1] == 1:
+        return action()
     result, error = None, None
     try:
         result = action()
     except ParisphError as problem:
         error = problem
+    _agree(error)
+    return result
+
+
+def _on_first(action):
+    """Return what action() returns on rank 0, on every rank; the others do nothing. Errors as of `_everywhere`."""
     if environment.launched()[1] == 1:
-        if error is not None:
-            raise error
-        return result
+        return action()
+    comm, result, error = _world(), None, None
+    if comm.rank == 0:
+        try:
+            result = action()
+        except ParisphError as problem:
+            error = problem
+    _agree(error)
+    return comm.bcast(result)
+
+
+def _agree(error):
+    """Raise on every rank if any has an error, there without "rank 0:", as every rank that has it says it."""
     try:
         agree(_world(), error)
     except ParisphError:
         if error is not None:
-            raise error from None    # without "rank 0:", as every rank that has it says it
+            raise error from None
         raise
-    return result
 
 
 def _world():
@@ -216,11 +232,12 @@ def _add_drawing(verb):
 # ---- the verbs
 
 def _run(args):
-    case = _everywhere(lambda: _load(args))
+    text, out = _on_first(lambda: (_load(args).model_dump_json(), _folder(args)))
     comm = _world()
-    out = comm.bcast(_everywhere(lambda: _folder(args)))
     from parisph import driver
+    from parisph.case.schema import Case
 
+    case = Case.model_validate_json(text)    # of rank 0: a case file may look at the host, the clock or its rank
     summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite, force=args.force)
     _tell(comm, summary, out)
 

@@ -18,11 +18,21 @@ def case(end_time: float = 0.5, checkpoint_every: float = 0.01):
     return scene("dam_break", {"rtol": 1e-13}, spacing=0.05, end_time=end_time).changed(
         **{"output.checkpoint_every": checkpoint_every})
 """
+# What stands around a program that changes something before it does as `parisph`.
+PROGRAM = """
+import os, signal, sys, time
+from mpi4py import MPI
+{change}
+from parisph.__main__ import main
+sys.exit(main())
+"""
 LONG = 40.0     # [s] for a run to come as far as a test wants it
 
 
 class Running:
     """`parisph run CASE.py -o run ...` on some ranks, in the folder of the case.
+
+    change : text of Python that each rank carries out before, "" for none
 
     Attributes
     ----------
@@ -30,8 +40,12 @@ class Running:
     checkpoints : pathlib.Path
     """
 
-    def __init__(self, folder, ranks, *words):
-        command = [sys.executable, "-m", "parisph", "run", "case.py", "-o", "run", *words]
+    def __init__(self, folder, ranks, *words, change=""):
+        program = ["-m", "parisph"]
+        if change:
+            (folder / "program.py").write_text(PROGRAM.format(change=change))
+            program = ["program.py"]
+        command = [sys.executable, *program, "run", "case.py", "-o", "run", *words]
         self._several = ranks > 1
         if self._several:
             command = [shutil.which("mpirun"), "-n", str(ranks), *command]
@@ -66,10 +80,10 @@ class Running:
 
 
 @contextmanager
-def running(folder, ranks, *words, case=FALLING):
+def running(folder, ranks, *words, case=FALLING, change=""):
     """A Running of a case, whose processes are gone afterwards."""
     (folder / "case.py").write_text(case)
-    run = Running(folder, ranks, *words)
+    run = Running(folder, ranks, *words, change=change)
     try:
         yield run
     finally:

@@ -61,6 +61,7 @@ class Simulation:
     def _build(self, petsc_options, start):
         """Make the parts of the scene. Collective; what is made here `destroy` frees."""
         case = self.case
+        agree(self.comm, _other_than_first(self.comm, case, petsc_options))
         if self.comm.size > 1:
             warmup.on_one_rank_first(self.comm, Simulation, case, self.numerics)
         agree(self.comm, _wrong_code())
@@ -221,6 +222,17 @@ def _wrong_code():
         return None
     return ParisphError("numba makes wrong machine code on this processor. Unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, "
                         "import parisph's kernels before others compile, or install another release of numba")
+
+
+def _other_than_first(comm, case, petsc_options):
+    """Return a CaseError if this rank has another case or other options than rank 0, else None. Collective."""
+    mine = (case.model_dump(mode="json"), list(petsc_options or ()))
+    first = comm.bcast(mine) if comm.size > 1 else mine
+    if mine == first:
+        return None
+    parts = [name for name, value in mine[0].items() if value != first[0].get(name)] or ["petsc_options"]
+    return CaseError(f"another case than on rank 0, in {', '.join(parts)}: make it on one rank and give it to all, "
+                     "as in case = comm.bcast(case)")
 
 
 def _numerics(case):

@@ -1,12 +1,15 @@
 """Bad input on the command line: one clear message, the right exit code, nothing done."""
 
+import json
+import math
 import sys
 import types
 
+import numpy as np
 import pytest
 
 from parisph import __main__ as entry
-from parisph import cli
+from parisph import cli, load, open_run
 from parisph.base import errors
 from tests.launch import mpirun, parisph
 
@@ -151,12 +154,42 @@ def test_bad_case_on_two_ranks_is_said_once(case):
     assert "Traceback" not in done.stderr
 
 
-def test_case_that_fails_on_one_rank_ends_all(case):
-    case.write_text(CASE + "\nimport os\nassert os.environ.get('OMPI_COMM_WORLD_RANK', os.environ.get('PMI_RANK')) != '1', 'no such file here'\n")
+MOODY = CASE + """
+import os, time, uuid
+with open("loaded.txt", "a") as file:
+    file.write(os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "?")))
+plain = case
+def case(spacing: float = 0.1) -> Case:
+    rank = int(os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", 0)))
+    width = 1.0 + 0.1 * rank
+    return plain(spacing, f"tank {time.time_ns()} {os.getpid()} {uuid.uuid4()}").changed(
+        **{"fluid.shape.width": width, "walls.width": width, "end_time": 0.02, "output.every": 0.02, "numerics.time_step": 0.001 * (1 + os.getpid() % 7)})
+"""
+
+
+def test_case_that_differs_from_rank_to_rank_is_loaded_on_one(case):
+    """By rank, process and clock: each rank would have particles, steps and a title of its own."""
+    case.write_text(MOODY)
+    done = mpirun(2, ["-m", "parisph", "run", "tank.py", "-q", "-o", "run"], cwd=case.parent, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert (case.parent / "loaded.txt").read_text() == "0"
+    stored = load("run/case.json")
+    summary = json.loads((case.parent / "run" / "summary.json").read_text())
+    assert stored.walls.width == 1.0 and summary["case"] == stored.title
+    assert summary["steps"] == math.ceil(0.02 / stored.numerics.time_step - 0.5)
+    again = mpirun(1, ["-m", "parisph", "run", "run/case.json", "-q", "-o", "again"], cwd=case.parent)
+    assert again.returncode == 0, again.stderr
+    first, second = (open_run(name).snapshot(-1) for name in ("run", "again"))
+    np.testing.assert_array_equal(first["id"], second["id"])
+    assert np.abs(first["x"] - second["x"]).max() < 1e-6
+
+
+@pytest.mark.parametrize("trouble", ["assert False, 'no such file here'", "raise SystemExit('no such file here')"])
+def test_case_that_fails_on_the_first_rank_ends_all(case, trouble):
+    case.write_text(CASE + f"\nimport os\nif os.environ.get('OMPI_COMM_WORLD_RANK', os.environ.get('PMI_RANK')) == '0': {trouble}\n")
     done = mpirun(2, ["-m", "parisph", "run", "tank.py"], cwd=case.parent)
-    assert done.returncode == 2
-    assert done.stderr.count("parisph: error: ") == 1
-    assert "rank 1: " in done.stderr and "no such file here" in done.stderr
+    assert done.returncode == 2 and not (case.parent / "runs").exists()
+    assert done.stderr.count("parisph: error: ") == 1 and "no such file here" in done.stderr and "Traceback" not in done.stderr
 
 
 FAULT = '''

@@ -93,9 +93,7 @@ def test_signal_to_mpirun_leaves_a_checkpoint(tmp_path):
     assert summary["status"] == "completed" and summary["steps"] > steps
 
 
-EARLY = FALLING + """
-import os, signal
-from mpi4py import MPI
+EARLY = """
 from parisph.pressure.solver import PressureSolver
 
 def stopped(work):
@@ -111,7 +109,7 @@ PressureSolver.__init__ = stopped(PressureSolver.__init__)
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_signal_during_the_set_up_leaves_a_checkpoint_of_the_start(tmp_path, ranks):
-    with running(tmp_path, ranks, *ENDLESS, case=EARLY) as run:
+    with running(tmp_path, ranks, *ENDLESS, change=EARLY) as run:
         assert run.wait() == 4
         said = run.output()
     assert "stopped at t = 0 s by SIGTERM" in said and "Traceback" not in said

@@ -3,7 +3,7 @@
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, ParisphError, Tank
+from parisph import Box, Case, CaseError, Fluid, Numerics, ParisphError, Tank
 from parisph.case import geometry
 from parisph.driver import Simulation, simulation, warmup
 from parisph.parallel.petsc import PETSc
@@ -90,4 +90,22 @@ def test_one_that_is_made_gives_back_all_too(counted):
     assert copies() > before
     made.destroy()
     made.destroy()
+    assert copies() == before
+
+
+@pytest.mark.parametrize(("values", "options", "says"), [
+    ({"end_time": lambda rank: 0.1 + rank, "walls.width": lambda rank: 1.0 + 0.25 * rank}, None, "in walls, end_time: make it"),
+    ({}, lambda rank: ["-pressure_ksp_rtol", f"1e-{6 + rank}"], "in petsc_options"),
+])
+def test_case_that_differs_from_rank_to_rank_is_refused(counted, values, options, says):
+    """A script makes its case on each rank: by host, clock or random numbers they differ, and wait for each other for ever."""
+    comm, copies = counted
+    before = copies()
+    case = SMALL.changed(**{name: value(comm.rank) for name, value in values.items()})
+    given = dict(petsc_options=options and options(comm.rank))
+    if comm.size == 1:
+        Simulation(case, comm, **given).destroy()
+    else:
+        with pytest.raises(CaseError, match=f"rank 1: another case than on rank 0, {says}"):
+            Simulation(case, comm, **given)
     assert copies() == before
