@@ -15,9 +15,9 @@ def case(
     method: str = "ISPH_R",
     preset: str = "violent",
     end_time: float = 10.0,             # t sqrt(g/H)
-    time_step: float | None = 0.004,    # dt sqrt(g/H) at spacing = 0.0125, else in proportion; none to adapt it
+    time_step: float | None = 0.004,    # dt sqrt(g/H) at spacing = 0.0125, in proportion to it; none to adapt it
     cfl: float = 0.4,
-    gradient: str | None = None,        # these, where given, replace what the preset says
+    gradient: str | None = None,        # this and the next five, if given, replace the preset's
     surface_rule: str | None = None,
     zeta_time: float | None = None,     # in sqrt(H/g)
     gamma: float | None = None,

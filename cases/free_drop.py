@@ -1,6 +1,6 @@
-"""A round drop in a straining flow: no tank, no gravity, or a central force that pulls it back.
+"""A round drop in a straining flow, without tank or gravity, with or without a central force.
 
-It stays an ellipse, whose half axes parisph.case.waves.drop_half_axes gives exactly.
+It stays an ellipse. parisph.case.waves.drop_half_axes gives the exact half axes.
 
 parisph run cases/free_drop.py --set stiffness=1 --set end_time=4
 """

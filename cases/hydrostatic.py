@@ -1,4 +1,4 @@
-"""Water at rest in an open tank: nothing must move, and the pressure is rho g (d - y).
+"""Water at rest in an open tank: nothing may move, and the pressure is rho g (d - y).
 
 parisph run cases/hydrostatic.py --set jitter=0.4
 """

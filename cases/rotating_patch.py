@@ -1,6 +1,6 @@
 """A square patch of fluid in rotation, without tank or gravity (Colagrossi 2005).
 
-Its corners are thrown out and its middle is under suction: a hard test of the free surface.
+The corners move outwards and the pressure in the middle is negative: a hard test of the free surface.
 
 parisph run cases/rotating_patch.py --set spacing=0.05
 """

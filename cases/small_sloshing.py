@@ -1,7 +1,7 @@
 """Small sloshing in a swaying tank, in the tank's frame (Zheng, Ma & Duan 2014, Sec. 3.2.1).
 
-X = a0 (1 - cos(Omega t)), a0 = 0.001 d, Omega = 0.8 omega_1. Judged by the wave part: the paper's
-error is of the depth and the wave together, in which 0.0004 is already 18 % of the wave.
+X = a0 (1 - cos(Omega t)), a0 = 0.001 d, Omega = 0.8 omega_1. The error is that of the wave part. The
+paper's error is relative to depth and wave together, where 0.0004 is already 18 % of the wave.
 
 parisph run cases/small_sloshing.py --set spacing=0.1
 """

@@ -1,6 +1,6 @@
 """Standing wave in a tank (Zheng et al. 2017, Sec. 5.3), against fully nonlinear potential flow.
 
-The start is the paper's: a flat surface with the velocities of linear theory (Eqs 37, 38).
+It starts as in the paper: a flat surface with the velocities of linear theory (Eqs 37, 38).
 
 parisph run cases/standing_wave.py --set spacing=0.05
 """

@@ -6,7 +6,7 @@ Nothing here imports MPI or numpy: it runs before both.
 import os
 from pathlib import Path
 
-# One thread a rank: ranks fill the cores, and threads on top of them only compete.
+# One thread per rank: the ranks use all cores, and more threads would compete with them.
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 # Settings of Open MPI for ranks that share one machine, where there may be more ranks than
@@ -20,7 +20,7 @@ ONE_MACHINE = {
 AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 LOOPBACK = {"OMPI_MCA_oob_tcp_if_include": "127.0.0.0/8", "OMPI_MCA_btl_tcp_if_include": "127.0.0.0/8"}
 
-# (rank, size) as the launchers of Open MPI, MPICH and its kin, PMIx and Slurm's srun name them.
+# Names of (rank, size) in the environment: Open MPI, MPICH and libraries built on it, Slurm's srun.
 _LAUNCHERS = (
     ("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
     ("PMI_RANK", "PMI_SIZE"),
@@ -36,10 +36,10 @@ _OF_A_BATCH_JOB = ("SLURM_", "PBS_", "LSB_", "LSF_", "JOB_ID", "PE_HOSTFILE")
 
 
 def prepare(environ=os.environ):
-    """Set, where the user has not, what must stand before numpy, numba, BLAS and h5py load.
+    """Set the variables that numpy, numba, BLAS and h5py read when they load.
 
-    Changes `environ` in place: one thread a rank, and Debian's h5py in its parallel build,
-    which it otherwise takes only under mpirun.
+    Changes `environ` in place: one thread per rank, and Debian's h5py in its parallel build,
+    which is otherwise used only under mpirun. Values that the user has set stay.
     """
     for name in THREADS:
         environ.setdefault(name, "1")
@@ -47,12 +47,12 @@ def prepare(environ=os.environ):
 
 
 def cache_folder(environ=os.environ) -> Path:
-    """Return the folder where parisph may keep what can be made again: XDG_CACHE_HOME/parisph, or ~/.cache/parisph."""
+    """Return the folder for files that can be made again: XDG_CACHE_HOME/parisph, or ~/.cache/parisph."""
     return Path(environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()) / "parisph"
 
 
 def launched(environ=os.environ):
-    """Return (rank, size) as the launcher of this process set them; (0, 1) without a launcher."""
+    """Return (rank, size) as set by the launcher of this process; (0, 1) without a launcher."""
     for rank, size in _LAUNCHERS:
         if rank in environ and size in environ:
             return int(environ[rank]), int(environ[size])
@@ -62,9 +62,9 @@ def launched(environ=os.environ):
 def for_launching(environ=os.environ):
     """Return a copy of `environ` in which `mpirun` can start ranks on this one machine.
 
-    Variables that an outer mpirun left are taken out, because a nested one fails on them, and
-    those of a batch job, because this machine is meant alone. Settings of the user win, except
-    that ranks talk over loopback only.
+    Removes the variables of an outer mpirun, which would make a nested one fail, and those of a
+    batch job, which would start ranks on other nodes. The user's settings are kept, except that
+    ranks always communicate over the loopback interface.
     """
     clean = {name: value for name, value in environ.items()
              if not name.startswith(_OF_A_LAUNCHER + _OF_A_BATCH_JOB)}

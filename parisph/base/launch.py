@@ -1,10 +1,10 @@
-"""Start a command, with or without ranks, and be sure that it ends."""
+"""Run a command, with or without MPI ranks, within a time limit."""
 
 import os
 import signal
 import subprocess
 
-GRACE = 5.0    # [s] for mpirun to end its ranks before it is killed itself
+GRACE = 5.0    # [s] that mpirun gets to end its ranks before it is killed
 
 
 def run(command, timeout, env, cwd=None):
@@ -18,8 +18,8 @@ def run(command, timeout, env, cwd=None):
 
     Raises
     ------
-    subprocess.TimeoutExpired, with the output so far, after the command and its children are
-    ended: a collective that one rank misses would hang for ever.
+    subprocess.TimeoutExpired, with the output so far, after the command and its children have
+    been stopped: a collective that one rank does not reach never returns.
     """
     process = subprocess.Popen(
         command, cwd=cwd, env=env, text=True, errors="replace", stdin=subprocess.DEVNULL,
@@ -36,7 +36,7 @@ def run(command, timeout, env, cwd=None):
 
 
 def _end(process):
-    """End a process and its group, gently first: mpirun passes a SIGTERM on to its ranks."""
+    """Stop a process and its group: by SIGTERM, which mpirun passes on to its ranks, then by SIGKILL."""
     os.killpg(process.pid, signal.SIGTERM)
     try:
         return process.communicate(timeout=GRACE)

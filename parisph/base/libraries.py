@@ -1,6 +1,6 @@
-"""The libraries that parisph can be installed without, and how to get them.
+"""Libraries that parisph can be installed without, and how to install them.
 
-Checking a case and looking at a run need neither MPI nor PETSc, so a laptop may lack them.
+Checking a case and looking at a run need neither MPI nor PETSc, so a laptop can do without them.
 """
 
 from importlib import import_module
@@ -22,11 +22,11 @@ _REMEDIES = {
 def require(*names: str) -> None:
     """Import libraries, given by the names of modules. Not collective.
 
-    names : ENGINE, or a library that `_REMEDIES` knows
+    names : ENGINE, or a library in `_REMEDIES`
 
     Raises
     ------
-    MissingLibrary : says in one line which ones cannot be imported, and how to get them
+    MissingLibrary : says in one line which ones cannot be imported, and how to install them
     """
     absent, broken = [], []
     for name in names:

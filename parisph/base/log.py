@@ -1,4 +1,4 @@
-"""What a run says while it runs, and how long each phase takes."""
+"""Log messages of a run, and timers for its phases."""
 
 import logging
 import os
@@ -12,11 +12,11 @@ logger = logging.getLogger("parisph")
 
 
 def start(comm, path=None, level=logging.INFO, stream=None):
-    """Let rank 0 speak, on the screen and into a file; other ranks are silent. Not collective.
+    """Start logging on rank 0, to the screen and to a file; other ranks log nothing. Not collective.
 
     Parameters
     ----------
-    comm : communicator whose rank 0 speaks
+    comm : communicator; its rank 0 logs
     path : path of a log file to append to, or None
     level : lowest level that is shown (the file takes everything)
     stream : open text file for the screen, standard error by default
@@ -56,7 +56,7 @@ class _LogFile(logging.StreamHandler):
 
 
 def stop():
-    """Close what `start` opened, and leave the logger as Python makes it."""
+    """Close the handlers of `start` and restore the logger's defaults."""
     for handler in list(logger.handlers):
         logger.removeHandler(handler)
         handler.close()
@@ -73,7 +73,7 @@ def _add(handler, level, form):
 class Timers:
     """Wall time of named phases: `with timers("solve"): ...`.
 
-    Phases may be nested; each counts all the time inside it, and one inside itself counts once.
+    Phases may be nested: each counts all the time inside it. A phase inside itself counts once.
 
     Attributes
     ----------

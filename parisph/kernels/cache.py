@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept."""
+"""The folder for compiled kernels."""
 
 import hashlib
 import os
@@ -10,12 +10,12 @@ from parisph.base.environment import cache_folder
 
 
 def folder():
-    """Return the folder for compiled kernels, named by the sources of all of them. Not collective.
+    """Return the folder for compiled kernels. Its name contains a digest of their sources. Not collective.
 
-    numba renews a cached kernel when its own file changes, but not when a kernel of another file
-    does that it has taken in. With the sources in the name nothing stale is ever found. The
+    numba recompiles a cached kernel when its own file changes, but not when a kernel that it has
+    inlined changes in another file. The digest makes sure that stale code is never loaded. The
     folder is in NUMBA_CACHE_DIR if that is set, else beside the sources, else in the user's cache
-    folder, else, on a node without homes, in a private one for temporary files.
+    folder, else (on a node without home folders) in a private temporary folder.
     """
     here = Path(__file__).resolve().parent
     sources = [*sorted(here.glob("*.py")), here.parent / "base" / "fields.py"]
@@ -37,10 +37,10 @@ def _can_be_made(path):
 
 
 def private_folder(base=None):
-    """Return a folder that only this user can write, the same in every process unless someone meddles.
+    """Return a folder that only this user can write, the same one in every process if possible.
 
-    base : folder to make it in, by default the system's for temporary files. What numba finds in
-    its cache it runs, so a folder that others could write is never taken.
+    base : folder to make it in, by default the system's folder for temporary files. numba runs the
+    code that it finds in its cache, so a folder that others can write is never used.
     """
     path = Path(base or tempfile.gettempdir()) / f"parisph-kernels-{os.getuid()}"
     path.mkdir(mode=0o700, exist_ok=True)

@@ -13,7 +13,7 @@ def neighbour_lists(x, n_owned, radius):
     x : (n, dim) positions [m], dim 2 or 3; the owned points come first
     n_owned : int
     radius : float
-        Points at a distance below this one are neighbours [m].
+        Points closer than this are neighbours [m].
 
     Returns
     -------
@@ -22,7 +22,7 @@ def neighbour_lists(x, n_owned, radius):
 
     Raises
     ------
-    ValueError : radius is not positive, or a position or the distance of two is not finite.
+    ValueError : the radius is not positive, or a position or a distance is not finite.
     """
     x = np.ascontiguousarray(x)
     if not radius > 0.0:
@@ -34,7 +34,7 @@ def neighbour_lists(x, n_owned, radius):
     with np.errstate(over="ignore", invalid="ignore"):
         extent = upper - lower
     if not np.isfinite(extent).all():
-        raise ValueError("a position, or the distance of two, is not finite")
+        raise ValueError("a position, or the distance of two points, is not finite")
     counts, size = _grid(extent, radius, len(x))
     axes = axes_of(x.shape[1])
     start, member = _sort(x, lower, size, counts, axes)
@@ -42,13 +42,13 @@ def neighbour_lists(x, n_owned, radius):
 
 
 def _grid(extent, radius, n):
-    """Choose the cells: at least the radius wide, and not many more than points."""
+    """Choose the cells: at least as wide as the radius, and not many more than there are points."""
     size = radius
     while True:
         counts = np.floor(extent / size) + 1.0
         if np.prod(counts) <= 4.0 * n + 1024.0:
             return counts.astype(np.int64), size
-        size *= 1.5  # one droplet far away must not blow up the grid
+        size *= 1.5  # keeps the grid small if one droplet is far away
 
 
 @kernel
@@ -88,7 +88,7 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
         blocks *= 3
     last = counts[dim - 1]
     r2 = radius * radius
-    place = x[member]  # in the order of cells, so that a run of members is a run in memory
+    place = x[member]  # sorted by cell, so that consecutive members are consecutive in memory
     indptr = np.zeros(n_owned + 1, np.int32)
     indices = np.empty(24 * n_owned + 256, np.int32)
     n = 0
@@ -104,7 +104,7 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
                 row = row * counts[a] + k
             if not inside:
                 continue
-            # cells along the last axis are contiguous: one run of members
+            # cells along the last axis are contiguous, so their members are too
             first, stop = start[row * last + lo], start[row * last + hi + 1]
             if n + stop - first > len(indices):
                 larger = np.empty(2 * len(indices) + stop - first, np.int32)

@@ -1,4 +1,4 @@
-"""What keeps particles apart and out of walls, and the velocity filter."""
+"""Pair collisions, wall guard and velocity filter."""
 
 import numpy as np
 
@@ -11,14 +11,14 @@ from parisph.kernels.near import dot, fill_up, gather, room_for, sum_moments, we
 
 @kernel
 def pair_collisions(change, u, x, kind, volume, distance, restitution, indptr, indices, axes):
-    """Velocity change by collisions of fluid pairs nearer than the distance and approaching.
+    """Velocity change by collisions of fluid pairs that are closer than the distance and approach.
 
-    Every particle sums the impulses of its pairs from the velocities before: the result does
-    not depend on the order of the pairs, nor on which rank owns which, and momentum is kept:
-    masses are as the volumes.
+    Each particle sums the impulses of its pairs, computed from the velocities before the collisions:
+    the result depends neither on the order of the pairs nor on the rank that owns a particle.
+    Momentum is conserved, with masses in proportion to the volumes.
 
     change : (n_owned, dim) output [m/s]; volume : (n_all,) [m^dim], > 0 for fluid. Returns the
-    number of colliding pairs (each counted once a particle).
+    number of colliding pairs (each counted once per particle).
     """
     dim = len(axes)
     d2 = distance * distance
@@ -46,12 +46,12 @@ def pair_collisions(change, u, x, kind, volume, distance, restitution, indptr, i
 
 @kernel
 def wall_guard(u, x, kind, corner, normal, distance, dt, indptr, indices, axes):
-    """Stop fluid from coming nearer to a wall than the distance within the next dt [s].
+    """Keep fluid from coming closer to a wall than the distance within the next dt [s].
 
-    The velocity into the wall is cut to what the room in front of it allows, to nothing where
-    there is none: a particle beyond the wall sees its neighbours on the wrong side, and the
-    pressure that this gives is without bound. u of the wall particles is the wall's normal
-    velocity. Returns the number of particles slowed down.
+    The velocity into the wall is limited to the room in front of the wall, and to zero if there is
+    none. A particle behind the wall would see its neighbours on the wrong side, which gives an
+    unbounded pressure. u of the wall particles is the wall's normal velocity. Returns the number of
+    particles that were slowed down.
     """
     dim = len(axes)
     member = np.empty(dim, np.int64)
@@ -76,7 +76,7 @@ def wall_guard(u, x, kind, corner, normal, distance, dt, indptr, indices, axes):
 
 @kernel
 def keep_off_walls(move, x, kind, corner, normal, distance, indptr, indices, axes):
-    """Cut the part of a displacement that would bring fluid nearer to a wall than the distance.
+    """Remove the part of a displacement that would bring fluid closer to a wall than the distance.
 
     move : (n_owned, dim) [m], changed in place
     """
@@ -98,11 +98,11 @@ def keep_off_walls(move, x, kind, corner, normal, distance, indptr, indices, axe
 
 @kernel
 def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices, axes):
-    """Velocity change -strength (u - linear MLS of u) at fluid particles, the particle included.
+    """Velocity change -strength (u - linear MLS of u) at fluid particles; the fit includes the particle.
 
-    A harmonic velocity has no Laplacian, so the wave itself passes almost untouched. Where the
-    neighbours do not span a plane (jets, drops) nothing is changed: an extrapolation from two
-    of them has no bound.
+    A harmonic velocity has no Laplacian, so a wave is almost unchanged. Where the neighbours do not
+    span a plane (jets, drops) the change is zero, because an extrapolation from two neighbours is
+    unbounded.
     """
     dim, room = len(axes), room_for(indptr)
     near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((dim, room))
@@ -121,8 +121,8 @@ def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices,
         sum_moments(moments, 0, weighted, near, m, axes)
         if linear_fit(fit, moments, here, 1, axes) == 0:
             continue
-        # the share of the particle itself in its own mean is 1 where the fit runs through it, .6 to
-        # .8 beside a contact line: there the filter is needed, or surface particles creep
+        # The weight of the particle in its own mean is 1 if the fit passes through it, and .6 to .8
+        # beside a contact line, where surface particles would creep without the filter.
         if not 0.0 < fit[0, 0] < 0.95:
             continue
         for a in range(dim):

@@ -1,4 +1,4 @@
-"""The pressure-gradient forms."""
+"""The forms of the pressure gradient."""
 
 import math
 
@@ -20,9 +20,9 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
     power 2: SFDI (Zheng et al. 2017, Eqs. 29-32); power 0: the mixed symmetric form
     (Eq. 28, with the printed volumes cancelled). Exact for linear f on any set.
 
-    out : (n_owned, dim) [unit of f per m]; zero where the particle flies free, because it
-        has fewer than dim + 1 neighbours or det/(trace/dim)^dim of its moment < floor
-    role : those rows become BALLISTIC; rows of walls are left at zero
+    out : (n_owned, dim) [unit of f per m]; zero for walls, and for particles with fewer than
+        dim + 1 neighbours or det/(trace/dim)^dim of the moment < floor
+    role : such particles become BALLISTIC
     f, x, role : owned and ghost
     """
     dim, room = len(axes), room_for(indptr)
@@ -57,7 +57,7 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
 def harmonic_gradient(out, f, x, role, radius, indptr, indices, axes):
     """Replace the gradient at surface particles by that of the harmonic fit.
 
-    Rows whose neighbours do not span the harmonic basis keep what out holds.
+    Rows whose neighbours do not span the harmonic basis keep their value in `out`.
     """
     dim = len(axes)
     c, work, b = harmonic.scratch(indptr, axes)
@@ -99,9 +99,9 @@ def symmetric_gradient(out, p, x, role, h, volume, indptr, indices, axes):
 def wall_velocity(u, x, kind, corner, normal, role, wall_u, radius, indptr, indices, axes):
     """Velocity of wall particles: normal part from the wall, tangential part from the fluid.
 
-    The tangential part is the value at the wall of a linear fit through the fluid within
-    the radius, its slope damped by radius^2/10 on top of the variance of the distances: a bare
-    linear fit through one or two layers of particles multiplies their disorder. Corners move
+    The tangential part is the value at the wall of a linear fit through the fluid within the
+    radius. The slope is damped by adding radius^2/10 to the variance of the distances, because a
+    plain linear fit through one or two layers of particles amplifies their disorder. Corners move
     with the wall.
 
     u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]
@@ -120,7 +120,7 @@ def wall_velocity(u, x, kind, corner, normal, role, wall_u, radius, indptr, indi
 
 @kernel
 def _extrapolate(u, i, x, kind, normal, wall_u, radius2, indptr, indices, axes):
-    """Fit u against the distance from the wall, and keep the tangential value at the wall."""
+    """Fit u against the distance from the wall, and set the tangential value at the wall."""
     dim = len(axes)
     s0, s1, s2 = 0.0, 0.0, 0.0
     for k in range(indptr[i], indptr[i + 1]):

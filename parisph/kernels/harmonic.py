@@ -1,8 +1,8 @@
 """First derivatives from a local fit by harmonic polynomials.
 
-Where lap f = 0 the quadratic terms of f span only the harmonic ones, so that a fit by
-(X, Y, X^2 - Y^2, XY) is of second order with far fewer neighbours than a full quadratic:
-that is what a one-sided stencil at a wall or at the surface has.
+Where lap f = 0 the quadratic terms of f are harmonic, so that a fit by (X, Y, X^2 - Y^2, XY) is of
+second order. It needs far fewer neighbours than a full quadratic fit, which suits the one-sided
+stencils at walls and at the surface.
 """
 
 import numpy as np
@@ -40,7 +40,7 @@ def fill_basis(b, i, j, x, radius, axes):
 def coefficients(out, i, x, role, radius, work, b, indptr, indices, axes):
     """Write c_j so that d f/dx_a (x_i) = sum_j c[j, a] (f_j - f_i) for harmonic f.
 
-    out : (at least the number of neighbours of i, dim), in the order of i's list [1/m]
+    out : (at least the number of neighbours of i, dim), in the order of the list of i [1/m]
     work : (basis, basis), b : (basis,) scratch.
     Returns False, with out undefined, when the neighbours do not span the basis.
     """
@@ -84,7 +84,7 @@ def _weight(i, j, x, role, radius2, axes):
 
 @kernel
 def scratch(indptr, axes):
-    """Return (coefficients, work, b) arrays that `coefficients` may use for any row."""
+    """Return scratch arrays (coefficients, work, b) for `coefficients`, large enough for any row."""
     longest = 1
     for i in range(len(indptr) - 1):
         longest = max(longest, indptr[i + 1] - indptr[i])

@@ -1,9 +1,9 @@
-"""Voronoi cells inside the fluid (2D): the measure of volume that disorder does not bias.
+"""Voronoi cells inside the fluid (2D): a measure of volume without bias on disordered particles.
 
-A kernel-sum density is wrong by several per cent on disordered particles, and the union of
-discs hides losses. The mean area of the cells inside the fluid does neither. A cell is walked
-around along its edges: at each corner the next edge is that of the neighbour whose bisector is
-met first, which visits each of the half dozen edges once and sorts nothing.
+A kernel-sum density is wrong by several per cent on disordered particles, and the union of discs
+hides losses. The mean area of the Voronoi cells has neither fault. The edges of a cell are followed
+in order: at each corner, the next edge belongs to the neighbour whose bisector is met first. This
+visits each edge once and needs no sorting.
 """
 
 import math
@@ -13,16 +13,16 @@ import numpy as np
 from parisph.base.fields import BALLISTIC, INNER, SURFACE
 from parisph.kernels.jit import kernel
 
-MOST = 256  # neighbours of one particle; a cell with more is left out
+MOST = 256  # neighbours of one particle; a cell with more is skipped
 
 
 @kernel
 def interior_cells(x, role, away, reach, indptr, indices):
     """Return (sum of the areas [m^2], number) of the Voronoi cells of owned particles inside the fluid.
 
-    Inside are the inner fluid particles farther than `away` from every surface and ballistic
-    particle. Fluid and wall particles are the sites. A cell that the neighbours within the
-    reach do not close is left out, for its area would be that of the lists.
+    Inside means: inner fluid particles farther than `away` from every surface and ballistic
+    particle. The sites are fluid and wall particles. A cell is skipped if the neighbours within the
+    reach do not close it, because its area would depend on the lists.
 
     x : (n_all, 2) [m]; role : (n_all,); away <= reach : radii of the lists or less [m]
     """
@@ -33,7 +33,7 @@ def interior_cells(x, role, away, reach, indptr, indices):
             continue
         n = _neighbours(rx, ry, limit, i, x, role, away, reach, indptr, indices)
         area, farthest2 = _walk(rx, ry, limit, along, n)
-        # what is beyond the reach can only cut off corners farther than half of it
+        # a site beyond the reach can only cut off corners farther away than half the reach
         if 4.0 * farthest2 < reach * reach:
             total += area
             count += 1
@@ -70,13 +70,13 @@ def _walk(rx, ry, limit, along, n):
     for j in range(1, n):
         if limit[j] < limit[first]:
             first = j
-    here = first  # the bisector with the nearest neighbour is an edge, with its foot on it
+    here = first  # the bisector with the nearest neighbour is always an edge
     px, py = 0.5 * rx[here], 0.5 * ry[here]
     twice, farthest2 = 0.0, 0.0
     for _ in range(n):
         ex, ey = -ry[here], rx[here]
         tiny = 1e-9 * limit[here]
-        # how far along the edge each bisector is met; two plain loops, which the compiler vectorises
+        # distance along the edge to each bisector; two plain loops, which the compiler vectorises
         for j in range(n):
             ahead = rx[j] * ex + ry[j] * ey
             along[j] = (limit[j] - rx[j] * px - ry[j] * py) / ahead if ahead > tiny else math.inf

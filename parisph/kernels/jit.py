@@ -1,4 +1,4 @@
-"""How kernels are compiled, and the compile-time axes that make them dimension-generic."""
+"""Compilation of kernels, and the compile-time axes that make one source work in 2D and 3D."""
 
 import numba
 
@@ -6,8 +6,8 @@ from parisph.kernels import cache, processor
 
 processor.leave_out_avx512()
 
-# Division by zero is guarded by the kernels themselves, so the check that Python's error
-# model adds is paid for nothing. NaN must stay NaN (it is how trouble is seen): no "nnan".
+# Kernels avoid division by zero themselves, so the checks of Python's error model are not needed.
+# NaN must stay NaN, because that is how errors are found: no "nnan".
 _OPTIONS = dict(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"})
 
 
@@ -15,9 +15,9 @@ _FOLDER = cache.folder()
 
 
 def _compiler(**options):
-    """Return a decorator like numba.njit(**options) whose cache is in the folder above."""
+    """Return a decorator like numba.njit(**options), with the cache in parisph's folder."""
     def decorate(function):
-        # numba reads the setting when it decorates; others in this process keep their own
+        # numba reads the setting when it decorates; other code in this process keeps its own
         before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, _FOLDER
         try:
             return numba.njit(**options)(function)
@@ -28,16 +28,16 @@ def _compiler(**options):
 
 kernel = _compiler(**_OPTIONS)
 
-# For what a kernel calls for every particle. A call costs more than a short vector loop, and so
-# does counting the references to the arrays that are passed ("_nrt"): without that, functions of
-# this kind may read and write arrays, but neither make nor slice them.
+# For functions that a kernel calls for every particle. A call costs more than a short vector loop,
+# and so does counting references to the arrays that are passed. Without reference counts ("_nrt")
+# these functions may read and write arrays, but neither make nor slice them.
 inlined = _compiler(forceinline=True, _nrt=False, **_OPTIONS)
 
-# The length of a tuple is part of its type: a loop over range(len(axes)) is unrolled, and
-# what stands under `if len(axes) == 3` costs nothing in 2D.
+# The length of a tuple is part of its type: a loop over range(len(axes)) is unrolled, and code
+# under `if len(axes) == 3` costs nothing in 2D.
 _AXES = {2: (0, 1), 3: (0, 1, 2)}
 
 
 def axes_of(dim):
-    """Return the compile-time axes tuple of a dimension, 2 or 3."""
+    """Return the compile-time tuple of axes for a dimension, 2 or 3."""
     return _AXES[dim]

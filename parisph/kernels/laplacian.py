@@ -34,7 +34,7 @@ def isph_rows(count, columns, values, measure, x, role, h, volume, indptr, indic
             values[first + n] = max(c, 0.0)
             total += values[first + n]
             n += 1
-        # listed neighbours may all be out of the kernel's reach, or in the particle's own place
+        # all listed neighbours may be out of the kernel's reach, or at the particle's own position
         count[i] = n if total > 0.0 else 0
         measure[i] = 1.0 / total if total > 0.0 else 0.0
         for k in range(first, first + count[i]):

@@ -18,8 +18,8 @@ def linear_fit(fit, moments, at, points, axes):
     The value at a point p of the weighted linear fit is sum_k Phi_k f_k with
     Phi_k = (w_k/W) [1 - (x_k - mean) . C^-1 (mean - p)], where W = sum w, mean = sum w x / W and
     C = sum w x x^T / W - mean mean^T. Here Phi_k = w_k (fit[0] + sum_a fit[1 + a] x_k[a]).
-    Where the neighbours do not span the plane (space), only the constant is kept (Shepard): the
-    test is that of a Cholesky factor of C, whose pivots are ratios of the leading minors.
+    Where the neighbours do not span the plane (3D: space), only the constant is kept (Shepard). The
+    test uses the pivots of a Cholesky factor of C, which are ratios of its leading minors.
 
     fit : (1 + dim, points) output
     moments : (moment_count, points): sums of w, w x_a, and w x_a x_b in the order 00, 10, 11, ...,
@@ -29,7 +29,7 @@ def linear_fit(fit, moments, at, points, axes):
     """
     dim, linear = len(axes), 0
     for q in range(points):
-        # a weight of zero everywhere leaves zeros in all moments, and so in the fit
+        # if all weights are zero, so are all moments and the fit
         inverse = 1.0 / moments[0, q] if moments[0, q] > 0.0 else 0.0
         mx, my = moments[1, q] * inverse, moments[2, q] * inverse
         cxx = moments[dim + 1, q] * inverse - mx * mx

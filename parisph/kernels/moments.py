@@ -1,8 +1,8 @@
-"""Weighted least-squares moments and the small systems that they lead to.
+"""Moments of weighted least squares, and the small linear systems made from them.
 
-SFDI (Zheng et al. 2017, Eq. 29) is first-order weighted least squares with the weight
-W/r^2; Eq. 28 is the same with W; the wall rows are its normal component. One moment
-kernel serves all three, in two and in three dimensions.
+SFDI (Zheng et al. 2017, Eq. 29) is first-order weighted least squares with the weight W/r^2. Eq. 28
+is the same with the weight W, and the wall rows are its normal component. One moment kernel
+serves all three, in 2D and 3D.
 """
 
 from parisph.kernels.jit import inlined, kernel
@@ -10,8 +10,8 @@ from parisph.kernels.near import CLOSE
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
-# A pivot below this part of the largest diagonal entry means that the neighbours do not
-# span the basis: a system this flat multiplies rounding and disorder, not information.
+# A pivot below this fraction of the largest diagonal entry means that the neighbours do not span
+# the basis: such a system only amplifies rounding errors and disorder.
 PIVOT_FLOOR = 2.0e-3
 
 
@@ -19,7 +19,7 @@ PIVOT_FLOOR = 2.0e-3
 def cholesky(a, n):
     """Factorise the leading n x n block of a (lower triangle) in place; False if degenerate.
 
-    a = L D L^T without square roots: the diagonal becomes 1/D, what is below it L D.
+    a = L D L^T without square roots: the diagonal becomes 1/D, the entries below it L D.
     """
     largest, sound = 0.0, True
     for k in range(n):
@@ -58,7 +58,7 @@ def second_moment(m, i, x, role, radius2, power, indptr, indices, axes):
     """Sum w r r^T over the neighbours of i, lengths in units of the radius.
 
     w is the quartic weight over r^power: power 2 for SFDI, 0 for Zheng et al. 2017 Eq. 28.
-    Dry wall particles take no part. Returns the number of neighbours that did.
+    Dry wall particles are skipped. Returns the number of neighbours in the sum.
     """
     dim = len(axes)
     for a in range(dim):
@@ -88,7 +88,7 @@ def pair_weight(i, j, x, radius2, power, axes):
     r2 = 0.0
     for a in range(len(axes)):
         r2 += (x[j, a] - x[i, a]) ** 2
-    if r2 >= radius2 or r2 == 0.0:  # coincident particles carry no direction
+    if r2 >= radius2 or r2 == 0.0:  # coincident particles have no direction
         return 0.0, r2
     w = quartic_weight(r2, radius2)
     if power == 2:

@@ -1,9 +1,9 @@
-"""The neighbours of one particle side by side, as vector instructions want them.
+"""The neighbours of one particle in consecutive columns, for vector instructions.
 
-near[a, k] is coordinate a of neighbour k relative to the particle. Loops over k contain no
-branch, so that the compiler handles LANES neighbours at a time; the columns are filled up to
-a multiple of LANES with points so FAR away that their weight is exactly zero, which leaves no
-remainder to a slow scalar loop.
+near[a, k] is coordinate a of neighbour k relative to the particle. Loops over k contain no branches,
+so that the compiler processes LANES neighbours at a time. The columns are padded to a multiple of
+LANES with points so FAR away that their weight is exactly zero, so that no slow scalar loop is left
+for a remainder.
 """
 
 import numpy as np
@@ -18,30 +18,30 @@ FAR = 8.0  # in units of the radius of the weight
 
 @kernel
 def room_for(indptr):
-    """Return how many columns scratch arrays need for any row, the particle itself included."""
+    """Return the number of columns that scratch arrays need for any row, including the particle itself."""
     longest = 0
     for i in range(len(indptr) - 1):
         longest = max(longest, indptr[i + 1] - indptr[i])
     return (longest + LANES) // LANES * LANES
 
 
-# Half a spacing, squared, in units of the radius. Nearer than that a pair's 1/r^2 outweighs all
-# others, and its pressure difference over its distance becomes a kick of any size.
+# Half a spacing, squared, in units of the radius. Closer than that, the weight 1/r^2 of a pair exceeds
+# all others, and its pressure difference over its distance has no bound.
 CLOSE = 0.0625
 
 
 @inlined
 def gather(near, member, first, i, x, role, radius, indptr, indices, axes):
-    """Write the neighbours of i that take part in stencils, in units of the radius.
+    """Write the neighbours of i that are used in stencils, in units of the radius.
 
     near : (dim, columns from `room_for`); member : int32, their numbers, from `first` on
-    Returns how many there are.
+    Returns the number of neighbours.
     """
     n, scale, cx, cy = 0, 1.0 / radius, x[i, 0], x[i, 1]
     cz = x[i, 2] if len(axes) == 3 else 0.0
     for k in range(indptr[i], indptr[i + 1]):
-        j = np.uint32(indices[k])  # unsigned: not looked at for being negative, that is from the end
-        member[first + n] = j  # overwritten by the next one if j takes no part
+        j = np.uint32(indices[k])  # unsigned, so that numba adds no test for a negative index
+        member[first + n] = j  # overwritten by the next one if j is not used
         near[0, n], near[1, n] = (x[j, 0] - cx) * scale, (x[j, 1] - cy) * scale
         if len(axes) == 3:
             near[2, n] = (x[j, 2] - cz) * scale
@@ -51,7 +51,7 @@ def gather(near, member, first, i, x, role, radius, indptr, indices, axes):
 
 @inlined
 def fill_up(near, n, axes):
-    """Put points without weight behind the first n; return the number of columns in use."""
+    """Pad the first n columns with points without weight; return the number of columns in use."""
     m = (n + LANES - 1) // LANES * LANES
     for k in range(n, m):
         for a in range(len(axes)):
@@ -64,8 +64,8 @@ def weigh(weighted, near, power, m, axes):
     """Write the least-squares weight of each neighbour and its products with the coordinates.
 
     weighted : (1 + dim, columns): w, then w near[a]; w is the quartic weight over r^power
-        (power 0 or 2; with 2, what coincides with the particle has no direction and no weight,
-        and 1/r^2 stops growing at a quarter of the radius)
+        (power 0 or 2; with 2, a neighbour at the particle's own position has no direction and no
+        weight, and 1/r^2 stops growing at a quarter of the radius)
     """
     for k in range(m):
         q2 = 0.0

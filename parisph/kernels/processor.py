@@ -1,16 +1,16 @@
-"""Which instructions of the processor kernels may use."""
+"""The processor instructions that kernels may use."""
 
 import llvmlite.binding as llvm
 import numba
 
 
 def leave_out_avx512():
-    """Have numba compile without AVX-512 in this process, unless NUMBA_CPU_FEATURES says otherwise.
+    """Make numba compile without AVX-512 in this process, unless NUMBA_CPU_FEATURES is set.
 
-    The compiler in numba 0.62 to 0.68 (LLVM 20 to 22) saves the masks of AVX-512 with bits of other
-    lanes in them when it runs out of mask registers, so that a store under a condition changes
-    values for which the condition does not hold. Kernels are no slower without: they gather.
-    Without effect on code that was compiled before.
+    The compiler in numba 0.62 to 0.68 (LLVM 20 to 22) stores wrong AVX-512 masks when it runs out of
+    mask registers: a conditional store then changes values for which the condition does not hold.
+    Kernels are as fast without AVX-512, because they mostly gather. Code that was compiled before
+    is not affected.
     """
     if numba.config.CPU_FEATURES is None:
         features = llvm.get_host_cpu_features()

@@ -4,10 +4,10 @@ Zheng, Ma & Duan (2014), Eqs. 21-23 and 33: with phi = ln(r/R)/2 pi the mean of 
 circle of radius R about particle I, minus p_I, equals (R^2/4) lap p + O(R^4). The mean is
 taken over K points, where p is interpolated by linear moving least squares.
 
-That interpolant does not pass through the particles: it adds its own second moment to the
-circle's, 3.1 R^2 in 2D and 4.4 R^2 in 3D at R = s/2. The row is therefore normalised by what it
-really does to a parabola, M = sum_J A_IJ |x_J - x_I|^2, in place of R^2; as printed, the
-Laplacian is too large by M/R^2 at every resolution, 4.14 in 2D and 5.41 in 3D on the lattice.
+This interpolant does not pass through the particles: it adds its own second moment to that of the
+circle, 3.1 R^2 in 2D and 4.4 R^2 in 3D at R = s/2. The row is therefore normalised by its result for
+a parabola, M = sum_J A_IJ |x_J - x_I|^2, instead of R^2. As printed, the Laplacian is too large by
+M/R^2 at every resolution: 4.14 in 2D and 5.41 in 3D on the lattice.
 """
 
 import math
@@ -22,8 +22,9 @@ from parisph.kernels.moments import cholesky, cholesky_solve
 from parisph.kernels.near import dot, dot4, fill_up, gather, room_for
 from parisph.kernels.smoothing import quartic_weight
 
-# Least weights, in the sum of a row. Jitter of 1.2 spacings makes -0.03, isotropy in a drop any.
-NEGATIVE = 0.1  # isotropy is sought as far as this
+# Limits on negative weights, relative to the sum of a row. A jitter of 1.2 spacings gives -0.03; making
+# the row of a particle in a drop isotropic can give any value.
+NEGATIVE = 0.1  # a row is made isotropic only as far as this
 UNSOUND = 0.5   # a row beyond this gave a drop at the lid fourteen times the pressure of all the water
 
 
@@ -51,8 +52,8 @@ def rankine_rows(count, columns, values, measure, flux, div, u, x, role, unit, c
 
     count : (n_owned,) int32, entries of each row but its diagonal
     columns, values : row I starts at indptr[I] (local column numbers)
-    measure : (n_owned,) M/(2 dim), or R^2/(2 dim) as printed [m^2]; 0 for a row that its
-        neighbours cannot support, which becomes a mean of them
+    measure : (n_owned,) M/(2 dim), or R^2/(2 dim) as printed [m^2]; 0 for a row with too few
+        neighbours, which becomes their mean
     flux : (nnz, dim) so that div u_I = sum_J flux_J . (u_J - u_I) [1/m]
     div : (n_owned,) div u from the flux through the circle [1/s]
     unit : (K, dim) from `directions`; circle : R [m]; radius : of the moving least squares [m]
@@ -85,7 +86,7 @@ def rankine_rows(count, columns, values, measure, flux, div, u, x, role, unit, c
 
 @inlined
 def _fill_basis(basis, m, axes):
-    """Complete the harmonic polynomials of degree 1 and 2; r^2, which is not one, comes last."""
+    """Add the polynomials of degree 2 to those of degree 1: the harmonic ones, then r^2."""
     if len(axes) == 2:
         for k in range(m):
             x, y = basis[0, k], basis[1, k]
@@ -100,10 +101,10 @@ def _fill_basis(basis, m, axes):
 
 @inlined
 def _weigh(moments, w, basis, at, m, axes):
-    """Weigh the neighbours about every point of the circle; sum the moments about the particle.
+    """Compute the weights of the neighbours about each point of the circle, and sum their moments.
 
-    Second moments come from those of the harmonic polynomials and of r^2. Sums in named scalars
-    stay in registers, those in an array would not.
+    Second moments follow from those of the harmonic polynomials and of r^2. The sums are named
+    scalars, which stay in registers; sums in an array would not.
     """
     dim = len(axes)
     for q in range(len(w)):
@@ -137,7 +138,7 @@ def _weigh(moments, w, basis, at, m, axes):
 
 @inlined
 def _sum_over_points(mean, fit, w, basis, unit, m, axes):
-    """Sum the shape functions over the circle: alone, and times each component of the normal."""
+    """Sum the shape functions over the circle: alone, and multiplied by each component of the normal."""
     dim = len(axes)
     for r in range(dim + 1):
         for k in range(m):
@@ -157,14 +158,14 @@ def _sum_over_points(mean, fit, w, basis, unit, m, axes):
 
 @inlined
 def _make_isotropic(mean, basis, w, m, matrix, right, axes):
-    """Take the harmonic second moment out of a row by the smallest weighted change.
+    """Remove the harmonic second moment from a row by the smallest weighted change.
 
     The mean over the circle of X^2 - Y^2 and of XY is zero. On disordered particles the moving
-    least squares leave a remainder, an error of order one in the Laplacian that no refinement
-    removes. Rows whose neighbours do not span the harmonic polynomials stay as they are, and a
-    change that would leave a weight below -NEGATIVE of the row's sum is made in part only: with
-    just enough neighbours the row would not depend on which of them it is for, and two particles
-    of one drop would have the same. w[0] and w[1] are overwritten.
+    least squares leave a remainder: an error of order one in the Laplacian that refinement does not
+    remove. Rows whose neighbours do not span the harmonic polynomials stay unchanged. A change that
+    would make a weight less than -NEGATIVE times the row's sum is made in part only: with the
+    minimum number of neighbours a row would be the same for each particle of a drop. w[0] and w[1]
+    are overwritten.
     """
     size = basis_size(axes)
     total = 0.0
@@ -198,8 +199,9 @@ def _finish(i, first, n, m, spanned, mean, basis, columns, values, measure, flux
             normalised, axes):
     """Scale the row to a unit diagonal, and sum the flux of u.
 
-    Where some point of the circle sees no neighbours that span the plane (space), or the row
-    hardly sees a parabola, or extrapolates from all of them to one side, there is no Laplacian to be had.
+    The row has no Laplacian if the neighbours of a point of the circle do not span the plane (3D:
+    space), if its result for a parabola is almost zero, or if it extrapolates from neighbours that
+    all lie on one side.
     """
     dim = len(axes)
     total, spread, lowest = 0.0, 0.0, 0.0
@@ -248,8 +250,7 @@ def divergence(div, u, role, count, columns, flux, indptr, axes):
 def second_invariant(out, u, role, count, columns, flux, indptr, axes):
     """tr((grad u)^2) of a velocity at inner particles, from the stored flux coefficients [1/s^2].
 
-    (dim/R) times the mean of u_b n_a over the circle is d u_b/dx_a for linear u, as it is the
-    divergence for a = b.
+    (dim/R) times the mean of u_b n_a over the circle is d u_b/dx_a for linear u.
     """
     dim = len(axes)
     g = np.empty((dim, dim))

@@ -1,11 +1,11 @@
-"""Which matrix rows lead, along their entries, to a given set of rows."""
+"""Find the matrix rows that lead, along their entries, to a given set of rows."""
 
 import numpy as np
 
 from parisph.kernels.jit import kernel
 
-# Sweeps over the rows before a breadth-first search takes over: rows in cell order, swept
-# forwards and backwards, are reached in two or three, but a chain in bad order never is.
+# Sweeps over the rows before a breadth-first search takes over. Two or three sweeps, forwards and
+# backwards, are enough for rows in cell order, but not for a long chain in a bad order.
 _SWEEPS = 4
 
 
@@ -18,7 +18,7 @@ def spread(reached, pending, indptr, indices, offset):
     reached : (n,) bool, changed in place
     pending : (m,) int32, rows that are not marked, the only ones looked at
     indptr : (n + 1,) int, indices : (nnz,) int
-        CSR rows. A column that is not in [offset, offset + n) leads nowhere.
+        CSR rows. Columns outside [offset, offset + n) are ignored.
     offset : int
         Column of the first row.
 
@@ -54,7 +54,7 @@ def _sweep(reached, pending, indptr, indices, offset):
 
 @kernel
 def _search(reached, pending, indptr, indices, offset):
-    """Breadth-first over the reversed entries of the pending rows: each is looked at once."""
+    """Breadth-first search over the reversed entries of the pending rows; visits each entry once."""
     n = reached.size
     start = np.zeros(n + 1, np.int32)
     for i in pending:

@@ -1,4 +1,4 @@
-"""What the roles mean to a stencil."""
+"""Which roles are used in stencils."""
 
 from parisph.base.fields import CONTACT, DRY
 from parisph.kernels.jit import kernel
@@ -6,10 +6,10 @@ from parisph.kernels.jit import kernel
 
 @kernel
 def outside(role):
-    """Return whether a particle with this role is in no stencil.
+    """Return whether a particle with this role is left out of all stencils.
 
-    Dry walls have no pressure. Nor has the wall node at the contact line: it stays where it is
-    while the surface beside it moves, so p = 0 there is wrong by as much as the wave itself
-    (small sloshing: error .84 of the wave with it, .04 without).
+    Dry walls have no pressure. The wall particle at the contact line is left out too: it does not
+    move with the surface, so p = 0 there is wrong by the height of the wave (small sloshing: error
+    .84 of the wave with it, .04 without).
     """
     return role == DRY or role == CONTACT

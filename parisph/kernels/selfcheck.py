@@ -1,11 +1,11 @@
-"""Does the compiler make of a kernel what it says?"""
+"""A check that the compiler translates kernels correctly."""
 
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.jit import kernel
 
-LENGTH = 203    # several rounds of the widest vector loop, and a rest
+LENGTH = 203    # several passes of the widest vector loop, and a remainder
 
 
 @kernel
@@ -16,10 +16,10 @@ def _mark(role, kind, alpha, limit):
 
 
 def stores_hold():
-    """Return whether stores under a condition leave alone what the condition leaves out. Not collective.
+    """Return whether conditional stores change only the selected values. Not collective.
 
-    Wrong machine code for these has been seen (`kernels.processor`), and a flow computed with it
-    looks plausible.
+    Wrong machine code for such stores is known (see `kernels.processor`), and a flow computed with
+    it looks plausible.
     """
     index = np.arange(LENGTH)
     kind = np.where(index * index % 7 < 3, FLUID, WALL).astype(np.int8)

@@ -1,4 +1,4 @@
-"""Regularisation of positions: Fick shift, and what the position projection corrects."""
+"""Regularisation of positions: Fick shift, and the density error for the position projection."""
 
 import math
 
@@ -13,10 +13,10 @@ from parisph.kernels.smoothing import cubic_spline_slope
 
 @kernel
 def compression(e, alpha, role, x, kind, limit, reach, indptr, indices, axes):
-    """Relative density error that the position projection is asked to remove.
+    """Relative density error that the position projection removes.
 
-    e = alpha - 1 at inner particles, clipped to +-limit, and only where positive if a surface
-    particle lies within the reach [m]: there alpha < 1 is the surface itself, not a void.
+    e = alpha - 1 at inner particles, clipped to +-limit. Negative values are set to zero if a surface
+    particle lies within the reach [m]: there alpha < 1 because of the surface, not because of a void.
     """
     reach2 = reach * reach
     for i in range(len(indptr) - 1):
@@ -60,7 +60,7 @@ def concentration_gradient(out, x, kind, corner, normal, h, full, indptr, indice
 
 @kernel
 def fick_shift(shift, gradient, role, x, kind, strength, cap, reach, indptr, indices, axes):
-    """Shift down the gradient of concentration, along the surface only where it is near.
+    """Shift down the gradient of concentration; near the surface, only along it.
 
     dr = -strength grad alpha (Lind et al. 2012), |dr| <= cap; zero on the surface; within the
     reach of a surface particle the part along the surface normal is removed, the normal being

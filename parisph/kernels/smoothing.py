@@ -8,7 +8,7 @@ from parisph.kernels.jit import inlined, kernel
 @inlined
 def cubic_spline(r, h, dim):
     """Return W(r) of the cubic spline with support 2h (Zheng et al. 2014, Eq. 5) [m^-dim]."""
-    q = min(r / h, 2.0)  # no branches: loops over neighbours become vector instructions
+    q = min(r / h, 2.0)  # no branches, so that loops over neighbours are vectorised
     near, far = 2.0 / 3.0 - q * q * (1.0 - 0.5 * q), (2.0 - q) ** 3 / 6.0
     return _cubic_scale(h, dim) * (near if q < 1.0 else far)
 
@@ -50,7 +50,7 @@ def wendland_slope(r, h, dim):
 def quartic_weight(r2, radius2):
     """Return the least-squares weight 1 - 6q^2 + 8q^3 - 3q^4 of q = r/radius, from squares.
 
-    It is C2 at q = 1; only ratios of weights matter, so it is not normalised. There is no branch:
+    It is C2 at q = 1, and not normalised, because only ratios of weights matter. It needs no branch:
     at q = 1 the polynomial is exactly zero.
     """
     q2 = min(r2 / radius2, 1.0)

@@ -8,7 +8,7 @@ from parisph.kernels.jit import kernel
 from parisph.kernels.moments import invert, pair_weight, second_moment
 from parisph.kernels.roles import outside
 
-# Below this det/(trace/dim)^dim the neighbours of a wall particle lie in a line.
+# Below this value of det/(trace/dim)^dim the neighbours of a wall particle lie on a line.
 FLAT = 4.0e-3
 
 
@@ -49,7 +49,7 @@ def sfdi_rows(count, columns, values, measure, x, role, normal, radius, indptr, 
             weights += w
             n += 1
         count[i] = n
-        # a diagonal below a twentieth of 1/radius means that hardly any neighbour lies inwards
+        # a diagonal below 1/(20 radius) means that hardly any neighbour lies inwards
         if sound and total * radius > 0.05:
             measure[i] = 1.0 / total
             for k in range(first, first + n):

@@ -10,18 +10,18 @@ from parisph.parallel.hilbert import key_of, machine
 from parisph.parallel.messages import exchange, pack, unpack
 from parisph.parallel.partition import cell_along
 
-# Rounding of a cell's border must not lose a pair that is exactly the halo's width apart.
+# A pair exactly one halo width apart must not be lost by rounding.
 ROUNDING = 1.0 + 1e-9
 
 
 class Halo:
-    """The ghosts of one plan, and how to bring them up to date. Making it is collective.
+    """The ghosts of one plan, and their updates. The constructor is collective.
 
     A rank gets every particle of another rank that lies within `width` of any cell it owns,
-    whether there is a particle in that cell or not. The owner finds that out alone: it looks
-    at the cells around those of its own particles. One message brings each rank its ghosts,
-    with all fields that are `exchanged`, and their numbers, from which the plan for further
-    exchanges is made (PETSc's star forest: roots are the particles that someone has a ghost of).
+    whether there is a particle in that cell or not. The owner finds these particles without
+    communication, from the cells around those of its own particles. One message brings each rank
+    its ghosts, with all fields that are `exchanged`, and their numbers. The plan for further
+    exchanges is made from these (a PETSc star forest: its roots are particles with ghosts elsewhere).
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class Halo:
 
     Attributes
     ----------
-    rows : (n_ghost,) int64, global rows of the ghosts, which come in the order of their owners
+    rows : (n_ghost,) int64, global rows of the ghosts, which are sorted by owner
     """
 
     def __init__(self, particles, partition, cells, width):
@@ -63,7 +63,7 @@ class Halo:
     def update(self, *names):
         """Send the named fields of the owners to the ghosts, all in one message. Collective.
 
-        Raises ParisphError, on all ranks if all ask for the same fields: no such field.
+        Raises ParisphError if there is no such field (on all ranks if all ask for the same fields).
         """
         p = self.particles
         widths = [_width(name, p.dim) for name in names]
@@ -88,7 +88,7 @@ class Halo:
         return self._units[columns]
 
     def destroy(self):
-        """Free the plan; the ghosts stay as they are. Collective."""
+        """Free the plan; the ghosts keep their values. Collective."""
         self._forest.destroy()
         for unit in self._units.values():
             unit.Free()
@@ -103,7 +103,7 @@ def _width(name, dim):
 
 
 def _as_doubles(values):
-    # Eight bytes go as they are: a particle's number may need all of them.
+    # Values of eight bytes are sent bit by bit: an id may need all 64 bits.
     return values.view(np.float64) if values.dtype.itemsize == 8 else values.astype(np.float64)
 
 
@@ -112,7 +112,7 @@ def _from_doubles(values, dtype):
 
 
 def _star_forest(comm, n_roots, owner, root):
-    """Return the plan by which leaf k copies root[k] of rank owner[k]. Collective."""
+    """Return the star forest in which leaf k copies root[k] of rank owner[k]. Collective."""
     from parisph.parallel.petsc import PETSc  # here, because the import starts PETSc
 
     forest = PETSc.SF().create(comm=comm)
@@ -123,7 +123,7 @@ def _star_forest(comm, n_roots, owner, root):
 
 
 def senders(x, cells, partition, width, rank):
-    """Find who needs a ghost of whom.
+    """Find which ranks need ghosts of which particles. Not collective.
 
     Parameters
     ----------
@@ -150,8 +150,8 @@ def _senders(x, cells, splitters, width, rank, origin, size, bits, place, follow
     n, dim = x.shape
     pairs = np.empty((n // 8 + 64, 2), np.int64)
     found = 0
-    offsets = np.empty((3**dim, dim), np.int64)  # of the surrounding cells with foreign owners,
-    owners = np.empty(3**dim, np.int64)          # and these owners
+    offsets = np.empty((3**dim, dim), np.int64)  # of the surrounding cells that other ranks own
+    owners = np.empty(3**dim, np.int64)          # of these cells
     cell = np.empty(dim, np.int64)
     end = 0
     while end < n:
@@ -201,7 +201,7 @@ def _foreign_around(offsets, owners, cell, splitters, rank, bits, place, followi
 
 @kernel
 def _is_near(point, cell, offset, width, origin, size):
-    """Whether a point is within `width` of the cell at `offset` from its own cell."""
+    """Return whether a point is within `width` of the cell at `offset` from its own cell."""
     d2 = 0.0
     for a in range(len(point)):
         if offset[a] < 0:
@@ -213,7 +213,7 @@ def _is_near(point, cell, offset, width, origin, size):
 
 @kernel
 def _told(pairs, found, i, owner):
-    """Whether the pair of this owner and this particle is among the last ones already."""
+    """Return whether the pair of this owner and this particle has just been listed."""
     k = found - 1
     while k >= 0 and pairs[k, 1] == i:
         if pairs[k, 0] == owner:

@@ -1,11 +1,11 @@
 """Hilbert's space-filling curve in any dimension: neighbours on the curve are neighbours in space.
 
-The curve through a grid of 2^bits cells a side is drawn from the coarsest level to the finest
-one. At each level it runs through the 2^dim corners of a cube in the order of a Gray code, in
-one of few orientations. So the key is built by a small machine: state = orientation, input =
-the corner a cell lies in, output = that corner's place on the curve and the next state
-(C. Hamilton, Compact Hilbert Indices, Dalhousie University CS-2006-07, Sec. 2). The leading
-digits of a key are the key of the coarser cell around it.
+The curve through a grid of 2^bits cells per side is built from the coarsest level to the finest.
+At each level it visits the 2^dim corners of a cube in the order of a Gray code, in one of a few
+orientations. The key is therefore computed by a small state machine: the state is the orientation,
+the input is the corner that a cell lies in, the output is that corner's place on the curve and the
+next state (C. Hamilton, Compact Hilbert Indices, Dalhousie University CS-2006-07, Sec. 2). The
+leading digits of a key are the key of the coarser cell that contains the cell.
 """
 
 from functools import lru_cache
@@ -14,7 +14,7 @@ import numpy as np
 
 from parisph.kernels.jit import kernel
 
-KEY_BITS = 62  # of a key; int64 holds it with room for one past the last
+KEY_BITS = 62  # bits in a key; int64 also holds the key one past the last
 
 
 def keys_of_cells(cells, bits):

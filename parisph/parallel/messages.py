@@ -1,4 +1,4 @@
-"""Particles as records of bytes, and their exchange between any ranks."""
+"""Particles packed into records, and their exchange between any ranks."""
 
 import numpy as np
 from mpi4py import MPI
@@ -29,23 +29,23 @@ def unpack(particles, names, records, start):
 
 
 def exchange(comm, records, counts):
-    """Send records to other ranks, one message to each that gets any. Collective.
+    """Send records to other ranks, in one message per receiver. Collective.
 
     Parameters
     ----------
     records : (n,) of any record type, the same on all ranks; sorted by destination
-    counts : (ranks,) how many of them each rank gets, in this order
+    counts : (ranks,) how many of them each rank gets
 
     Returns
     -------
-    received : records in the order of the ranks they come from
-    senders : (ranks,) how many came from each
+    received : records, sorted by the rank they come from
+    senders : (ranks,) how many came from each rank
     """
     counts = np.ascontiguousarray(counts, dtype=np.int64)
     senders = np.empty_like(counts)
     comm.Alltoall(counts, senders)
     received = np.empty(senders.sum(), records.dtype)
-    # Counted in records, a message of more than 2 GB needs no care.
+    # Counting in records lets a message be larger than 2 GB.
     kind = MPI.BYTE.Create_contiguous(records.dtype.itemsize).Commit()
     requests = [comm.Irecv(message, rank, _TAG) for rank, message in _messages(received, senders, kind)]
     requests += [comm.Isend(message, rank, _TAG) for rank, message in _messages(records, counts, kind)]
@@ -55,7 +55,7 @@ def exchange(comm, records, counts):
 
 
 def _messages(records, counts, kind):
-    """Give each rank that has any its run of the records, as mpi4py wants a message."""
+    """Yield (rank, message) for each rank with records, in the form that mpi4py takes."""
     ends = np.cumsum(counts)
     for rank in np.flatnonzero(counts):
         part = records[ends[rank] - counts[rank]:ends[rank]]

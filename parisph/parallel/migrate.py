@@ -1,4 +1,4 @@
-"""Particles move to the ranks that own them."""
+"""Move particles to the ranks that own them."""
 
 import numpy as np
 
@@ -11,14 +11,14 @@ def migrate(particles, owners):
 
     Parameters
     ----------
-    particles : Particles; loses its ghosts; those that stay keep their order and come first
-    owners : (n_owned,) rank of each
+    particles : Particles; ghosts are dropped; particles that stay keep their order and come first
+    owners : (n_owned,) the rank that each belongs to
 
-    Fields that do not migrate are zero on the particles that have moved.
+    Fields that do not migrate are set to zero on the particles that have moved.
 
     Returns
     -------
-    int, how many have arrived: they come last
+    int, the number of particles that arrived; they come last
     """
     comm = particles.comm
     names = [name for name, field in FIELDS.items() if field.migrates]

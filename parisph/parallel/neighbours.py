@@ -1,4 +1,4 @@
-"""Which particles are where, and who is near whom: the particles' domain, spread over ranks."""
+"""The domain: which rank owns which particles, their ghosts, and their neighbours."""
 
 import numpy as np
 from mpi4py import MPI
@@ -11,28 +11,28 @@ from parisph.parallel.migrate import migrate
 from parisph.parallel.partition import UNIT, Grid, Partition, imbalance, particle_weights, split
 from parisph.parallel.survey import survey
 
-STRAY = 0.25  # of the grid's side: particles farther outside ask for another grid
+STRAY = 0.25  # of the grid's side: a particle farther outside makes a new grid necessary
 
 
 class Domain:
-    """Keeps particles on the rank and in the order they belong, with ghosts and neighbour lists.
+    """Keeps each particle on the rank that owns it, sorted, with ghosts and neighbour lists.
 
     Parameters
     ----------
     particles : Particles
     lower, upper : (dim,) corners of the box that the scene fills [m]
     radius : float
-        Neighbours at a distance below it are in the lists [m].
+        Neighbours closer than this are in the lists [m].
     skin : float
-        How far a particle may move until particles are redistributed [m].
+        How far a particle may move before particles are redistributed [m].
     list_skin : float
-        How far a particle may move until the lists are rebuilt [m].
+        How far a particle may move before the lists are rebuilt [m].
     closed : bool
         Whether the box is a closed tank: a particle farther outside than `radius` is lost.
     tolerated : float
-        Imbalance (max/mean of the ranks' loads) above which work is spread anew.
+        Imbalance (max/mean of the ranks' loads) above which the work is divided again.
     balance_every : int
-        The imbalance is looked at in each so many calls of `redistribute`.
+        The imbalance is checked once in this many calls of `redistribute`.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Domain:
 
     Raises
     ------
-    CaseError : lengths that make no sense. Nothing is communicated here.
+    CaseError : a length is out of range. The constructor does not communicate.
     """
 
     def __init__(self, particles, lower, upper, radius, skin, list_skin=0.0, closed=False,
@@ -54,8 +54,7 @@ class Domain:
         self.radius, self.skin, self.list_skin, self.closed = radius, skin, list_skin, closed
         self.tolerated, self.balance_every = tolerated, balance_every
         self._validate()
-        # Two particles may approach by the skin each before the next plan, and pairs are listed
-        # as far as the lists reach.
+        # Before the next plan two particles may each move by the skin towards the other.
         self.width = radius + 2.0 * skin + 2.0 * list_skin
         self.indptr, self.indices = np.zeros(1, np.int32), np.zeros(0, np.int32)
         self.global_rows = np.zeros(0, np.int32)
@@ -73,21 +72,20 @@ class Domain:
     # -- what a step calls -----------------------------------------------------------------
 
     def redistribute(self, force=False):
-        """Put particles where they belong if they have moved by more than the skin. Collective.
+        """Move particles to their owners if any has moved by more than the skin. Collective.
 
-        Also if forced, or if measured work has become uneven: then cells change owners. Owned
-        particles are sorted along the Hilbert curve, ghosts made, and all `exchanged` fields of
-        the ghosts filled.
+        Also if forced, or if the measured work is uneven: cells then change owners. Sorts the owned
+        particles along the Hilbert curve, makes the ghosts, and fills all their `exchanged` fields.
 
-        Returns True when row numbers have changed: arrays held outside `particles` are stale then.
+        Returns True if row numbers have changed: arrays held outside `particles` are then stale.
         Raises ParticleLost on every rank if a position is not finite, or outside a closed tank.
         """
         return self._redistribute(force, self._survey())
 
     def refresh(self):
-        """Make ghosts' positions and neighbour lists valid for the positions of now. Collective.
+        """Update the ghosts' positions and the neighbour lists to the present positions. Collective.
 
-        Redistributes if due. Returns and raises as `redistribute`.
+        Redistributes if needed. Returns and raises as `redistribute`.
         """
         found = self._survey()
         renumbered = self._redistribute(False, found)
@@ -98,9 +96,9 @@ class Domain:
         return renumbered
 
     def update(self, *names):
-        """Bring the named fields of the ghosts up to date with their owners, in one message. Collective.
+        """Copy the named fields from the owners to the ghosts, in one message. Collective.
 
-        Raises ParisphError: no such field.
+        Raises ParisphError if there is no such field.
         """
         unknown = [name for name in names if name not in FIELDS]
         if unknown:
@@ -113,7 +111,7 @@ class Domain:
         self._load += seconds
 
     def destroy(self):
-        """Free what the halo holds of MPI and PETSc. Collective."""
+        """Free the MPI and PETSc objects of the halo. Collective."""
         if self._halo is not None:
             self._halo.destroy()
             self._halo = None
@@ -150,7 +148,7 @@ class Domain:
         if weight is None:
             return old
         new = self._partition_now(weight, old.grid)
-        # Cells may be too coarse to do better: renumbering costs, so not in vain.
+        # Renumbering is expensive: keep the partition if the cells are too coarse for a better one.
         return old if np.array_equal(new.splitters, old.splitters) else new
 
     def _weight_if_uneven(self):

@@ -13,16 +13,16 @@ class Particles:
 
     For each name in `FIELDS`, for example u: `p.u` is the view of the owned particles,
     (n_owned,) or (n_owned, dim), and `p.u_all` that of owned and ghost particles, (n_all, ...),
-    in the units of the registry. Ghosts are copies of other ranks' particles: written by the
-    halo only. `p.u = values` copies into the view. Views are stale after `assign` and after a
+    in the units of the registry. Ghosts are copies of other ranks' particles; only the halo
+    writes them. `p.u = values` copies into the view. Views are stale after `assign` and after a
     redistribution.
 
     Attributes
     ----------
     comm, dim
     n_owned, n_ghost, n_all : int, on this rank
-    offset : int, global row of the first owned particle; they are contiguous on a rank
-    offsets : (ranks + 1,) int64, the same of all ranks, with the total at the end
+    offset : int, global row of the first owned particle; the rows of a rank are contiguous
+    offsets : (ranks + 1,) int64, the offsets of all ranks, with the total at the end
     n_global : int, over all ranks
     n_assigned : int, how often `assign` has replaced all particles
     """
@@ -57,11 +57,11 @@ class Particles:
     # -- contents --------------------------------------------------------------------------
 
     def assign(self, arrays):
-        """Replace all particles; fields that are not given become zero, ghosts go. Collective.
+        """Replace all particles; fields not given become zero, ghosts are dropped. Collective.
 
         Parameters
         ----------
-        arrays : dict of field name -> (n,) or (n, dim), this rank's particles; x must be there
+        arrays : dict of field name -> (n,) or (n, dim), this rank's particles; must contain x
 
         Raises
         ------
@@ -89,7 +89,7 @@ class Particles:
         return None
 
     def renumber(self):
-        """Learn the global rows after the number of owned particles changed. Collective."""
+        """Update the global rows after the number of owned particles has changed. Collective."""
         counts = self.comm.allgather(self.n_owned) if self.comm.size > 1 else [self.n_owned]
         self.offsets[1:] = np.cumsum(counts)
 
@@ -121,7 +121,7 @@ class Particles:
                 self._store[name] = new
 
     def _expose(self):
-        """Make the views plain attributes: reading one costs nothing."""
+        """Make the views plain attributes, which are fast to read."""
         for name, array in self._store.items():
             vars(self)[name] = array[:self.n_owned]
             vars(self)[f"{name}_all"] = array[:self.n_all]

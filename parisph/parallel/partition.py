@@ -1,4 +1,4 @@
-"""Which rank owns which piece of space: ranges of the Hilbert curve, of equal work."""
+"""The partition of space among the ranks: ranges of the Hilbert curve with equal work."""
 
 from dataclasses import dataclass
 
@@ -14,14 +14,14 @@ UNIT = 1024       # the weight of an average particle: weights are integers, so 
 
 @dataclass(frozen=True)
 class Grid:
-    """Cubic cells that cover all space: those on the border reach to infinity.
+    """Cubic cells that cover all space: cells on the border extend to infinity.
 
     Attributes
     ----------
     origin : (dim,) lower corner [m]
     size : float, side of a cell, at least the halo's width [m]
     bits : int; there are 2^bits cells along each axis
-    fine : int; a key has `fine` levels below the cell, for sorting inside it
+    fine : int; a fine key has this many levels below the cell, to sort particles inside it
     """
 
     origin: np.ndarray
@@ -34,7 +34,7 @@ class Grid:
         """Return the grid over a box, (dim,) corners [m], with cells at least `width` [m] wide."""
         dim = len(lower)
         extent = max(float(np.max(upper - lower)), width)
-        needed = int(np.ceil(np.log2(extent / width))) + 1  # + 1: no particle lies on the far border
+        needed = int(np.ceil(np.log2(extent / width))) + 1  # + 1: keeps particles off the far border
         bits = min(needed, KEY_BITS // dim)
         return cls(np.array(lower, float), width * 2.0 ** (needed - bits), bits,
                    min(SORT_LEVELS, KEY_BITS // dim - bits))
@@ -54,20 +54,20 @@ class Grid:
         return self.origin + self.size * 2.0**self.bits
 
     def keys(self, x):
-        """Return the fine keys (n,) int64 of positions (n, dim) [m]: sort by them."""
+        """Return the fine keys (n,) int64 of positions (n, dim) [m], by which particles are sorted."""
         keys = np.empty(len(x), np.int64)
         size, bits = self.size / 2.0**self.fine, self.bits + self.fine
         _position_keys(keys, x, self.origin, size, bits, *machine(self.dim))
         return keys
 
     def cells(self, keys):
-        """Return the cells' keys that belong to fine keys."""
+        """Return the keys of the cells that contain fine keys."""
         return keys >> (self.dim * self.fine)
 
 
 @kernel
 def cell_along(x, origin, size, count):
-    """Return the cell of a coordinate; what lies outside belongs to the border's cells."""
+    """Return the cell of a coordinate; points outside belong to the cells on the border."""
     # Compare as floats: far outside, the quotient does not fit an integer.
     return int(min(max(np.floor((x - origin) / size), 0.0), count - 1.0))
 
@@ -102,10 +102,10 @@ class Partition:
 
 
 def split(comm, cells, weight, end):
-    """Cut the curve into one range for each rank, of equal weight as far as cells allow. Collective.
+    """Divide the curve into one range per rank, of equal weight as far as cells allow. Collective.
 
-    All cuts are found at once by bisection of the range of keys; each round needs one sum over
-    ranks of a vector as long as there are cuts, and no particle moves.
+    Finds all cuts at once by bisection of the range of keys. Each round needs one sum over the ranks,
+    of a vector with one entry per cut, and moves no particles.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def split(comm, cells, weight, end):
         comm.Allreduce(MPI.IN_PLACE, found)
         return found
 
-    # Smallest key with at least the target below it.
+    # Find the smallest key with at least the target below it.
     low, high = np.zeros_like(targets), np.full_like(targets, end)
     while (low < high).any():
         middle = (low + high) // 2
@@ -140,19 +140,19 @@ def split(comm, cells, weight, end):
 
 
 def imbalance(loads):
-    """Return max/mean of the ranks' loads, at least 1; 1 when there is no load at all."""
+    """Return max/mean of the ranks' loads; 1 if there is no load."""
     mean = np.mean(loads)
     return float(np.max(loads) / mean) if mean > 0.0 else 1.0
 
 
 def particle_weights(loads, counts):
-    """Return the integer weight of a particle on each rank: its rank's load per particle.
+    """Return the integer weight of a particle on each rank: the rank's load per particle.
 
     Parameters
     ----------
     loads : (ranks,) measured work of each rank, in any unit; counts : (ranks,) its particles
 
-    A weight is at most 4 times the mean and at least a quarter of it: measurements are noisy.
+    A weight lies between a quarter of the mean and 4 times the mean, because measurements are noisy.
     """
     loads, counts = np.asarray(loads, float), np.asarray(counts, float)
     mean = loads.sum() / max(counts.sum(), 1.0)

@@ -1,4 +1,4 @@
-"""How far particles have moved since they were last ordered, and whether any is lost."""
+"""How far particles have moved since the last plan and the last lists, and whether any is lost."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ class Survey:
 
 
 def survey(particles, plan_x, list_x, grid, tank=None):
-    """Look at every particle once. Collective.
+    """Check every particle once. Collective.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def survey(particles, plan_x, list_x, grid, tank=None):
     walls = tank or (-everywhere, everywhere)
     found = np.zeros(4)
     _survey(found, x, x if plan_x is None else plan_x, x if list_x is None else list_x, *grid, *walls)
-    # A rank that has no reference says so to all.
+    # A rank without earlier positions reports an infinite drift.
     found[:2] = np.where([plan_x is None, list_x is None], np.inf, np.sqrt(found[:2]))
     if comm.size > 1:
         comm.Allreduce(MPI.IN_PLACE, found, op=MPI.MAX)
@@ -57,14 +57,14 @@ def _survey(found, x, plan_x, list_x, grid_lower, grid_upper, lower, upper):
             plan += (x[i, a] - plan_x[i, a]) ** 2
             last += (x[i, a] - list_x[i, a]) ** 2
             found[2] = max(found[2], grid_lower[a] - x[i, a], x[i, a] - grid_upper[a])
-            # Positive logic: a NaN fails it.
+            # Written so that NaN fails the test.
             if not (np.isfinite(x[i, a]) and lower[a] <= x[i, a] <= upper[a]):
                 found[3] = 1.0
         found[0], found[1] = max(found[0], plan), max(found[1], last)
 
 
 def _loss(particles, walls):
-    """Return what to raise on this rank, or None."""
+    """Return the error to raise on this rank, or None."""
     x = particles.x
     broken = ~np.isfinite(x).all(axis=1)
     outside = ((x < walls[0]) | (x > walls[1])).any(axis=1)

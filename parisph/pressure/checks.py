@@ -1,4 +1,4 @@
-"""What can be wrong with the arrays of a linear system, found before any communication."""
+"""Checks of the arrays of a linear system, before any communication."""
 
 import numpy as np
 
@@ -42,5 +42,5 @@ def vector_fault(name, vector, n):
 
 
 def _finite(numbers):
-    # One pass without a temporary; only an overflow needs the second look.
+    # One pass without a temporary array; the second test is needed only after an overflow.
     return bool(np.isfinite(np.dot(numbers, numbers)) or np.isfinite(numbers).all())

@@ -1,11 +1,11 @@
-"""Groups of unknowns without contact with a known pressure, found before the solve.
+"""Find groups of unknowns without a link to a known pressure, before the solve.
 
-Rows of a pressure equation are weakly diagonally dominant: entries sum to zero, except in rows
-that know a pressure (an identity row, or one from which a neighbour with p = 0 was dropped).
-Such a matrix is regular if and only if every row leads, along its entries, to one of those
-anchored rows (Shivakumar & Chew 1974, on weakly chained diagonal dominance). Entries are followed
-in their direction, for they are not symmetric: a wall particle leans on fluid that may not lean
-on it.
+The rows of the pressure equation are weakly diagonally dominant: their entries sum to zero, except
+in anchored rows (identity rows, and rows from which a neighbour with p = 0 was dropped). Such a
+matrix is regular if and only if every row leads, along its entries, to an anchored row (Shivakumar
+& Chew 1974, on weakly chained diagonal dominance). Entries are followed from row to column only,
+because the matrix is not symmetric: the row of a wall particle may contain a fluid particle whose
+own row does not contain the wall particle.
 """
 
 import numpy as np
@@ -18,8 +18,8 @@ from parisph.kernels import reach
 def isolated_rows(comm, offset, indptr, indices, anchored):
     """Return which rows lead to no anchored row. Collective.
 
-    Such rows lead only to each other, so p = 0 (or any other pin) in one of each group makes
-    the equation regular without touching the rest.
+    Such rows lead only to each other. Fixing p in one row of each group makes the equation
+    regular and leaves all other rows as they are.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def isolated_rows(comm, offset, indptr, indices, anchored):
     indptr : (n_owned + 1,) int, indices : (nnz,) int
         This rank's rows as CSR with global columns.
     anchored : (n_owned,) bool
-        Rows that know a pressure.
+        Rows with a known pressure, or with a neighbour whose pressure is known.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def isolated_rows(comm, offset, indptr, indices, anchored):
 
     Raises
     ------
-    ParisphError : arrays do not fit together, or a column is no row of any rank. On all ranks.
+    ParisphError on all ranks: array sizes do not match, or a column is out of range.
     """
     anchored = np.asarray(anchored, bool)
     fits = indptr.shape == (anchored.size + 1,) and indptr[0] == 0 and indptr[-1] == indices.size
@@ -52,7 +52,7 @@ def isolated_rows(comm, offset, indptr, indices, anchored):
 
 
 def _spread_over_ranks(comm, offset, reached, pending, indptr, indices):
-    """Pull marks from other ranks and spread them, until no rank gains any."""
+    """Fetch marks from other ranks and spread them, until no rank marks another row."""
     rows, columns = reach.outside(pending, indptr, indices, offset, reached.size)
     remote, slot = np.unique(columns, return_inverse=True)
     lookup = _Lookup(comm, offset, reached.size, remote)
@@ -68,7 +68,7 @@ def _spread_over_ranks(comm, offset, reached, pending, indptr, indices):
 
 
 class _Lookup:
-    """Reads marks of rows on other ranks, as often as wanted, from one exchange of addresses."""
+    """Reads the marks of rows on other ranks; the addresses are exchanged once."""
 
     def __init__(self, comm, offset, n, remote):
         self._comm = comm
@@ -77,7 +77,7 @@ class _Lookup:
         bad = remote.size and not 0 <= remote[0] <= remote[-1] < total
         agree(comm, ParisphError(f"a pressure row refers to column {remote[0]} or {remote[-1]} of {total}")
               if bad else None)
-        # Ranks without rows share their first number with the next rank: take the last of them.
+        # Ranks without rows have the same first row as the next rank: take the last of these.
         owner = np.searchsorted(spans[:, 0], remote, side="right") - 1
         self._asked = np.bincount(owner, minlength=comm.size).astype(np.int32)
         self._wanted = np.empty(comm.size, np.int32)

@@ -1,4 +1,4 @@
-"""PETSc options of the pressure solve: our defaults, and how the user's options win."""
+"""PETSc options of the pressure solve: the defaults, and the user's options, which override them."""
 
 import ctypes
 from contextlib import contextmanager
@@ -18,14 +18,13 @@ PREFIX = "pressure_"
 #     ILU(2)      2.2 + 0.4 (8)   4.1 + 0.8 (9)   13 + 3.7 (14)    40 + 21 (24)   160 + 106 (40)
 #     LU          1.8 + 0.1       4.6 + 0.2       29 + 1.1
 # In the first steps of a dam break (3840 unknowns, warm start, two solves a step) the whole step
-# took: factors made anew in each step: ILU(1) 14 (15), ILU(2) 24 (10), BoomerAMG 19 (9); kept as
-# long as they worked: ILU(1) 12.2 (20), ILU(2) 12.5 (14), BoomerAMG 14.6 (12), ILU(0) 13.8 (35).
-# So: one level of fill where factors do not last, two where they do, and multigrid where the
-# iterations of incomplete factors, which grow with the domain, cost more than its levels.
+# took: with new factors in each step ILU(1) 14 (15), ILU(2) 24 (10), BoomerAMG 19 (9); with factors
+# kept while they worked ILU(1) 12.2 (20), ILU(2) 12.5 (14), BoomerAMG 14.6 (12), ILU(0) 13.8 (35).
+# Hence one level of fill if factors are rebuilt often, two if they are kept, and multigrid for
+# large systems, where the iterations of incomplete factors grow with the domain.
 SMALL = 6_000
 
-# Krylov methods that can be preconditioned from the right, where the residual that the
-# iteration watches is the true one.
+# Krylov methods that support right preconditioning, with which the monitored residual is the true one.
 _RIGHT = {"gmres", "fgmres", "lgmres", "dgmres", "pgmres", "gcr", "bcgs", "fbcgs", "bcgsl", "tfqmr"}
 
 _KRYLOV = {"ksp_type": "gmres", "ksp_gmres_restart": "50", "ksp_max_it": "100"}
@@ -41,8 +40,8 @@ _BOOMERAMG = {
     "pc_hypre_boomeramg_agg_nl": "1",
     "pc_hypre_boomeramg_no_CF": None,
     "pc_hypre_boomeramg_strong_threshold": "0.25",
-    # One sweep of Gauss-Seidel each way. hypre's default is a symmetric sweep each way, for CG's
-    # sake: twice the work for 2 iterations less (1e5 unknowns: 1.98 against 1.58 us per unknown).
+    # One sweep of Gauss-Seidel in each direction. hypre's default, a symmetric sweep in each, is meant
+    # for CG: twice the work for 2 iterations less (1e5 unknowns: 1.98 against 1.58 us per unknown).
     "pc_hypre_boomeramg_relax_type_down": "SOR/Jacobi",
     "pc_hypre_boomeramg_relax_type_up": "backward-SOR/Jacobi",
 }
@@ -54,7 +53,7 @@ _BOOMERAMG_CLOSED = {"pc_hypre_boomeramg_relax_type_coarse": "symmetric-SOR/Jaco
 _GAMG = {"pc_type": "gamg", "mg_levels_ksp_type": "richardson", "mg_levels_pc_type": "sor"}
 
 
-# What the user may set of when an iteration ends: whether a value is good, and which are.
+# Limits of the iteration that the user may set: a test of the value, and the valid range in words.
 _LIMITS = {
     "ksp_rtol": (lambda value: 0.0 <= value < 1.0, "a number of at least 0 and below 1, such as 1e-6"),
     "ksp_atol": (lambda value: 0.0 <= value < float("inf"), "a number of at least 0"),
@@ -73,9 +72,9 @@ def _incomplete(ranks, levels):
 
 
 def primary(rtol, closed, ranks, unknowns, entries, lasting=True):
-    """Return our options of the first attempt, name without prefix -> value or None.
+    """Return the default options of the first attempt, name without prefix -> value or None.
 
-    They go with the user's `-pressure_pc_type` if there is one, else with the size.
+    They depend on the user's `-pressure_pc_type` if it is set, else on the size of the system.
 
     Parameters
     ----------
@@ -85,13 +84,13 @@ def primary(rtol, closed, ranks, unknowns, entries, lasting=True):
     unknowns, entries : int
         Rows and matrix entries on all ranks.
     lasting : bool
-        The preconditioner can be expected to serve for several matrices.
+        The preconditioner is expected to be kept for several matrices.
     """
     kind = PETSc.Options(PREFIX).getString("pc_type", "")
     if not kind:
         kind = "incomplete" if unknowns <= SMALL else "hypre" if PETSc.Sys.hasExternalPackage("hypre") else "gamg"
     if kind == "incomplete":
-        # Long rows fill up faster: with 37 entries a row, each level doubles the set-up.
+        # Long rows produce more fill: with 37 entries per row, each level doubles the set-up time.
         preconditioner = _incomplete(ranks, int(entries < 32 * unknowns) + int(lasting))
     elif kind == "hypre":
         preconditioner = dict(_BOOMERAMG, **(_BOOMERAMG_CLOSED if closed else {}))
@@ -101,10 +100,9 @@ def primary(rtol, closed, ranks, unknowns, entries, lasting=True):
 
 
 def backup(stage, rtol, ranks):
-    """Return our options of a later attempt: "gamg", "asm" or "lu".
+    """Return the default options of a later attempt: "gamg", "asm" or "lu".
 
-    Another Krylov method with another kind of preconditioner each time, in the order of
-    rising cost and robustness.
+    The attempts differ in the Krylov method and the preconditioner, and grow in cost and robustness.
     """
     krylov = {"ksp_type": "fgmres", "ksp_gmres_restart": "100", "ksp_rtol": repr(float(rtol))}
     if stage == "gamg":
@@ -117,7 +115,7 @@ def backup(stage, rtol, ranks):
 def _direct(ranks):
     """Return options of the best direct solver that this PETSc has."""
     if PETSc.Sys.hasExternalPackage("mumps"):
-        # Null pivots are replaced: a singular but consistent system is solved.
+        # MUMPS then replaces null pivots, which solves a singular but consistent system.
         return {"pc_factor_mat_solver_type": "mumps", "mat_mumps_icntl_24": "1"}
     if ranks > 1 and PETSc.Sys.hasExternalPackage("superlu_dist"):
         return {"pc_factor_mat_solver_type": "superlu_dist"}
@@ -126,10 +124,10 @@ def _direct(ranks):
 
 @contextmanager
 def defaults(prefix, options):
-    """Put options into PETSc's database where the user has not, and take them out again.
+    """Add options that the user has not set to PETSc's database, and remove them again afterwards.
 
-    The database is global and limited (512 entries), so ours stay in it only while an
-    object is being configured; what the user gave is never touched.
+    The database is global and holds 512 entries at most, so the defaults stay in it only while an
+    object is configured. The user's options are never changed.
     """
     database = PETSc.Options(prefix)
     ours = [name for name in options if not database.hasName(name)]
@@ -143,7 +141,7 @@ def defaults(prefix, options):
 
 
 def configured(comm, prefix, options):
-    """Return a new KSP with our options and, above them, the user's. Collective.
+    """Return a new KSP with these options, overridden by the user's. Collective.
 
     Raises
     ------
@@ -167,13 +165,13 @@ def configured(comm, prefix, options):
 
 
 def check_tolerances(prefix):
-    """Look at the tolerances and limits that the user gave under a prefix. Not collective.
+    """Check the tolerances and limits that the user gave under a prefix. Not collective.
 
-    PETSc accepts any number for them, and refuses what has no meaning in the middle of a run.
+    PETSc itself accepts any number here, and fails later, in the middle of a run.
 
     Raises
     ------
-    CaseError : a value is no number or beyond its limits; it names the option, the value and the limits.
+    CaseError : a value is not a number or out of range; names the option, the value and the range.
     """
     given = PETSc.Options(prefix)
     for name, (fits, limits) in _LIMITS.items():
@@ -196,7 +194,7 @@ def reason_of(error):
 
 
 class UserOptions:
-    """The options that the user gave after `--`, in PETSc's database until `withdraw`.
+    """The options that the user gave after `--`; they stay in PETSc's database until `withdraw`.
 
     Parameters
     ----------
@@ -205,7 +203,7 @@ class UserOptions:
 
     Raises
     ------
-    CaseError : a word that is neither an option nor its value, or a solver option without prefix.
+    CaseError : a word is neither an option nor a value, or a solver option has no prefix.
     """
 
     def __init__(self, options=None):
@@ -217,9 +215,9 @@ class UserOptions:
             database.setValue(name, value)
 
     def unused(self):
-        """Return the names that PETSc has not looked for yet; none where it cannot be asked. Not collective.
+        """Return the options that PETSc has not used yet; none if PETSc cannot be asked. Not collective.
 
-        Misspelled ones stay here, and those of a solver or preconditioner that is not in use.
+        These are misspelled options, and those of a solver or preconditioner that is not in use.
         """
         try:
             ask = ctypes.CDLL(PETSc.__file__).PetscOptionsUsed    # petsc4py has no name for it
@@ -235,7 +233,7 @@ class UserOptions:
         return names
 
     def withdraw(self):
-        """Give PETSc's database back as it was."""
+        """Restore PETSc's database."""
         database = PETSc.Options()
         for name, value in self._before.items():
             if value is None:
@@ -246,7 +244,7 @@ class UserOptions:
 
 
 def as_text(options):
-    """Return options, name -> value or None, as words that a command line takes after `--`."""
+    """Return options, name -> value or None, as text for the command line after `--`."""
     words = (f"-{name}" if value is None else f"-{name} {value}" for name, value in options.items())
     return " ".join(words)
 
@@ -259,10 +257,10 @@ def _parse(words):
             name = word[1:]
             if name.startswith(("ksp_", "pc_")):
                 raise CaseError(f"option {word} has no effect: options of the pressure solve "
-                                f"bear a prefix, write -{PREFIX}{name}")
+                                f"have a prefix, write -{PREFIX}{name}")
             given[name] = None
         elif name is None or given[name] is not None:
-            raise CaseError(f"'{word}' among the PETSc options is neither an option (-name) nor the value of one")
+            raise CaseError(f"'{word}' among the PETSc options is neither an option (-name) nor the value of an option")
         else:
             given[name] = word
     return given

@@ -1,4 +1,4 @@
-"""The pressure matrix of this rank: which kernel fills which row, and one CSR of it all."""
+"""The pressure matrix of this rank: the kernel that fills each row, and the CSR matrix of all rows."""
 
 import numpy as np
 
@@ -59,7 +59,7 @@ class PressureRows:
     def csr(self, role, global_rows):
         """Return (indptr, global columns, values, anchored) with the p = 0 columns dropped.
 
-        anchored : (n_owned,) bool, rows that are p = 0 or feel a particle that is.
+        anchored : (n_owned,) bool, rows with p = 0, or with a neighbour that has p = 0.
         """
         n = len(self.indptr) - 1
         return compress(n, self.count, self.columns, self.values, self.indptr, role, global_rows)

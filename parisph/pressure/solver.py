@@ -13,14 +13,14 @@ from parisph.pressure import options as opts
 from parisph.pressure.checks import row_fault, vector_fault
 from parisph.pressure.system import System
 
-# A kept preconditioner is rebuilt once it needs more than GROWTH x fresh + 2 iterations, fresh
-# being what it needed at first (at least FRESH: a start that is nearly exact says little). It is
-# expected to last if rows kept their numbers for LASTING matrices before.
+# A kept preconditioner is rebuilt when it needs more than GROWTH x fresh + 2 iterations. `fresh` is
+# the number it needed at first, at least FRESH, because a nearly exact start needs few. It is
+# expected to last if rows have kept their numbers for LASTING matrices.
 GROWTH, FRESH, LASTING = 1.5, 4, 4
 
 # An attempt has failed if its true residual exceeds this many times the tolerance.
 SLACK = 10.0
-# A second right-hand side is solved to this at least, whatever slack it is given.
+# The loosest tolerance for a second right-hand side, whatever its slack.
 LOOSEST = 0.01
 
 _BACKUPS = ("gamg", "asm", "lu")
@@ -32,7 +32,7 @@ _NAMES = {
 
 _REFUSED = -100
 _REASONS = {
-    _REFUSED: "PETSc refused", 1: "converged", 2: "converged", 3: "converged", 4: "ended as asked", 5: "converged",
+    _REFUSED: "PETSc refused", 1: "converged", 2: "converged", 3: "converged", 4: "iteration limit reached", 5: "converged",
     -2: "no progress", -3: "too many iterations", -4: "residual grew without bound", -5: "breakdown",
     -6: "breakdown", -7: "method needs a symmetric matrix", -8: "indefinite preconditioner",
     -9: "not a number", -10: "indefinite matrix", -11: "preconditioner could not be built",
@@ -41,13 +41,13 @@ _REASONS = {
 
 @dataclass(frozen=True)
 class SolveRecord:
-    """What happened in one solve; the same on every rank but for the seconds.
+    """What happened in one solve; the same on every rank, except for the seconds.
 
     Attributes
     ----------
     reason : int
-        PETSc's KSPConvergedReason of the last attempt (positive: converged); 0 if b = 0 and
-        nothing had to be solved.
+        PETSc's KSPConvergedReason of the last attempt (positive: converged); 0 if b = 0, which
+        needs no solve.
     iterations : int
         Krylov iterations of all attempts together.
     residual : float
@@ -56,7 +56,7 @@ class SolveRecord:
     setup_seconds, solve_seconds : float
         Matrix and preconditioner; Krylov iterations [s].
     fallback : str
-        "", or the attempt that succeeded after others had failed: "rebuilt", "gamg", "asm", "lu".
+        The attempt that succeeded after others had failed ("rebuilt", "gamg", "asm", "lu"), else "".
     rebuilt : bool
         A preconditioner was built in this solve.
     """
@@ -71,35 +71,35 @@ class SolveRecord:
 
 
 class PressureSolver:
-    """Solves A p = b for one nonsymmetric matrix a step, over all ranks.
+    """Solves A p = b on all ranks, for one nonsymmetric matrix per step.
 
-    Attempts, each only if those before it failed: the preconditioner kept from an earlier
-    matrix; the same rebuilt; flexible GMRES with PETSc's multigrid ("gamg"); with overlapping
-    incomplete factors ("asm"); with a direct factorisation ("lu"). An attempt fails if PETSc
-    says so (unless the true residual is within rtol all the same) or if the true residual is
+    Attempts are made in this order until one succeeds: the preconditioner kept from an earlier
+    matrix; the same preconditioner rebuilt; flexible GMRES with PETSc's multigrid ("gamg"), with
+    overlapping incomplete factors ("asm"), with a direct factorisation ("lu"). An attempt fails if
+    PETSc reports a failure (unless the true residual is within rtol) or if the true residual is
     above 10 rtol, or above 10 atol if the user set an absolute tolerance.
 
     Parameters
     ----------
     comm : mpi4py communicator
     options : list of str or None
-        PETSc options of the user as on a command line, prefix `pressure_`. They, and those in
-        PETSC_OPTIONS, win over our defaults. The later attempts have the prefixes
+        The user's PETSc options, as on a command line, with the prefix `pressure_`. These, and
+        those in PETSC_OPTIONS, override the defaults. The later attempts have the prefixes
         `pressure_gamg_`, `pressure_asm_` and `pressure_lu_`.
     rtol : float
         Relative tolerance on the true residual.
     closed : bool
-        No free surface: see System for what is solved when A is singular. p has zero mean then.
+        No free surface. p then has zero mean; see System for what is solved if A is singular.
 
     Attributes
     ----------
-    options : dict, name -> value or None: what the solver is configured with: our defaults, above
-        them the user's, and whatever else the user gave
+    options : dict, name -> value or None: the defaults, overridden by the user's options, and any
+        other options that the user gave
     setups : int, how often the first attempt's preconditioner was built
 
     Raises
     ------
-    CaseError : an option cannot be understood, or a tolerance has no meaning. On all ranks.
+    CaseError on all ranks: an option cannot be understood, or a tolerance is out of range.
     """
 
     def __init__(self, comm, options=None, rtol=1e-6, closed=False):
@@ -116,7 +116,7 @@ class PressureSolver:
         self._matrices = None       # since rows were renumbered
         self._ksp = None
         self._user = opts.UserOptions(options)
-        self._unchecked = True      # which of them PETSc has looked for
+        self._unchecked = True      # whether PETSc has used all of them
         try:
             for stage in ("", *_BACKUPS):
                 opts.check_tolerances(f"{opts.PREFIX}{stage}_" if stage else opts.PREFIX)
@@ -134,9 +134,9 @@ class PressureSolver:
             This rank's rows as CSR with global columns in any order; n_owned may be 0.
         rhs : (n_owned,) float, b
         guess : (n_owned,) float or None
-            Start of the iteration (the previous pressure); None for zero.
+            Initial guess (the previous pressure); None for zero.
         renumbered : bool
-            Rows changed their numbers, on any rank, since the previous matrix.
+            Row numbers have changed, on any rank, since the previous matrix.
 
         Returns
         -------
@@ -145,15 +145,16 @@ class PressureSolver:
 
         Raises
         ------
-        SolverDiverged : a value is not finite, a row has no diagonal entry, or no attempt reached the tolerance. On all ranks.
-        ParisphError : arrays do not fit together. On all ranks.
+        SolverDiverged on all ranks: a value is not finite, a row has no diagonal entry, or no
+            attempt reached the tolerance.
+        ParisphError on all ranks: array sizes do not match.
         """
         start = perf_counter()
         self._accept(indptr, indices, values, rhs, guess, renumbered)
         self._system.assemble(indptr, indices, values)
         self._current = False
         found = self._run("new", rhs, guess, start, self._rtol)
-        if self._unchecked and found[1].rebuilt:    # else the preconditioner has not looked for its own yet
+        if self._unchecked and found[1].rebuilt:    # before that the preconditioner has not read its options
             self._warn_of_unused_options()
         return found
 
@@ -161,7 +162,7 @@ class PressureSolver:
         """Solve for another right-hand side with the matrix of the last `solve`. Collective.
 
         slack : float
-            The tolerance is so many times that of `solve`, but LOOSEST at most.
+            The tolerance is this many times that of `solve`, at most LOOSEST.
 
         Other parameters, results and errors as in `solve`.
         """
@@ -175,7 +176,7 @@ class PressureSolver:
         return self._run("again", rhs, guess, start, max(self._rtol, min(slack * self._rtol, LOOSEST)))
 
     def destroy(self):
-        """Free the PETSc objects and give the options database back. Collective."""
+        """Free the PETSc objects and restore the options database. Collective."""
         if self._ksp is not None:
             self._ksp.destroy()
             self._system.destroy()
@@ -192,7 +193,7 @@ class PressureSolver:
         agree(self._comm, row_fault(indptr, indices, values, n, total) or vector_fault("right-hand side", rhs, n)
               or vector_fault("guess", guess, n))
         if changed:
-            # A new solver, for PETSc's reset forgets viewers and keeps subdomains of the old rows.
+            # Make a new solver: PETSc's reset loses viewers and keeps the subdomains of the old rows.
             self._configure(total, self._comm.allreduce(len(indices)))
             self._system.resize(n, total)
             self._rows, self._total, self._matrices = n, total, 0
@@ -201,12 +202,12 @@ class PressureSolver:
             self._usable = False
 
     def _warn_of_unused_options(self):
-        """Say, once, what is probably misspelled; the later attempts look for theirs when they come."""
+        """Warn once of options that are probably misspelled. Those of later attempts are not used yet."""
         self._unchecked = False
         later = tuple(f"{opts.PREFIX}{stage}_" for stage in _BACKUPS)
         names = [f"-{name}" for name in self._user.unused() if not name.startswith(later)]
         if names and self._comm.rank == 0:
-            logger.warning(f"PETSc has no use for {', '.join(names)}: misspelled, or not for the solver in use "
+            logger.warning(f"PETSc does not use {', '.join(names)}: misspelled, or for another solver than the one in use "
                            "(-pressure_ksp_view shows it)")
 
     def _configure(self, unknowns, entries):
@@ -222,14 +223,14 @@ class PressureSolver:
         self._may_keep = given.getBool("ksp_reuse_preconditioner", True)
         ours = {opts.PREFIX + name: value for name, value in {**self._chosen, **given.getAll()}.items()}
         self.options = {**ours, **self._user.given}
-        self._usable = False        # a preconditioner is there, of this matrix or an earlier one
-        self._current = False       # it was made from this matrix
+        self._usable = False        # whether there is a preconditioner, of this or an earlier matrix
+        self._current = False       # whether it was made from this matrix
         self._fresh = {}            # iterations that it needed at first, for each kind of solve
 
     # -- the solve ----------------------------------------------------------------------------
 
     def _run(self, kind, rhs, guess, start, goal):
-        """Load the vectors, go through the attempts until one succeeds, and report."""
+        """Load the vectors and make attempts until one succeeds. Return (p, SolveRecord)."""
         system, self._goal = self._system, goal
         self._ksp.setTolerances(rtol=goal)
         system.load(np.asarray(rhs, float), guess)
@@ -248,7 +249,7 @@ class PressureSolver:
                 best, least = system.x.array.copy(), residual
             system.start_from(best)
         else:
-            raise SolverDiverged(self._obituary(tried))
+            raise SolverDiverged(self._failure(tried))
         self._judge(kind, name, iterations)
         record = SolveRecord(reason, sum(t[2] for t in tried), residual, *self._seconds,
                              fallback=name if len(tried) > 1 else "", rebuilt=any(t[0] != "kept" for t in tried))
@@ -267,8 +268,8 @@ class PressureSolver:
     def _attempt(self, name):
         """Solve with the first attempt's method; return (reason, iterations). Collective."""
         def prepare():
-            # The matrix and its pattern are new in each step. With the flag set, PETSc leaves the
-            # preconditioner alone whatever operators it is given, and drops the old matrix.
+            # The matrix and its pattern are new in each step. With this flag PETSc keeps the
+            # preconditioner for any new operator, and frees the old matrix.
             self._ksp.getPC().setReusePreconditioner(name == "kept")
             self._ksp.setOperators(self._system.operator, self._system.preconditioned)
             if name != "kept":
@@ -276,7 +277,7 @@ class PressureSolver:
         return self._timed(self._ksp, prepare)
 
     def _timed(self, ksp, prepare):
-        """Call `prepare()` and solve; return (reason, iterations), and add up the seconds of both. Collective."""
+        """Call `prepare()` and solve; return (reason, iterations). Adds to the seconds of both. Collective."""
         start = perf_counter()
         try:
             prepare()
@@ -289,10 +290,10 @@ class PressureSolver:
             return _REFUSED, 0
 
     def _build(self):
-        """Build the first attempt's preconditioner from the present matrix. Collective."""
+        """Build the first attempt's preconditioner from the current matrix. Collective."""
         self.setups += 1
         self._usable = self._current = False
-        # Blocks and levels read their options when they are set up.
+        # Blocks and levels read their options during set-up.
         with opts.defaults(opts.PREFIX, self._chosen):
             self._ksp.setUp()
             self._ksp.setUpOnBlocks()
@@ -320,14 +321,14 @@ class PressureSolver:
     # -- after the solve ----------------------------------------------------------------------
 
     def _succeeded(self, reason, residual):
-        """Judge an attempt by its true residual; NaN fails every comparison."""
+        """Return whether an attempt succeeded, by its true residual. NaN fails every comparison."""
         floor = self._atol / self._system.norm
         if reason > 0:
             return residual <= SLACK * max(self._goal, floor)
         return residual <= max(self._goal, floor)
 
     def _judge(self, kind, name, iterations):
-        """Decide if the next solve may start with the preconditioner that is there."""
+        """Decide whether the next solve may keep the preconditioner."""
         if name in _BACKUPS:
             self._usable = False
             return
@@ -335,11 +336,11 @@ class PressureSolver:
         if iterations > GROWTH * max(fresh, FRESH) + 2:
             self._usable = False
 
-    def _obituary(self, tried):
-        """Return the message of a solve that no attempt could save."""
+    def _failure(self, tried):
+        """Return the message of a solve in which all attempts failed."""
         attempts = "; ".join(
             f"{_NAMES[name]}: {_REASONS.get(reason, f'reason {reason}')} after {iterations} iterations, "
             f"residual {residual:.1e}" for name, reason, iterations, residual in tried)
         return (f"the pressure equation ({self._total} unknowns) could not be solved to a relative residual of "
-                f"{self._goal:g}. Attempts: {attempts}. The cause is often a group of particles without contact "
-                "with the free surface, or particles on top of each other")
+                f"{self._goal:g}. Attempts: {attempts}. A frequent cause is a group of particles without contact "
+                "with the free surface, or several particles in one place")

@@ -1,4 +1,4 @@
-"""One linear system over the ranks: matrix, right-hand side, start, residual, null space."""
+"""A linear system on all ranks: matrix, right-hand side, initial guess, residual, null space."""
 
 import numpy as np
 from mpi4py import MPI
@@ -6,32 +6,32 @@ from mpi4py import MPI
 from parisph.base.errors import SolverDiverged
 from parisph.parallel.petsc import PETSc
 
-# |A v| below this part of the largest entry is rounding: v is a null vector.
+# If |A v| is below this fraction of the largest entry, v is a null vector.
 _NULL = 1e-9
 
 
 class System:
-    """The PETSc objects of A p = b, reused while the sizes stay.
+    """The PETSc objects of A p = b, reused while the sizes stay the same.
 
     Parameters
     ----------
     comm : mpi4py communicator
     closed : bool
-        No Dirichlet row is expected. If A has the null vector v (1 on every row, 0 on
-        identity rows), the system solved is Q A p = Q b with Q = I - v v^T / v.v, that is
-        A p = b up to one constant c in all rows of v. That constant is what remains of b
-        when the sources do not add up: the left null vector w of nonsymmetric rows is not
-        the constant, so taking the mean off b would leave w.b != 0 and no solution, whereas
-        Q A p = Q b has one for every b (w.v != 0, as w > 0 for such rows). Of all p + const
-        the one with zero mean is returned. A matrix that is not singular is solved as it is.
+        No Dirichlet row is expected. If A has the null vector v (1 in every row, 0 in
+        identity rows), the system that is solved is Q A p = Q b with Q = I - v v^T / v.v, that is,
+        A p = b up to a constant c in all rows of v. This constant is the part of b that is not
+        compatible. The left null vector w of nonsymmetric rows is not constant, so that b less
+        its mean still has w.b != 0 and no solution, whereas Q A p = Q b has a solution for every b
+        (w.v != 0, as w > 0 for such rows). The solution with zero mean is returned. A matrix that
+        is not singular is solved unchanged.
 
     Attributes
     ----------
     b, x : PETSc.Vec, right-hand side and unknown
     matrix : PETSc.Mat, A
-    operator : PETSc.Mat, what is solved: A, or Q A
-    preconditioned : PETSc.Mat, what preconditioners are made from: A, or A with the diagonal of
-        one row doubled, which no factorisation or coarse solve can find singular
+    operator : PETSc.Mat, the operator of the solve: A, or Q A
+    preconditioned : PETSc.Mat, the matrix of the preconditioner: A, or A with the diagonal of one
+        row doubled, which makes it regular for factorisations and coarse solves
     norm : |b|, or |Q b|
     """
 
@@ -64,14 +64,14 @@ class System:
             self._find_null_vector(csr)
 
     def load(self, rhs, guess):
-        """Set b and the start of the iteration, and find |b|. Collective.
+        """Set b and the initial guess, and compute |b|. Collective.
 
-        A guess whose residual is not below |b| is worse than none: start from zero then.
+        A guess whose residual is not below |b| is replaced by zero.
 
         Raises
         ------
-        SolverDiverged : a row has no diagonal entry, or zero there (PETSc's incomplete factors
-            may read beyond such a row's end instead of failing). On all ranks.
+        SolverDiverged on all ranks: the diagonal entry of a row is missing or zero (PETSc's
+            incomplete factors may read beyond the end of such a row instead of failing).
         """
         x, b, r = self._arrays
         b[:] = rhs
@@ -90,12 +90,12 @@ class System:
             self._touch(self.x)
 
     def start_from(self, values):
-        """Set the start of the iteration to an array of owned values."""
+        """Set the initial guess to an array of owned values."""
         self._arrays[0][:] = values
         self._touch(self.x)
 
     def residual(self):
-        """Return |b - A x| / |b| of the present x (with Q, in a closed domain). Collective."""
+        """Return |b - A x| / |b| of the current x (with Q, in a closed domain). Collective."""
         _, b, r = self._arrays
         self.operator.mult(self.x, self._r)
         return np.sqrt(self.sum(np.sum((b - r) ** 2))[0]) / self.norm
@@ -128,7 +128,7 @@ class System:
 
     @staticmethod
     def _touch(*vectors):
-        # The arrays are written behind PETSc's back, and PETSc remembers norms of vectors.
+        # PETSc caches norms of vectors and does not notice that the arrays were written.
         for vector in vectors:
             vector.stateIncrease()
 

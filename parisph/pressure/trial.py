@@ -1,4 +1,4 @@
-"""A small pressure solve with a known answer, and the versions of what it stands on."""
+"""A small pressure solve with a known answer, and the versions of the libraries behind it."""
 
 import ctypes
 import os
@@ -43,7 +43,7 @@ def solve(comm):
 
 
 def _exact(row):
-    """A pressure with structure on all scales, of order one."""
+    """A pressure of order one with structure on all scales."""
     return np.sin(0.1 * row) + np.cos(1.7 * row + 0.3)
 
 
@@ -59,7 +59,7 @@ def _rows(rows):
 
 
 def _hypre_version():
-    """Ask the hypre library that PETSc has loaded; its headers need not be on the machine."""
+    """Return the version of the hypre library that PETSc has loaded; needs no headers."""
     try:
         with open("/proc/self/maps") as maps:
             loaded = {line.split()[-1] for line in maps if "HYPRE" in os.path.basename(line.split()[-1])}
