@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.errors import CaseError, StoreError
 from parisph.io import style
 from parisph.io.reader import Run, open_run
-from parisph.io.series import read_reference
+from parisph.io.reference import read_reference
 from parisph.io.view import FieldView
 
 # What a probe of a kind (as in the case) shows; and what a unit means where kinds are mixed.

@@ -165,25 +165,6 @@ def units(path):
     return {}
 
 
-def read_reference(path, time, value, offset=0.0, scale=1.0, time_scale=1.0):
-    """Return (t (n,) [s], truth (n,)): two columns of a reference file, lines in order of time.
-
-    truth = offset + scale * column; t = time_scale * column. Lines with an empty cell are left
-    out: a measured series has gaps, where the truth of a case (case.probes.read_truth) must be
-    sound from end to end. Raises StoreError for a missing file or column, or a cell that is not a number.
-    """
-    table = read(path, cut=False)
-    for name in (time, value):
-        if name not in (table.dtype.names or ()):
-            raise StoreError(f"{path} has no column {name!r} (it has: {', '.join(table.dtype.names or ())})")
-        if table[name].dtype.kind not in "fi":
-            raise StoreError(f"column {name!r} of {path} holds words, not numbers")
-    t, truth = time_scale * table[time], offset + scale * table[value]
-    good = np.isfinite(t) & np.isfinite(truth)
-    order = np.argsort(t[good], kind="stable")
-    return t[good][order], truth[good][order]
-
-
 def _lines(path, cut=True):
     """Names of the columns and the complete lines below them."""
     text = Path(path).read_text(encoding="utf-8")

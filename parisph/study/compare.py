@@ -1,7 +1,10 @@
 """A probe of a run against any reference series: what `parisph compare` prints. Not collective."""
 
 from parisph.base.errors import CaseError
-from parisph.io import series
+from parisph.base.reading import listed
+from parisph.base.text import named, shown
+from parisph.io.reference import LARGEST, read_reference
+from parisph.io.reference import names as columns_of
 from parisph.study import errors
 
 
@@ -27,19 +30,20 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
 
     Raises
     ------
-    CaseError for names that are not there or series that do not overlap; StoreError for files.
+    CaseError for names that are not there, numbers without meaning or series that do not overlap; StoreError for files.
     """
+    _check_numbers(offset=offset, scale=scale, time_scale=time_scale, shift=shift, best_shift=best_shift, rest=rest)
     probe = _only(probe, run.probe_names, f"{run.folder} has the probes", "--probe")
     found = run.probe(probe)
     column = _only(column, [name for name in found.dtype.names if name not in ("time", "step")], f"{probe} has the columns", "--column")
-    time, value = _columns(reference, series.read(reference, cut=False).dtype.names, time, value, column)
-    t, truth = series.read_reference(reference, time, value, offset, scale, time_scale)
+    time, value = _columns(reference, columns_of(reference), time, value, column)
+    t, truth = read_reference(reference, time, value, offset, scale, time_scale)
     try:
         if best_shift is not None:
             shift = errors.best_shift(found["time"], found[column], t, truth, best_shift)
         judged = errors.judge(found["time"] + shift, found[column], t, truth, rest)
     except ValueError as error:
-        raise CaseError(f"{probe} against {reference}: {error}") from None
+        raise CaseError(f"{probe} against {named(reference)}: {error}") from None
     return {"probe": probe, "column": column, "time": time, "value": value, "shift": shift, **judged}
 
 
@@ -53,24 +57,37 @@ def text(result):
             f"norm of Z14        {result['z14']:.4g}")
 
 
-def _columns(reference, names, time, value, column):
+def _check_numbers(**numbers):
+    """Raise CaseError for what makes every result nan or infinite, or has no meaning."""
+    for name, value in numbers.items():
+        limit = None
+        if value is not None and not abs(value) <= LARGEST:
+            limit = f"a number of at most {LARGEST:g} in size"
+        elif name == "time_scale" and value <= 0.0:
+            limit = "greater than 0"
+        elif name == "best_shift" and value is not None and value < 0.0:
+            limit = "at least 0: it is how far the run is shifted either way"
+        if limit:
+            raise CaseError(f"{name} = {value:g}: must be {limit}")
+
+
+def _columns(reference, there, time, value, column):
     """Return the names of the reference's columns of time and of value; raise CaseError for those that are not there."""
     for name, option in ((time, "--time"), (value, "--value")):
-        if name is not None and name not in names:
-            raise CaseError(f"{reference} has no column {name!r} (it has: {', '.join(names)}): choose one with {option}")
-    time = time or names[0]
-    values = [name for name in names if name not in (time, "time", "step")]
+        if name is not None and name not in there:
+            raise CaseError(f"{named(reference)} has no column {shown(name)} (it has: {listed(there)}): choose one with {option}")
+    time = time or there[0]
+    values = [name for name in there if name not in (time, "time", "step")]
     if value is None and not values:
-        raise CaseError(f"{reference} has the columns {', '.join(names)}; a series needs a time and a value")
+        raise CaseError(f"{named(reference)} has the columns {listed(there)}; a series needs a time and a value")
     return time, value or (column if column in values else values[0])
 
 
 def _only(name, names, there, option):
     if name in names:
         return name
-    listed = ", ".join(names) or "none"
     if name is not None:
-        raise CaseError(f"{there} {listed}; there is no {name!r}")
+        raise CaseError(f"{there} {listed(names)}; there is no {shown(name)}: choose one with {option}")
     if len(names) != 1:
-        raise CaseError(f"{there} {listed}: choose one with {option}")
+        raise CaseError(f"{there} {listed(names)}: choose one with {option}")
     return names[0]

@@ -8,6 +8,7 @@ from parisph.base.fields import FLUID, SURFACE
 from parisph.case.waves import column_start_pressure
 from parisph.driver import Simulation, run
 from parisph.io import checkpoint, reader, series
+from parisph.io.reference import read_reference
 from parisph.study import errors
 from tests.launch import ROOT
 from tests.scenes import scene
@@ -94,7 +95,7 @@ def test_momentum_is_what_the_walls_give(fall):
 
 def test_front_against_martin_and_moyce(fall):
     """The gate of the experiment opened in a finite time: raw, and after one shift of the time."""
-    t, x = series.read_reference(ROOT / "cases" / "measured" / "martin_moyce_front.csv", "T", "front_over_a",
+    t, x = read_reference(ROOT / "cases" / "measured" / "martin_moyce_front.csv", "T", "front_over_a",
                                  scale=L, time_scale=0.5 * UNIT)
     front = fall[0].probe("front")
     before = (t < 1.5 * UNIT) & (x < 4.0 * L)
@@ -106,7 +107,7 @@ def test_front_against_martin_and_moyce(fall):
 
 
 def test_column_against_martin_and_moyce(fall):
-    tau, height = series.read_reference(ROOT / "cases" / "measured" / "martin_moyce_column.csv", "tau", "height_over_H",
+    tau, height = read_reference(ROOT / "cases" / "measured" / "martin_moyce_column.csv", "tau", "height_over_H",
                                         scale=H, time_scale=0.5**0.5 * UNIT)
     column = fall[0].probe("column")
     known = tau < 2.4 * UNIT

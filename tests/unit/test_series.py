@@ -66,22 +66,3 @@ def test_a_series_of_other_columns_is_not_continued(tmp_path):
     written(tmp_path / "p.csv").close()
     with pytest.raises(StoreError, match="another run"):
         Series(tmp_path / "p.csv", {"height": "m"}, keep_to=1)
-
-
-def test_truth_is_scaled_sorted_and_may_lack_the_last_line_end(tmp_path):
-    (tmp_path / "t.csv").write_text("# a comment, with a comma\nset,T,z\nb,3,30\na,1,10\na,2,\na,4,40")
-    time, value = series.read_reference(tmp_path / "t.csv", "T", "z", offset=1.0, scale=2.0, time_scale=0.5)
-    np.testing.assert_array_equal(time, [0.5, 1.5, 2.0])
-    np.testing.assert_array_equal(value, [21.0, 61.0, 81.0])
-
-
-@pytest.mark.parametrize("column, message", [("x", "no column 'x' .it has: set, T, z"), ("set", "words, not numbers")])
-def test_a_bad_column_of_the_truth_is_named(tmp_path, column, message):
-    (tmp_path / "t.csv").write_text("set,T,z\na,1,10\n")
-    with pytest.raises(StoreError, match=message):
-        series.read_reference(tmp_path / "t.csv", "T", column)
-
-
-def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(StoreError, match="gone.csv"):
-        series.read_reference(tmp_path / "gone.csv", "T", "z")

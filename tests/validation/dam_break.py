@@ -4,7 +4,8 @@ import re
 
 import numpy as np
 
-from parisph.io import checkpoint, series
+from parisph.io import checkpoint
+from parisph.io.reference import read_reference
 from parisph.study import errors
 from tests.launch import ROOT
 from tests.validation.record import Row
@@ -104,7 +105,7 @@ def experiment(run):
     for probe, column, time, value, scale, unit in (
             ("front", "x", "T", "front_over_a", 0.5, 0.5),
             ("column", "y", "tau", "height_over_H", 1.0, 0.5**0.5)):
-        t, truth = series.read_reference(MEASURED / f"martin_moyce_{probe}.csv", time, value, scale=scale, time_scale=unit * UNIT)
+        t, truth = read_reference(MEASURED / f"martin_moyce_{probe}.csv", time, value, scale=scale, time_scale=unit * UNIT)
         before = (t < 1.55 * UNIT) if probe == "front" else (t < run.probe(probe)["time"][-1])
         t, truth, got = t[before], truth[before], run.probe(probe)
         found.append(Row(f"{probe} against Martin & Moyce, raw", errors.judge(got["time"], got[column], t, truth)["relative_l2"]))

@@ -33,9 +33,9 @@ def rows(bench):
 
 def _exact():
     """Times and levels of the fully nonlinear solution over the last two of its first 9 s."""
-    from parisph.io import series
+    from parisph.io.reference import read_reference
     from tests.launch import ROOT
 
-    t, level = series.read_reference(ROOT / "cases" / "exact" / "standing_wave.csv", "t_s", "eta_nonlinear_m")
+    t, level = read_reference(ROOT / "cases" / "exact" / "standing_wave.csv", "t_s", "eta_nonlinear_m")
     chosen = (t <= 9.0) & (t > 9.0 - 2.27)
     return t[chosen], level[chosen]
