@@ -7,6 +7,7 @@ import traceback
 
 from parisph.base import environment
 from parisph.base.errors import CaseError, Interrupted, ParisphError, ParticleLost, SolverDiverged, StoreError
+from parisph.base.text import of_error, plain_lines
 
 # The first class that fits gives the exit code.
 CODES = ((CaseError, 2), (SolverDiverged, 3), (ParticleLost, 3), (Interrupted, 4), (KeyboardInterrupt, 4), (StoreError, 5))
@@ -59,10 +60,12 @@ def _fail(error, words):
 def _say(error, trace):
     if trace:
         traceback.print_exception(error)
-    text = str(error) or "interrupted"
-    if not isinstance(error, (ParisphError, KeyboardInterrupt)):
-        text = f"{type(error).__name__}: {text} (a fault in parisph or in a library)"
-    print(f"parisph: error: {text}", file=sys.stderr, flush=True)
+    if isinstance(error, (ParisphError, KeyboardInterrupt)):
+        text = str(error) or "interrupted"
+    else:
+        text = f"{type(error).__name__}: {of_error(error)} (a fault in parisph or in a library)"
+    # Names of files and texts of stored runs may hold anything; the terminal gets none of it.
+    print(f"parisph: error: {plain_lines(text)}", file=sys.stderr, flush=True)
 
 
 def _running_world():

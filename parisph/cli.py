@@ -2,11 +2,13 @@
 
 import argparse
 import json
+import os
 from pathlib import Path
 
-from parisph import __version__, completion
+from parisph import __version__, arguments, completion
 from parisph.base import environment, libraries
 from parisph.base.errors import CaseError, ParisphError, agree
+from parisph.base.text import clipped, named, plain
 
 EXIT_CODES = "exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 files, 1 anything else"
 
@@ -15,7 +17,7 @@ class _Parser(argparse.ArgumentParser):
     """Raises CaseError where argparse would exit, and is silent on all ranks but the first."""
 
     def error(self, message):
-        raise CaseError(f"{message}\n{self.format_usage().strip()}")
+        raise CaseError(f"{clipped(plain(message), 400)}\n{self.format_usage().strip()}")
 
     def _print_message(self, message, file=None):
         if environment.launched()[0] == 0:
@@ -27,6 +29,7 @@ def parse(words):
 
     Raises CaseError with the usage. What follows a lone `--` goes to PETSc.
     """
+    arguments.check(words)
     cut = words.index("--") if "--" in words else len(words)
     ours, petsc = list(words[:cut]), list(words[cut + 1:])
     args, unknown = _parser().parse_known_args(ours)
@@ -35,7 +38,7 @@ def parse(words):
         args.set += more
         unknown = [word for word in unknown if word not in more]
     if unknown:
-        raise CaseError(f"unknown argument {unknown[0]}{_hint(unknown[0])} (parisph {args.verb} -h lists the arguments)")
+        raise CaseError(f"unknown argument {named(unknown[0])}{_hint(unknown[0])} (parisph {args.verb} -h lists the arguments)")
     if petsc and not hasattr(args, "petsc"):
         raise CaseError(f"parisph {args.verb} takes no options for PETSc")
     _check_petsc(petsc)
@@ -54,14 +57,14 @@ def _check_petsc(words):
     """Raise CaseError for words after the lone -- that PETSc cannot heed there: the run would go on without them."""
     for word in words:
         if word.startswith("--") or word in ("-o", "-q", "-h"):
-            raise CaseError(f"{word} stands after the lone --, where only options for PETSc belong, such as -pressure_ksp_rtol: "
-                            f"write {word} and its value before the --")
+            raise CaseError(f"{named(word, 80)} stands after the lone --, where only options for PETSc belong, such as -pressure_ksp_rtol: "
+                            f"write {named(word, 80)} and its value before the --")
         if word.startswith("-log_view"):
-            raise CaseError(f"{word} after the lone -- comes too late, as PETSc has started by then: {_early(word)}")
+            raise CaseError(f"{named(word, 80)} after the lone -- comes too late, as PETSc has started by then: {_early(word)}")
 
 
 def _early(word):
-    return f"set PETSC_OPTIONS={word} before the command"
+    return f"set PETSC_OPTIONS={named(word, 80)} before the command"
 
 
 def execute(words):
@@ -162,21 +165,21 @@ def _verb(verbs, name, work, text):
 def _add_running(verbs):
     verb = _verb(verbs, "run", _run, "run a case: mpirun -n 2 parisph run CASE [options] [-- PETSc options]")
     _add_case(verb)
-    verb.add_argument("-o", "--out", metavar="DIR", help="folder of the run (default: runs/NAME of the case, or the first free runs/NAME-2, ...)")
+    verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR", help="folder of the run (default: runs/NAME of the case, or the first free runs/NAME-2, ...)")
     verb.add_argument("--overwrite", action="store_true", help="if DIR holds a run, move it aside to DIR.old first")
     _add_progress(verb)
     verb = _verb(verbs, "restart", _restart,
                  "go on from a checkpoint, on any number of ranks: parisph restart DIR [options] [-- PETSc options]")
-    verb.add_argument("path", metavar="DIR", help="folder of a run, or a checkpoint file in it")
-    verb.add_argument("--until", type=float, metavar="T", help="new end time [s]")
-    verb.add_argument("-o", "--out", metavar="DIR", help="folder for what follows (default: the same, from its last checkpoint only)")
+    verb.add_argument("path", type=arguments.path, metavar="DIR", help="folder of a run, or a checkpoint file in it")
+    verb.add_argument("--until", type=arguments.number, metavar="T", help="new end time [s]")
+    verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR", help="folder for what follows (default: the same, from its last checkpoint only)")
     _add_progress(verb)
     verb = _verb(verbs, "check", _check, "validate a case, and say what running it takes")
     _add_case(verb)
 
 
 def _add_case(verb):
-    verb.add_argument("case", metavar="CASE", help="Python file with a function case(...), or the case.json of a run")
+    verb.add_argument("case", type=arguments.path, metavar="CASE", help="Python file with a function case(...), or the case.json of a run")
     verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
                       help="other values for parameters of case(...), such as --set spacing=1/40 end_time=2")
 
@@ -194,7 +197,7 @@ def _add_looking(verbs):
     verb.add_argument("--json", action="store_true", help="print summary.json instead")
     verb = _verb(verbs, "plot", _plot, "pictures of the flow and of the probes; by itself, the whole run on one page")
     _add_run(verb)
-    verb.add_argument("--time", type=float, metavar="T", help="the flow at the snapshot nearest this time [s]")
+    verb.add_argument("--time", type=arguments.number, metavar="T", help="the flow at the snapshot nearest this time [s]")
     verb.add_argument("--peak", metavar="PROBE", help="the flow at the snapshot nearest the greatest value of a probe")
     verb.add_argument("--probe", action="append", metavar="NAME", help="the series of this probe (may be repeated)")
     _add_drawing(verb)
@@ -203,7 +206,7 @@ def _add_looking(verbs):
     _add_drawing(verb)
     verb = _verb(verbs, "compare", _compare, "error of a probe against a reference series")
     _add_run(verb)
-    verb.add_argument("reference", metavar="REFERENCE.csv", help="a CSV file with one header line")
+    verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv", help="a CSV file with one header line")
     verb.add_argument("--json", action="store_true", help="print as JSON")
     for option, text in (("--probe", "which probe, where there are several"), ("--column", "which of its columns"),
                          ("--time", "the reference's column of times (default: the first)"),
@@ -214,18 +217,18 @@ def _add_looking(verbs):
             ("--time-scale", 1.0, "seconds for one unit of the reference's time"), ("--shift", 0.0, "added to the run's time [s]"),
             ("--best-shift", None, "take the best shift of at most this many seconds either way"),
             ("--rest", None, "level at rest: the error is then a share of the wave alone")):
-        verb.add_argument(option, type=float, default=default, metavar="X", help=text)
+        verb.add_argument(option, type=arguments.number, default=default, metavar="X", help=text)
 
 
 def _add_run(verb):
-    verb.add_argument("run", metavar="DIR", help="folder of a run")
+    verb.add_argument("run", type=arguments.path, metavar="DIR", help="folder of a run")
 
 
 def _add_drawing(verb):
     verb.add_argument("--field", metavar="NAME", help="pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
     verb.add_argument("--surface", action="store_true", help="mark the particles of the free surface")
     verb.add_argument("--normalise", action="store_true", help="lengths by H, times by sqrt(H/g), pressures by rho g H (of the flow or of probes, not of the whole run)")
-    verb.add_argument("-o", "--out", metavar="FILE",
+    verb.add_argument("-o", "--out", type=arguments.path, metavar="FILE",
                       help="where to write (default: in the folder of the run): a .png, .pdf, ...; a movie's .gif or .mp4")
 
 
@@ -287,13 +290,13 @@ def _load(args):
 def _folder(args):
     """Return the folder for a new run; one that holds a run already is never taken."""
     if args.out is not None:
-        if (Path(args.out) / "case.json").exists() and not args.overwrite:
+        if os.path.exists(Path(args.out) / "case.json") and not args.overwrite:
             raise CaseError(f"{args.out} holds a run already: give another folder with -o, or move it aside with --overwrite")
         return args.out
     case = Path(args.case)
     name = case.resolve().parent.name if case.name == "case.json" else case.stem
     number = 1
-    while (folder := Path("runs") / (name if number == 1 else f"{name}-{number}")).exists() and not args.overwrite:
+    while os.path.exists(folder := Path("runs") / (name if number == 1 else f"{name}-{number}")) and not args.overwrite:
         number += 1
     return str(folder)
 

@@ -8,6 +8,8 @@ from time import perf_counter
 
 import numpy as np
 
+from parisph.base.text import plain_lines
+
 logger = logging.getLogger("parisph")
 
 
@@ -66,8 +68,15 @@ def stop():
 
 def _add(handler, level, form):
     handler.setLevel(level)
-    handler.setFormatter(logging.Formatter(form))
+    handler.setFormatter(_Plain(form))
     logger.addHandler(handler)
+
+
+class _Plain(logging.Formatter):
+    """A record never looks like two: further lines are indented, control characters are escapes."""
+
+    def format(self, record):
+        return plain_lines(super().format(record), indent="    ")
 
 
 class Timers:

@@ -26,6 +26,11 @@ def plain(text):
                    for character in text)
 
 
+def plain_lines(text, indent=""):
+    """Return a text whose line breaks are kept, with an indent behind each, and whose other control characters are escapes."""
+    return f"\n{indent}".join(plain(line) for line in text.split("\n"))
+
+
 def clipped(text, limit=LIMIT):
     """Return a text of at most `limit` characters; what is left out of the middle becomes '...'."""
     if len(text) <= limit:

@@ -1,11 +1,12 @@
 """A run in words: the short table at its end, and what `parisph info` prints. Not collective."""
 
+from parisph.base.text import plain_lines
 from parisph.io.layout import INDEX
 
 
 def table(summary):
     """Return the lines of a short table of summary.json; what the summary lacks is left out."""
-    return [f"{name:<15} {text}" for name, text in _entries(summary) if text is not None]
+    return _plain(f"{name:<15} {text}" for name, text in _entries(summary) if text is not None)
 
 
 def describe(run):
@@ -21,12 +22,17 @@ def describe(run):
         columns = (f"{column} [{unit}]" if unit else column for column, unit in run.units(name).items()
                    if column not in ("time", "step"))
         lines.append(f"{'probe':<16}{name}: {', '.join(columns)}")
-    return "\n".join(lines)
+    return "\n".join(_plain(lines))
 
 
 def provenance(run):
     """Return the text about how a Run was made, "" if it has no snapshot. Raises StoreError if the first one is damaged."""
-    return "\n".join(f"{name:<16}{value}" for name, value in sorted(run.about.items()))
+    return "\n".join(_plain(f"{name:<16}{value}" for name, value in sorted(run.about.items())))
+
+
+def _plain(entries):
+    """Return texts of which none looks like two: the files of a run may come from anybody."""
+    return [plain_lines(entry, indent=4 * " ") for entry in entries]
 
 
 def _entries(summary):

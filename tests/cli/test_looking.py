@@ -63,6 +63,11 @@ def test_energy_of_a_driven_fluid_does_not_drift(folder):
     assert "energy change -7.00%" in lines(driven=True) and not any("energy drift" in line for line in lines(driven=True))
 
 
+def test_a_summary_from_anybody_writes_no_lines_of_its_own():
+    lines = describe.table({**SUMMARY, "status": "completed\nenergy drift    +0.00%\x1b[1A"})
+    assert lines[0] == "status          completed\n    energy drift    +0.00%\\x1b[1A"
+
+
 @pytest.mark.parametrize("words", [[], ["--json"]])
 def test_info_to_a_reader_that_leaves(folder, words):
     """As in `parisph info RUN | head -1`: no traceback, neither from the print nor at exit."""

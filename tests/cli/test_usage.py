@@ -11,6 +11,7 @@ import pytest
 from parisph import __main__ as entry
 from parisph import cli, load, open_run
 from parisph.base import errors
+from parisph.base.text import is_plain
 from tests.launch import mpirun, parisph
 
 CASE = '''
@@ -67,13 +68,30 @@ def driver(monkeypatch):
     (["run", "tank.py", "--", "-o", "mine"], "write -o and its value before the --"),
     (["restart", "runs/tank", "--", "--until", "3"], "write --until and its value before the --"),
     (["restart"], "required: DIR"),
-    (["restart", "runs/tank", "--until", "late"], "invalid float value: 'late'"),
+    (["restart", "runs/tank", "--until", "late"], "argument --until: 'late': must be a finite number"),
+    (["restart", "runs/tank", "--until", "nan"], "argument --until: 'nan': must be a finite number"),
+    (["plot", "runs/tank", "--time", "1e999"], "argument --time: '1e999': must be a finite number"),
+    (["compare", "runs/tank", "a.csv", "--rest", "nan"], "argument --rest: 'nan': must be a finite number"),
+    (["compare", "runs/tank", "a.csv", "--scale", "inf"], "argument --scale: 'inf': must be a finite number"),
+    (["run", ""], "argument CASE: '': must not be empty"),
+    (["run", "tank.py", "-o", ""], "argument -o/--out: '': must not be empty"),
+    (["run", "tank.py", "-o", "a\nb"], r"argument 'a\nb': must be text without line breaks"),
+    (["run", "tank.py", "-o", "\udcff"], r"argument '\udcff': must be text without line breaks"),
+    (["run", "tank.py", "--set", "title=\x1b[2J"], r"argument 'title=\x1b[2J': must be text without"),
+    (["run", "tank.py", "-o", "x" * 300], "is too long: a name has at most 255 bytes"),
+    (["run", "tank.py", "-o", "x/" * 3000], "is too long"),
+    (["info", "x" * 5000], "argument DIR: 'xxx"),
+    (["x" * 5000], "invalid choice: 'xxx"),
+    (["run", "tank.py", "--" + "x" * 5000], "unknown argument --xxx"),
+    (["run", "tank.py", "--", "--" + "x" * 5000], "stands after the lone --"),
+    (["run", "."], ".: is a folder; give a case file"),
     (["compare", "runs/tank"], "required: REFERENCE.csv"),
 ])
 def test_bad_usage_is_one_message_and_code_2(case, driver, capsys, words, says):
     assert entry.main(words) == 2
     shown = capsys.readouterr()
     assert shown.err.startswith("parisph: error: ") and says in shown.err
+    assert is_plain(shown.err.replace("\n", "")) and max(map(len, shown.err.split("\n"))) < 500
     assert "Traceback" not in shown.err and shown.out == ""
     assert driver.calls == [] and not (case.parent / "runs").exists()
 

@@ -36,6 +36,15 @@ def test_rank_0_speaks_on_screen_and_in_the_file(tmp_path):
     assert [line.split(" ", 2)[2] for line in written] == ["INFO step 7", "DEBUG detail"]
 
 
+def test_no_text_looks_like_another_record(tmp_path):
+    screen = io.StringIO()
+    log.start(SimpleNamespace(rank=0), tmp_path / "run.log", stream=screen)
+    log.logger.info("a\n2026-01-01 00:00:00,000 ERROR not so\x1b[2J\r\udcff")
+    log.stop()
+    assert screen.getvalue() == "a\n    2026-01-01 00:00:00,000 ERROR not so\\x1b[2J\\r\\udcff\n"
+    assert [line[:4] for line in (tmp_path / "run.log").read_text().splitlines()][1] == 4 * " "
+
+
 def test_other_ranks_are_silent(tmp_path, capsys):
     screen = io.StringIO()
     log.start(SimpleNamespace(rank=1), tmp_path / "run.log", stream=screen)

@@ -1,0 +1,36 @@
+"""Words of the command line: looked at one by one, before anything is done with them."""
+
+import argparse
+import math
+
+from parisph.base import paths
+from parisph.base.errors import CaseError
+from parisph.base.text import is_plain, shown
+
+LARGEST = 1e30    # as in a case: its square is finite
+
+
+def check(words):
+    """Raise CaseError for a word that would write lines of its own into logs and messages, or is not UTF-8."""
+    for word in words:
+        if not is_plain(word):
+            raise CaseError(f"argument {shown(word)}: must be text without line breaks or control characters")
+
+
+def path(word):
+    """Return a path that a file or folder can have. For argparse, which adds the name of the argument."""
+    problem = paths.fault(word)
+    if problem:
+        raise argparse.ArgumentTypeError(f"{shown(word)}: {problem}")
+    return word
+
+
+def number(word):
+    """Return a finite number of a sane size. For argparse, as `path`."""
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= LARGEST:
+        raise argparse.ArgumentTypeError(f"{shown(word)}: must be a finite number of at most {LARGEST:g} in size")
+    return value
