@@ -178,10 +178,9 @@ def _check_place(path, loaded):
     beside = path.resolve().parent.parent / "case.json"
     try:
         run = json.loads(beside.read_text(encoding="utf-8"))["run"]
-        own = json.loads(loaded.case)["run"]
     except (OSError, ValueError, KeyError, TypeError):    # what is wrong with case.json is said by those who read it
         return
-    if path.parent.name == "checkpoints" and own != run:
+    if path.parent.name == "checkpoints" and json.loads(loaded.case).get("run", "") != run:
         raise StoreError(f"{path} is of another run than the folder that it is in: it has been copied there")
 
 

@@ -71,7 +71,7 @@ def read(path, time=None, run=""):
     registry = {NAMES.get(name, name): name for name in FIELDS}
     with _opened(path) as file:
         found, step, dim = float(file.attrs["time"]), int(file.attrs["step"]), int(file.attrs["dim"])
-        if run and file.attrs.get("run", run) != run:
+        if run and file.attrs.get("run", "") != run:
             raise StoreError(f"{path} is of another run than the folder that it is in: it has been copied there")
         if time is not None and found != time:
             raise StoreError(f"{path} is the snapshot of {found:.12g} s, not that of {time:.12g} s: another one has been copied over it")

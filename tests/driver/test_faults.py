@@ -6,7 +6,7 @@ import pytest
 from tests.faults.parts import PARTS
 
 # Enough to see that a part works and that nothing obvious misbehaves, and quick.
-FEW = {}
+FEW = {"checkpoints": 15, "snapshots": 15}
 
 
 @pytest.mark.parametrize("name", PARTS)

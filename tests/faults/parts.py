@@ -1,10 +1,12 @@
 """The parts of the campaign, in their order. One module of this folder holds each of them."""
 
-from tests.faults import folders, kills, text_files
+from tests.faults import checkpoints, folders, kills, snapshots, text_files
 from tests.faults.table import Part
 
 PARTS: dict[str, Part] = {
     "kills": Part("ranks killed at random moments, then a restart", 100, kills.make),
+    "checkpoints": Part("damaged checkpoints", 300, checkpoints.make),
+    "snapshots": Part("damaged snapshots", 300, snapshots.make),
     "text_files": Part("damaged CSV and JSON files", 60, text_files.make),
     "folders": Part("full disk, files removed, no permission, while running", 42, folders.make),
 }
