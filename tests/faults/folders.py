@@ -21,7 +21,7 @@ def case():
     return scene("dam_break", spacing=0.05, end_time=1000.0, snapshot_every=0.05).changed(**{"output.checkpoint_every": 0.1})
 """
 CAUSES = {
-    "the disk is full": r"File too large|No space left|Disk quota|write failed|errno = 27|posix_fallocate|cannot write",
+    "the disk is full": r"File too large|No space left",
     "the folder is removed": r"No such file|gone|removed",
     "snapshots are removed": r"No such file",
     "checkpoints are removed": r"No such file",
@@ -36,27 +36,36 @@ def make(count, random, folder):
     os.chmod(folder, 0o755)
     kernels = folder / "kernels"
     shutil.copytree(cache.folder(), kernels / Path(cache.folder()).name)
+    (folder / "home").mkdir()
     _give(kernels)
+    _give(folder / "home")
     names = list(CAUSES)
     for attempt in range(count):
         place = folder / str(attempt)
         place.mkdir()
-        (place / "case.py").write_text(CASE)
-        _give(place)
         found = _attempt(place, names[attempt % len(names)], int(random.integers(1, 3)), float(random.uniform(0.0, 1.0)), kernels, random)
         _open_up(place)
+        if os.path.ismount(place):
+            subprocess.run(["umount", place], check=True)
         shutil.rmtree(place)
         yield found
 
 
 def _attempt(folder, damage, ranks, moment, kernels, random):
+    limit = None
+    if damage == "the disk is full":
+        size = int(random.choice([40, 300, 700]))
+        if not _mount(folder, size):    # no right to: then a limit of the process, which MPI's own files cannot bear
+            ranks, limit = 1, 1024 * size
     what = f"{ranks} ranks, {damage} after {moment:.2f} s"
-    limit = int(random.choice([30_000, 200_000, 350_000])) if damage == "the disk is full" else None
+    (folder / "case.py").write_text(CASE)
+    _give(folder)
     words = [sys.executable, "-m", "parisph", "run", "case.py", "-o", "run", "-q"]
     if ranks > 1:
         words = [shutil.which("mpirun"), "-n", str(ranks), *words]
+    home = folder.parent / "home"
     with open(folder.parent / f"{folder.name}.txt", "w+") as out:
-        process = subprocess.Popen(words, cwd=folder, env=clean_environment(HOME=str(folder), TMPDIR=str(folder), NUMBA_CACHE_DIR=str(kernels)),
+        process = subprocess.Popen(words, cwd=folder, env=clean_environment(HOME=str(home), TMPDIR=str(home), NUMBA_CACHE_DIR=str(kernels)),
                                    stdout=out, stderr=out, stdin=subprocess.DEVNULL, start_new_session=True,
                                    preexec_fn=lambda: _restrict(limit))
         try:
@@ -87,13 +96,19 @@ def _judge(what, damage, code, said):
     if said.count("parisph: error: ") != 1 or "Traceback" in said or "Logging error" in said:
         return f"{what}: says {said[-600:]!r}"
     error = said.partition("parisph: error: ")[2]
-    return None if re.search(CAUSES[damage], error) else f"{what}: does not say why: {error[:300]!r}"
+    return None if re.search(CAUSES[damage], error, re.IGNORECASE) else f"{what}: does not say why: {error[:300]!r}"
 
 
-def _remove_folder(run):
+def _mount(folder, kilobytes):
+    """Put a small file system on a folder; return whether that is allowed."""
+    words = ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(folder)]
+    return os.geteuid() == 0 and subprocess.run(words, capture_output=True).returncode == 0
+
+
+def _remove(folder):
     # the run goes on writing, so what has been emptied may be filled again
-    while run.exists():
-        shutil.rmtree(run, ignore_errors=True)
+    while folder.exists():
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _put_file(run):
@@ -102,9 +117,9 @@ def _put_file(run):
 
 
 DO = {
-    "the folder is removed": _remove_folder,
-    "snapshots are removed": lambda run: shutil.rmtree(run / "snapshots", ignore_errors=True) or (run / "snapshots").exists(),
-    "checkpoints are removed": lambda run: shutil.rmtree(run / "checkpoints", ignore_errors=True),
+    "the folder is removed": _remove,
+    "snapshots are removed": lambda run: _remove(run / "snapshots"),
+    "checkpoints are removed": lambda run: _remove(run / "checkpoints"),
     "the folder may not be written": lambda run: [os.chmod(path, 0o555) for path in (run / "snapshots", run / "checkpoints", run)],
     "snapshots may not be written": lambda run: os.chmod(run / "snapshots", 0o555),
     "a file stands where snapshots should be": _put_file,
