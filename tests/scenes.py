@@ -5,7 +5,7 @@ import numpy as np
 from parisph.case.load import load
 from tests.launch import ROOT, mpirun
 
-# What stands in front of a program that runs on ranks.
+# The head of a program that runs on several ranks.
 PROGRAM = """
 import sys
 import numpy as np
@@ -32,5 +32,5 @@ def on_ranks(n, body, folder, timeout=120):
 
 
 def difference(a, b):
-    """Return the largest difference of two arrays as a share of the largest value of the second."""
+    """Return the largest difference of two arrays, relative to the largest value of the second."""
     return np.abs(a - b).max() / np.abs(b).max()

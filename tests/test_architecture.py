@@ -1,4 +1,4 @@
-"""The house rules that a machine can see: who may import what (the order is in README.md)."""
+"""Rules of the architecture that a test can check: which part may import which (the order is in README.md)."""
 
 import ast
 import subprocess

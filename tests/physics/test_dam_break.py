@@ -1,4 +1,4 @@
-"""The dam break: its first pressure is known, its front was measured, its fluid must stay."""
+"""The dam break: first pressure, measured front, conservation of volume and energy."""
 
 import numpy as np
 import pytest
@@ -87,7 +87,7 @@ def test_volume_and_energy(fall):
 
 
 def test_momentum_is_what_the_walls_give(fall):
-    """It goes to the right until the impact, as the left wall is all that pushes."""
+    """Momentum points to the right until the impact, because only the left wall pushes."""
     momentum = fall[0].probe("momentum")
     before = momentum["time"] < 1.3 * UNIT
     assert (np.diff(momentum["px"][before]) > 0.0).all()

@@ -1,4 +1,4 @@
-"""Fluid without a tank: its momentum stays what it was, and so does its volume."""
+"""Fluid without a tank: momentum and volume are conserved."""
 
 import numpy as np
 import pytest
@@ -83,7 +83,7 @@ def spin(p):
 
 
 def test_rotating_patch():
-    """Its middle is under suction and its corners fly; 50 steps, t omega = 1.4."""
+    """The pressure in the middle is negative and the corners move outwards; 50 steps, t omega = 1.4."""
     s = Simulation(scene("rotating_patch", spacing=0.05), MPI.COMM_SELF)
     turning = spin(s.particles)
     before, after = steps(s, 50)

@@ -1,4 +1,4 @@
-"""Water at rest stays at rest, with the pressure of its weight."""
+"""Water at rest stays at rest, with hydrostatic pressure."""
 
 import numpy as np
 import pytest
@@ -52,7 +52,7 @@ def still(shape, walls, gravity, **numerics):
 
 @pytest.mark.parametrize("jitter", [0.0, 0.4])
 def test_full_closed_box(jitter):
-    """No free surface: the pressure is that of the weight, with a mean of zero."""
+    """No free surface: the pressure is hydrostatic, with a mean of zero."""
     s = still(Box(width=1.0, height=1.0), Tank(width=1.0, height=1.0, lid=True), (0.0, -G),
               time_step=0.01, jitter=jitter)
     assert s.case.closed
@@ -85,7 +85,7 @@ def test_body_force_of_the_box_is_balanced_in_any_direction():
 
 @pytest.mark.parametrize("jitter", [0.0, 0.4])
 def test_free_fluid_without_gravity_rests(jitter):
-    """The step adapts to nothing at all here: no velocity, no field."""
+    """Nothing limits the adaptive step here: no velocity, no force."""
     s = still(Disc(radius=1.0), None, (0.0, 0.0), jitter=jitter)
     start = s.gather("x")["x"]
     while not s.finished():

@@ -30,7 +30,7 @@ def test_one_of_two_groups_has_no_anchor():
 
 
 def test_entries_are_followed_in_their_direction_only():
-    # Row 0 is a wall that leans on fluid 1 and 2; these do not lean on it, so its anchor is none of theirs.
+    # The row of wall 0 contains fluid 1 and 2, but their rows do not contain it, so its anchor does not help them.
     columns = [[0, 1, 2], [1, 2], [2, 1]]
     assert find(columns, 0) == [False, True, True]
     assert find(columns, 2) == [False, False, False]

@@ -124,7 +124,7 @@ def test_no_particle_gets_nearer_than_the_distance(dim, dt):
     assert room.min() >= 0.5 * pool.spacing * (1.0 - 1e-9)
     changed = np.any(after != u, axis=1)
     assert slowed == np.count_nonzero(changed) > 0
-    # who stays off anyway keeps its velocity
+    # a particle that stays away from the wall keeps its velocity
     free_flight = pool.x + dt * u
     safe = np.concatenate([free_flight, (pool.top * pool.spacing - free_flight)[:, :-1]], axis=1)
     unhurt = pool.fluid & (safe > 0.5 * pool.spacing * (1.0 + 1e-9)).all(axis=1)

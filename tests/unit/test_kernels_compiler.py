@@ -1,4 +1,4 @@
-"""Kernels must compute what they say, on every processor and with every compiler."""
+"""Compiled kernels must be correct, on every processor and with every compiler."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Moments of neighbourhoods and the small systems of the least squares."""
+"""Moments of neighbourhoods, and the small linear systems of least squares."""
 
 import numpy as np
 import pytest

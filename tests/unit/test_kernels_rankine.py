@@ -113,7 +113,7 @@ def test_lattice_row_is_symmetric_and_mostly_positive():
 
 
 def test_two_particles_of_a_small_drop_have_rows_of_their_own():
-    # six particles and five conditions on a row leave one row that meets all of them, whosever it is
+    # six particles and five conditions leave a single row, the same for each of the particles
     pool = free([[0.0, 0.0], [0.9, 0.1], [-0.6, 0.9], [-0.5, -0.8], [1.5, 0.7], [1.3, -0.9]])
     rows, dense = filled(pool), np.eye(6)
     for i in range(2):
@@ -195,7 +195,7 @@ def test_only_inner_rows_are_filled_and_dry_walls_are_in_no_row(dim):
     assert np.all(rows.count[~inner] == 0) and np.isnan(rows.measure[~inner]).all() and np.isnan(rows.div[~inner]).all()
     used = np.concatenate([rows.entries(i)[0] for i in np.flatnonzero(inner)])
     assert set(pool.role[used]) == {INNER, SURFACE, 2}
-    # beside a dry wall all neighbours are on one side, and some rows have no Laplacian to give
+    # beside a dry wall all neighbours are on one side, and some rows have no Laplacian
     sound = rows.measure > 0.0
     assert np.all(sound[inner & (pool.index[:, 0] > 1)])
     np.testing.assert_allclose(rows.div[sound], dim, atol=1e-9)

@@ -1,4 +1,4 @@
-"""Who lies on the free surface: the gap rule, the auxiliary functions and the density rule."""
+"""Which particles lie on the free surface: gap rule, auxiliary functions, density rule."""
 
 import numpy as np
 import pytest

@@ -84,7 +84,7 @@ def beside_wall(*offsets, role=INNER):
 @pytest.mark.parametrize(("offsets", "role", "expected"), [
     ([(-0.5, 1.0), (0.5, 1.0)], INNER, WET),
     ([(-0.5, 1.0), (0.5, 1.0)], SURFACE, CONTACT),           # no inner particle near
-    ([(-0.5, 1.0), (0.5, 1.0)], BALLISTIC, DRY),             # spray wets nothing
+    ([(-0.5, 1.0), (0.5, 1.0)], BALLISTIC, DRY),             # spray does not wet walls
     ([(0.0, 1.0), (0.5, 1.0)], INNER, DRY),                  # fluid on one side only
     ([(-0.31, 2.0), (0.31, 2.0)], INNER, WET),
     ([(-0.29, 2.0), (0.29, 2.0)], INNER, DRY),               # on neither side

@@ -1,4 +1,4 @@
-"""PETSc options of the pressure solve: the user's win, ours leave no trace."""
+"""PETSc options of the pressure solve: the user's override the defaults, which leave no trace."""
 
 import sys
 
