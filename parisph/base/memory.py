@@ -1,4 +1,4 @@
-"""How much memory this machine has."""
+"""The memory of this machine."""
 
 import os
 from pathlib import Path
@@ -7,8 +7,8 @@ _LIMITS = ("memory.max", "memory.limit_in_bytes")    # of control groups, versio
 
 
 def total(root="/"):
-    """Return the bytes of memory that this process may use at most: those of the machine, or of its
-    control group (a container, a batch job) where that is less; None where the system does not tell.
+    """Return the bytes of memory that this process may use: those of the machine, or of its control
+    group (a container, a batch job) if that is less; None if unknown.
 
     root : where /proc and /sys are
     """
@@ -21,7 +21,7 @@ def total(root="/"):
 
 
 def amount(size):
-    """Return a number of bytes for people: '160 GB'."""
+    """Return a number of bytes as text: '160 GB'."""
     for unit in ("B", "kB", "MB", "GB", "TB", "PB", "EB"):
         if size < 999.5:
             return f"{size:.3g} {unit}"

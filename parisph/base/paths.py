@@ -1,4 +1,4 @@
-"""Names of files and folders from outside, looked at before the system is asked for them."""
+"""Checks of file and folder names from outside, before they are used."""
 
 import os
 from pathlib import Path
@@ -11,7 +11,7 @@ LONGEST_NAME, LONGEST_PATH = 255, 4095
 
 
 def checked(path, what):
-    """Return a pathlib.Path. Raises CaseError for what can name no file, or would write lines of its own into a log.
+    """Return a pathlib.Path. Raises CaseError if no file can have this name, or if it would add lines to a log.
 
     path : str or os.PathLike; what : what it is the path of, for the message
     """

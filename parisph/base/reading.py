@@ -1,4 +1,4 @@
-"""Text files from outside: read only if they are files, of a sane size, and text. Not collective."""
+"""Read text files from outside: regular files of limited size, with text in them. Not collective."""
 
 import csv
 import errno
@@ -16,8 +16,8 @@ def read_text(path, most=MOST):
 
     Raises
     ------
-    OSError, whose strerror is one line: there is no such file, it is a folder, a pipe or a device (which is not
-    opened), it has more than `most` bytes, or is not text.
+    OSError, whose strerror is one line: the file does not exist, is a folder, a pipe or a device (which is not
+    opened), has more than `most` bytes, or is not text.
     """
     try:
         _check_regular(os.stat(path), most)
@@ -43,8 +43,8 @@ def read_columns(path):
 
     Raises
     ------
-    OSError as read_text. ValueError, one line that shows little of the file: the columns have no name or not one each,
-    a line has too few or too many cells, or there is no header.
+    OSError as read_text. ValueError, one line that shows little of the file: there is no header, a column has no name
+    or that of another one, or a line has too few or too many cells.
     """
     names, lines = [], {}
     for number, row in enumerate(read_text(path).splitlines(), 1):
@@ -64,7 +64,7 @@ def read_columns(path):
 
 
 def listed(names):
-    """Return names of columns as a message shows them: few of them, as the file may be anything."""
+    """Return a few names of columns for a message; not all, because the file may contain anything."""
     return clipped(", ".join(named(name) for name in names[:9]) + ", ..." * (len(names) > 9)) or "none"
 
 

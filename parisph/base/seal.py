@@ -1,4 +1,4 @@
-"""JSON files that show whether they have been changed: an object bears the digest of all else that is in it."""
+"""JSON files that show whether they have been changed: an object contains the digest of all its other entries."""
 
 import hashlib
 import json
@@ -13,7 +13,7 @@ def sealed(content: dict) -> dict:
 
 
 def opened(content: dict) -> tuple[dict, bool]:
-    """Return a JSON object without its digest, and whether it is as it was sealed. Without a digest nothing is known: True."""
+    """Return a JSON object without its digest, and whether it is unchanged. True if it has no digest."""
     rest = {name: value for name, value in content.items() if name != KEY}
     return rest, content.get(KEY, None) in (None, _digest(rest))
 

@@ -1,4 +1,4 @@
-"""Texts that come from outside, made fit to be shown: on one line, without control characters, not too long."""
+"""Text from outside, prepared for messages: on one line, without control characters, not too long."""
 
 import reprlib
 import unicodedata
@@ -27,12 +27,12 @@ def plain(text):
 
 
 def plain_lines(text, indent=""):
-    """Return a text whose line breaks are kept, with an indent behind each, and whose other control characters are escapes."""
+    """Return a text with an indent after each line break, and with escapes for other control characters."""
     return f"\n{indent}".join(plain(line) for line in text.split("\n"))
 
 
 def clipped(text, limit=LIMIT):
-    """Return a text of at most `limit` characters; what is left out of the middle becomes '...'."""
+    """Return a text of at most `limit` characters; '...' replaces the middle of a longer one."""
     if len(text) <= limit:
         return text
     end = (limit - 3) // 3
@@ -40,9 +40,9 @@ def clipped(text, limit=LIMIT):
 
 
 def shown(value, limit=LIMIT):
-    """Return any value as a message shows it: its repr on one line, of at most `limit` characters.
+    """Return any value for a message: its repr on one line, of at most `limit` characters.
 
-    Never raises: the repr of an object of a user's own may.
+    Never raises, although the repr of a user's own object may.
     """
     try:
         text = repr(value) if isinstance(value, str) and len(value) <= limit else _short.repr(value)
@@ -52,7 +52,7 @@ def shown(value, limit=LIMIT):
 
 
 def named(text, limit=LONGEST):
-    """Return a name or path as a message shows it: without quotes, on one line, of at most `limit` characters."""
+    """Return a name or path for a message: without quotes, on one line, of at most `limit` characters."""
     return clipped(plain(str(text)), limit)
 
 

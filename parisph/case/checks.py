@@ -1,6 +1,6 @@
-"""Checks of a whole case: everything that would fail later is said before any work.
+"""Checks of a whole case: whatever would fail later is reported before any work.
 
-Each check yields one line for each problem, with field, value, limit and remedy.
+Each check yields one line per problem, with field, value, limit and remedy.
 """
 
 import numpy as np
@@ -49,14 +49,14 @@ def _dimensions(case):
 
 
 def _surface(case):
-    """Without a free surface only a full tank has a pressure: elsewhere nothing would hold it."""
+    """Without a free surface only a full tank has a pressure: in all other scenes nothing fixes its level."""
     if case.numerics.surface_rule == "none" and not case.closed:
         yield ("numerics.surface_rule = none: only for a tank with a lid that is full; "
                "choose gap, auxiliary, density or frozen, or leave it to the preset")
 
 
 def _spacing(case):
-    """The spacing must divide every length that the lattice has to meet."""
+    """The spacing must divide every length of the scene into whole spacings."""
     lengths = dict(_lengths(case))
     s = case.numerics.spacing
 
@@ -78,7 +78,7 @@ def _spacing(case):
 
 
 def _digits(value, holds, least=6):
-    """Return a number as text, with so many digits that `holds(number)` is true of what is said as well."""
+    """Return a number as text, with enough digits that `holds(number)` is also true for the rounded number."""
     for digits in (least, 10):
         text = f"{value:.{digits}g}"
         if holds(float(text)):
@@ -167,7 +167,7 @@ def _elevation(case):
 
 
 def _sample(case):
-    """Return points (n, dim) [m] all over the bounding box of the fluid."""
+    """Return points (n, dim) [m] that cover the bounding box of the fluid."""
     lower, upper = case.fluid.shape.bounds
     axes = [np.linspace(a, b, SAMPLES) for a, b in zip(lower, upper)]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
@@ -249,7 +249,7 @@ def _steps(case):
 
 
 def _time_steps(case):
-    """Yield the steps [s] that a case asks for, and what asks for each: the field, and why."""
+    """Yield the time steps [s] that a case requires, each with the field that requires it and the reason."""
     n, frame = case.numerics, case.frame
     if n.time_step is not None:
         yield n.time_step, f"numerics.time_step = {n.time_step:g} s"
@@ -281,8 +281,8 @@ def _files(case):
 def stable_time_step(case):
     """Estimate the largest sensible time step [s] from the case alone, and say where it comes from.
 
-    Waves: the time sqrt(s/g) of the shortest waves on the lattice. Violent flows: besides, cfl s/u with
-    u = |u0| + sqrt(2 g H), the speed of a fall from the fluid's height (Z14 Sec. 3.1.2).
+    For waves, sqrt(s/g), the time scale of the shortest waves on the lattice. For violent flows also
+    cfl s/u with u = |u0| + sqrt(2 g H), the speed after a fall from the height of the fluid (Z14 Sec. 3.1.2).
     """
     x, s = _sample(case), case.numerics.spacing
     x = x[case.fluid.shape.inside(x, 0.0)]

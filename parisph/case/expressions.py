@@ -1,7 +1,7 @@
-"""Expressions of position and time, as a case writes them: '0.1*cos(pi*x)'.
+"""Expressions of position and time in a case, such as '0.1*cos(pi*x)'.
 
-Only arithmetic is let through: the text is parsed, every node is checked against a short
-list, and only then compiled. A stored case can therefore be read from anybody.
+Only arithmetic is allowed: the text is parsed, every node is checked against a short list, and only
+then the expression is compiled. It is therefore safe to read a stored case from anybody.
 """
 
 import ast
@@ -40,7 +40,7 @@ def compile_expression(text, names):
 
     Raises
     ------
-    ValueError : says what in the text is not allowed, and what is
+    ValueError : says what is not allowed in the text, and what is allowed
     """
     tree = _parse(str(text), names)
     used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
@@ -58,7 +58,7 @@ def compile_expression(text, names):
 
 
 def uniform_field(components):
-    """Return the values (dim,) of a vector field that is the same everywhere and always, else None.
+    """Return the values (dim,) of a vector field that is uniform and constant, else None.
 
     components : numbers or expressions; those without variables count as numbers
     """
@@ -103,7 +103,7 @@ def vector_field(components, with_time):
 
 
 def variable_names(dim, with_time):
-    """Return the names that an expression may use: x, y (z in 3D) and perhaps t."""
+    """Return the names that an expression may use: x, y (z in 3D), and t if `with_time`."""
     return tuple("xyz"[:dim]) + (("t",) if with_time else ())
 
 
@@ -137,7 +137,7 @@ def _check_tree(node, names, text, depth):
 
 
 def _check(node, names, text):
-    """Raise ValueError unless the node is of the short list of what may be computed."""
+    """Raise ValueError unless the node is in the list of allowed operations."""
     if isinstance(node, ast.Constant):
         if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
             raise ValueError(f"{shown(node.value)} in {shown(text)} is not a number")
@@ -170,10 +170,10 @@ def _unknown_name(name, names, text):
 
 
 class _NamedNumbers(ast.NodeTransformer):
-    """Take every number out into a float64 of its own.
+    """Replace every number by a named float64.
 
-    float64 overflows to infinity where Python's integers would eat the memory (9**9**9) and
-    where Python's floats would raise in the middle of a step (1/0).
+    float64 overflows to infinity, where Python's integers would fill the memory (9**9**9) and
+    Python's floats would raise an error in the middle of a step (1/0).
     """
 
     def __init__(self):

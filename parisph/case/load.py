@@ -1,4 +1,4 @@
-"""Find a case file, run its function `case` with the values of --set, and say clearly what is wrong with it."""
+"""Find a case file and call its function `case` with the values of --set. Errors name file and line."""
 
 import difflib
 import functools
@@ -33,8 +33,8 @@ def load(path, sets=()):
 
     Raises
     ------
-    CaseError : the file, a parameter or the case itself is wrong; says where and what to do. Whatever the code of
-        the case file raises, SystemExit and the like too, becomes one, except KeyboardInterrupt.
+    CaseError : the file, a parameter or the case itself is wrong; says where and what to do. Any exception in the
+        code of the case file (also SystemExit, but not KeyboardInterrupt) becomes a CaseError.
     """
     file = _find(path)
     sets = _as_dict(sets)
@@ -135,7 +135,7 @@ def _check_parameters(function, path):
 
 
 def _users_code(action, file, path):
-    """Return action(), which runs code of a case file. Raises CaseError that says where it failed; Ctrl-C stays what it is."""
+    """Return action(), which runs code of a case file. Raises CaseError that says where it failed, except for Ctrl-C."""
     try:
         return action()
     except KeyboardInterrupt:
@@ -232,7 +232,7 @@ def _convert(text, wanted):
 
 
 def _first(text, kinds):
-    """Convert to the first type that takes the text; str comes last, because it takes everything."""
+    """Convert to the first type that accepts the text; str comes last, because it accepts any text."""
     problem = None
     for kind in sorted(kinds, key=lambda item: item is str):
         try:

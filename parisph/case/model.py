@@ -1,4 +1,4 @@
-"""The base of every part of a case: frozen, validated, with errors in plain words."""
+"""The base class of every part of a case: frozen, validated, with clear errors."""
 
 import difflib
 import typing
@@ -44,8 +44,8 @@ class Model(BaseModel):
         except ValidationError as error:
             raise CaseError(explain(error, type(self))) from None
 
-    # Without this mark pydantic would call __init__ for nested records too, and the
-    # place of an error inside a stored case would be lost.
+    # Without this mark pydantic would also call __init__ for nested records, and lose the place of an
+    # error inside a stored case.
     __init__.__pydantic_base_init__ = True
 
     @model_validator(mode="before")
@@ -145,9 +145,8 @@ def _unknown_field(owner, name):
 def _follow(model, loc):
     """Follow a pydantic location through the records.
 
-    Returns the place in words, such as Case.probes[0].at; the record class that owns the last field;
-    and the name of that field. Pydantic's names of union members are left out: they say nothing to a
-    user.
+    Returns the place as text, such as Case.probes[0].at; the record class that owns the last field;
+    and the name of that field. Pydantic's names of union members are left out: they do not help users.
     """
     place, owner, name, inside = model.__name__, model, None, [model]
     for part in loc:

@@ -50,7 +50,7 @@ class Motion(Model):
 
     @property
     def longest_step(self):
-        """Longest time step [s] that resolves the motion; infinite where it has no time of its own."""
+        """Longest time step [s] that resolves the motion; infinite if the motion has no time scale."""
         return np.inf
 
     @property
@@ -139,7 +139,7 @@ class Tabulated(Motion):
 
 @lru_cache(maxsize=8)
 def _spline(times, values):
-    """Return knots, values and second derivatives (n,) of the spline, computed once for each series."""
+    """Return knots, values and second derivatives (n,) of the spline; cached for each series."""
     t, y = np.array(times), np.array(values)
     return t, y, _spline_second_derivatives(t, y)
 

@@ -25,15 +25,15 @@ class Numerics(Model):
     max_time_step : upper limit of an adaptive step [s]
     zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)
-    strain : weight of the strain source, which keeps a particle's volume in a finite step; 0 or 1
+    strain : weight of the strain source, which conserves volume in a finite step; 0 or 1
     kappa, shift : weights of the position projection and of the Fick shift
-    filter : share of the velocity's roughness that is removed in a step
+    filter : fraction of the velocity's roughness that is removed in a step
     collision_distance, wall_guard : [s]; restitution : of pair collisions; 0 switches them off
-    surface_rule, wall_rows, gradient, surface_gradient, stepping : names of what the step is made of
+    surface_rule, wall_rows, gradient, surface_gradient, stepping : names of the parts of a step
     rtol : relative tolerance of the pressure solve
     jitter : k of a start displacement s k (Rn - 1/2) in each direction, Rn uniform in [0, 1) (Z17
         Sec. 4), of fluid particles inside; of those on the free surface too if jitter_surface
-    seed : of the jitter
+    seed : seed of the jitter
     """
 
     spacing: float = Field(gt=0, description="particle spacing [m]")
@@ -87,7 +87,7 @@ class Numerics(Model):
         return self
 
     def resolved(self):
-        """Return a copy in which every None that the preset knows is filled."""
+        """Return a copy in which the preset's values replace None."""
         missing = {name: value for name, value in PRESETS[self.preset].items() if getattr(self, name) is None}
         if self.zeta is not None:
             missing["zeta_time"] = 0.0
@@ -97,15 +97,15 @@ class Numerics(Model):
 
 
 class Output(Model):
-    """What is written and when. The start and the end of a run are written as snapshots in any case.
+    """What is written and when. Snapshots of the start and the end of a run are always written.
 
-    every : time between snapshots [s]; they are of these times exactly, as the steps before are shortened
-    times : further times of snapshots [s], met in the same way
+    every : time between snapshots [s]; steps are shortened so that snapshots have exactly these times
+    times : further times of snapshots [s], also met exactly
     fields : names of the particle fields in snapshots
     checkpoint_every : simulated time between checkpoints [s], None for one at the end only
     probe_every : steps between samples of the probes
-    probe_interval : time between samples of the probes [s], in place of `probe_every`: they are of these times
-        exactly, interpolated linearly in time between the steps around, and no step is shortened for them
+    probe_interval : time between samples of the probes [s], instead of `probe_every`; samples have exactly these
+        times, interpolated linearly in time between steps, and no step is shortened for them
     """
 
     every: Optional[float] = Field(None, gt=0, description="time between snapshots [s]")

@@ -1,4 +1,4 @@
-"""What a run watches: descriptions only; the values are computed by parisph.io.probes."""
+"""Descriptions of probes; parisph.io.probes computes their values."""
 
 import re
 from typing import Annotated, Literal, Union
@@ -22,7 +22,7 @@ class Truth(Model):
     time, value : names of the columns
     offset, scale : truth = offset + scale * column, in the probe's unit
     time_scale : seconds for one unit of the time column
-    wave : whether the error is of the wave part, |probe - truth| / |truth - offset|, instead of
+    wave : whether the error is that of the wave part, |probe - truth| / |truth - offset|, instead of
         |probe - truth| / |truth|
     """
 
@@ -113,8 +113,8 @@ def read_truth(truth):
 
     Raises
     ------
-    CaseError : the file cannot be read, or lacks a column, or holds something that is not a number. It shows no
-        more than a few words of the file: a stored case may name any.
+    CaseError : the file cannot be read, a column is missing, or a value is not a number. The message shows only a
+        few words of the file, because a stored case may name any file.
     """
     try:
         names, lines = reading.read_columns(truth.file)

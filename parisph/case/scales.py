@@ -1,6 +1,6 @@
-"""The scales of a scene, estimated before it is run: waves and speeds to expect. For `parisph check`.
+"""Estimates of the waves and speeds of a scene before it is run, for `parisph check`.
 
-Rough on purpose: one mode of linear waves, free fall, and what the fluid starts with.
+Rough estimates only: the first mode of linear waves, free fall, and the initial velocity.
 """
 
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ MOST_STEPS = 20_000  # of the oscillator; a longer run is judged by its beginnin
 
 @dataclass(frozen=True)
 class Scales:
-    """What to expect of a scene.
+    """Expected scales of a scene.
 
     Attributes
     ----------
-    wave : amplitude of the waves [m], by linear theory; None where there is no level water with waves on it
+    wave : amplitude of the waves [m], by linear theory; None unless the scene is level water with waves
     times : (n,) [s], from 0 to the end of the run
     speeds : (n,) largest speed of a particle at these times [m/s]
     force : largest body force per unit mass at the start [m/s^2]
@@ -35,12 +35,13 @@ class Scales:
 
 
 def expected(case) -> Scales:
-    """Return the Scales of a case, by these rules.
+    """Return the Scales of a case.
 
-    Level water between two walls has the speed of the start and that of waves: of its elevation, and
-    of its first mode, an oscillator driven by the horizontal body force, which includes the motion of
-    the tank. Breaking limits waves to the depth, and their speed to that of a fall from it. All other
-    fluid gains the energy of a fall from its top to the tank's bed (Z14 Sec. 3.1.2).
+    For level water between two walls the speed is the initial speed plus that of waves: those of the
+    initial elevation, and the first mode, an oscillator driven by the horizontal body force (which
+    includes the motion of the tank). Because waves break, their amplitude is at most the depth, and
+    their speed that of a fall from this height. All other fluid gains the energy of a fall from its
+    top to the tank's bed (Z14 Sec. 3.1.2).
     """
     times = np.linspace(0.0, case.end_time, SAMPLES)
     force, down = _gravity(case)
@@ -88,7 +89,8 @@ def _is_level(case, down):
 
 
 def _fall(case, down):
-    """Return how far fluid can fall [m]: to the tank's far side; without a tank, for ever or to the middle of a central force."""
+    """Return how far fluid can fall [m]: to the far side of the tank; without a tank, infinitely far, or
+    to the centre of a central force."""
     lower, upper = case.fluid.shape.bounds
     if case.walls is None:
         return np.inf if uniform_field(case.gravity) is not None else 0.25 * float(np.max(upper - lower))
@@ -140,7 +142,7 @@ def _elevation(case, x):
 
 
 def _harmonic(x, values):
-    """Return amplitude and wave number [1/m] of the cosine most like values (n,) at x (n,), at least half a wave long."""
+    """Return amplitude and wave number [1/m] of a cosine similar to the values (n,) at x (n,), at least half a wave long."""
     amplitude, longest = float(np.ptp(values)) / 2.0, np.pi / (x[-1] - x[0])
     if amplitude == 0.0:
         return 0.0, longest

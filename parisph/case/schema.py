@@ -33,7 +33,7 @@ class Case(Model):
 
     Attributes
     ----------
-    title : one line for people
+    title : one line, shown in pictures and tables
     fluid : Fluid
     walls : Tank, or None
     gravity : components of the body force [m/s2], numbers or expressions of x, y and t
@@ -41,8 +41,8 @@ class Case(Model):
     numerics, output : Numerics, Output
     probes : what is watched
     end_time : [s]
-    asked : None, or in a stored case the numerics as they were asked for; `numerics` then holds
-        them with every value that the preset gave
+    asked : None, or in a stored case the numerics as given by the user; `numerics` then also
+        contains the values of the preset
 
     Raises
     ------
@@ -92,9 +92,9 @@ class Case(Model):
 
     @property
     def driven(self):
-        """True where the body force or the tank's motion may do work on the fluid: its energy then need not stay.
+        """Whether the body force or the tank's motion may do work on the fluid and so change its energy.
 
-        A uniform, constant force does none, as its potential is counted.
+        A uniform, constant force does not, because its potential energy is counted.
         """
         return not isinstance(self.frame, AtRest) or uniform_field(self.gravity) is None
 
@@ -103,13 +103,13 @@ class Case(Model):
         return vector_field(self.gravity, with_time=True)(x, t) - self.frame.acceleration(t)
 
     def resolved(self, numerics: Numerics) -> "Case":
-        """Return the case with `numerics` in which the preset has been filled in, and those that were asked for beside."""
+        """Return the case with the resolved `numerics`; `asked` keeps those given by the user."""
         return self.model_copy(update={"numerics": numerics, "asked": self.asked or self.numerics})
 
     def changed(self, **values) -> "Case":
-        """Return a validated copy with other values; a dot reaches inside: changed(**{"numerics.cfl": 0.3}).
+        """Return a validated copy with other values. Use dots for nested values: changed(**{"numerics.cfl": 0.3}).
 
-        In a stored case another preset replaces all values that the old one gave, but none that were asked for.
+        In a stored case, a new preset replaces the values of the old one, but not those given by the user.
 
         Raises
         ------
@@ -120,7 +120,7 @@ class Case(Model):
             _put(data, name, value)
         if self.asked is not None:
             _put_asked(data, values)
-        asked = data.pop("asked")    # apart, or what is wrong with the numerics would be said twice
+        asked = data.pop("asked")    # validated separately: else errors in the numerics would be reported twice
         case = Case.model_validate(data)
         return case if asked is None else case.model_copy(update={"asked": Numerics.model_validate(asked)})
 
@@ -137,7 +137,7 @@ def _put(data, name, value):
 
 
 def _put_asked(data, values):
-    """Make the same changes to the numerics that were asked for, and ask the preset again for what follows from them."""
+    """Make the same changes to the numerics given by the user, and take what follows from them from the preset again."""
     names = {name.partition(".")[2] for name in values if name.startswith("numerics.")} & set(Numerics.model_fields)
     for name in names:
         data["asked"][name] = data["numerics"][name]

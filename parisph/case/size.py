@@ -1,4 +1,4 @@
-"""How many particles a case has, and the memory they take: counted before any of them is made."""
+"""The number of particles of a case and the memory they need, computed before any of them is made."""
 
 import numpy as np
 
@@ -20,9 +20,9 @@ def memory(particles, ranks=1):
 
 
 def counts(case):
-    """Return {"fluid": n, "wall": n, "all": n, "exact": bool}, the numbers of particles as int. Nothing large is made.
+    """Return {"fluid": n, "wall": n, "all": n, "exact": bool}, the numbers of particles as int. Needs little memory.
 
-    Exact, except for a Disc or a Polygon among more than LOOKED_AT lattice points: its number follows from its area.
+    Exact, except for a Disc or a Polygon among more than LOOKED_AT lattice points: its number is estimated from its area.
     """
     wall, exact = _walls(case), True
     if search(case) > MOST or any(n > MOST for n in _extent(case)):

@@ -1,4 +1,4 @@
-"""Cases as JSON text: what case.json, snapshots and checkpoints hold, with the version of its schema."""
+"""Cases as JSON text with a schema version, as stored in case.json, snapshots and checkpoints."""
 
 import json
 
@@ -19,9 +19,9 @@ def to_json(case: Case) -> str:
 def from_json(text: str, read_only: bool = False) -> Case:
     """Return the Case of a JSON text of this version or an older one.
 
-    read_only : whether the run is only looked at; a case that could not be run is then no error
+    read_only : whether the run is only looked at; a case that this release cannot run is then no error
 
-    Raises CaseError: it is no JSON, no case, or of a newer version.
+    Raises CaseError: the text is not JSON, not a case, or of a newer version.
     """
     try:
         content = json.loads(text)

@@ -1,7 +1,7 @@
-"""What every value of a case must keep to, whatever field it is in. Checked before pydantic converts anything.
+"""Rules for every value of a case, in any field. Checked before pydantic converts values.
 
-pydantic alone takes True for 1.0 and '0.1' for 0.1, numbers whose squares are infinite, and titles
-that write lines of their own into a log.
+pydantic alone accepts True for 1.0 and '0.1' for 0.1, numbers whose squares are infinite, and titles
+with line breaks, which would add lines to a log.
 """
 
 import typing
@@ -19,7 +19,7 @@ _SCALARS = {bool, int, float, str}
 
 
 def faults(fields, data):
-    """Yield (field, place in it, value, what it must be) for values that no field of their kind may have.
+    """Yield (field, place in it, value, what it must be) for each value that is not allowed.
 
     fields : {name: pydantic FieldInfo}; data : {name: value} before validation. The place is '' or as '[1]'.
     """
@@ -70,7 +70,7 @@ def _fault_of_size(number, positive):
 
 
 def _items(value, place=(), depth=3):
-    """Yield (indices, value) in nested lists and tuples; records, as dict or as object, are looked at by themselves."""
+    """Yield (indices, value) of nested lists and tuples; records (dict or object) are checked separately."""
     if isinstance(value, (list, tuple)) and depth:
         for number, item in enumerate(value):
             yield from _items(item, (*place, number), depth - 1)

@@ -1,4 +1,4 @@
-"""Wave theories and exact solutions: pure functions of numbers and arrays, for start fields and for truth.
+"""Wave theories and exact solutions, for initial fields and as reference: pure functions of numbers and arrays.
 
 Heights y are measured from the bed, elevations from the still surface. SI units.
 """
@@ -76,7 +76,7 @@ def _beat(omega, frequency, t):
 
 
 def column_start_pressure(x, y, width, height, density=1000.0, g=9.81, modes=20 * MODES):
-    """Pressure [Pa] in a column of water just after its right support was taken away.
+    """Pressure [Pa] in a column of water just after its right support is removed.
 
     Laplace's equation with p = 0 at y = height and x = width, dp/dx = 0 at x = 0 and dp/dy = -rho g at
     y = 0: p = rho g H (1 - y/H - sum_n 8/((2n-1) pi)^2 cos(a_n y) cosh(a_n x)/cosh(a_n L)), with
@@ -100,8 +100,8 @@ def column_start_pressure(x, y, width, height, density=1000.0, g=9.81, modes=20 
 def drop_half_axes(times, radius, rate, stiffness=0.0, steps=2000):
     """Half axes (a, b) of an elliptical drop that starts round with velocity (rate x, -rate y).
 
-    No gravity but a central force -stiffness^2 r. The velocity stays (s x, -s y) and the pressure
-    a paraboloid that vanishes on the ellipse, which leaves a' = s a, b' = -s b and
+    The only body force is a central force -stiffness^2 r. The velocity keeps the form (s x, -s y), and
+    the pressure is a paraboloid that vanishes on the ellipse. Hence a' = s a, b' = -s b and
     s' = (s^2 + stiffness^2)(b^2 - a^2)/(a^2 + b^2).
 
     Parameters
