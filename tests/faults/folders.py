@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -32,7 +33,12 @@ CAUSES = {
 
 
 def make(count, random, folder):
-    """See table.Part."""
+    """See table.Part. Nobody may not enter the folder that is given, so this has one of its own."""
+    with tempfile.TemporaryDirectory(prefix="parisph-faults-folders-") as own:
+        yield from _make(count, random, Path(own))
+
+
+def _make(count, random, folder):
     os.chmod(folder, 0o755)
     kernels = folder / "kernels"
     shutil.copytree(cache.folder(), kernels / Path(cache.folder()).name)

@@ -10,13 +10,14 @@ import numpy as np
 from parisph import __main__ as entry
 from parisph.base.errors import ParisphError
 from parisph.io import reader
+from parisph.io.layout import INDEX
 
 CASE = """
 from tests.scenes import scene
 def case(end_time: float = 0.1):
     return scene("dam_break", spacing=0.1, end_time=end_time, snapshot_every=0.05).changed(**{"output.checkpoint_every": 0.05})
 """
-FILES = ("case.json", "summary.json", "steps.csv", "probes/P2.csv", "probes/energy.csv", "flow.vtkhdf.series")
+FILES = ("case.json", "summary.json", "steps.csv", "probes/P2.csv", "probes/energy.csv", INDEX)
 LONGEST = 1500    # characters of a message
 
 
