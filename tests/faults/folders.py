@@ -52,7 +52,7 @@ def _make(count, random, folder):
         found = _attempt(place, names[attempt % len(names)], int(random.integers(1, 3)), float(random.uniform(0.0, 1.0)), kernels, random)
         _open_up(place)
         if os.path.ismount(place):
-            subprocess.run(["umount", place], check=True)
+            subprocess.run(["umount", "--lazy", place], check=True)    # a rank may take a moment to end
         shutil.rmtree(place)
         yield found
 
