@@ -1,9 +1,9 @@
-"""Checkpoints: all that a run needs to go on, in one plain HDF5 file, on any number of ranks.
+"""Checkpoints: all data needed to continue a run on any number of ranks, in one plain HDF5 file.
 
 Layout: /particles/<field> (n, ...) for every field that migrates with its particle; attributes of
-the root: format, version, time, step, dt, case (JSON), state (JSON) and how the run was made;
-behind the HDF5 part the digest of all of it (parisph.io.digest), which is compared before HDF5 sees
-the file. The file gets its name only when it is whole.
+the root: format, version, time, step, dt, case (JSON), state (JSON), versions and options; behind the
+HDF5 part a digest of the file (parisph.io.digest), which is checked before HDF5 opens the file. The
+file gets its final name only when it is complete.
 """
 
 import json
@@ -25,13 +25,13 @@ KEEP = 2  # the last and, in case a disk loses it, the one before
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """What stands in a checkpoint, and this rank's share of its particles.
+    """The content of a checkpoint, with this rank's share of the particles.
 
     Attributes
     ----------
-    time [s], step, dt [s] : of the run when it was written
+    time [s], step, dt [s] : of the run at the checkpoint
     case : str, the case as JSON
-    state : dict that the driver gave (probes, time stepping, ...)
+    state : dict given by the driver (probes, time stepping, ...)
     dim : number of dimensions
     arrays : dict of field name -> rows [offset, offset + n) of this rank
     offset, total : first row of this rank, number of rows of all
@@ -61,7 +61,7 @@ def write(comm, folder, particles, time, step, dt, case, state, attributes):
 
     Raises
     ------
-    StoreError on every rank; checkpoints that were there before are then untouched.
+    StoreError on every rank; earlier checkpoints are then unchanged.
     """
     path = Path(folder) / f"{step:08d}.h5"
     n, start, total = particles.n_owned, particles.offset, particles.n_global
@@ -90,8 +90,8 @@ def read(comm, path):
 
     Raises
     ------
-    StoreError on every rank if the file is missing, cut short or altered, foreign, or of another version;
-    it names the newest sound checkpoint beside the file, if there is one, and the command that takes it.
+    StoreError on every rank if the file is missing, damaged, of another version, or no checkpoint. It
+    names the newest sound checkpoint in the same folder, if there is one, and the command to use it.
     """
     path = Path(path)
     try:
@@ -108,12 +108,12 @@ def _read(comm, path):
 
 
 def paths(folder):
-    """Return the whole checkpoints of a folder, oldest first; empty if there is no such folder."""
+    """Return the checkpoint files in a folder, oldest first; empty if there is no such folder."""
     return sorted(path for path in Path(folder).glob("*.h5") if path.stem.isdigit())
 
 
 def _advice(comm, damaged):
-    """Return how to go on without a checkpoint, as the end of a message; "" if no other is sound. Collective."""
+    """Return how to continue without this checkpoint, as the end of a message; "" if no other is sound. Collective."""
     there = comm.bcast([path for path in paths(damaged.parent) if path.name != damaged.name] if comm.rank == 0 else None)
     sound = next((path for path in reversed(there) if _is_sound(comm, path)), None)
     if sound is None:
@@ -132,7 +132,7 @@ def _is_sound(comm, path):
 
 
 def _read_share(path, rank, size):
-    """Return a Checkpoint with the share of one rank. The digest of the file has been compared. Not collective."""
+    """Return a Checkpoint with the share of one rank. The digest must have been checked before. Not collective."""
     try:
         with h5py.File(path, "r") as file:
             _check_format(path, file)
@@ -165,14 +165,14 @@ def _check_fields(path, particles):
 
 
 def _share(total, rank, size):
-    """First and last row of a rank, the first ranks one row longer where it does not divide."""
+    """Return the first row of a rank and one past its last; the first ranks may have one row more."""
     length, longer = divmod(total, size)
     first = rank * length + min(rank, longer)
     return first, first + length + (rank < longer)
 
 
 def _check_place(path, loaded):
-    """Raise StoreError if a sound checkpoint has the name of another step, or stands in the folder of another run."""
+    """Raise StoreError if a sound checkpoint has the name of another step, or is in the folder of another run."""
     if path.stem.isdigit() and int(path.stem) != loaded.step:
         raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, or another one copied over it")
     beside = path.resolve().parent.parent / "case.json"

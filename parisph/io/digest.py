@@ -1,13 +1,13 @@
-"""Digests: a last line behind the HDF5 part of a file, by which any change to the file is found.
+"""Digests: a line at the end of an HDF5 file, with which any change to the file is found.
 
-HDF5 trusts what it reads: a few damaged bytes may send HDF5 1.10 round in circles for ever, end the
-process, or pass for data. So every file is compared with its digest before HDF5 opens it. The line
-is plain text of fixed length, behind the last byte that HDF5 knows of, where no reader looks:
+HDF5 trusts the bytes that it reads: a few damaged ones may make HDF5 1.10 loop for ever, end the
+process, or be read as data. Every file is therefore checked against its digest before HDF5 opens it.
+The digest is a line of text of fixed length, behind the last byte that HDF5 uses, which readers ignore:
 
     parisph digest 1 <bytes before the line> <SHA-256>
 
-The digest is that of the length and of the digests of all chunks of the file. So ranks share the
-work, and a file has the same digest whoever wrote it on however many ranks.
+It is computed from the length and from the digests of all chunks of the file. So the ranks can share
+the work, and the digest of a file does not depend on their number.
 """
 
 import hashlib
@@ -26,9 +26,9 @@ LENGTH = len(b"\nparisph digest 1 ") + 20 + 1 + 64 + 1
 
 
 def append(comm, path, doing=None):
-    """Write the digest of a file behind it. The file must be closed on every rank. Collective.
+    """Append the digest to a file. The file must be closed on every rank. Collective.
 
-    doing : what to call it where it fails, by default "write PATH"
+    doing : the action to name in an error, by default "write PATH"
     Raises StoreError on every rank.
     """
     doing = doing or f"write {path}"
@@ -42,7 +42,7 @@ def append(comm, path, doing=None):
 
 
 def check(path):
-    """Raise StoreError unless a file is, byte for byte, what parisph wrote. Not collective."""
+    """Raise StoreError unless every byte of a file is as parisph wrote it. Not collective."""
     length, line = _ending(path)
     try:
         digests = _chunks(path, length)
@@ -52,7 +52,7 @@ def check(path):
 
 
 def check_together(comm, path):
-    """As `check`, with the work shared by the ranks; StoreError on every rank. Collective."""
+    """Do `check` with the work shared among the ranks; raises StoreError on every rank. Collective."""
     length, line, problem = 0, b"", None
     if comm.rank == 0:
         try:
@@ -66,7 +66,7 @@ def check_together(comm, path):
 
 
 def _line_of_all(comm, path, length, doing):
-    """Return the line that belongs behind the first `length` bytes of a file, on every rank. Collective."""
+    """Return the digest line for the first `length` bytes of a file, on every rank. Collective."""
     own = together(comm, doing, lambda: _chunks(path, length, comm.rank, comm.size))
     shares = comm.allgather(own)
     count = sum(len(share) for share in shares)
@@ -93,7 +93,7 @@ def _line(length, digests):
 
 
 def _ending(path):
-    """Return (number of bytes before the line, the line) of a file. Raises StoreError if it ends in no such line."""
+    """Return (number of bytes before the digest line, the line) of a file. Raises StoreError if it has no such line."""
     try:
         status = os.stat(path)
         if not stat.S_ISREG(status.st_mode):    # a pipe would be waited for

@@ -1,7 +1,7 @@
-"""Writing files so that neither a crash nor a full disk leaves a run in doubt.
+"""Write files so that neither a crash nor a full disk can damage a run.
 
-A file is written under a temporary name, forced to the disk and then renamed: whoever looks
-sees the old content or the new one, never a part of it. What fails on one rank is raised on all.
+A file is written under a temporary name, forced to the disk and then renamed: readers see either the
+old content or the new one, never a part of it. An error on one rank is raised on all.
 """
 
 import hashlib
@@ -21,7 +21,7 @@ def together(comm, doing, action):
     Raises
     ------
     StoreError on every rank if the disk or HDF5 failed on any: "cannot <doing>: <cause>".
-    Any other exception is agreed on as well (errors.agree), so that no rank waits for ever.
+    Any other exception is also raised on all ranks (errors.agree), so that no rank waits for ever.
     """
     result, problem = None, None
     try:
@@ -41,7 +41,7 @@ def on_first(comm, doing, action):
 
 
 def temporary(path):
-    """Return the name under which `path` is written before it is published: hidden, in the same folder."""
+    """Return the temporary name for `path`: hidden, in the same folder."""
     path = Path(path)
     return path.with_name(f".{path.name}.tmp")
 
@@ -49,14 +49,14 @@ def temporary(path):
 def create(path: Path) -> int:
     """Make a new, empty file and return its descriptor for writing. One rank. Raises OSError.
 
-    What has the name already is removed first, and a symbolic link is never followed.
+    An existing file of this name is removed first; a symbolic link is never followed.
     """
     Path(path).unlink(missing_ok=True)
     return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666)
 
 
 def publish(path):
-    """Force the temporary file of `path` to the disk and give it its name. One rank. Raises OSError."""
+    """Force the temporary file of `path` to the disk and rename it to `path`. One rank. Raises OSError."""
     path = Path(path)
     _sync(temporary(path))
     os.replace(temporary(path), path)
@@ -64,7 +64,7 @@ def publish(path):
 
 
 def write_text(path, text):
-    """Replace the file `path` by `text` in one go. One rank. Raises OSError; then no part of `text` is left behind."""
+    """Replace the content of `path` by `text` atomically. One rank. Raises OSError and then leaves no temporary file."""
     try:
         with open(create(temporary(path)), "w", encoding="utf-8") as file:
             file.write(text)
@@ -76,12 +76,12 @@ def write_text(path, text):
 
 
 def write_json(path, content):
-    """Replace the file `path` by JSON that any reader accepts (numpy scalars become plain, NaN null), with its digest."""
+    """Replace the content of `path` by standard JSON with a digest (numpy scalars become numbers, NaN null)."""
     write_text(path, json.dumps(sealed(plain(content)), indent=2) + "\n")
 
 
 def read_json(path: Path) -> dict:
-    """Return the JSON object in a file of a run, whose digest is right. Not collective. Raises StoreError, with the file's name."""
+    """Return the JSON object in a file of a run after a check of its digest. Not collective. Raises StoreError."""
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
     except FileNotFoundError:

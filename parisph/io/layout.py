@@ -1,15 +1,15 @@
-"""The names of what stands in the folder of a run.
+"""The names of the files in the folder of a run.
 
     DIR/case.json                      the resolved case
-    DIR/steps.csv                      one line a step
-    DIR/probes/NAME.csv                one file a probe
+    DIR/steps.csv                      one line per step
+    DIR/probes/NAME.csv                one file per probe
     DIR/snapshots/NNNNNN.vtkhdf        the particles at one time
     DIR/flow.hdf.series                the list of snapshots, to open in ParaView
     DIR/checkpoints/NNNNNNNN.h5        the last two; the number is that of the step
-    DIR/summary.json                   at the end of the run, also of one that failed
-    DIR/run.log                        the driver's log
-    DIR/run.lock                       who writes into the folder; gone at the end
-    DIR/replaced/N/...                 what a restart has replaced, by its old name
+    DIR/summary.json                   written at the end of the run, also if it failed
+    DIR/run.log                        the log
+    DIR/run.lock                       names the process that writes; removed at the end
+    DIR/replaced/N/...                 files that a restart has replaced
 """
 
 from pathlib import Path
@@ -21,9 +21,9 @@ REPLACED = "replaced"
 
 
 def run_of(path):
-    """Return the folder (pathlib.Path) of the run that a checkpoint file is in; of any other path, the path itself.
+    """Return the folder (pathlib.Path) of the run that a checkpoint file is in; any other path is returned as it is.
 
-    It is relative where it lies in the current folder, so that messages name it as users do. Not collective.
+    The folder is relative if it is inside the current one, as users name it. Not collective.
     """
     path = Path(path)
     if not path.is_file():

@@ -1,8 +1,8 @@
 """One process at a time writes into the folder of a run.
 
-The file `run.lock` says which: host, process and since when. It is made with O_EXCL, which is one
-operation on local disks and on NFS since version 3, and its time is renewed while the run goes on. A process that was
-killed leaves it behind: on the same host that can be seen, and the lock is taken over; on another
+The file `run.lock` names it: host, process and start. It is made with O_EXCL, which is atomic on local
+disks and on NFS since version 3, and its time is renewed while the run goes on. A process that is killed
+leaves its lock behind. On the same host this can be detected, and the lock is taken over; on another
 host it cannot, and the user decides.
 """
 
@@ -26,7 +26,7 @@ class Lock:
     Parameters
     ----------
     folder : the folder of the run, which is there
-    force : whether to take the lock from a process of which nobody knows if it still runs
+    force : whether to take over the lock of a process that may or may not run
 
     Raises
     ------
@@ -45,7 +45,7 @@ class Lock:
         raise StoreError(f"another process is starting in {folder} at this moment: wait for it to end")
 
     def check(self) -> None:
-        """Renew the lock if it is time to, and see that it is still ours. Raises StoreError if it is not."""
+        """Renew the lock from time to time. Raises StoreError if it has been removed or taken over."""
         if time.monotonic() - self._beaten < BEAT:
             return
         self._beaten = time.monotonic()
@@ -58,7 +58,7 @@ class Lock:
             os.utime(self.path)
 
     def release(self) -> None:
-        """Remove the lock if it is still ours. Raises nothing: there is no more to be done."""
+        """Remove the lock if it is still that of this process. Raises nothing."""
         with suppress(OSError, StoreError):
             if (_read(self.path) or {}).get("token") == self._mine["token"]:
                 self.path.unlink()
@@ -73,7 +73,7 @@ class Lock:
         return True
 
     def _clear(self, force):
-        """Remove a lock whose process is known to be gone, or any other if `force`. Raises StoreError for one that lives."""
+        """Remove a lock whose process has ended, or any lock if `force`. Raises StoreError if its process still runs."""
         found = _read(self.path)
         if found is None:
             return
@@ -98,7 +98,7 @@ class Lock:
                 f"cannot be seen from here ({here}). If it does not, repeat the command with --force")
 
     def _silence(self):
-        """Return how long ago the lock was renewed, by the clock of the disk that it is on."""
+        """Return as text how long ago the lock was renewed, by the clock of its file system."""
         probe = self.path.with_name(f".{NAME}.{self._mine['token']}")
         try:
             os.close(create(probe))
@@ -110,13 +110,13 @@ class Lock:
 
 
 def holder(folder: Path) -> str | None:
-    """Return in words which process writes into a folder, None if none does or it is known to be gone. Not collective."""
+    """Return as text which process writes into a folder; None if there is none, or it has ended. Not collective."""
     found = _read(Path(folder) / NAME)
     return None if found is None or _alive(found) is False else _words(found)
 
 
 def _read(path):
-    """Return the content of a lock file, {} if it makes no sense, None if there is none."""
+    """Return the content of a lock file, {} if it cannot be understood, None if there is none."""
     try:
         handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
     except FileNotFoundError:
@@ -133,7 +133,7 @@ def _read(path):
 
 
 def _alive(found):
-    """Return whether the process of a lock runs: True, False, or None if that cannot be seen from here."""
+    """Return whether the process of a lock runs: True, False, or None if this host cannot tell."""
     name, _, boot = str(found.get("host")).partition(" ")
     here, _, booted = _host().partition(" ")
     if name != here or not isinstance(found.get("process"), int):
@@ -151,7 +151,7 @@ def _words(found):
 
 
 def _host():
-    """Return the name of this host and the number of its boot: after a restart of the host no process is left."""
+    """Return the name of this host and the id of its boot: no process survives a restart of the host."""
     try:
         boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
     except OSError:
@@ -160,9 +160,9 @@ def _host():
 
 
 def _began(process):
-    """Return when a process began, in the system's own count; "" where that is not known, None if it is gone.
+    """Return when a process began, in the system's clock ticks; "" if unknown, None if it has ended.
 
-    Numbers of processes are used again; together with the beginning they are not.
+    Process ids are reused, but not together with the same start.
     """
     try:
         fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()

@@ -1,4 +1,4 @@
-"""Reading a run: `run = open_run(DIR)`, then fields and probes as numpy arrays. Needs no MPI."""
+"""Read a run: `run = open_run(DIR)`, then fields and probes as numpy arrays. Needs no MPI."""
 
 import json
 from pathlib import Path
@@ -15,14 +15,14 @@ from parisph.io.layout import INDEX
 
 
 class Run:
-    """A finished or a running run, read from its folder. Made by `open_run`; every method raises
-    StoreError for files, and CaseError for the name of a probe that is not there.
+    """A finished or running run, read from its folder. Made by `open_run`. Every method raises
+    StoreError for files that cannot be read, and CaseError for an unknown probe.
 
     Attributes
     ----------
     folder : pathlib.Path
     case : dict, the resolved case
-    identity : str, what all files of the run bear
+    identity : str, the identity of the run, which is in all its files
     times : (n,) times [s] of the snapshots
     probe_names : list of str
     """
@@ -41,7 +41,7 @@ class Run:
 
     @property
     def summary(self) -> dict | None:
-        """The content of summary.json, None while the run goes on or where it was killed."""
+        """The content of summary.json; None while the run goes on, or if it was killed."""
         if not (self.folder / "summary.json").exists():
             return None
         content = read_json(self.folder / "summary.json")
@@ -55,7 +55,7 @@ class Run:
         return len(self.times)
 
     def snapshot(self, which=-1):
-        """Return the particles of a snapshot: its number (int, also from the end), or the one nearest a time [s] (float).
+        """Return the particles of a snapshot, given by its number (int; negative from the end) or the nearest time [s] (float).
 
         dict of arrays by the names of the field registry: x (n, dim) [m], u [m/s], p [Pa], role, kind,
         id, ..., sorted by id; and `time` [s], `step`.
@@ -87,7 +87,7 @@ class Run:
 
     @property
     def steps(self):
-        """One line a step as a structured array: time, step, dt, iterations, ... (see steps.csv)."""
+        """One line per step as a structured array: time, step, dt, iterations, ... (see steps.csv)."""
         return self._series(self.folder / "steps.csv", each_step=True)
 
     @property
@@ -110,7 +110,7 @@ class Run:
 
 
 def _case(path):
-    """Return the content of case.json as a dict. Raises StoreError if it is not that of a case."""
+    """Return the content of case.json as a dict. Raises StoreError if it is not a case."""
     content = read_json(path)
     try:
         stored.from_json(json.dumps(content), read_only=True)

@@ -1,12 +1,12 @@
-"""Arrays that are spread over the ranks, written into one HDF5 file.
+"""Write arrays that are distributed over the ranks into one HDF5 file.
 
-Rank 0 lays the file out alone: groups, attributes and datasets with their full size on the
-disk. So whatever can go wrong for want of space, rights or a folder goes wrong there, in plain
-serial code, before any rank has entered a collective. Then every rank opens the file with
-MPI-IO and writes its rows independently, which lets a rank without rows simply write nothing.
+Rank 0 creates the file alone: groups, attributes, and datasets with their full size on the disk.
+Errors such as a full disk or missing permissions therefore occur there, in serial code, before any
+rank has entered a collective call. Then every rank opens the file with MPI-IO and writes its rows
+independently; a rank without rows writes nothing.
 
-HDF5 itself must not meet a full disk: closing a file whose last blocks cannot be written ends
-the process (HDF5 1.10). Therefore the space is asked of the system before HDF5 is.
+HDF5 itself must never run into a full disk: HDF5 1.10 ends the process if it cannot write the last
+blocks of a file when it closes the file. The space is therefore reserved before.
 """
 
 import math
@@ -32,7 +32,7 @@ class Slab:
     ----------
     path : name of the dataset in the file
     data : (n, ...) this rank's rows
-    start, total : first row of this rank, and number of rows of all ranks
+    start, total : first row of this rank, and number of rows on all ranks
     attributes : dict of the dataset's attributes (rank 0's are written)
     """
 
@@ -54,7 +54,7 @@ def write(comm, path, slabs, decorate):
 
     Raises
     ------
-    StoreError on every rank; the file of that name, if there was one, is then untouched.
+    StoreError on every rank; an existing file of that name is then unchanged.
     """
     _check_h5py(comm)
     doing = f"write {path}"
@@ -87,8 +87,8 @@ def _lay_out(path, slabs, decorate):
         for slab in slabs:
             dataset = _allocate(file, slab)
             dataset.attrs.update(slab.attributes)
-    # HDF5 has given the blocks back and only named them. Take them again for good, so that a full
-    # disk is an error of this rank here and not of some rank in the middle of its rows.
+    # HDF5 has freed the blocks again. Reserve them for good, so that a full disk is an error here, and
+    # not on some rank in the middle of its rows.
     handle = os.open(path, os.O_RDWR)
     try:
         os.posix_fallocate(handle, 0, os.fstat(handle).st_size)
@@ -97,7 +97,7 @@ def _lay_out(path, slabs, decorate):
 
 
 def _size(slabs):
-    """Bytes of the rows of all ranks, and a generous guess at what stands around them."""
+    """Return the bytes of the rows of all ranks, plus a generous estimate for metadata."""
     return METADATA + sum(slab.total * slab.data.itemsize * math.prod(slab.data.shape[1:]) for slab in slabs)
 
 

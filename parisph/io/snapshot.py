@@ -3,8 +3,8 @@
 Layout of a file (see the VTKHDF description of VTK): an UnstructuredGrid in one piece, which
 VTK reads since 9.1 (PolyData: not in 9.2). /VTKHDF/Points (n, 3), one vertex cell per particle,
 /VTKHDF/PointData/<name>, /VTKHDF/FieldData/TimeValue and Step. In 2D the third component is zero.
-At the root of the file stand the attributes that say how the run was made: case (JSON), method,
-versions and so on; behind the HDF5 part stands its digest (parisph.io.digest).
+Attributes of the root say how the run was made: case (JSON), method, versions and so on. Behind the
+HDF5 part is a digest of the file (parisph.io.digest).
 """
 
 from contextlib import contextmanager
@@ -20,7 +20,7 @@ from parisph.io import digest, rows
 from parisph.io.files import read_json, write_json
 from parisph.io.rows import Slab
 
-# Names in the file, for people, where they differ from those of the registry.
+# Names in the file, where they differ from those of the registry.
 NAMES = {"u": "velocity", "p": "pressure", "alpha": "density_ratio", "phi": "position_potential"}
 ALWAYS = ("id", "kind", "role")
 VERTEX = 1  # VTK's number for a cell of one point
@@ -56,25 +56,25 @@ def write(comm, path, particles, time, step, fields, attributes):
 def read(path, time=None, run=""):
     """Return the particles of a snapshot as a dict of arrays, by the names of the field registry.
 
-    x (n, dim) [m], id, kind, role, and what else was written: u (n, dim) [m/s], p (n) [Pa], ...
+    x (n, dim) [m], id, kind, role, and all other fields in the file: u (n, dim) [m/s], p (n) [Pa], ...
     Rows are sorted by id, so that a row is the same particle in every snapshot; `time` [s] and
     `step` are in the dict too. Not collective.
 
     Parameters
     ----------
-    time [s], run : at which time and of which run (its identity) the snapshot must be; None, "" for any
+    time [s], run : the expected time, and the expected run (its identity); None and "" accept any
 
     Raises
     ------
-    StoreError : the file does not match its digest, is no snapshot, or not the one asked for.
+    StoreError : the file does not match its digest, is not a snapshot, or not the expected one.
     """
     registry = {NAMES.get(name, name): name for name in FIELDS}
     with _opened(path) as file:
         found, step, dim = float(file.attrs["time"]), int(file.attrs["step"]), int(file.attrs["dim"])
         if run and file.attrs.get("run", "") != run:
-            raise StoreError(f"{path} is of another run than the folder that it is in: it has been copied there")
+            raise StoreError(f"{path} belongs to another run than its folder: it has been copied there")
         if time is not None and found != time:
-            raise StoreError(f"{path} is the snapshot of {found:.12g} s, not that of {time:.12g} s: another one has been copied over it")
+            raise StoreError(f"{path} is the snapshot of {found:.12g} s, not of {time:.12g} s: another snapshot has been copied over it")
         group = file["VTKHDF"]
         arrays = {registry.get(name, name): data[()] for name, data in group["PointData"].items()}
         arrays["x"] = group["Points"][()]
@@ -91,7 +91,7 @@ def read_attributes(path):
 
 @contextmanager
 def _opened(path):
-    """The h5py.File of a snapshot, after its digest was compared. Raises StoreError, also for what the body finds missing."""
+    """Open a snapshot as h5py.File after a check of its digest. Raises StoreError, also if the body finds something missing."""
     digest.check(path)
     try:
         with h5py.File(path, "r") as file:
@@ -101,15 +101,15 @@ def _opened(path):
 
 
 def write_index(path, files, times, run=""):
-    """Write the list of snapshots of a run that ParaView opens as one series. One rank. Raises OSError."""
+    """Write the list of a run's snapshots, which ParaView opens as a series. One rank. Raises OSError."""
     entries = [{"name": name, "time": time} for name, time in zip(files, times)]
     write_json(path, {"file-series-version": "1.0", "run": run, "files": entries})
 
 
 def listed(path: Path, run: str = "") -> dict[str, float] | None:
-    """Return {file name relative to the index: time [s]} of an index; None if there is none of this run that can be read.
+    """Return {file name relative to the index: time [s]} of an index; None if it is missing, unreadable or of another run.
 
-    The index is for ParaView and saves time; which snapshots there are, the files themselves say. Not collective.
+    The index is made for ParaView, and saves time here; the files themselves are decisive. Not collective.
     """
     try:
         content = read_json(path)
@@ -122,7 +122,7 @@ def listed(path: Path, run: str = "") -> dict[str, float] | None:
 def find(folder: Path, run: str = "") -> dict[str, float]:
     """Return {file name relative to the folder of a run: time [s]} by reading each snapshot of the run. Not collective.
 
-    Files that are damaged, or of another run, are left out, with a warning for the damaged ones.
+    Damaged files and files of other runs are left out, with a warning for the damaged ones.
     """
     found = {}
     for path in sorted((folder / "snapshots").glob("*.vtkhdf")):
@@ -145,9 +145,9 @@ def time_of_own(path: Path, run: str) -> float | None:
 
 
 def check_fields(fields):
-    """Return the names of the arrays that a snapshot of `fields` has beside the positions.
+    """Return the names of the arrays in a snapshot of `fields`, apart from the positions.
 
-    Raises StoreError for one that is not in the registry, or is not for snapshots.
+    Raises StoreError for a field that is not in the registry, or cannot be written to snapshots.
     """
     known = [name for name, field in FIELDS.items() if field.written and name != "x"]
     unknown = [name for name in fields if name not in known and name != "x"]
@@ -157,7 +157,7 @@ def check_fields(fields):
 
 
 def _three(vectors):
-    """Return (n, 3) vectors: VTK knows no other number of components."""
+    """Return (n, 3) vectors: VTK allows no other number of components."""
     if vectors.shape[1] == 3:
         return vectors
     padded = np.zeros((len(vectors), 3))
@@ -166,7 +166,7 @@ def _three(vectors):
 
 
 def _cells(n, start, total):
-    """One vertex cell per particle, so that ParaView's filters can take or leave each one."""
+    """Return one vertex cell per particle, so that ParaView's filters can select particles."""
     numbers = np.arange(start, start + n, dtype=np.int64)
     ends, first = numbers + 1, start + 1
     if start == 0 and (n > 0 or total == 0):  # offsets have one entry more than cells: a leading zero

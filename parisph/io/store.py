@@ -1,4 +1,4 @@
-"""The writer of one run's folder (parisph.io.layout says what stands in it)."""
+"""The writer of a run's folder (parisph.io.layout lists its files)."""
 
 import json
 import os
@@ -18,16 +18,16 @@ from parisph.io.series import Series, read_own
 
 
 class Store:
-    """Writes the folder of one run. All methods are collective unless they say otherwise.
+    """Writes the folder of one run. All methods are collective unless stated otherwise.
 
-    Made by `Store.create` or `Store.resume`. A failing disk raises StoreError on every rank.
+    Made by `Store.create` or `Store.resume`. Disk errors raise StoreError on every rank.
 
     Attributes
     ----------
     folder : pathlib.Path
-    run : str, identity of the run; all its files bear it
-    about : dict of str -> str or number, how the run is made; of files that are still to be written
-    times : times [s] of the snapshots written so far (known on rank 0 only)
+    run : str, identity of the run, which is written to all its files
+    about : dict of str -> str or number, how the run is made; written to all later files
+    times : times [s] of the snapshots written so far (on rank 0 only)
     """
 
     def __init__(self, comm, folder, case, about, fields, lock=None):
@@ -46,15 +46,15 @@ class Store:
         Parameters
         ----------
         comm : mpi4py communicator
-        folder : made if it is not there
+        folder : created if it does not exist
         case : the resolved case as JSON text
         about : dict of str -> str or number, how the run is made (see `provenance`)
         fields : names in the field registry for snapshots; id, kind and role are always written
-        lock : io.lock.Lock on rank 0, which is looked at while the run goes on; None for none
+        lock : io.lock.Lock on rank 0, which is renewed while the run goes on; None for none
 
         Raises
         ------
-        StoreError on every rank: an unknown field, an earlier run is there, or the folder cannot be written.
+        StoreError on every rank: a field is unknown, the folder holds a run, or cannot be written.
         """
         store = cls(comm, folder, case, about or {}, fields, lock)
         on_first(comm, f"start a run in {folder}", store._start)
@@ -62,17 +62,17 @@ class Store:
 
     @classmethod
     def resume(cls, comm, folder, case, time, step, about=None, fields=("u", "p", "role"), lock=None, run=None, series=()):
-        """Go on writing a run from a checkpoint at `time` [s] and `step`. Collective.
+        """Continue to write a run from a checkpoint at `time` [s] and `step`. Collective.
 
-        In the folder of the run itself, what this run wrote after the checkpoint is moved to replaced/N:
-        snapshots, checkpoints, the summary, and time series that are cut back to `step` (when `add_series` opens
-        them). Nothing else is touched. In an empty folder a run of its own begins at the checkpoint.
+        In the folder of the same run, files that it wrote after the checkpoint are moved to replaced/N:
+        snapshots, checkpoints, the summary, and copies of the time series, which are cut back to `step` (when
+        `add_series` opens them). Nothing else is changed. In an empty folder a new run begins at the checkpoint.
 
-        run : identity of the run that the checkpoint is of, by default the one that `case` bears
-        series : names of the time series that will be added; they are looked at before anything is touched
-        Other parameters as of `create`.
+        run : identity of the checkpoint's run, by default that in `case`
+        series : names of the time series that will be added; they are checked before anything is changed
+        Other parameters as for `create`.
 
-        Raises StoreError on every rank: as of `create`, a file is damaged, or the folder holds another run.
+        Raises StoreError on every rank: as for `create`, a file is damaged, or the folder holds another run.
         """
         store = cls(comm, folder, case, about or {}, fields, lock)
         store._keep_to = step
@@ -85,7 +85,7 @@ class Store:
     def add_series(self, name, columns, title=""):
         """Open the time series DIR/<name>.csv ("steps", "probes/P2", ...).
 
-        columns : dict of column name -> unit ("" for none); time [s] and step come first by themselves.
+        columns : dict of column name -> unit ("" for none); the columns time [s] and step are added in front.
         """
         def add():
             path = self.folder / f"{name}.csv"
@@ -96,8 +96,8 @@ class Store:
     def append(self, time, step, values):
         """Add a line to time series: values = {name: sequence of the further columns' values}.
 
-        Rank 0's values are written; the other ranks may pass None. Now and then this looks if the folder is still
-        this run's own, and raises StoreError if it is not.
+        Rank 0's values are written; the other ranks may pass None. From time to time this checks that the folder is
+        still locked by this run, and raises StoreError if it is not.
         """
         def add():
             if self.lock is not None:
@@ -138,7 +138,7 @@ class Store:
         on_first(self.comm, f"close time series in {self.folder}", close)
 
     def _set_run(self, case, run):
-        """Give the run its identity, and the case that files are to hold."""
+        """Set the identity of the run, and the case that is written to its files."""
         self.run = run
         self._case = json.dumps({"run": run, **{name: value for name, value in json.loads(case).items() if name != "run"}})
         self.about.update(case=self._case, run=run)
@@ -150,7 +150,7 @@ class Store:
         folders.write_case(self.folder, self._case, self.run)
 
     def _continue(self, run, time, step, series):
-        """Take over the folder of the run, or begin in an empty one."""
+        """Continue in the folder of the run, or begin in an empty one."""
         there = folders.identity(self.folder)
         if there is None:
             self._start()
@@ -171,9 +171,9 @@ class Store:
         folders.move_aside(self.folder, late, copied=cut)
 
     def _take_stock(self, time):
-        """Learn which snapshots the run has up to `time` [s], and return those that it wrote later.
+        """Find the run's snapshots up to `time` [s], and return those that it wrote later.
 
-        The files themselves say; the index is only asked to save time. What cannot be read, or is of another run, is left alone.
+        The files themselves are decisive; the index only saves time. Unreadable files and files of other runs are not changed.
         """
         listed = snapshot.listed(self.folder / INDEX, self.run) or {}
         kept, late = [], []
@@ -189,14 +189,14 @@ class Store:
         return [self.folder / name for _, name in late]
 
     def _next_name(self, time):
-        """Return the name of the next snapshot, of which there is no file, unless it is our own of the same time."""
+        """Return the name of the next snapshot: a new one, or that of this run's snapshot of the same time."""
         if self.times[-1:] == [time]:
             return self._names[-1]
         numbers = [int(path.stem) for path in (self.folder / "snapshots").glob("*.vtkhdf") if path.stem.isdigit()]
         return f"snapshots/{max(numbers, default=-1) + 1:06d}.vtkhdf"
 
     def _missing(self, path):
-        """Return what the title of a time series has to say of lines that are gone; "" if nothing is."""
+        """Return a note on lost lines for the title of a time series; "" if none are lost."""
         if not self._here or self._keep_to <= 0 or path.exists():
             return ""
         logger.warning(f"{path} is missing: it begins again after step {self._keep_to}; what it held before is lost")

@@ -74,7 +74,7 @@ def test_a_snapshot_that_is_not_what_was_written_is_refused(folder, tmp_path):
     path.write_bytes(content)
     run.snapshot(2)
     path.write_bytes((folder / "snapshots/000001.vtkhdf").read_bytes())
-    with pytest.raises(StoreError, match="000002.vtkhdf is the snapshot of 0.5 s, not that of 1 s"):
+    with pytest.raises(StoreError, match="000002.vtkhdf is the snapshot of 0.5 s, not of 1 s"):
         run.snapshot(2)
     path.unlink()
     with pytest.raises(StoreError, match="there is no file .*000002.vtkhdf"):
