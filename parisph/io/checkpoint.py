@@ -181,7 +181,7 @@ def _check_place(path, loaded):
     except (OSError, ValueError, KeyError, TypeError):    # what is wrong with case.json is said by those who read it
         return
     if path.parent.name == "checkpoints" and json.loads(loaded.case).get("run", "") != run:
-        raise StoreError(f"{path} is of another run than the folder that it is in: it has been copied there")
+        raise StoreError(f"{path} is of another run than its folder: it has been copied there")
 
 
 def _remove_old(folder, newest):

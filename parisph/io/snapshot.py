@@ -72,7 +72,7 @@ def read(path, time=None, run=""):
     with _opened(path) as file:
         found, step, dim = float(file.attrs["time"]), int(file.attrs["step"]), int(file.attrs["dim"])
         if run and file.attrs.get("run", "") != run:
-            raise StoreError(f"{path} belongs to another run than its folder: it has been copied there")
+            raise StoreError(f"{path} is of another run than its folder: it has been copied there")
         if time is not None and found != time:
             raise StoreError(f"{path} is the snapshot of {found:.12g} s, not of {time:.12g} s: another snapshot has been copied over it")
         group = file["VTKHDF"]
