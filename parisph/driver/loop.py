@@ -14,6 +14,7 @@ from mpi4py import MPI
 
 from parisph.base import log
 from parisph.base.errors import CaseError, Interrupted, ParisphError, StoreError, agree
+from parisph.base.paths import checked
 from parisph.case.stored import from_json, to_json
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
@@ -24,7 +25,7 @@ from parisph.driver.summary import Account
 from parisph.driver.watch import Watch
 from parisph.io import checkpoint, probes
 from parisph.io.files import create, on_first, read_json, together, write_json
-from parisph.io.folder import identity, move_run_aside
+from parisph.io.folder import identity, make, move_run_aside, unmake
 from parisph.io.layout import run_of
 from parisph.io.lock import Lock
 from parisph.io.store import Store, provenance
@@ -52,7 +53,7 @@ def run(case, comm, out, petsc_options=None, progress=True, overwrite=False, for
     CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder
     then holds summary.json and everything up to there, unless it held a run already (CaseError).
     """
-    made, old = on_first(comm, f"start a run in {out}", lambda: _new_folder(Path(out), overwrite, force)) or (None, None)
+    made, old = on_first(comm, f"start a run in {out}", lambda: _new_folder(checked(out, "out"), overwrite, force)) or (None, None)
     with (_left_only_if_used(made, old), Signals() as signals, _locked(comm, out, force) as lock,
           _built(case, comm, petsc_options) as simulation):
         samplers = probes.build(case, simulation.comm)
@@ -75,7 +76,8 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
     of the same folder that come after the checkpoint would be lost, or there is nothing left to do; and
     StoreError: the folder is in use, or one of its files is damaged.
     """
-    folder = together(comm, f"find the run {path}", lambda: run_of(path))
+    folder = together(comm, f"find the run {path}", lambda: run_of(checked(path, "path")))
+    out = together(comm, f"go on in {out}", lambda: None if out is None else checked(out, "out"))
     elsewhere = out is not None and Path(out).resolve() != folder.resolve()
     target = Path(out) if elsewhere else folder
     made, _ = on_first(comm, f"go on with the run in {target}",
@@ -101,18 +103,17 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
 
 @contextmanager
 def _left_only_if_used(made, old=None):
-    """Remove a folder that was made for a run, if the run ends before anything is written into it. Not collective.
+    """Remove the folders that were made for a run, if it ends before anything is written into them. Not collective.
 
-    made, old : pathlib.Path on the rank that made it, and that of the earlier run which was moved aside for it, else None
+    made : folders, the innermost first, on the rank that made them, else None
+    old : where an earlier run was moved to, which then comes back; else None
     """
     try:
         yield
-    except ParisphError:
-        with suppress(OSError):    # it is not empty: the run has begun
-            if made is not None:
-                made.rmdir()
-                if old is not None:
-                    os.rename(old, made)
+    except BaseException:
+        if unmake(made or ()) and old is not None:
+            with suppress(OSError):
+                os.rename(old, made[0])
         raise
 
 
@@ -300,7 +301,8 @@ def _locked(comm, folder, force):
 def _new_folder(folder, overwrite=False, force=False):
     """Make the folder for a new run, before any work.
 
-    Returns the folder if it is new, else None; and where an earlier run was moved to, else None. Raises CaseError, StoreError, OSError.
+    Returns the folders that were made, the innermost first, and where an earlier run was moved to, else None.
+    Raises CaseError, StoreError, OSError.
     """
     given, folder, old = folder, folder.resolve(), None
     if (folder / "case.json").exists():
@@ -308,10 +310,9 @@ def _new_folder(folder, overwrite=False, force=False):
             raise CaseError(f"{given} holds a run already: give another folder with -o, or move it aside with --overwrite")
         Lock(folder, force).release()    # it must not be in use
         old = move_run_aside(folder)
-    new = not folder.exists()
-    folder.mkdir(parents=True, exist_ok=True)
-    _check_writable(folder)
-    return folder if new else None, old
+    with _left_only_if_used(made := make(folder), old):
+        _check_writable(folder)
+    return made, old
 
 
 def _check_writable(folder):

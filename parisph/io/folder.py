@@ -7,7 +7,7 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from parisph.base.errors import StoreError
@@ -16,6 +16,34 @@ from parisph.io.layout import FILES, FOLDERS, REPLACED
 
 # What a killed process leaves: our temporary names, with what MPI-IO puts behind them.
 _HALF_WRITTEN = re.compile(r"\.(\w+\.vtkhdf|\d{8}\.h5|[\w.-]+\.(csv|json|series))\.tmp.*|\.run\.lock\.[0-9a-f]{16}")
+
+
+def make(folder: Path) -> list[Path]:
+    """Make a folder and those around it, all or none; return those that were not there, the innermost first."""
+    made = []
+    for place in reversed([place for place in (folder, *folder.parents) if not place.is_dir()]):
+        try:
+            place.mkdir()
+        except FileExistsError:
+            if place.is_dir():    # another process has made it meanwhile
+                continue
+            unmake(made)
+            raise
+        except OSError:
+            unmake(made)
+            raise
+        made.insert(0, place)
+    return made
+
+
+def unmake(made: Sequence[Path]) -> bool:
+    """Remove folders that `make` has made and that are empty, the innermost first; return whether that one is gone."""
+    for number, place in enumerate(made):
+        try:
+            place.rmdir()
+        except OSError:    # something is in it
+            return number > 0
+    return bool(made)
 
 
 def prepare(folder: Path) -> None:

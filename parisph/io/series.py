@@ -5,7 +5,6 @@ which the first two are always time and step, then the values. A line is handed 
 as soon as it is complete, so a killed process loses none; a line cut in the middle is ignored.
 """
 
-import csv
 import math
 import os
 from pathlib import Path
@@ -128,22 +127,8 @@ def row_is_plain(cells: list[str]) -> bool:
     return all(cell.isprintable() and '"' not in cell for cell in cells)
 
 
-def read(path, cut=True):
-    """Return a CSV file with one header line as a structured array: numbers as float64, step as int64,
-    columns that hold words as str. Lines "#" are comments.
-
-    With `cut`, a last line without a line end is taken to be cut off and is left out.
-    Raises StoreError.
-    """
-    try:
-        names, lines = _lines(path, cut)
-    except OSError as error:
-        raise StoreError(f"cannot read {path}: {error}") from None
-    return table(names, lines)
-
-
 def table(names: list[str], lines: list[list[str]]) -> np.ndarray:
-    """Return lines of cells as a structured array (see `read`). Not collective."""
+    """Return lines of cells as a structured array: numbers as float64, step as int64, columns that hold words as str."""
     columns = [_column(name, [line[k] for line in lines]) for k, name in enumerate(names)]
     found = np.empty(len(lines), dtype=[(name, column.dtype) for name, column in zip(names, columns)])
     for name, column in zip(names, columns):
@@ -163,18 +148,6 @@ def units(path):
                 if bracket:
                     found[name] = "" if unit == "-" else unit
     return {}
-
-
-def _lines(path, cut=True):
-    """Names of the columns and the complete lines below them."""
-    text = Path(path).read_text(encoding="utf-8")
-    if cut:
-        text = text[: text.rfind("\n") + 1]
-    lines = list(csv.reader(row for row in text.splitlines() if row.strip() and not row.startswith("#")))
-    if not lines:
-        raise StoreError(f"{path} has no columns")
-    names = [name.strip() for name in lines[0]]
-    return names, [line for line in lines[1:] if len(line) == len(names)]
 
 
 def _column(name, cells):

@@ -2,10 +2,13 @@
 
 import json
 import os
+from pathlib import Path
 
 import h5py
 import pytest
+from mpi4py import MPI
 
+from parisph import CaseError, StoreError, load, run
 from parisph import __main__ as entry
 from parisph.io import checkpoint
 from tests.launch import mpirun
@@ -63,7 +66,27 @@ def test_what_does_not_fit_into_memory_is_refused_before_anything_is_made(folder
     done = mpirun(ranks, ["-m", "parisph", "run", "wild.py"], timeout=40, cwd=folder)
     assert done.returncode == 2 and done.stderr.count("parisph: error: ") == 1 and "Traceback" not in done.stderr
     assert f"makes 130 particles, which take about {need} there is 100 MB" in done.stderr
-    assert not list(folder.glob("runs/*"))
+    assert [path.name for path in folder.iterdir()] == ["wild.py"]
+
+
+@pytest.mark.parametrize("out", ["new/a/b", "there/a"])
+def test_a_run_that_is_refused_leaves_the_folders_as_they_were(folder, capfd, out):
+    (folder / "there").mkdir()
+    said = fails(["run", "wild.py", "-o", out, "--", "-pressure_ksp_type", "nonsense"], capfd, 2)
+    assert "nonsense" in said
+    assert sorted(path.name for path in folder.rglob("*")) == ["there", "wild.py"]
+    # an earlier run that was moved aside for it comes back
+    (folder / out).mkdir(parents=True)
+    (folder / out / "case.json").write_text("{}")
+    fails(["run", "wild.py", "-o", out, "--overwrite", "--", "-pressure_ksp_type", "nonsense"], capfd, 2)
+    assert [path.name for path in (folder / out).parent.iterdir()] == [Path(out).name] and (folder / out / "case.json").exists()
+
+
+@pytest.mark.parametrize("out", ["", "a\nb", "x" * 300, "wild.py", "wild.py/a"])
+def test_a_folder_that_cannot_be_is_refused_by_the_function_as_well(folder, out):
+    with pytest.raises((CaseError, StoreError), match="^out = |File exists|Not a directory"):
+        run(load("wild.py"), MPI.COMM_SELF, out)
+    assert [path.name for path in folder.iterdir()] == ["wild.py"]
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
@@ -157,7 +180,7 @@ def test_restart_of_what_is_finished(folder, capfd):
     before = {path: path.stat().st_mtime_ns for path in (folder / "run").rglob("*")}
     assert "ask for more with --until" in fails(["restart", "run"], capfd, 2)
     assert "end_time" in fails(["restart", "run", "--until", "-1"], capfd, 2)
-    assert "end_time" in fails(["restart", "run", "--until", "nan"], capfd, 2)
+    assert "--until" in fails(["restart", "run", "--until", "nan"], capfd, 2)
     assert "/proc/run" in fails(["restart", "run", "--until", "0.03", "-o", "/proc/run"], capfd, 5)
     assert {path: path.stat().st_mtime_ns for path in (folder / "run").rglob("*")} == before
 
