@@ -20,7 +20,6 @@ from parisph.pressure.solver import PressureSolver
 
 SKIN = 1.0        # spacings a particle moves until particles are redistributed and sorted
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
-WORK = ("surface", "assemble", "correct", "regularise")  # phases whose time is this rank's own
 SHORTEST = 1e-5   # of the step that the case itself asks for: what needs a shorter one is out of hand
 
 
@@ -80,7 +79,6 @@ class Simulation:
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
         self._chosen = None     # (limit, step, time after it) of the next step
-        self._recorded = 0.0
         self._open_tank = self._reach_of_open_tank(lower, upper) if case.walls is not None and not case.walls.lid else None
 
     def solve_start(self):
@@ -116,7 +114,6 @@ class Simulation:
         self.time = after
         self.steps += 1
         self.dt = limit     # not a shorter one that meets a time: who goes on from there shall not notice
-        self._record_load()
         if self._open_tank is not None:
             self._keep_in_open_tank()
         return report
@@ -203,11 +200,6 @@ class Simulation:
             error = ParticleLost(f"particle {p.id[lost[0]]} at {np.round(p.x[lost[0]], 6).tolist()} m: outside the tank"
                                  + (f", and {len(lost) - 1} more" if len(lost) > 1 else ""))
         agree(self.comm, error)
-
-    def _record_load(self):
-        total = sum(self.timers.seconds.get(name, 0.0) for name in WORK)
-        self.domain.record_load(total - self._recorded)
-        self._recorded = total
 
 
 def finished(case, time):

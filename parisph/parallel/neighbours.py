@@ -8,8 +8,9 @@ from parisph.base.fields import FIELDS
 from parisph.kernels.cells import neighbour_lists
 from parisph.parallel.halo import ROUNDING, Halo
 from parisph.parallel.migrate import migrate
-from parisph.parallel.partition import UNIT, Grid, Partition, imbalance, particle_weights, split
+from parisph.parallel.partition import Grid, Partition, imbalance, split
 from parisph.parallel.survey import survey
+from parisph.parallel.work import work_of
 
 STRAY = 0.25  # of the grid's side: a particle farther outside makes a new grid necessary
 
@@ -30,9 +31,10 @@ class Domain:
     closed : bool
         Whether the box is a closed tank: a particle farther outside than `radius` is lost.
     tolerated : float
-        Imbalance (max/mean of the ranks' loads) above which the work is divided again.
+        Imbalance (max/mean of the ranks' work) above which the work is divided again.
     balance_every : int
-        The imbalance is checked once in this many calls of `redistribute`.
+        The imbalance is checked whenever particles change rank anyway, and otherwise once in this
+        many calls of `redistribute`.
 
     Attributes
     ----------
@@ -48,7 +50,7 @@ class Domain:
     """
 
     def __init__(self, particles, lower, upper, radius, skin, list_skin=0.0, closed=False,
-                 tolerated=1.15, balance_every=100):
+                 tolerated=1.03, balance_every=100):
         self.particles = particles
         self.lower, self.upper = np.array(lower, float), np.array(upper, float)
         self.radius, self.skin, self.list_skin, self.closed = radius, skin, list_skin, closed
@@ -60,7 +62,7 @@ class Domain:
         self.global_rows = np.zeros(0, np.int32)
         self.n_plans = self.n_lists = 0
         self._partition = self._halo = self._plan_x = self._list_x = None
-        self._load, self._calls, self._assigned = 0.0, 0, particles.n_assigned
+        self._calls, self._looked, self._assigned = 0, -balance_every, particles.n_assigned
 
     def _validate(self):
         shape = (self.particles.dim,)
@@ -74,7 +76,7 @@ class Domain:
     def redistribute(self, force=False):
         """Move particles to their owners if any has moved by more than the skin. Collective.
 
-        Also if forced, or if the measured work is uneven: cells then change owners. Sorts the owned
+        Also if forced, or if the work is uneven: cells then change owners. Sorts the owned
         particles along the Hilbert curve, makes the ghosts, and fills all their `exchanged` fields.
 
         Returns True if row numbers have changed: arrays held outside `particles` are then stale.
@@ -106,10 +108,6 @@ class Domain:
         if self._halo is not None and names:
             self._halo.update(*names)
 
-    def record_load(self, seconds):
-        """Add measured work of this rank, without waiting for others, for rebalancing [s]. Not collective."""
-        self._load += seconds
-
     def destroy(self):
         """Free the MPI and PETSc objects of the halo. Collective."""
         if self._halo is not None:
@@ -130,49 +128,49 @@ class Domain:
 
     def _redistribute(self, force, found):
         self._calls += 1
-        partition = self._next_partition(found.stray)
-        if not (force or partition is not self._partition or found.plan_drift > self.skin):
+        moved = found.plan_drift > self.skin
+        partition = self._next_partition(found.stray, force or moved)
+        if not (force or moved or partition is not self._partition):
             return False
         self._partition = partition
         self._settle()
         return True
 
-    def _next_partition(self, stray):
+    def _next_partition(self, stray, moving):
         """Return the partition to use from now on, the same object when it need not change."""
         old = self._partition
-        if old is None:
-            return self._partition_now(UNIT)
-        weight = self._weight_if_uneven()
-        if stray > STRAY * (old.grid.upper - old.grid.origin).max():
-            return self._partition_now(weight or UNIT)
-        if weight is None:
+        if old is None or stray > STRAY * (old.grid.upper - old.grid.origin).max():
+            return self._partition_now()
+        if not self._is_uneven(moving):
             return old
-        new = self._partition_now(weight, old.grid)
+        new = self._partition_now(old.grid)
         # Renumbering is expensive: keep the partition if the cells are too coarse for a better one.
         return old if np.array_equal(new.splitters, old.splitters) else new
 
-    def _weight_if_uneven(self):
-        """Return the weight of this rank's particles if it is time to rebalance, else None."""
+    def _is_uneven(self, moving):
+        """Return whether work is to be spread anew, if it is time to look; it is whenever particles move anyway."""
         comm = self.particles.comm
-        if comm.size == 1 or self._calls % self.balance_every:
-            return None
-        loads, counts = np.array(comm.allgather((self._load, self.particles.n_owned))).T
-        self._load = 0.0
-        if not loads.any():
-            loads = counts
-        if imbalance(loads) <= self.tolerated:
-            return None
-        return int(particle_weights(loads, counts)[comm.rank])
+        if comm.size == 1 or not (moving or self._calls - self._looked >= self.balance_every):
+            return False
+        self._looked = self._calls
+        return imbalance(comm.allgather(int(self._work().sum()))) > self.tolerated
+
+    def _work(self):
+        """Return the work of each owned particle (n_owned,) int64, the same for all where lists are not known."""
+        p = self.particles
+        if self._list_x is None:
+            return np.ones(p.n_owned, np.int64)
+        return work_of(p.role, np.diff(self.indptr))
 
     # -- how -------------------------------------------------------------------------------
 
-    def _partition_now(self, weight, grid=None):
+    def _partition_now(self, grid=None):
         """Make a partition of equal work for the particles where they are now."""
         p = self.particles
         grid = grid or Grid.covering(*self._bounds(), self.width * ROUNDING)
         if p.comm.size == 1:
             return Partition(grid, np.array([0, grid.end]))
-        return Partition(grid, split(p.comm, grid.cells(grid.keys(p.x)), weight, grid.end))
+        return Partition(grid, split(p.comm, grid.cells(grid.keys(p.x)), self._work(), grid.end))
 
     def _bounds(self):
         """Corners of the box around the scene and all particles."""

@@ -9,7 +9,6 @@ from parisph.kernels.jit import kernel
 from parisph.parallel.hilbert import KEY_BITS, key_of, machine
 
 SORT_LEVELS = 2   # particles are sorted by cells finer than those that ranks own, by this many levels
-UNIT = 1024       # the weight of an average particle: weights are integers, so that sums are exact
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,7 @@ class Partition:
         return np.searchsorted(self.splitters[1:-1], cells, side="right")
 
 
-def split(comm, cells, weight, end):
+def split(comm, cells, weights, end):
     """Divide the curve into one range per rank, of equal weight as far as cells allow. Collective.
 
     Finds all cuts at once by bisection of the range of keys. Each round needs one sum over the ranks,
@@ -110,19 +109,21 @@ def split(comm, cells, weight, end):
     Parameters
     ----------
     cells : (n,) int64 keys of this rank's particles' cells, in any order
-    weight : int, weight of each particle of this rank
+    weights : (n,) int64, theirs: integers, so that sums are exact
     end : int, one past the last key
 
     Returns
     -------
     splitters : (ranks + 1,) int64, the same on all ranks
     """
-    cells = np.sort(cells)
-    total = comm.allreduce(weight * len(cells))
+    order = np.argsort(cells, kind="stable")
+    cells = cells[order]
+    sums = np.concatenate([[0], np.cumsum(weights[order])])
+    total = comm.allreduce(int(sums[-1]))
     targets = np.array([rank * total // comm.size for rank in range(1, comm.size)], np.int64)
 
     def below(keys):
-        found = weight * np.searchsorted(cells, keys).astype(np.int64)
+        found = sums[np.searchsorted(cells, keys)]
         comm.Allreduce(MPI.IN_PLACE, found)
         return found
 
@@ -143,20 +144,3 @@ def imbalance(loads):
     """Return max/mean of the ranks' loads; 1 if there is no load."""
     mean = np.mean(loads)
     return float(np.max(loads) / mean) if mean > 0.0 else 1.0
-
-
-def particle_weights(loads, counts):
-    """Return the integer weight of a particle on each rank: the rank's load per particle.
-
-    Parameters
-    ----------
-    loads : (ranks,) measured work of each rank, in any unit; counts : (ranks,) its particles
-
-    A weight lies between a quarter of the mean and 4 times the mean, because measurements are noisy.
-    """
-    loads, counts = np.asarray(loads, float), np.asarray(counts, float)
-    mean = loads.sum() / max(counts.sum(), 1.0)
-    if mean <= 0.0:
-        return np.full(len(loads), UNIT, np.int64)
-    relative = loads / np.maximum(counts, 1.0) / mean
-    return np.round(UNIT * np.clip(relative, 0.25, 4.0)).astype(np.int64)

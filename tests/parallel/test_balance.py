@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph.base.fields import DRY, INNER
 from parisph.parallel.partition import imbalance, split
+from parisph.parallel.work import work_of
 from tests.clouds import KINDS, cloud, domains, spread
 
 
@@ -15,68 +17,71 @@ def test_cuts_agree_on_all_ranks_and_are_those_of_one_rank_with_everything(comm,
     """The truth counts weights below each key in the gathered keys."""
     random = np.random.default_rng(comm.rank + (kind == "lattice"))
     cells = random.integers(0, 500 if kind == "clusters" else 4096, 0 if kind == "corner" and comm.rank else 400)
-    weight = 700 + 100 * comm.rank
-    splitters = split(comm, cells, weight, 4096)
+    weights = random.integers(1, 1000 + 500 * comm.rank, len(cells))
+    splitters = split(comm, cells, weights, 4096)
     assert len({part.tobytes() for part in comm.allgather(splitters)}) == 1
     below = np.zeros(4097, np.int64)
-    for keys, each in comm.allgather((cells, weight)):
-        below += each * np.searchsorted(np.sort(keys), np.arange(4097))
+    for keys, each in comm.allgather((cells, weights)):
+        below += [each[keys < key].sum() for key in range(4097)]
     for rank in range(1, comm.size):
         target = rank * below[-1] // comm.size
         assert abs(below[splitters[rank]] - target) == np.abs(below - target).min()
 
 
-def cost(p):
-    """A load that grows towards one corner: 1, 3 and 5 in the quarters of the box."""
-    return 1e-6 * (1.0 + 2.0 * (p.x > 0.5).sum(axis=1)).sum()
-
-
-def work(comm, domain, times):
-    """Let `times` steps pass; return the imbalance at their end. Collective."""
-    for _ in range(times):
-        domain.record_load(cost(domain.particles))
-        domain.redistribute()
-    return imbalance(comm.allgather(cost(domain.particles)))
-
-
-def test_measured_work_is_spread_evenly(comm, domains):
+def scene(comm, domains, **options):
+    """A lattice of which only the particles near one corner take part in the pressure equation."""
     p = spread(comm, cloud("lattice", 2, 4900))
-    domain = domains(p, (0, 0), (1, 1), 0.03, 0.004, balance_every=5)
+    p.role[:] = np.where((p.x < 0.45).all(axis=1), INNER, DRY)
+    domain = domains(p, (0, 0), (1, 1), 0.03, 0.004, 0.001, **options)
+    return p, domain
+
+
+def unevenness(comm, p, domain):
+    """Return max/mean over the ranks of the work that is there. Collective."""
+    return imbalance(comm.allgather(int(work_of(p.role, np.diff(domain.indptr)).sum())))
+
+
+def test_work_is_spread_evenly_as_soon_as_it_is_known(comm, domains):
+    p, domain = scene(comm, domains)
     domain.refresh()
     assert imbalance(comm.allgather(p.n_owned)) < 1.05
-    before = work(comm, domain, 0)
-    assert comm.size == 1 or before > 1.2
-    assert work(comm, domain, 3) == before and domain.n_plans == 1  # not looked at yet
-    after = work(comm, domain, 30)
-    assert after <= 1.15
-    plans = domain.n_plans
-    assert plans == 1 if comm.size == 1 else 2 <= plans <= 6
-    work(comm, domain, 20)
-    assert domain.n_plans == plans  # even enough: left alone
+    assert comm.size == 1 or unevenness(comm, p, domain) > 1.2
+    assert domain.refresh() is (comm.size > 1)
+    assert unevenness(comm, p, domain) <= 1.05
+    for _ in range(5):
+        assert domain.refresh() is False    # even enough: left alone
     assert p.n_global == 4900
 
 
-def test_only_work_since_the_last_look_counts(comm, domains):
-    p = spread(comm, cloud("lattice", 2, 2500))
-    domain = domains(p, (0, 0), (1, 1), 0.04, 0.004, balance_every=1)
-    domain.refresh()
-    domain.record_load(10.0 + 10.0 * comm.rank)
-    assert domain.redistribute() is (comm.size > 1)
-    domain.record_load(1.0)
-    assert domain.redistribute() is False
+def test_work_that_becomes_uneven_is_noticed_in_time(comm, domains):
+    p, domain = scene(comm, domains, balance_every=10)
+    for _ in range(2):
+        domain.refresh()
+    p.role[:] = np.where((p.x > 0.55).all(axis=1), INNER, DRY)
+    changed = [domain.refresh() for _ in range(10)]
+    assert changed == [False] * 9 + [comm.size > 1]
+    assert unevenness(comm, p, domain) <= 1.05
+
+
+def test_work_is_looked_at_whenever_particles_move_anyway(comm, domains):
+    p, domain = scene(comm, domains)
+    for _ in range(2):
+        domain.refresh()
+    p.role[:] = np.where((p.x > 0.55).all(axis=1), INNER, DRY)
+    p.x[:] += 0.005 * (p.x < 0.5)
+    assert domain.refresh() is True
+    assert unevenness(comm, p, domain) <= 1.05
 
 
 def test_rebalancing_renumbers_and_says_so(comm, domains):
-    p = spread(comm, cloud("lattice", 2, 2500))
-    domain = domains(p, (0, 0), (1, 1), 0.04, 0.004, balance_every=1)
+    p, domain = scene(comm, domains)
     domain.refresh()
     rows = p.offsets.copy()
-    domain.record_load(cost(p))
-    changed = domain.redistribute()
+    changed = domain.refresh()
     assert changed == (comm.size > 1) and changed == (not np.array_equal(rows, p.offsets))
 
 
-def test_without_measurements_particles_are_counted(comm, domains):
+def test_without_lists_particles_are_counted(comm, domains):
     """Particles that all flow to one side change owners by their number."""
     p = spread(comm, cloud("lattice", 2, 2500))
     domain = domains(p, (0, 0), (1, 1), 0.04, 0.004, balance_every=3)
@@ -90,16 +95,16 @@ def test_without_measurements_particles_are_counted(comm, domains):
     cells = domain._partition.grid.cells(domain._partition.grid.keys(p.x))
     fullest = np.unique(np.concatenate(comm.allgather(cells)), return_counts=True)[1].max()
     counts = comm.allgather(p.n_owned)
-    assert max(counts) <= max(1.15 * 2500 / comm.size, 2500 / comm.size + fullest)
+    assert max(counts) <= max(1.05 * 2500 / comm.size, 2500 / comm.size + fullest)
 
 
 def test_cells_too_coarse_to_balance_are_not_renumbered_in_vain(comm, domains):
     p = spread(comm, cloud("corner", 2))
     domain = domains(p, (0, 0), (1, 1), 0.1, 0.02, balance_every=1)
     domain.refresh()
+    p.role[:] = INNER if comm.rank else DRY
     for _ in range(5):
-        domain.record_load(1.0 + comm.rank)
-        assert domain.redistribute() is False
+        assert domain.refresh() is False
 
 
 def test_an_old_plan_is_freed(comm, domains):

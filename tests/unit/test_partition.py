@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph.base.fields import BALLISTIC, DRY, INNER, WET
 from parisph.parallel import partition
 from parisph.parallel.halo import senders
 from parisph.parallel.hilbert import keys_of_cells
 from parisph.parallel.partition import Grid, Partition
+from parisph.parallel.work import work_of
 from tests.clouds import KINDS, cloud
 
 
@@ -60,17 +62,18 @@ def test_keys_are_those_of_the_cells_and_outside_belongs_to_the_border(dim):
 def test_split_is_the_best_cut_between_cells(size, seed):
     random = np.random.default_rng(seed)
     cells = np.concatenate([random.integers(0, 256, 300), np.full(100 * seed, 17)])
-    splitters = partition.split(Share(size), cells, 3, 256)
+    weights = random.integers(0, 1000, len(cells))
+    splitters = partition.split(Share(size), cells, weights, 256)
     assert splitters[0] == 0 and splitters[-1] == 256 and len(splitters) == size + 1
     assert (np.diff(splitters) >= 0).all()
-    below = np.array([3 * (cells < key).sum() for key in range(257)])
+    below = np.array([weights[cells < key].sum() for key in range(257)])
     for rank in range(1, size):
-        target = rank * 3 * len(cells) // size
+        target = rank * below[-1] // size
         assert abs(below[splitters[rank]] - target) == np.abs(below - target).min()
 
 
 def test_split_of_nothing_leaves_every_cell_with_an_owner():
-    splitters = partition.split(Share(3), np.zeros(0, np.int64), 1024, 64)
+    splitters = partition.split(Share(3), np.zeros(0, np.int64), np.zeros(0, np.int64), 64)
     owners = Partition(None, splitters).owners(np.arange(64))
     assert splitters[-1] == 64 and ((0 <= owners) & (owners < 3)).all()
 
@@ -88,11 +91,10 @@ def test_imbalance():
     assert partition.imbalance([2.0]) == 1.0
 
 
-def test_weights_are_load_per_particle_within_limits():
-    weights = partition.particle_weights([1.0, 3.0, 0.0], [100, 100, 0])
-    np.testing.assert_array_equal(weights[:2], [512, 1536])
-    np.testing.assert_array_equal(partition.particle_weights([1e-9, 1.0], [100, 100]), [256, 2048])
-    np.testing.assert_array_equal(partition.particle_weights([0.0, 0.0], [5, 5]), [1024, 1024])
+def test_work_goes_with_neighbours_and_with_the_part_a_particle_plays():
+    found = work_of(np.array([INNER, WET, DRY, BALLISTIC], np.int8), np.array([20, 20, 20, 0], np.int32))
+    np.testing.assert_array_equal(found, [300, 300, 90, 30])
+    assert found.dtype == np.int64
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -1,0 +1,50 @@
+"""A flow that is uneven by itself: ranks get equal shares of it, and the same ones each time."""
+
+import numpy as np
+import pytest
+
+from tests.scenes import on_ranks
+
+# A falling column: walls of which most touch no water, a front that runs from one rank's cells into
+# another's. The processor time of each step's kernels is measured from outside.
+FALLING = """
+from tests.kernel_time import KernelTime
+kernels = KernelTime()
+s = Simulation(scene("dam_break", spacing=0.025), comm)
+{change}
+steps, seconds = [], 0.0
+while s.steps < 110:
+    s.advance()
+    steps.append(kernels.seconds - seconds)
+    seconds = kernels.seconds
+everyone = np.array(comm.gather(steps) or 0)
+found = s.gather("x", "u", "p", "role")
+if comm.rank == 0:
+    np.savez("{name}.npz", steps=everyone, **found)
+"""
+SPREAD_ONCE = "s.domain.tolerated = np.inf"
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("uneven")
+    for name, change in (("even", ""), ("again", ""), ("uneven", SPREAD_ONCE)):
+        on_ranks(2, FALLING.format(name=name, change=change), folder)
+    return {name: np.load(folder / f"{name}.npz") for name in ("even", "again", "uneven")}
+
+
+def imbalance(run):
+    """Return max/mean over the ranks of the time in kernels, of the typical one of the last steps."""
+    typical = np.median(run["steps"][:, 60:], axis=1)
+    return typical.max() / typical.mean()
+
+
+def test_kernels_of_an_uneven_flow_take_equal_time(runs):
+    assert imbalance(runs["uneven"]) > 1.2, "the flow is uneven, if nothing is done"
+    # the calmer of two runs: another program on one of the cores slows its kernels too
+    assert min(imbalance(runs["even"]), imbalance(runs["again"])) < 1.1
+
+
+def test_run_on_two_ranks_can_be_repeated_bit_for_bit(runs):
+    for name in ("x", "u", "p", "role"):
+        np.testing.assert_array_equal(runs["even"][name], runs["again"][name])

@@ -1,0 +1,41 @@
+"""Processor time that a rank spends in kernels, measured from outside: every call is timed where the step makes it."""
+
+from time import thread_time
+
+from parisph.methods import projection, regularise
+from parisph.parallel import neighbours
+from parisph.pressure import rows
+
+_CALLED_FROM = {projection: ("gradients", "surfaces"), regularise: ("collisions", "shifting", "surfaces"),
+                rows: ("laplacian", "rankine", "walls", "compress"), neighbours: ("neighbour_lists",)}
+
+
+class KernelTime:
+    """Times the kernels of a step from now on, in this process; `seconds` so far."""
+
+    def __init__(self):
+        self.seconds = 0.0
+        for module, names in _CALLED_FROM.items():
+            for name in names:
+                found = getattr(module, name)
+                setattr(module, name, self._timed(found) if callable(found) else _Timed(found, self._timed))
+
+    def _timed(self, function):
+        def call(*args, **options):
+            start = thread_time()
+            try:
+                return function(*args, **options)
+            finally:
+                self.seconds += thread_time() - start
+        return call
+
+
+class _Timed:
+    """A module of kernels, each of which is timed when it is called."""
+
+    def __init__(self, module, timed):
+        self._module, self._wrap = module, timed
+
+    def __getattr__(self, name):
+        found = getattr(self._module, name)
+        return self._wrap(found) if callable(found) else found
