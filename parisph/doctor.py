@@ -1,7 +1,7 @@
-"""Is this machine fit to run parisph? Versions, and a real solve on two ranks.
+"""Check whether parisph can run on this machine: library versions, and a real solve on two ranks.
 
-Every library is looked at in a process of its own with a time limit: a library that hangs or
-crashes while it loads is then a finding like any other.
+Each library is loaded in a separate process with a time limit, so that one that hangs or crashes is
+reported like any other problem.
 """
 
 import json
@@ -28,7 +28,7 @@ PARALLEL_H5PY = (
 
 @dataclass(frozen=True)
 class Finding:
-    """What was found about one thing; `remedy` says what to do when it is not ok."""
+    """The result of one check; `remedy` says what to do if it is not ok."""
 
     name: str
     ok: bool
@@ -37,7 +37,7 @@ class Finding:
 
 
 def examine():
-    """Return the list of Findings about this machine. Not collective: starts ranks of its own."""
+    """Return the list of Findings about this machine. Not collective: starts its own ranks."""
     findings = [Finding("python", True, f"{sys.version.split()[0]}, {sys.executable}")]
     findings += [_library(*entry) for entry in _LIBRARIES]
     launcher = shutil.which("mpirun") or shutil.which("mpiexec")
@@ -50,7 +50,7 @@ def examine():
 
 
 def report(findings):
-    """Return the findings as text, one to a line, each problem with its remedy."""
+    """Return the findings as text, one per line, each problem with its remedy."""
     lines = []
     for finding in findings:
         lines.append(f"{'ok' if finding.ok else 'PROBLEM':<8}{finding.name:<11}{finding.detail}")
@@ -65,7 +65,7 @@ def trial(comm):
     """Solve a small system, write a file together and read it again. Collective.
 
     Uses the current folder, which all ranks must share. Returns a dict with "ranks",
-    "iterations", "error" and "file" (the bytes came back as written), the same on every rank.
+    "iterations", "error" and "file" (whether the file was read as written), the same on every rank.
     Raises SolverDiverged, or ParisphError when h5py is not parallel, on every rank.
     """
     from parisph.pressure import trial as pressure
@@ -75,7 +75,7 @@ def trial(comm):
     return result
 
 
-# ---- one library each, asked in a process of its own (`python -m parisph.doctor NAME`)
+# ---- one library each, loaded in a separate process (`python -m parisph.doctor NAME`)
 
 def _ask_numpy():
     import numpy
@@ -113,7 +113,7 @@ def _ask_hdf5():
 _QUESTIONS = {"numpy": _ask_numpy, "numba": _ask_numba, "MPI": _ask_mpi, "PETSc": _ask_petsc, "HDF5": _ask_hdf5}
 
 
-# ---- and judged here: answer -> (ok, detail, remedy)
+# ---- the answers are judged here: answer -> (ok, detail, remedy)
 
 def _judge_numpy(answer):
     return True, answer["version"], ""
@@ -145,7 +145,7 @@ def _judge_hdf5(answer):
 
 _LIBRARIES = (
     ("numpy", _judge_numpy, "pip install numpy"),
-    ("numba", _judge_numba, "pip install numba, in a release that knows this numpy"),
+    ("numba", _judge_numba, "pip install numba, in a release that supports this numpy"),
     ("MPI", _judge_mpi, PACKAGES),
     ("PETSc", _judge_petsc, PACKAGES),
     ("HDF5", _judge_hdf5, PARALLEL_H5PY),
@@ -162,7 +162,7 @@ def _library(name, judge, if_missing):
 
 
 def _two_ranks(launcher):
-    """Return the Finding about a solve and a file of two ranks, talking over loopback."""
+    """Return the Finding about a solve and a file of two ranks, which use the loopback interface."""
     try:
         answer = _run([launcher, "-n", "2", sys.executable, "-m", "parisph", "doctor", "--trial"])
     except ParisphError as error:
@@ -185,7 +185,7 @@ def _run(command):
         try:
             done = launch.run(command, LIMIT, _child_environment(), cwd=folder)
         except subprocess.TimeoutExpired:
-            raise ParisphError(f"no answer in {LIMIT:.0f} s") from None
+            raise ParisphError(f"no answer within {LIMIT:.0f} s") from None
     lines = done.stdout.strip().splitlines()
     try:
         return json.loads(lines[-1])
@@ -194,7 +194,7 @@ def _run(command):
 
 
 def _child_environment():
-    """For a child that must import this very parisph, whether it is installed or not."""
+    """Return the environment of a child process that imports this parisph, installed or not."""
     variables = environment.for_launching()
     here = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     variables["PYTHONPATH"] = os.pathsep.join(filter(None, [here, variables.get("PYTHONPATH")]))
@@ -202,14 +202,14 @@ def _child_environment():
 
 
 def _cause(done):
-    """Return the line of a failed process's output that says most."""
+    """Return the most informative line of a failed process's output."""
     lines = [line.strip() for line in done.stderr.splitlines() if line.strip(" -")]
     errors = [line for line in lines if "Error" in line or "error:" in line]
-    return (errors or lines or [f"ended with code {done.returncode} and said nothing"])[-1]
+    return (errors or lines or [f"ended with code {done.returncode} without a message"])[-1]
 
 
 def _write_together(comm):
-    """Write a number from each rank into one file, read all of them on each. Collective."""
+    """Write a number from each rank to one file, and read all of them on each rank. Collective."""
     import h5py
 
     if not h5py.get_config().mpi:

@@ -1,4 +1,4 @@
-"""What a run says when it cannot go on: why, where, and which particles to look at."""
+"""The message of a run that fails: the cause, the step, and the particles to look at."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ HUGE = 1e300    # faster than any particle
 
 
 def explained(error, simulation, last_checkpoint):
-    """Return the error with what a user needs to find the cause and to go on. Collective.
+    """Return the error, extended by the step, the worst particles and the last checkpoint. Collective.
 
     error : ParisphError, on every rank
     last_checkpoint : path or None
@@ -31,9 +31,9 @@ def explained(error, simulation, last_checkpoint):
 
 
 def suspects(simulation, bad_force=None, count=WORST):
-    """Describe the particles that look worst: those that are not finite, then the fastest. Collective.
+    """Describe the worst particles: those with values that are not finite, then the fastest. Collective.
 
-    bad_force : time [s] at which the body force shall be looked at too, or None
+    bad_force : time [s] at which the body force is checked too, or None
     """
     s, p = simulation, simulation.particles
     speed = np.linalg.norm(p.u, axis=1)

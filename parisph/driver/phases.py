@@ -1,4 +1,4 @@
-"""The phases of a step: wall time, as `log.Timers` has it, and CPU time beside."""
+"""Timers for the phases of a step: wall time, as in `log.Timers`, and CPU time."""
 
 from contextlib import contextmanager
 from time import process_time
@@ -7,10 +7,10 @@ from parisph.base.log import Timers
 
 
 class PhaseTimers(Timers):
-    """Timers that count CPU time too.
+    """Timers that also count CPU time.
 
-    A rank that waits for others spends wall time; whether it spends CPU time while it does is
-    up to the MPI library.
+    A rank that waits for others uses wall time; it depends on the MPI library whether it also uses
+    CPU time.
 
     Attributes
     ----------

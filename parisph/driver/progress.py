@@ -1,4 +1,4 @@
-"""How a run tells on rank 0 how far it is."""
+"""Progress of a run, shown by rank 0."""
 
 import sys
 from time import perf_counter
@@ -9,13 +9,13 @@ TERMINAL, BATCH = 0.5, 15.0  # seconds between lines
 
 
 class Progress:
-    """One live line on a terminal; plain lines, ever more rarely, in a batch log.
+    """One live line on a terminal; in a batch log plain lines, at growing intervals.
 
     Parameters
     ----------
     end_time : float [s]
     wanted : bool, False to be quiet
-    first : bool, whether this is rank 0; the others are silent
+    first : bool, whether this is rank 0; other ranks show nothing
     """
 
     def __init__(self, end_time, wanted, first=True, stream=None):
@@ -26,7 +26,7 @@ class Progress:
         self._first = self._steps = None
 
     def step(self, simulation, report):
-        """Tell of a step if it is time to. Not collective."""
+        """Show the progress after a step, if it is time for a new line. Not collective."""
         if not self.shown:
             return
         now = perf_counter()

@@ -1,4 +1,4 @@
-"""Whether a case fits into the memory of the machines that shall compute it; asked before anything is made."""
+"""A check that a case fits into the memory of the machines that run it, before anything is allocated."""
 
 from mpi4py import MPI
 
@@ -10,8 +10,8 @@ from parisph.case import size
 def check(case, comm):
     """Raise CaseError on every rank if the particles need more memory than all machines have. Collective.
 
-    A case is checked for this where it runs, and not when it is made: `parisph check` on a laptop
-    says what a case of a cluster takes. What other programs use is not looked at: it changes.
+    This is checked where a case runs, not when it is made, so that `parisph check` on a laptop can
+    describe a case for a cluster. The memory that other programs use is ignored, because it changes.
     """
     there = _memory(comm)
     count = size.counts(case)["all"]
@@ -23,7 +23,7 @@ def check(case, comm):
 
 
 def _memory(comm):
-    """Return the bytes of memory of all machines that the ranks are on, None if one does not tell. Collective."""
+    """Return the bytes of memory of all machines that the ranks are on, None if one is unknown. Collective."""
     machine = comm.Split_type(MPI.COMM_TYPE_SHARED)
     first = machine.rank == 0
     machine.Free()

@@ -1,4 +1,4 @@
-"""When a run has something to do: at simulated times, and when it is told to stop."""
+"""The schedule of a run: simulated times at which something is due, and signals to stop."""
 
 import math
 import signal
@@ -10,10 +10,10 @@ ROUNDING = 1e-6         # of a step: what the sum of many steps may be off by
 def step_towards(target, time, limit):
     """Return a step of at most `limit` (or a thousandth more) on the way to `target`, and the time after it, all in s.
 
-    The last two steps before the target share what is left, so that none is shorter than half of
-    `limit` and the target is met exactly. The answer depends on nothing that went before: a run
-    that goes on between these two takes the same ones. A fixed step that divides the way stays
-    what it is, to the last bit.
+    The last two steps before the target share the remaining time, so that neither is shorter than
+    half of `limit` and the target is met exactly. The result does not depend on earlier steps: a run
+    that is restarted between these two takes the same steps. A fixed step that divides the remaining
+    time is unchanged, to the last bit.
     """
     left = target - time
     if not 0.0 < left <= 2.0 * limit:
@@ -26,13 +26,13 @@ def step_towards(target, time, limit):
 
 
 class Times:
-    """When something is due: every so often, and at given times [s]."""
+    """Times at which something is due: at a fixed interval, and at given times [s]."""
 
     def __init__(self, every, times=()):
         self.every, self.times, self.count = every, sorted(times), 0
 
     def due(self, time):
-        """Return whether a time has been reached since it was asked last."""
+        """Return whether something has become due since the last call."""
         before = self.count
         self.skip(time)
         return self.count > before

@@ -1,4 +1,4 @@
-"""Compiling the kernels once: on one rank, for the others to load."""
+"""Compile the kernels once, on one rank, so that the others can load them."""
 
 from mpi4py import MPI
 
@@ -14,22 +14,22 @@ STEP = 1e-3    # of the time in which a particle falls by half a spacing, as g =
 def on_one_rank_first(comm, make, case, numerics):
     """Take one step of a small scene on rank 0, which fills the cache of compiled kernels. Collective.
 
-    The other ranks wait, and then find in the cache what they need; otherwise each would compile
-    all of it, which takes half a minute.
+    The other ranks wait and then load the kernels from the cache; otherwise each would compile all
+    of them, which takes half a minute.
 
     make : Simulation, as a function (case, comm) -> Simulation
-    case, numerics : the scene that is to be run, whose kernels are wanted
+    case, numerics : the scene whose kernels are needed
 
     Raises
     ------
-    ParisphError on every rank: what else may fail on rank 0, such as the compiler.
+    ParisphError on every rank: something else failed on rank 0, such as the compiler.
     """
     problem = None
     if comm.rank == 0:
         try:
             _step(make(small(case, numerics), MPI.COMM_SELF))
         except ParisphError:
-            pass    # what ails the small scene, the true one will show on all ranks at once
+            pass    # whatever is wrong with the small scene, the real one will report it on all ranks
         except Exception as error:
             problem = error
     agree(comm, problem)

@@ -1,4 +1,4 @@
-"""When the probes of a run are sampled: every so many steps, or at a fixed rate in time."""
+"""The sampling of a run's probes: every n steps, or at a fixed rate in time."""
 
 import numpy as np
 
@@ -7,11 +7,11 @@ from parisph.io import probes
 
 
 class Watch:
-    """The samples of a run's probes. All methods are collective but where they say otherwise.
+    """The samples of a run's probes. All methods are collective unless stated otherwise.
 
-    At a fixed rate a sample is of exactly k intervals, interpolated linearly in time between the
-    two ends of the step that passes it. The particles are looked at in these steps only. Nothing
-    need be kept for a restart: the beginning of its first step is sampled again.
+    At a fixed rate, samples are taken at exactly k intervals, by linear interpolation in time between
+    the ends of the step that contains them. Probes are evaluated in these steps only. Nothing has to
+    be stored for a restart, which evaluates them again at the beginning of its first step.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class Watch:
         return [(s.time, s.steps, self._sample())]
 
     def before_step(self, after):
-        """Look at the particles before a step that ends at `after` [s], if samples lie between."""
+        """Evaluate the probes before a step that ends at `after` [s], if it contains samples."""
         s = self.simulation
         self._since = s.reached
         if self._times is None or not self._times.after(self._since) < after - ROUNDING * (after - s.time):
@@ -48,7 +48,7 @@ class Watch:
             self._last = s.time, self._sample()
 
     def after_step(self):
-        """Return the lines [(time [s], step, {probe: values})] that the step has made due."""
+        """Return the lines [(time [s], step, {probe: values})] that are due after the step."""
         s = self.simulation
         if self._times is None:
             return [] if s.steps % self._every else [(s.time, s.steps, self._sample())]
@@ -65,9 +65,9 @@ class Watch:
 
 
 def _between(before, after, time):
-    """Return {probe: values} at `time` from two samples (time, {probe: values}), either of which may hold nan.
+    """Return {probe: values} at `time` by interpolation between two samples (time, {probe: values}).
 
-    Where one of the two has no value there is nothing to interpolate: the nearer one counts.
+    If a value of either sample is nan, the nearer one is taken.
     """
     share = 1.0 if before is None else (time - before[0]) / (after[0] - before[0])
     if share > 1.0 - ROUNDING:

@@ -1,16 +1,16 @@
-"""A run in words: the short table at its end, and what `parisph info` prints. Not collective."""
+"""The table at the end of a run, and the text of `parisph info`. Not collective."""
 
 from parisph.base.text import plain_lines
 from parisph.io.layout import INDEX
 
 
 def table(summary):
-    """Return the lines of a short table of summary.json; what the summary lacks is left out."""
+    """Return the lines of a short table of summary.json; missing entries are left out."""
     return _plain(f"{name:<15} {text}" for name, text in _entries(summary) if text is not None)
 
 
 def describe(run):
-    """Return the text about a Run (io.reader): what is in it, how it went."""
+    """Return the description of a Run (io.reader): its content and its results."""
     lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
     lines += ["", *(table(run.summary) if run.summary else ["no summary.json: the run goes on, or was killed"])]
     if len(run):
@@ -26,7 +26,7 @@ def describe(run):
 
 
 def provenance(run):
-    """Return the text about how a Run was made, "" if it has no snapshot. Raises StoreError if the first one is damaged."""
+    """Return the versions and options of a Run as text, "" if it has no snapshot. Raises StoreError if the first one is damaged."""
     return "\n".join(_plain(f"{name:<16}{value}" for name, value in sorted(run.about.items())))
 
 
@@ -53,7 +53,7 @@ def _entries(summary):
     if fallbacks:
         yield "fallbacks", ", ".join(f"{name} {n}" for name, n in fallbacks.items()) if isinstance(fallbacks, dict) else str(fallbacks)
     yield "volume drift", _number(get("volume_drift"), "+.2%")
-    # where work is done on the fluid a change of its energy is no error
+    # if work is done on the fluid, a change of its energy is not an error
     yield "energy change" if get("driven") else "energy drift", _number(get("energy_drift"), "+.2%")
     for probe, error in (get("errors") or {}).items():
         if isinstance(error, dict) and error.get("relative_l2") is None:

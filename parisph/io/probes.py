@@ -1,7 +1,7 @@
-"""What a run watches: gauges, pressure taps, the water front, energy, momentum and volume.
+"""Probes: gauges, pressure taps, the water front, energy, momentum and volume.
 
-`samplers = build(case, comm)` once, then `sample_all(samplers, particles, domain, time)` as often
-as wanted.
+Call `samplers = build(case, comm)` once, then `sample_all(samplers, particles, domain, time)` for
+each sample.
 """
 
 import numpy as np
@@ -30,7 +30,7 @@ def build(case, comm):
 
     Raises
     ------
-    CaseError on every rank: a probe that exists in 2D only in a case that has three dimensions.
+    CaseError on every rank: a probe for 2D only in a case in three dimensions.
     """
     error, samplers = None, []
     try:
@@ -82,10 +82,10 @@ class ColumnHeight(_Column):
 
 
 class SurfaceGauge(_Column):
-    """Height of the free surface above x = `at`: a smooth fit where there is a smooth surface.
+    """Height of the free surface above x = `at`: a smooth fit if the surface is smooth.
 
-    See surface.surface_height. A surface that breaks there gives the height of the column (as of
-    ColumnHeight), a dry bed the height of the bed.
+    See surface.surface_height. Where the surface breaks, the value is that of ColumnHeight; on a dry
+    bed it is the height of the bed.
     """
 
     dims = (2,)
@@ -173,12 +173,12 @@ class PressureTap(Sampler):
 class Energy(Sampler):
     """Kinetic and potential energy of all fluid, free flight included, in the tank's frame.
 
-    Each particle counts with the volume that it stands for: with equal masses particles on the
-    surface, whose cells are half empty, and beside walls would make an error of s/H, through
-    which the energy of the falling column rises by .03 % although nothing feeds it.
+    Each particle counts with the volume that it represents. With equal masses, particles on the
+    surface, whose cells are half empty, and beside walls would cause an error of order s/H: the
+    energy of the falling column would rise by .03 %.
 
-    Potential: of a uniform, constant body force, from the tank's lower corner (without a tank from
-    the lower corner of the fluid at the start); 0 for any other force.
+    The potential energy is that of a uniform, constant body force, relative to the tank's lower corner
+    (without a tank, the lower corner of the initial fluid); it is 0 for any other force.
     """
 
     def __init__(self, probe, scene):
@@ -216,8 +216,8 @@ class Momentum(Sampler):
 class Volume(Sampler):
     """Mean Voronoi cell inside the fluid over spacing^2, and how many cells were averaged.
 
-    It is 1 on the lattice of the start. Inside: inner particles farther than 2.1 spacings from
-    every surface and ballistic particle. nan where nothing is that deep.
+    It is 1 on the initial lattice. Inside means: inner particles farther than 2.1 spacings from
+    every surface and ballistic particle. nan if there are none.
     """
 
     columns = {"cell": "", "count": "particles"}

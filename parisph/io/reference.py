@@ -1,4 +1,4 @@
-"""Reference series that others have measured or computed: two columns of a CSV file. Not collective."""
+"""Reference series, measured or computed elsewhere: two columns of a CSV file. Not collective."""
 
 import numpy as np
 
@@ -15,11 +15,11 @@ def names(path) -> list[str]:
 
 
 def read_reference(path, time, value, offset=0.0, scale=1.0, time_scale=1.0):
-    """Return (t (n,) [s], truth (n,)): two columns of a reference file, lines in order of time.
+    """Return (t (n,) [s], truth (n,)): two columns of a reference file, sorted by time.
 
-    truth = offset + scale * column; t = time_scale * column. Lines with an empty cell, or one that says nan, are left
-    out: a measured series has gaps, where the truth of a case (case.probes.read_truth) must be
-    sound from end to end. Raises StoreError for a missing file or column, or a cell that is not a number.
+    truth = offset + scale * column; t = time_scale * column. Lines with an empty cell or nan are skipped: a measured
+    series may have gaps, while the truth of a case (case.probes.read_truth) may not. Raises StoreError for a missing
+    file or column, or a cell that is not a number.
     """
     found, lines = _read(path)
     for name in (time, value):

@@ -1,8 +1,8 @@
-"""How probes look at particles that are spread over ranks: everything of all probes in two messages.
+"""The evaluation of probes on particles that are distributed over ranks, with two messages for all probes.
 
-Each rank looks at its own particles only, through sums and a few rows of numbers (the ends of its
-bodies of water, the surface particles at a gauge). One Allreduce adds up the sums of all probes
-and one Allgatherv brings their rows together, whatever the number of probes.
+Each rank reduces its own particles to sums and a few rows of numbers (the ends of its bodies of
+water, the surface particles at a gauge). One Allreduce adds the sums of all probes, and one
+Allgatherv collects their rows, for any number of probes.
 """
 
 from dataclasses import dataclass
@@ -21,9 +21,9 @@ WIDTH = 5  # numbers of a row: its probe, what it is, and three more
 def sample_all(samplers, particles, domain, time):
     """Return {name of the probe: tuple of floats, in the order of its `columns`}. Collective.
 
-    Every rank gets the same values. Positions of ghosts are brought up to date where a sampler
-    needs them; nothing else changes. `domain` must have been refreshed since particles were
-    assigned. A probe that finds nothing to measure gives nan.
+    Every rank gets the same values. Positions of ghosts are updated if a sampler needs them; nothing
+    else changes. `domain` must have been refreshed since particles were assigned. A probe that finds
+    nothing to measure gives nan.
 
     time : of the particles [s]
     """
@@ -65,11 +65,11 @@ def _together(comm, sums, rows):
 
 @dataclass(frozen=True)
 class Scene:
-    """What samplers need to know of the case.
+    """The data of a case that samplers need.
 
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
     the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2],
-    zero where the body force is not uniform and constant.
+    zero unless the body force is uniform and constant.
     """
 
     dim: int
@@ -95,13 +95,13 @@ class Scene:
 
 
 def _uniform(gravity):
-    """Return the body force (dim,) [m/s2] if it is the same everywhere and always, else zeros: no potential."""
+    """Return the body force (dim,) [m/s2] if it is uniform and constant, else zeros (no potential)."""
     found = expressions.uniform_field(gravity)
     return np.zeros(len(gravity)) if found is None else found
 
 
 class View:
-    """This rank's particles, as several samplers want them; each part is computed at most once."""
+    """This rank's particles in the forms that samplers need; each is computed at most once."""
 
     def __init__(self, particles, domain):
         self.particles, self.domain = particles, domain
@@ -140,7 +140,7 @@ class Sampler:
     ----------
     name, title : str
     columns : dict of column name -> unit
-    ghosts : fields of the ghosts that must be of now
+    ghosts : fields of the ghosts that must be up to date
     """
 
     columns = {}
@@ -157,11 +157,11 @@ class Sampler:
         return sample_all([self], particles, domain, time)[self.name]
 
     def sums(self, view):
-        """Return what is to be added up over ranks. Not collective."""
+        """Return the numbers to be added over the ranks. Not collective."""
         return ()
 
     def rows(self, view):
-        """Return the rows (n, 4) that all ranks shall see: what it is, three numbers. Not collective."""
+        """Return the rows (n, 4) for all ranks: a kind and three numbers each. Not collective."""
         return np.empty((0, WIDTH - 1))
 
     def values(self, sums, rows):

@@ -1,6 +1,6 @@
-"""Where the water ends: bodies of water along a line, and the height of the free surface (2D).
+"""Bodies of water along a line, and the height of the free surface (2D).
 
-Of the few particles near a gauge. Nothing is collective.
+Computed from the few particles near a gauge. Nothing is collective.
 """
 
 import numpy as np
@@ -16,8 +16,8 @@ def bodies(z, gap, counts=None, ends=None):
     Neighbours along the line belong to one body unless they are farther apart than `gap` [m].
 
     z : (n,) positions of particles, or lower ends of bodies, in any order [m]
-    counts, ends : (n,), of bodies found before (each rank finds those of its own particles, and
-        the bodies of these are those of all particles)
+    counts, ends : (n,), of bodies found before (each rank finds the bodies of its own particles;
+        joining these gives the bodies of all particles)
     """
     order = np.argsort(z)
     z = z[order]
@@ -33,11 +33,11 @@ def bodies(z, gap, counts=None, ends=None):
 def surface_height(at, x, y, top, spacing, walls):
     """Return the height [m] of the free surface above x = `at`, from the particles on it.
 
-    Where the surface is smooth and single-valued: the polynomial through the two particles on
-    either side, of fourth order in the spacing, continuous when a particle passes the gauge. At a
-    vertical wall d(eta)/dx = 0: particles are mirrored in it, and the polynomial through
-    (-b, y2), (-a, y1), (a, y1), (b, y2) is at the wall (y1 b^2 - y2 a^2)/(b^2 - a^2). With steps
-    steeper than SLOPE only the nearest particles count, and in the end only `top`.
+    If the surface is smooth and single-valued, this is the polynomial through the two particles on
+    either side: of fourth order in the spacing, and continuous when a particle passes the gauge. At a
+    vertical wall d(eta)/dx = 0: particles are mirrored in it, and the polynomial through (-b, y2),
+    (-a, y1), (a, y1), (b, y2) has the value (y1 b^2 - y2 a^2)/(b^2 - a^2) at the wall. If there are
+    steps steeper than SLOPE, only the nearest particles are used, or only `top`.
 
     x, y : (n,) particles on the surface, in any order [m]
     top : highest water within COLUMN spacings of the gauge [m]
@@ -59,12 +59,12 @@ def surface_height(at, x, y, top, spacing, walls):
 
 
 def _reachable(x, y, at, top, spacing):
-    """Whether a surface of at most SLOPE can rise from the top near the gauge to (x, y); spray is higher."""
+    """Return whether a surface of at most SLOPE can rise from the top near the gauge to (x, y); spray is higher."""
     return y - top <= SLOPE * max(abs(x - at) - COLUMN * spacing, 0.0)
 
 
 def _covered(x, y, points, spacing):
-    """Whether another surface lies above, closer along x than a surface of at most SLOPE rises to it."""
+    """Return whether another surface lies above, too close along x for a surface of at most SLOPE."""
     return any(abs(a - x) < spacing and b - y > SLOPE * max(abs(a - x), 0.5 * spacing) for a, b in points)
 
 

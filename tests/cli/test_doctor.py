@@ -50,7 +50,7 @@ def test_mpirun_of_another_library(only_mpirun):
 def test_mpirun_that_hangs(only_mpirun, monkeypatch):
     monkeypatch.setattr(doctor, "LIMIT", 1.0)
     found = only_mpirun("sleep 100")
-    assert not found.ok and "no answer in 1 s" in found.detail and "by hand" in found.remedy
+    assert not found.ok and "no answer within 1 s" in found.detail and "by hand" in found.remedy
 
 
 def test_mpirun_that_fails(only_mpirun):
