@@ -1,4 +1,4 @@
-"""What may be done to the folder of a run: nothing is removed but our own half-written files, and no link is followed.
+"""Changes to the folder of a run. Only parisph's own incomplete files are ever removed, and no link is followed.
 
 All functions are for one rank. They raise OSError, or StoreError with the remedy.
 """
@@ -14,12 +14,12 @@ from parisph.base.errors import StoreError
 from parisph.io.files import digest, read_json, write_json
 from parisph.io.layout import FILES, FOLDERS, REPLACED
 
-# What a killed process leaves: our temporary names, with what MPI-IO puts behind them.
+# Files that a killed process leaves: temporary names, with the suffixes that MPI-IO adds.
 _HALF_WRITTEN = re.compile(r"\.(\w+\.vtkhdf|\d{8}\.h5|[\w.-]+\.(csv|json|series))\.tmp.*|\.run\.lock\.[0-9a-f]{16}")
 
 
 def make(folder: Path) -> list[Path]:
-    """Make a folder and those around it, all or none; return those that were not there, the innermost first."""
+    """Make a folder and its parents, all or none; return the new ones, the innermost first."""
     made = []
     for place in reversed([place for place in (folder, *folder.parents) if not place.is_dir()]):
         try:
@@ -37,7 +37,7 @@ def make(folder: Path) -> list[Path]:
 
 
 def unmake(made: Sequence[Path]) -> bool:
-    """Remove folders that `make` has made and that are empty, the innermost first; return whether that one is gone."""
+    """Remove those of the folders made by `make` that are empty, the innermost first; return whether that one is gone."""
     for number, place in enumerate(made):
         try:
             place.rmdir()
@@ -47,7 +47,7 @@ def unmake(made: Sequence[Path]) -> bool:
 
 
 def prepare(folder: Path) -> None:
-    """Make the folders of a run, and clear away what a killed process has left half written."""
+    """Make the folders of a run, and remove the incomplete files of a killed process."""
     for place in (folder, *(folder / name for name in FOLDERS)):
         if place != folder and place.is_symlink():
             raise StoreError(f"{place} is a symbolic link, and parisph writes only inside the folder of the run: "
@@ -71,7 +71,7 @@ def identity(folder: Path) -> str | None:
 
 
 def digests(folder: Path, names: Iterable[str]) -> dict[str, str]:
-    """Return {name: digest} of files of a run, for its summary; what is not there is left out."""
+    """Return {name: digest} of files of a run, for its summary; missing files are left out."""
     return {name: digest(folder / name) for name in names if (folder / name).is_file()}
 
 
@@ -84,14 +84,14 @@ def summary(folder: Path) -> dict | None:
 
 
 def check_unchanged(path: Path, summary: dict | None, name: str) -> None:
-    """Raise StoreError if a file is not as it was when the summary of its run was written. Without a summary nothing is known."""
+    """Raise StoreError if a file has changed since the summary of its run was written. Without a summary nothing is checked."""
     due = (summary or {}).get("files", {}).get(name)
     if due is not None and path.is_file() and digest(path) != due:
         raise StoreError(f"{path} is damaged: it is not as it was when the run ended. Move it away, or mend it")
 
 
 def move_aside(folder: Path, moved: Iterable[Path], copied: Iterable[Path] = ()) -> Path | None:
-    """Move or copy files of a run that are about to be replaced into replaced/N; return that folder, None if there are none."""
+    """Move or copy the files of a run that will be replaced to replaced/N; return that folder, None if there are no files."""
     moved, copied = ([path for path in paths if path.exists()] for paths in (moved, copied))
     if not moved and not copied:
         return None

@@ -1,8 +1,8 @@
-"""Time series of a run as CSV files: one line a step, or a sample, that any program reads.
+"""Time series of a run as CSV files: one line per step or sample.
 
-A file starts with lines "# ..." (what it is, the units), then the names of the columns, of
-which the first two are always time and step, then the values. A line is handed to the system
-as soon as it is complete, so a killed process loses none; a line cut in the middle is ignored.
+A file starts with comment lines "# ..." (title, units), then the names of the columns, of which the
+first two are always time and step, then the values. Each line is passed to the system when it is
+complete, so that a killed process loses none; an incomplete last line is ignored.
 """
 
 import math
@@ -24,18 +24,18 @@ class Series:
     Parameters
     ----------
     path : pathlib.Path
-    columns : dict of column name -> unit ("" for none); `time` and `step` come first by themselves
-    title : str, one line for people
-    keep_to : None to start the file anew, or the last step of which lines are kept (restart)
+    columns : dict of column name -> unit ("" for none); `time` and `step` are added in front
+    title : str, one line of description
+    keep_to : None to start a new file, or the last step whose lines are kept (restart)
     run : identity of the run that writes it, or ""
 
     Attributes
     ----------
-    dropped : int, how many lines after `keep_to` the file had
+    dropped : int, the number of lines after `keep_to` in the old file
 
     Raises
     ------
-    StoreError : what the file holds already is damaged, or of another run
+    StoreError : the old file is damaged, or of another run
     """
 
     def __init__(self, path, columns, title="", keep_to=None, run=""):
@@ -75,7 +75,7 @@ class Series:
 def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[str], list[list[str]]]:
     """Return the names of the columns of a Series file and its complete lines, cell by cell. Not collective.
 
-    run : identity of the run that it must be of, "" for any; each_step : whether no step may be missing
+    run : identity of the expected run, "" for any; each_step : whether every step must have a line
 
     Raises StoreError: the file cannot be read, is damaged (it names the line), or is of another run.
     """
@@ -123,7 +123,7 @@ def _checked(path, number, cells, count, before, each_step):
 
 
 def row_is_plain(cells: list[str]) -> bool:
-    """Return whether all cells are numbers, words or empty, and none holds what is no text."""
+    """Return whether all cells are numbers, words or empty, without control characters."""
     return all(cell.isprintable() and '"' not in cell for cell in cells)
 
 

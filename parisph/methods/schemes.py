@@ -1,16 +1,16 @@
-"""The registry of methods: a method is data, and this is the only place that knows its name."""
+"""The registry of methods: a method is data, and only this module knows its name."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """What one of the papers' methods is made of.
+    """The parts of a method of the papers.
 
     Attributes
     ----------
     rows : "rankine" (Zheng, Ma & Duan 2014, Eq. 23) or "sph" (Eq. 20a)
-    normalised : whether Rankine rows are scaled by what they do to a parabola
+    normalised : whether Rankine rows are normalised by their result for a parabola
     reach : radius of the neighbour lists, in spacings
     """
 

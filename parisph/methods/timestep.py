@@ -1,4 +1,4 @@
-"""The limits on the time step. None of them knows when the run ends."""
+"""The limits on the time step. None of them depends on the end of the run."""
 
 import numpy as np
 from mpi4py import MPI
@@ -14,25 +14,25 @@ REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0):
     """Return the time step [s]: fixed, or limited by velocity and body force. Collective.
 
-    No fluid particle moves by more than `numerics.cfl` spacings, now (|u| dt) or from rest
-    (g dt^2/2), and the step grows by at most a tenth from one to the next, so that a single
-    calm step in an impact does not undo what the impact asked for. Infinite where nothing limits it.
+    No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor
+    from rest (g dt^2/2). A step is at most a tenth longer than the last one, so that a single calm
+    step during an impact does not undo the reduction. Infinite if nothing limits it.
 
     Parameters
     ----------
-    gravity : float, the largest body force on this rank's fluid [m/s^2], 0 where there is none
+    gravity : float, the largest body force on this rank's fluid [m/s^2], 0 if there is none
     previous : float or None, the last step [s]
-    shortest : float, an adaptive step [s] that only a flow out of hand can ask for
+    shortest : float, a step [s] below which the run has diverged
 
     Raises
     ------
-    SolverDiverged on every rank: a velocity is no number, or so large that the step is below `shortest`.
+    SolverDiverged on every rank: a velocity is not a number, or so large that the step is below `shortest`.
     """
     if numerics.time_step is not None:
         return numerics.time_step
     fastest, gravity, lost = _largest_of_all(comm, _fastest(particles), gravity)
     if lost:
-        raise SolverDiverged("the velocity of a particle is no number any more")
+        raise SolverDiverged("the velocity of a particle is no longer a number")
     move = _longest_move(numerics)
     dt = np.inf if fastest == 0.0 else move / fastest
     if dt < shortest:
@@ -47,13 +47,14 @@ def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0):
 
 
 def first_step(comm, particles, numerics, acceleration, dt, force_at):
-    """Return an adaptive step `dt` [s] as shortened for the first one of a run. Collective.
+    """Return the first step of an adaptive run: `dt` [s], shortened. Collective.
 
-    Velocity alone says nothing of fluid that is let go. So the acceleration counts, that of the pressure
-    at the start included: |u| dt + 10 |a| dt^2 is at most `numerics.cfl` spacings. From rest, steps then
-    grow by a tenth each up to where velocity limits them, instead of falling to a tenth of the first.
-    The body force at its end and half way must allow the step as well, for it may be zero at the start.
-    What rests in no field has no time of its own: it gets that of a fall from rest on earth.
+    The velocity of fluid that is released is zero, so the first step is limited by the acceleration,
+    including that of the initial pressure: |u| dt + 10 |a| dt^2 is at most `numerics.cfl` spacings. From
+    rest, steps then grow by a tenth each until velocity limits them, instead of falling to a tenth of
+    the first. The body force half way and at the end of the step must also allow it, because it may be
+    zero at the start. Fluid at rest without any force has no time scale: its step is that of a fall from
+    rest on earth.
 
     Parameters
     ----------
@@ -76,7 +77,7 @@ def first_step(comm, particles, numerics, acceleration, dt, force_at):
 
 
 def rest_step(numerics):
-    """Return the time [s] in which a particle falls from rest, on earth, by what an adaptive step may move it."""
+    """Return the time [s] in which a particle on earth falls from rest as far as it may move in an adaptive step."""
     return float(_fall(_longest_move(numerics), REST))
 
 
@@ -97,7 +98,7 @@ def _fastest(particles):
 
 
 def _largest_of_all(comm, speed, force):
-    """Return the largest speed and force of all ranks, and whether any was no number. Collective."""
+    """Return the largest speed and force on all ranks, and whether any was not a number. Collective."""
     mine = np.array([speed, force])
     worst = np.append(np.nan_to_num(mine, nan=0.0, posinf=np.inf), float(np.isnan(mine[0])))
     comm.Allreduce(MPI.IN_PLACE, worst, op=MPI.MAX)

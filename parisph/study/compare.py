@@ -1,4 +1,4 @@
-"""A probe of a run against any reference series: what `parisph compare` prints. Not collective."""
+"""Comparison of a probe with a reference series, for `parisph compare`. Not collective."""
 
 from parisph.base.errors import CaseError
 from parisph.base.reading import listed

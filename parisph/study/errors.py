@@ -1,7 +1,7 @@
-"""How far a time series is from the truth, and how quiet a pressure trace is.
+"""Errors of a time series against a reference, and the noise of a pressure trace.
 
 Z14: Zheng, Ma & Duan (2014). Z17: Zheng et al. (2017). Series are (n,) arrays; times [s]
-increase. Nothing here is collective. A series that cannot be judged raises ValueError.
+increase. Nothing here is collective. A series that cannot be evaluated raises ValueError.
 """
 
 import numpy as np
@@ -17,9 +17,9 @@ def relative_l2(value, truth):
 
 
 def wave_relative_l2(value, truth, rest):
-    """Return |value - truth| / |truth - rest|: the error as a share of the wave itself.
+    """Return |value - truth| / |truth - rest|: the error relative to the wave itself.
 
-    rest : level of the water at rest, in the unit and from the origin of the series.
+    rest : level of the water at rest, in the unit of the series.
     """
     value, truth = _pair(value, truth)
     size = np.linalg.norm(truth - rest)
@@ -31,8 +31,8 @@ def wave_relative_l2(value, truth, rest):
 def z17_elevation(elevation, truth):
     """Return Z17's Err as printed (Eq 35): sqrt(sum (truth - elevation)^2) / sum(truth); (n,) each [m].
 
-    An L2 norm over an L1 norm: it falls as 1/sqrt(n) with the number of samples alone, and for a
-    truth that oscillates about zero its denominator vanishes (ValueError if it does so exactly).
+    This is an L2 norm over an L1 norm: it decreases as 1/sqrt(n) with the number of samples, and its
+    denominator vanishes for a truth that oscillates about zero (ValueError if it is exactly zero).
     """
     value, truth = _pair(elevation, truth)
     total = np.sum(truth)
@@ -42,11 +42,11 @@ def z17_elevation(elevation, truth):
 
 
 def on_reference(time, value, reference_time, reference, shift=0.0):
-    """Return (t, value at t, reference at t), (k,) each, where the two overlap.
+    """Return (t, value at t, reference at t), (k,) each, where the two series overlap.
 
-    t are the times of the reference, or those of the run if the reference is so coarse that fewer
-    than two of its times are inside the run (a constant given by two distant points). The other
-    series is interpolated linearly.
+    t are the times of the reference, or those of the run if fewer than two times of the reference are
+    inside the run (such as a constant given by two distant points). The other series is interpolated
+    linearly.
 
     time, value : (n,) of the run; reference_time, reference : (m,)
     shift : [s], added to the run's time (a gate that opens late: the reference starts later)
@@ -73,10 +73,10 @@ def on_reference(time, value, reference_time, reference, shift=0.0):
 
 
 def best_shift(time, value, reference_time, reference, limit):
-    """Return the one shift [s] of the run's time, at most `limit` either way, with the least error.
+    """Return the shift [s] of the run's time, at most `limit` in either direction, with the least error.
 
-    Every shift is judged on the same samples of the reference: those that overlap the run under all
-    shifts. The least is found on a grid of limit/100 and then refined on finer grids.
+    All shifts are compared on the same samples of the reference: those that overlap the run for every
+    shift. The minimum is found on a grid of limit/100 and then on finer grids.
     """
     time, value = _series(time, value)
     reference_time, reference = _series(reference_time, reference)
@@ -96,14 +96,14 @@ def best_shift(time, value, reference_time, reference, limit):
 
 
 def judge(time, value, reference_time, reference, rest=None):
-    """Return how far a probe is from its truth, for summary.json.
+    """Return the errors of a probe against its truth, for summary.json.
 
     rest : None, or the level at rest of a wave, in the probe's unit
 
     Returns
     -------
-    dict: relative_l2 (of the wave part if `rest` is given), z14 (the norm of Z14, which includes
-    what is at rest), samples, start and end [s] of the compared window.
+    dict: relative_l2 (of the wave part if `rest` is given), z14 (the norm of Z14, which includes the
+    level at rest), samples, start and end [s] of the compared window.
     """
     t, found, truth = on_reference(time, value, reference_time, reference)
     return {
@@ -113,11 +113,11 @@ def judge(time, value, reference_time, reference, rest=None):
 
 
 def noise(time, pressure, window, smooth=0.05):
-    """Return std(p - its moving mean) / mean(p) over a window of time: what is unsteady in a pressure trace.
+    """Return std(p - its moving mean) / mean(p) over a window of time: the noise of a pressure trace.
 
     time [s], pressure [Pa] : (n,), steps of any length (means are integrals over time)
-    window : (start, end) [s]; nothing outside is looked at, so that an impact before it does not count
-    smooth : width of the moving mean [s]; at the window's ends it is cut to what lies inside
+    window : (start, end) [s]; values outside, such as an earlier impact, have no influence
+    smooth : width of the moving mean [s]; it is shortened at the ends of the window
     """
     t, p = _inside(time, pressure, window)
     mean = _area(t, p) / (t[-1] - t[0])
@@ -144,7 +144,7 @@ def _within(time, other):
 
 
 def _inside(time, value, window):
-    """The series inside a window, with interpolated samples at its ends."""
+    """Return the series inside a window, with interpolated samples at its ends."""
     time, value = _series(time, value)
     start, end = window
     if not time[0] <= start < end <= time[-1]:
@@ -154,12 +154,12 @@ def _inside(time, value, window):
 
 
 def _area(t, p):
-    """Integral of the broken line (t, p)."""
+    """Return the integral of the piecewise linear function (t, p)."""
     return np.sum(np.diff(t) * (p[1:] + p[:-1])) / 2
 
 
 def _integral(t, p, upto):
-    """Integral of the broken line (t, p) from t[0] to each of `upto`, exact between samples too."""
+    """Return the integral of the piecewise linear function (t, p) from t[0] to each of `upto`."""
     whole = np.concatenate(([0.0], np.cumsum(np.diff(t) * (p[1:] + p[:-1]) / 2)))
     k = np.clip(np.searchsorted(t, upto, side="right") - 1, 0, len(t) - 2)
     part = upto - t[k]

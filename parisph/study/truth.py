@@ -1,4 +1,4 @@
-"""How far the probes of a run are from their truths: the `errors` of summary.json."""
+"""Errors of a run's probes against their truths: the `errors` of summary.json."""
 
 from parisph.base.errors import ParisphError
 from parisph.case.probes import read_truth
@@ -10,16 +10,17 @@ COLUMNS = {"energy": "total", "volume": "cell"}
 
 
 def errors(case, run):
-    """Return {probe name: how far it is from its truth} for the probes that have one. Not collective.
+    """Return {probe name: errors} for the probes that have a truth. Not collective.
 
     case : Case; run : Run, or the folder of one
 
     Returns
     -------
-    dict of dicts: relative_l2 (of the wave part where Truth.wave says so); paper, the norm of Zheng,
-    Ma & Duan (2014), Er_p and Er_eta, which includes the depth; paper_2017, for waves, that of Zheng
-    et al. (2017), Eq 35 (it falls with the number of samples); points, samples of the truth that were
-    compared, or of the run where the truth is too coarse (errors.on_reference). Where nothing can be compared: relative_l2 None and `reason`.
+    dict of dicts: relative_l2 (of the wave part if Truth.wave is set); paper, the norm of Zheng, Ma &
+    Duan (2014), Er_p and Er_eta, which includes the depth; paper_2017, for waves, that of Zheng et al.
+    (2017), Eq 35 (which decreases with the number of samples); points, the number of compared samples of
+    the truth, or of the run if the truth is too coarse (errors.on_reference). If nothing can be compared:
+    relative_l2 None, and `reason`.
 
     Raises
     ------
@@ -35,7 +36,7 @@ def _error(probe, run):
         column = COLUMNS.get(probe.kind, next(name for name in found.dtype.names if name not in ("time", "step")))
         return _judged(probe.truth, found["time"], found[column])
     except (ParisphError, ValueError) as problem:
-        # a run too short for its truth, or a truth that has moved away: no reason to lose the summary
+        # the run is too short, or the file of the truth is missing: the summary is still written
         return {"relative_l2": None, "reason": str(problem)}
 
 
