@@ -196,18 +196,21 @@ def _add_looking(verbs):
     _add_run(verb)
     verb.add_argument("--json", action="store_true", help="print summary.json instead")
     verb = _verb(verbs, "plot", _plot, "pictures of the flow and of the probes; by itself, the whole run on one page")
-    _add_run(verb)
+    verb.add_argument("runs", type=arguments.path, metavar="DIR", nargs="+", help="folder of a run; the probes of several runs are drawn over each other")
     verb.add_argument("--time", type=arguments.number, metavar="T", help="the flow at the snapshot nearest this time [s]")
     verb.add_argument("--peak", metavar="PROBE", help="the flow at the snapshot nearest the greatest value of a probe")
     verb.add_argument("--probe", action="append", metavar="NAME", help="the series of this probe (may be repeated)")
-    _add_drawing(verb)
-    verb = _verb(verbs, "movie", _movie, "animation of the flow")
+    _add_drawing(verb, "ends at the greatest value shown (the bulk of the values on a page with several moments)")
+    verb = _verb(verbs, "movie", _movie, "animation of the flow; time runs evenly, and the title says how much it is slowed")
     _add_run(verb)
-    _add_drawing(verb)
+    verb.add_argument("--fps", type=arguments.number, metavar="N", help="frames a second (default: 20, or what shows each snapshot once at the speed of --slow)")
+    verb.add_argument("--slow", type=arguments.number, metavar="X", help="X times slower than in nature (default: what shows each snapshot once)")
+    _add_drawing(verb, "one scale for all frames that suits the bulk of their values; a short impact goes beyond its end")
     verb = _verb(verbs, "compare", _compare, "error of a probe against a reference series")
     _add_run(verb)
     verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv", help="a CSV file with one header line")
     verb.add_argument("--json", action="store_true", help="print as JSON")
+    verb.add_argument("--plot", type=arguments.path, metavar="FILE", help="draw the run, the reference and their difference into a .png, .pdf, ...")
     for option, text in (("--probe", "which probe, where there are several"), ("--column", "which of its columns"),
                          ("--time", "the reference's column of times (default: the first)"),
                          ("--value", "the reference's column of values (default: that of the probe's name for it, else the first after the time)")):
@@ -224,10 +227,14 @@ def _add_run(verb):
     verb.add_argument("run", type=arguments.path, metavar="DIR", help="folder of a run")
 
 
-def _add_drawing(verb):
+def _add_drawing(verb, scale):
     verb.add_argument("--field", metavar="NAME", help="pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
     verb.add_argument("--surface", action="store_true", help="mark the particles of the free surface")
     verb.add_argument("--normalise", action="store_true", help="lengths by H, times by sqrt(H/g), pressures by rho g H (of the flow or of probes, not of the whole run)")
+    verb.add_argument("--limits", type=arguments.number, nargs=2, metavar=("LOW", "HIGH"),
+                      help=f"ends of the colour scale, in the unit of the picture (default: {scale})")
+    verb.add_argument("--cmap", metavar="NAME", help="a colour map of matplotlib, such as magma")
+    verb.add_argument("--zoom", type=arguments.number, nargs=4, metavar=("X0", "X1", "Y0", "Y1"), help="draw this part of the scene only, in the unit of the axes")
     verb.add_argument("-o", "--out", type=arguments.path, metavar="FILE",
                       help="where to write (default: in the folder of the run): a .png, .pdf, ...; a movie's .gif or .mp4")
 
@@ -322,7 +329,7 @@ def _compare(args):
     from parisph.study import compare
 
     names = ("probe", "column", "time", "value", "offset", "scale", "time_scale", "shift", "best_shift", "rest")
-    result = compare.compare(reader.open_run(args.run), args.reference, **{name: getattr(args, name) for name in names})
+    result = compare.compare(reader.open_run(args.run), args.reference, **{name: getattr(args, name) for name in names}, plot=args.plot)
     print(json.dumps(result, indent=2) if args.json else compare.text(result))
 
 
@@ -331,12 +338,18 @@ def _plot(args):
 
     if args.time is not None and args.peak is not None:
         raise CaseError("--time and --peak both choose the snapshot: give one of them")
-    for path in pictures.plot(reader.open_run(args.run), args.time, args.peak, args.field, args.probe,
-                              args.surface, args.normalise, args.out):
+    runs = [reader.open_run(folder) for folder in args.runs]
+    for path in pictures.plot(runs, args.time, args.peak, args.probe, args.out, **_look(args)):
         print(path)
 
 
 def _movie(args):
     from parisph.io import pictures, reader
 
-    print(pictures.animate(reader.open_run(args.run), args.field, args.surface, args.normalise, args.out))
+    print(pictures.animate(reader.open_run(args.run), args.out, args.fps, args.slow, **_look(args)))
+
+
+def _look(args):
+    """How the flow shall look, as of io.view.Look; None where nothing was asked for."""
+    return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None, "limits": args.limits,
+            "colours": args.cmap, "zoom": args.zoom}

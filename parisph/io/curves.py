@@ -1,74 +1,111 @@
-"""Pictures of time series, and of a whole run on one page. Needs matplotlib, the extra [plot]; needs no MPI."""
+"""Pictures of time series: probes of one run or of several, and a probe beside its reference. Needs matplotlib; needs no MPI."""
+
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.text import clipped
 from parisph.io import style
 from parisph.io.reader import Run, open_run
 from parisph.io.reference import read_reference
-from parisph.io.view import FieldView
 
-# What a probe of a kind (as in the case) shows; and what a unit means where kinds are mixed.
+# What a probe of a kind (as in the case) shows, and which kinds share one set of axes.
 KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
     "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum",
 }
+FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
 COLUMNS = {("volume", "count"): "cells counted"}  # where one column is something else
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity"}
+TALL = 4        # panels below each other; more of them stand two a row
+BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside
+MARKS = 60      # samples of a reference that are drawn as marks; more of them are a line
 
 
-def plot_probe(run, names=None, path=None, truth=None, normalise=False):
-    """Draw the time series of probes, one set of axes for each unit; return the matplotlib Figure.
+@dataclass(frozen=True)
+class Curve:
+    """One line of a picture: a column of a probe of a run.
+
+    Attributes
+    ----------
+    run : Run; label : name of the run where there are several
+    probe, column : names; column is "" where the probe has only one
+    time, values : (n,) arrays [s], [the unit of the panel]
+    """
+
+    run: Run
+    label: str
+    probe: str
+    column: str
+    time: np.ndarray
+    values: np.ndarray
+
+
+def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
+    """Draw the time series of probes, one set of axes for each quantity; return the matplotlib Figure.
+
+    Several runs lie over each other, by the names of their folders.
 
     Parameters
     ----------
-    run : Run, or the folder of one
+    runs : Run, or the folder of one, or a list of these
     names : list of probe names, or one name; all probes if None
     path : file to write (.png, .pdf, ...), or None
     truth : dict of probe name -> (time [s], value) arrays in the probe's unit, drawn over it in black
-    normalise : time by sqrt(H/g), pressures by rho g H, lengths by H
+    normalise : time by sqrt(H/g), pressures by rho g H, lengths by H, of each run's own
 
     Raises
     ------
-    CaseError : no such probe, or nothing to normalise by
+    CaseError : no such probe in one of the runs, or nothing to normalise by
     StoreError : nothing to draw
     """
-    run = run if isinstance(run, Run) else open_run(run)
-    names = [names] if isinstance(names, str) else list(names or run.probe_names)
-    groups = _by_unit(run, names)
-    if not groups:
-        raise StoreError(f"{run.folder} has no probes to draw")
-    own = _own(run, normalise)
-    picture = style.drawing().Figure(figsize=(8.0, 1.2 + 2.6 * len(groups)), layout="constrained")
-    for number, ((unit, _), curves) in enumerate(groups.items()):
-        axes = picture.add_subplot(len(groups), 1, number + 1)
-        _draw_curves(axes, run.case, curves, unit, own, normalise, truth or {})
-        if number == 0:
-            axes.set_title(run.case["title"], loc="left", fontsize=11)
-            _second_time_axis(axes, own, normalise)
-        _time_label(axes, normalise, number == len(groups) - 1)
+    runs = [run if isinstance(run, Run) else open_run(run) for run in (runs if isinstance(runs, list) else [runs])]
+    panels = list(by_quantity(runs, [names] if isinstance(names, str) else names).items())
+    if not panels:
+        raise StoreError(f"{', '.join(str(run.folder) for run in runs)} {'has' if len(runs) == 1 else 'have'} no probes to draw")
+    columns = 1 if len(panels) <= TALL else 2
+    rows = -(-len(panels) // columns)
+    picture = style.drawing().Figure(figsize=(8.0 * columns ** 0.75, 1.2 + 2.6 * rows), layout="constrained")
+    for number, ((_, unit), curves) in enumerate(panels):
+        axes = picture.add_subplot(rows, columns, number + 1)
+        draw_curves(axes, curves, unit, normalise, truth or {})
+        if number < columns:
+            _second_time_axis(axes, runs, normalise)
+        time_label(axes, normalise, number + columns >= len(panels))
+    picture.suptitle(clipped(" / ".join(dict.fromkeys(run.case["title"] for run in runs)), 100), x=0.01, ha="left", fontsize=11)
     style.save(picture, path)
     return picture
 
 
-def plot_overview(run, path=None, field="pressure", surface=False):
-    """Draw a whole run on one page: four moments of the flow, its probes, and how the solver went.
+def plot_comparison(found, reference, difference, title, label, unit, path=None):
+    """Draw a probe, its reference, and how far they are apart; return the matplotlib Figure.
 
-    Parameters and errors as of plot_field and plot_probe.
+    Parameters
+    ----------
+    found, reference, difference : (time (n,) [s], values (n,)) each, of the run, of the reference, and of
+        the one less the other where both are
+    title : one line above; label, unit : of the values
+    path : file to write, or None
     """
-    run = run if isinstance(run, Run) else open_run(run)
-    if len(run) == 0:
-        raise StoreError(f"{run.folder} has no snapshots")
-    moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, 4).round())]
-    curves = [(unit, lines) for (unit, _), lines in _by_unit(run, run.probe_names).items()]
-    view = FieldView(run.case, moments, field, surface)
-    columns = min(2, len(moments))
-    heights = -(-len(moments) // columns) * _height(view, 5.2), 2.3 * (len(curves) // 2 + 1)
-    picture = style.drawing().Figure(figsize=(11.0, 1.0 + sum(heights)), layout="constrained")
-    flow, series = picture.subfigures(2, 1, height_ratios=heights)
-    _draw_moments(flow, view, moments, columns)
-    _draw_series(series, run, curves)
-    picture.suptitle(run.case["title"], fontsize=13)
+    start, end = difference[0][0], difference[0][-1]
+    picture = style.drawing().Figure(figsize=(8.0, 5.6), layout="constrained")
+    upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    inside = [part[1][(part[0] >= start) & (part[0] <= end)] for part in (found, reference)]
+    factor, shown = style.with_prefix(max(np.max(np.abs(part), initial=0.0) for part in inside), unit)
+    upper.plot(found[0], factor * found[1], color=style.LINES[0], linewidth=1.1, label="run")
+    upper.plot(reference[0], factor * reference[1], color="black", linewidth=1.0, label="reference", **_marks(len(inside[1])))
+    lower.axhline(0.0, color="black", linewidth=0.6)
+    lower.plot(difference[0], factor * difference[1], color=style.LINES[1], linewidth=1.0, marker="." if len(difference[0]) < MARKS else "")
+    upper.set_ylabel(f"{label} [{shown or '-'}]")
+    lower.set_ylabel(f"run - reference [{shown or '-'}]")
+    lower.set_xlabel("$t$ [s]")
+    upper.legend(loc="best", fontsize=8, framealpha=0.8)
+    for axes in (upper, lower):
+        _plain_axes(axes)
+    upper.set_xlim(start, end)
+    upper.set_title(title, loc="left", fontsize=10)
     style.save(picture, path)
     return picture
 
@@ -87,120 +124,133 @@ def truths(run, folder):
     return found
 
 
-def _by_unit(run, names):
-    """{(unit, kind): [(probe, column, time, values)]}: what belongs into one set of axes."""
+def by_quantity(runs, names=None):
+    """Return {(quantity, unit): [Curve]} of probes of runs: what belongs into one set of axes.
+
+    Heights, positions along x, pressures, energies, ... each have their own. names : of probes, all if None.
+    """
     groups = {}
-    for name in names:
-        table, units = run.probe(name), run.units(name)
-        columns = [column for column in table.dtype.names if column not in ("time", "step") and table[column].dtype.kind == "f"]
-        for column in columns:
-            # Probes without a unit have nothing in common: each gets its own axes.
-            key = (units[column], "" if units[column] else name)
-            groups.setdefault(key, []).append((name, column if len(columns) > 1 else "", table["time"], table[column]))
+    for run, label in zip(runs, folder_names([run.folder for run in runs])):
+        kinds = {probe["name"]: probe["kind"] for probe in run.case.get("probes", ())}
+        for name in (run.probe_names if names is None else names):
+            table, units = run.probe(name), run.units(name)
+            columns = [column for column in table.dtype.names if column not in ("time", "step") and table[column].dtype.kind == "f"]
+            for column in columns:
+                # What is of no known kind has something in common with its like in unit, if with any.
+                kind = kinds.get(name, "" if units[column] else name)
+                curve = Curve(run, label if len(runs) > 1 else "", name, column if len(columns) > 1 else "", table["time"], table[column])
+                groups.setdefault((FAMILIES.get(kind, kind), units[column]), []).append(curve)
     return groups
 
 
-def _own(run, normalise):
+def folder_names(folders):
+    """Return a short name for each folder: the end of its path, as long as it takes to tell them apart."""
+    parts = [Path(folder).resolve().parts for folder in folders]
+    names = []
+    for mine in parts:
+        length = 1
+        while length < len(mine) and sum(other[-length:] == mine[-length:] for other in parts) > 1:
+            length += 1
+        names.append("/".join(mine[-length:]) if parts.count(mine) == 1 else mine[-1])
+    return names
+
+
+def draw_curves(axes, curves, unit, normalise=False, truth=None):
+    """Draw curves of one quantity into axes, with their legend and the label of the values.
+
+    truth : {probe: (time, values)}, drawn over the first run
+    """
+    scales = [own_scales(curve.run, normalise) for curve in curves]
+    by = [{"Pa": own.pressure, "m": own.length, "m/s": own.speed}.get(unit) if normalise else None for own in scales]
+    largest = max((np.nanmax(np.abs(curve.values), initial=0.0) for curve in curves), default=0.0)
+    factor, shown = (None, "") if by[0] else style.with_prefix(largest, unit)
+    series = list(dict.fromkeys((curve.probe, curve.column) for curve in curves))
+    runs = list(dict.fromkeys(curve.label for curve in curves))
+    looks = style.line_looks(len(runs), len(series))
+    for curve, own, scale in zip(curves, scales, by):
+        look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
+        axes.plot(curve.time / (own.time if normalise else 1.0), curve.values * (1.0 / scale if scale else factor), linewidth=1.1,
+                  label=_line_label(curve, series), **look)
+    for name in dict.fromkeys(curve.probe for curve in curves):
+        if name in (truth or {}):
+            first = next(k for k, curve in enumerate(curves) if curve.probe == name)
+            _draw_truth(axes, curves[first], truth[name], 1.0 / by[first] if by[first] else factor, scales[first].time if normalise else 1.0)
+    axes.set_ylabel(_value_label(curves, series, unit, shown, bool(by[0])))
+    _plain_axes(axes)
+    if len(axes.lines) <= BESIDE:
+        axes.legend(loc="best", fontsize=8, framealpha=0.8)
+    else:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), fontsize=8, frameon=False, handlelength=3.0)
+
+
+def own_scales(run, normalise):
+    """Return the style.Scales of a run; raise CaseError if it has none to normalise by."""
     own = style.scales(run.case)
     if normalise and own.time is None:
-        raise CaseError("this scene has no constant gravity: it has no sqrt(H/g) to divide by")
+        raise CaseError(f"{run.folder}: this scene has no constant gravity: it has no sqrt(H/g) to divide by")
     return own
 
 
-def _draw_curves(axes, case, curves, unit, own, normalise, truth):
-    scale = {"Pa": own.pressure, "m": own.length, "m/s": own.speed}.get(unit) if normalise else None
-    largest = max((np.nanmax(np.abs(values)) for *_, values in curves if len(values)), default=0.0)
-    factor, shown = (1.0 / scale, "") if scale else style.with_prefix(largest, unit)
-    by_time = own.time if normalise else 1.0
-    for number, (name, column, time, values) in enumerate(curves):
-        label = f"{name}: {column}" if column else name
-        axes.plot(time / by_time, factor * values, color=style.LINES[number % len(style.LINES)], linewidth=1.1, label=label)
-    for name in dict.fromkeys(name for name, *_ in curves):
-        if name in truth:
-            _draw_truth(axes, name, truth[name], factor, by_time, curves)
-    axes.set_ylabel(_value_label(case, curves, unit, shown, scale))
-    axes.grid(True, linewidth=0.4, alpha=0.5)
-    axes.tick_params(direction="in", top=True, right=True)
-    axes.ticklabel_format(axis="y", useOffset=False)
-    axes.margins(x=0.0)
-    axes.legend(loc="best", fontsize=8, framealpha=0.8)
-
-
-def _draw_truth(axes, name, series, factor, by_time, curves):
-    """A reference of few samples is a set of marks, a dense one a dashed line; both only where the run is."""
-    time, values = (np.asarray(part, dtype=float) for part in series)
-    end = max(times[-1] for probe, _, times, _ in curves if probe == name and len(times))
-    inside = time <= end
-    how = {"linestyle": "", "marker": "o", "markersize": 4, "markerfacecolor": "none"} if np.sum(inside) < 60 else {"linestyle": "--"}
-    axes.plot(time[inside] / by_time, factor * values[inside], color="black", linewidth=1.0, label=f"{name}: reference", **how)
-
-
-def _value_label(case, curves, unit, shown, scale):
-    kinds = {probe["kind"] for probe in case.get("probes", ()) if probe["name"] in {name for name, *_ in curves}}
-    what = UNITS.get(unit, "")
-    if len(kinds) == 1:
-        kind, column = kinds.pop(), curves[0][1]
-        what = COLUMNS.get((kind, column), KINDS.get(kind, ""))
-    if scale:
-        return what + {"Pa": r"$\,/\,(\rho g H)$", "m": r"$\,/\,H$", "m/s": r"$\,/\,\sqrt{gH}$"}[unit]
-    return f"{what} [{shown or '-'}]"
-
-
-def _time_label(axes, normalise, last):
+def time_label(axes, normalise, last):
+    """Name the axis of time, in the lowest panels only."""
     if last:
         axes.set_xlabel(r"$t\sqrt{g/H}$" if normalise else "$t$ [s]")
     else:
         axes.tick_params(labelbottom=False)
 
 
-def _second_time_axis(axes, own, normalise):
-    if own.time is None:
+def _line_label(curve, series):
+    """What tells this line from the others: its run, its probe, its column, as far as there are several."""
+    probes = {probe for probe, _ in series}
+    if curve.label and len(series) == 1:
+        return curve.label
+    what = ": ".join(part for part in (curve.probe if len(probes) > 1 or not curve.label else "", curve.column) if part)
+    return f"{curve.label}, {what}" if curve.label else what
+
+
+def _draw_truth(axes, curve, series, factor, by_time):
+    """A reference of few samples is a set of marks, a dense one a dashed line; both only where the run is."""
+    time, values = (np.asarray(part, dtype=float) for part in series)
+    inside = time <= max(curve.time, default=-np.inf)
+    axes.plot(time[inside] / by_time, factor * values[inside], color="black", linewidth=1.0,
+              label=f"{curve.probe}: reference", **_marks(np.sum(inside)))
+
+
+def _marks(samples):
+    few = {"linestyle": "", "marker": "o", "markersize": 4, "markerfacecolor": "none"}
+    return few if samples < MARKS else {"linestyle": "--"}
+
+
+def _value_label(curves, series, unit, shown, scaled):
+    kinds = {probe["kind"] for curve in curves for probe in curve.run.case.get("probes", ()) if probe["name"] == curve.probe}
+    what = UNITS.get(unit, "")
+    if len(kinds) == 1:
+        kind = kinds.pop()
+        what = COLUMNS.get((kind, series[0][1]), KINDS.get(kind, ""))
+    elif kinds:
+        what = FAMILIES.get(kinds.pop(), what)
+    if curves[0].label and len({probe for probe, _ in series}) == 1:    # the legend names the runs only
+        what = what if series[0][0] in what else f"{series[0][0]}: {what}"
+    if scaled:
+        return what + {"Pa": r"$\,/\,(\rho g H)$", "m": r"$\,/\,H$", "m/s": r"$\,/\,\sqrt{gH}$"}[unit]
+    return f"{what} [{shown or '-'}]"
+
+
+def _plain_axes(axes):
+    axes.grid(True, linewidth=0.4, alpha=0.5)
+    axes.tick_params(direction="in", top=True, right=True)
+    axes.ticklabel_format(axis="y", useOffset=False)
+    axes.margins(x=0.0)
+
+
+def _second_time_axis(axes, runs, normalise):
+    """The scene's own time above, where all runs have the same."""
+    times = {own.time for own in (style.scales(run.case) for run in runs)}
+    if len(times) != 1 or None in times:
         return
-    to_own, back = (lambda t: t * own.time, lambda t: t / own.time) if normalise else (lambda t: t / own.time, lambda t: t * own.time)
+    unit = times.pop()
+    to_own, back = (lambda t: t * unit, lambda t: t / unit) if normalise else (lambda t: t / unit, lambda t: t * unit)
     above = axes.secondary_xaxis("top", functions=(to_own, back))
     above.set_xlabel("$t$ [s]" if normalise else r"$t\sqrt{g/H}$")
     above.tick_params(direction="in")
     axes.tick_params(top=False)
-
-
-def _height(view, width):
-    (left, right), (low, high) = view.window
-    return min(0.85 * width * (high - low) / (right - left) + 0.7, 6.0)
-
-
-def _draw_moments(flow, view, moments, columns):
-    limits = view.common_limits(moments)
-    grid = flow.subplots(-(-len(moments) // columns), columns, squeeze=False, sharex=True, sharey=True)
-    discs = [view.draw(axes, moment, limits, label=False) for axes, moment in zip(grid.flat, moments)]
-    for axes in grid.flat[len(moments):]:
-        axes.remove()
-    for axes in grid.flat:
-        axes.label_outer()
-    view.add_colour_bar(flow, list(grid.flat[:len(moments)]), discs[-1], moments)
-
-
-def _draw_series(series, run, curves):
-    """The probes, two a row, and the solver's record in what is left of the last row."""
-    grid = series.add_gridspec(len(curves) // 2 + 1, 2)
-    own = style.scales(run.case)
-    for number, (unit, lines) in enumerate(curves):
-        axes = series.add_subplot(grid[number // 2, number % 2])
-        _draw_curves(axes, run.case, lines, unit, own, False, {})
-        _time_label(axes, False, True)
-    last = grid[-1, 1] if len(curves) % 2 else grid[-1, :]
-    _draw_steps(series.add_subplot(last), run.steps)
-
-
-def _draw_steps(axes, steps):
-    """Iterations of the pressure solve and the size of the step."""
-    axes.plot(steps["time"], steps["iterations"], ".", color=style.LINES[0], markersize=2)
-    axes.set_ylabel("iterations a solve [-]", color=style.LINES[0])
-    axes.set_ylim(bottom=0)
-    axes.yaxis.get_major_locator().set_params(integer=True)
-    axes.set_xlabel("$t$ [s]")
-    axes.grid(True, linewidth=0.4, alpha=0.5)
-    other = axes.twinx()
-    other.plot(steps["time"], 1e3 * steps["dt"], color=style.LINES[1], linewidth=0.9)
-    other.set_ylabel(r"step $\Delta t$ [ms]", color=style.LINES[1])
-    other.set_ylim(bottom=0, top=1.25e3 * np.max(steps["dt"], initial=1e-12))
-    other.margins(x=0.0)

@@ -1,4 +1,4 @@
-"""Which pictures `parisph plot` and `parisph movie` make of a run, and into which files. Needs no MPI."""
+"""Which pictures `parisph plot` and `parisph movie` make of runs, and into which files. Needs no MPI."""
 
 import shutil
 import sys
@@ -7,54 +7,59 @@ from pathlib import Path
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
-from parisph.io import curves, view
+from parisph.io import curves, movies, overview, view
+
+LONGEST = 100   # characters of the name of a file that is made up
 
 
-def plot(run, time=None, peak=None, field=None, probes=None, surface=False, normalise=False, out=None):
-    """Write pictures of a run and return their paths.
+def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **look):
+    """Write pictures of a run, or of the probes of several over each other, and return their paths.
 
-    Without time, peak, field and probes: the whole run on one page.
+    Of one run without time, peak, field and probes: the whole run on one page.
 
     Parameters
     ----------
-    run : io.reader.Run
+    runs : list of io.reader.Run
     time : [s], the flow at the nearest snapshot, with a warning on standard error if it is farther before the
         first, or after the last, than any time inside is from its snapshot; the last one if only `field` is given
-    peak : name of a probe: the flow when its first column is greatest, instead of `time`
-    field : what colours the flow (see view.plot_field); the pressure if None
+    peak : name of a probe: the flow when its first column is greatest, instead of `time`, at the nearest
+        snapshot; standard error says how far from it that is
     probes : list of probe names: their series in one picture
-    surface, normalise : see view.plot_field; the page of the whole run cannot be normalised
-    out : file to write; None: files in the folder of the run, named after what they show
+    out : file to write; None: files in the folder of the (first) run, named after what they show
+    normalise, look : see view.Look; None for what was not asked for
 
     Raises
     ------
-    CaseError : `out` for two pictures, `normalise` for the whole run, no such probe or quantity; StoreError : no such snapshot, a field that was
-    not written, or a file that cannot be.
+    CaseError : `out` for two pictures, `normalise` for the whole run, the flow of several runs, no such probe or
+    quantity; StoreError : no such snapshot, a field that was not written, or a file that cannot be.
     """
-    flow = time is not None or peak is not None or field is not None
+    look = {name: value for name, value in look.items() if value is not None}
+    flow = time is not None or peak is not None or "field" in look
+    if len(runs) > 1:
+        _check_probes_only(flow or look)
+        return [_plot_probes(runs, probes, normalise, out)]
     if out is not None and flow and probes:
         raise CaseError("-o names one file, and these are two pictures, of the flow and of probes: ask for them one by one")
+    run, = runs
     if not flow and not probes:
         if normalise:
             raise CaseError("--normalise has no meaning for the whole run on one page: give --time, --peak, --field or --probe too")
         path = Path(out or run.folder / "overview.png")
-        curves.plot_overview(run, path, field or "pressure", surface)
+        overview.plot_overview(run, path, **look)
         return [path]
     made = []
     if flow:
-        made.append(_plot_flow(run, time, peak, field or "pressure", surface, normalise, out))
+        made.append(_plot_flow(run, time, peak, out, {**look, "normalise": normalise}))
     if probes:
-        path = Path(out or run.folder / f"probes_{'_'.join(probes)}.png")
-        curves.plot_probe(run, probes, path, _truths(run), normalise)
-        made.append(path)
+        made.append(_plot_probes([run], probes, normalise, out))
     return made
 
 
-def animate(run, field=None, surface=False, normalise=False, out=None):
-    """Write an animation of all snapshots (view.movie) and return its path: .mp4 with ffmpeg, else .gif."""
-    field = field or "pressure"
+def animate(run, out=None, fps=None, slow=None, **look):
+    """Write an animation of all snapshots (movies.movie) and return its path: .mp4 with ffmpeg, else .gif."""
+    look = {name: value for name, value in look.items() if value is not None}
     ending = "mp4" if shutil.which("ffmpeg") else "gif"
-    return view.movie(run, Path(out or run.folder / f"flow_{field}.{ending}"), field, surface, normalise)
+    return movies.movie(run, Path(out or run.folder / f"flow_{look.get('field', 'pressure')}.{ending}"), fps=fps, slow=slow, **look)
 
 
 def peak_time(run, probe):
@@ -66,16 +71,45 @@ def peak_time(run, probe):
     return float(series["time"][np.nanargmax(series[column])])
 
 
-def _plot_flow(run, time, peak, field, surface, normalise, out):
+def _check_probes_only(other):
+    if other:
+        raise CaseError("several runs lie over each other as the series of their probes only: for pictures of the flow give one run")
+
+
+def _plot_probes(runs, probes, normalise, out):
+    if out is None:
+        names = ["probes", *(probes or []), *(curves.folder_names([run.folder for run in runs]) if len(runs) > 1 else [])]
+        name = "_".join(names).replace("/", "-")
+        out = runs[0].folder / f"{name if len(name) <= LONGEST else f'probes_of_{len(runs)}_runs'}.png"
+    truths = {}
+    for run in reversed(runs):
+        truths.update(_truths(run))
+    curves.plot_probe(runs, probes, out, truths, normalise)
+    return Path(out)
+
+
+def _plot_flow(run, time, peak, out, look):
+    which = -1
     if peak is not None:
-        time = peak_time(run, peak)
+        which = _at_peak(run, peak)
     elif time is not None:
         _warn_of_other_time(run, time)
-    which = -1 if time is None else float(time)
+        which = float(time)
     if out is None:
-        out = run.folder / f"flow_{field}_{run.times[run.number(which)]:.4f}s.png"
-    view.plot_field(run, which, field, out, surface, normalise)
+        shown = which["time"] if isinstance(which, dict) else run.times[run.number(which)]
+        out = run.folder / f"flow_{look.get('field', 'pressure')}_{shown:.4f}s.png"
+    view.plot_field(run, which, path=out, **look)
     return Path(out)
+
+
+def _at_peak(run, probe):
+    """Return the time [s] of the peak of a probe; say on standard error how far from it the nearest snapshot is."""
+    time = peak_time(run, probe)
+    late = run.times[run.number(time)] - time
+    if late:
+        print(f"parisph: note: there is no snapshot at the peak of {probe}, t = {time:.6g} s: the picture is of {abs(late):.3g} s "
+              f"{'later' if late > 0.0 else 'earlier'}", file=sys.stderr)
+    return time
 
 
 def _warn_of_other_time(run, time):

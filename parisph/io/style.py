@@ -1,5 +1,6 @@
 """How pictures speak: quantities with their labels, units and colours, and a scene's own scales."""
 
+import difflib
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from parisph.base import libraries
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WET
+from parisph.base.text import shown
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,27 @@ ROLES = {
     WET: ("wet wall", "#4d4d4d"), DRY: ("dry wall", "#cfcfcf"), CONTACT: ("contact line", "#111111"),
 }
 WALL_COLOUR = "#333333"
-LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")  # Okabe & Ito
+# Of lines: the colours of Okabe & Ito but for black and yellow, and three dark ones. Those who do not tell
+# some hues still tell all of them.
+LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#332288", "#882255", "#5b3a00")
+STYLES = ("-", (0, (6, 2)), (0, (6, 2, 1, 2)), (0, (2, 1.5)))  # full, dashed, dash-dotted, dotted
+FEW = 6     # lines that are told by their colours alone
+
+
+def line_looks(groups, members=1):
+    """Return a list of {"color", "linestyle"} for groups x members lines, member after member in each group.
+
+    Up to FEW lines differ in colour. More of them differ in the kind of line as well: by group in
+    colour and by member in kind where the kinds suffice, else each next line in both.
+    """
+    count = groups * members
+    if 1 < members <= len(STYLES) and 1 < groups <= len(LINES):
+        pairs = [(group, member) for group in range(groups) for member in range(members)]
+    elif count <= FEW:
+        pairs = [(number, 0) for number in range(count)]
+    else:   # 9 colours and 4 kinds have no common factor: 36 lines are all different
+        pairs = [(number, number) for number in range(count)]
+    return [{"color": LINES[colour % len(LINES)], "linestyle": STYLES[kind % len(STYLES)]} for colour, kind in pairs]
 
 
 def quantity(name):
@@ -58,6 +80,18 @@ def quantity(name):
     if found is None:
         raise CaseError(f"no quantity {name!r} to show (there are: {', '.join(QUANTITIES)})")
     return found
+
+
+def check_colours(name):
+    """Raise CaseError if there is no matplotlib colour map of that name; None is fine."""
+    if name is None:
+        return
+    drawing()
+    from matplotlib import colormaps
+
+    if name not in colormaps:
+        near = difflib.get_close_matches(name, list(colormaps), n=3) or ("viridis", "plasma", "RdBu_r")
+        raise CaseError(f"no colour map {shown(name)} in matplotlib: try {', '.join(near)}")
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
-"""Pictures of the flow from the folder of a run. Needs matplotlib, the extra [plot]; needs no MPI."""
+"""Pictures of the flow from the folder of a run. Needs matplotlib; needs no MPI."""
 
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,76 +14,94 @@ from parisph.io.reader import Run, open_run
 DISC, GROUND = 1.05, 1.8
 
 
-def plot_field(run, which=-1, field="pressure", path=None, surface=False, normalise=False, limits=None):
-    """Draw the particles of one snapshot, coloured by a quantity; return the matplotlib Figure.
+@dataclass(frozen=True)
+class Look:
+    """What pictures of the flow show, and how.
+
+    Attributes
+    ----------
+    field : "pressure", "speed", "velocity_x", "velocity_y", "density_ratio" or "role"
+    surface : whether particles on the free surface are ringed, and ballistic ones too
+    normalise : lengths by H, pressures by rho g H, velocities by sqrt(g H)
+    limits : (lowest, highest) of the colours, in the picture's unit; None for what suits the values
+    colours : name of a matplotlib colour map, None for that of the quantity
+    zoom : (left, right, low, high) of the axes, in their unit; None for all of the fluid
+
+    Raises
+    ------
+    CaseError : no such quantity or colour map; limits or zoom that are not in order, or do not go with the field
+    """
+
+    field: str = "pressure"
+    surface: bool = False
+    normalise: bool = False
+    limits: tuple = None
+    colours: str = None
+    zoom: tuple = None
+
+    def __post_init__(self):
+        style.quantity(self.field)
+        if self.field == "role":
+            for name, value in (("limits", self.limits), ("cmap", self.colours)):
+                if value is not None:
+                    raise CaseError(f"--{name} has no meaning for the field role, whose colours are names: leave it out")
+        if self.limits is not None:
+            _check_order("--limits", *self.limits)
+        if self.zoom is not None:
+            _check_order("--zoom, along x", *self.zoom[:2])
+            _check_order("--zoom, up", *self.zoom[2:])
+        style.check_colours(self.colours)
+
+
+def _check_order(name, low, high):
+    if not (np.isfinite([low, high]).all() and low < high):
+        raise CaseError(f"{name}: {low:g} to {high:g} is no range; give two numbers, the lower one first")
+
+
+def plot_field(run, which=-1, field="pressure", path=None, **look):
+    """Draw the particles at one time, coloured by a quantity; return the matplotlib Figure.
+
+    The colours end at the greatest value that is shown, on the fluid or on a wet wall, so that a peak
+    is seen as what it is.
 
     Parameters
     ----------
     run : Run, or the folder of one
-    which : number of the snapshot (int, also from the end), or the one nearest a time [s] (float)
-    field : "pressure", "speed", "velocity_x", "velocity_y", "density_ratio" or "role"
+    which : number of the snapshot (int, also from the end), the one nearest a time [s] (float), or
+        a snapshot itself (dict, as Run.snapshot and Run.peak return)
+    field : see Look, as for further keywords
     path : file to write (.png, .pdf, ...), or None
-    surface : whether particles on the free surface are ringed, and ballistic ones too
-    normalise : lengths by H, pressures by rho g H, velocities by sqrt(g H)
-    limits : (lowest, highest) of the colours in the picture's unit, or None to fit them to the bulk of the values
 
     Raises
     ------
-    CaseError : no such quantity, or nothing to normalise by
+    CaseError : as Look, or nothing to normalise by, or nothing of the scene is in the zoomed window
     StoreError : no such snapshot, or the quantity was not written
     """
+    look = Look(field, **look)
     run = run if isinstance(run, Run) else open_run(run)
-    snapshot = run.snapshot(which)
-    view = FieldView(run.case, [snapshot], field, surface, normalise)
+    snapshot = which if isinstance(which, dict) else run.snapshot(which)
+    view = FieldView(run.case, [snapshot], look)
     picture = style.drawing().Figure(figsize=view.size(), layout="compressed")
     axes = picture.add_subplot()
-    view.add_colour_bar(picture, axes, view.draw(axes, snapshot, limits), [snapshot])
+    view.add_colour_bar(picture, axes, view.draw(axes, snapshot, view.limits([snapshot], whole=True)), [snapshot])
     style.save(picture, path)
     return picture
 
 
-def movie(run, path, field="pressure", surface=False, normalise=False, limits=None, frames_per_second=20, dpi=100):
-    """Write all snapshots as an animation: .gif, or .mp4 where ffmpeg is installed; return its path.
-
-    Colours and axes are the same in every frame: `limits`, or what suits the bulk of all frames.
-    Other parameters as of plot_field. Raises CaseError (also for another ending), StoreError.
-    """
-    run = run if isinstance(run, Run) else open_run(run)
-    figure, path = style.drawing(), Path(path)
-    writer = _movie_writer(path, frames_per_second)
-    if len(run) == 0:
-        raise StoreError(f"{run.folder} has no snapshots")
-    some = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, 24).round())]
-    view = FieldView(run.case, some, field, surface, normalise)
-    limits = limits or view.common_limits(some)
-    picture = figure.Figure(figsize=view.size(), dpi=dpi, layout="constrained")
-    axes = picture.add_subplot()
-    try:
-        with writer.saving(picture, str(path), dpi):
-            for number in range(len(run)):
-                axes.clear()
-                discs = view.draw(axes, run.snapshot(number), limits)
-                view.add_colour_bar(picture, axes, discs, some)
-                if number == 0:  # one layout for all frames, so that nothing jumps
-                    picture.draw_without_rendering()
-                    picture.set_layout_engine("none")
-                writer.grab_frame()
-    except OSError as error:
-        raise StoreError(f"cannot write the movie {path}: {error}") from None
-    return path
-
-
 class FieldView:
-    """How snapshots of one run are drawn: scales, walls, colours, and a window that suits those given."""
+    """How snapshots of one run are drawn: scales, walls, colours, and a window that suits those given.
 
-    def __init__(self, case, snapshots, field, surface=False, normalise=False):
+    case : dict, as in case.json; snapshots : list of dicts; look : Look
+    """
+
+    def __init__(self, case, snapshots, look):
         if snapshots[0]["x"].shape[1] != 2:
             raise StoreError("pictures are drawn of flows in the plane only: open the run's .series file in ParaView")
-        self.case, self.name, self.surface, self.normalise = case, field, surface, normalise
-        self.quantity, self.own = style.quantity(field), style.scales(case)
-        if normalise and self.own.time is None:
+        self.case, self.look = case, look
+        self.quantity, self.own = style.quantity(look.field), style.scales(case)
+        if look.normalise and self.own.time is None:
             raise CaseError("this scene has no constant gravity: it has no sqrt(g H) to divide by")
-        self.length = self.own.length if normalise else 1.0
+        self.length = self.own.length if look.normalise else 1.0
         self.spacing = case["numerics"]["spacing"] / self.length
         self.window = self._window(snapshots)
 
@@ -93,55 +111,61 @@ class FieldView:
         height = 0.84 * width * (high - low) / (right - left) + 1.2
         return (width, height) if height <= 9.0 else (max(4.0, width * 9.0 / height), 9.0)
 
-    def draw(self, axes, snapshot, limits=None, label=True):
-        """Draw one snapshot into axes; return the coloured collection, or None for roles."""
+    def draw(self, axes, snapshot, limits, label=True, note=""):
+        """Draw one snapshot into axes; return the coloured collection, or None for roles.
+
+        limits : (lowest, highest) of the colours; label : whether the title of the case stands above;
+        note : what stands behind the time
+        """
         x, values = snapshot["x"] / self.length, self.values(snapshot)
         fluid = snapshot["kind"] == FLUID
         ground = (fluid & (snapshot["role"] == INNER)) | self._walls_to_fill(snapshot)
         layers = [(self._discs(axes, x[rows], size), values[rows]) for rows, size in ((ground, GROUND), (fluid, DISC))]
         # The ground is cut at the walls. Particles are not: one that crosses a wall is seen.
         self._draw_walls(axes, cut=layers[0][0])
-        low, high = limits or self.limits(values[fluid])
+        roles = self.quantity.needs == "role"
         for discs, colour in layers:
-            if self.name == "role":
+            if roles:
                 discs.set_facecolor([style.ROLES[int(role)][1] for role in colour])
             else:
-                discs.set(array=colour, cmap=self.quantity.colours, clim=(low, high))
-        if self.name == "role":
+                discs.set(array=colour, cmap=self.look.colours or self.quantity.colours, clim=limits)
+        if roles:
             self._name_roles(axes, snapshot["role"][fluid | ground])
-        elif self.surface:
+        elif self.look.surface:
             self._ring(axes, x, snapshot)
-        self._finish(axes, snapshot["time"], label)
-        return None if self.name == "role" else layers[1][0]
+        self._finish(axes, snapshot["time"], label, note)
+        return None if roles else layers[1][0]
 
     def values(self, snapshot):
         """The quantity in the picture's unit, (n,)."""
         needed = self.quantity.needs
         if needed not in snapshot:
-            raise StoreError(f"{self.name} cannot be shown: the field {needed!r} was not written (see Output.fields)")
+            raise StoreError(f"{self.look.field} cannot be shown: the field {needed!r} was not written (see Output.fields)")
         values = np.asarray(self.quantity.of(snapshot[needed]), dtype=float)
         return values * self._factor()
 
-    def limits(self, values):
-        """Limits of the colours that suit the bulk of the values: single spikes do not dim the picture."""
-        values = np.sort(values[np.isfinite(values)])
+    def limits(self, snapshots, whole=False):
+        """Return the (lowest, highest) of the colours for all of the snapshots, None for roles.
+
+        Those asked for, else what suits the bulk of the values: a few moments of an impact, or single
+        spikes, do not dim the rest. With `whole` they end at the greatest value there is.
+        """
+        if self.quantity.needs == "role":
+            return None
+        if self.look.limits is not None:
+            return tuple(self.look.limits)
+        values = np.sort(self._shown_values(snapshots))
         if len(values) < 3:
             return 0.0, 1.0
         spikes = min(-(-len(values) // 200), (len(values) - 1) // 2)  # at either end, one at least
-        low, high = values[spikes], values[-1 - spikes]
+        low, high = values[spikes], values[-1 if whole else -1 - spikes]
         centre = self.quantity.centre
         if centre is not None:
-            reach = max(abs(low - centre), abs(high - centre)) or 1.0
+            reach = max(abs((values[0] if whole else low) - centre), abs(high - centre)) or 1.0
             return centre - reach, centre + reach
         if low > -0.05 * high:  # positive but for noise: start at zero, where the colours mean something
             low = 0.0
         return (low, high) if high > low else (low, low + 1.0)
-
-    def common_limits(self, snapshots):
-        """Limits of the colours for all snapshots together; a few moments of impact do not dim the rest."""
-        if self.name == "role":
-            return None
-        return self.limits(self._fluid_values(snapshots))
 
     def add_colour_bar(self, picture, axes, discs, snapshots):
         """Add the colour bar of `discs`, pointed where values of the snapshots lie beyond it; nothing for roles.
@@ -150,7 +174,7 @@ class FieldView:
         """
         if discs is None:
             return
-        values = self._fluid_values(snapshots)
+        values = self._shown_values(snapshots)
         beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
         low, high = discs.get_clim()
         extend = beyond[bool(np.any(values < low)), bool(np.any(values > high))]
@@ -159,17 +183,25 @@ class FieldView:
         bar.set_label(self._label())
         bar.outline.set_linewidth(0.5)
 
-    def _fluid_values(self, snapshots):
-        return np.concatenate([self.values(snapshot)[snapshot["kind"] == FLUID] for snapshot in snapshots])
+    def _shown_values(self, snapshots):
+        """The finite values (n,) of all that is drawn inside the window: fluid, and the walls that carry a pressure."""
+        found = []
+        (left, right), (low, high) = self.window
+        for snapshot in snapshots:
+            x, values = snapshot["x"] / self.length, self.values(snapshot)
+            inside = (x[:, 0] >= left) & (x[:, 0] <= right) & (x[:, 1] >= low) & (x[:, 1] <= high)
+            shown = (snapshot["kind"] == FLUID) | self._walls_to_fill(snapshot)
+            found.append(values[shown & inside & np.isfinite(values)])
+        return np.concatenate(found)
 
     def _factor(self):
         scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else None
-        if self.normalise and scale:
+        if self.look.normalise and scale:
             return 1.0 / scale
         return style.with_prefix(scale or 0.0, self.quantity.unit)[0]
 
     def _label(self):
-        if self.normalise and self.quantity.scale:
+        if self.look.normalise and self.quantity.scale:
             by = {"pressure": r"(\rho g H)", "speed": r"\sqrt{gH}"}[self.quantity.scale]
             return rf"{self.quantity.symbol}$\,/\,{by}$"
         scale = getattr(self.own, self.quantity.scale) if self.quantity.scale else 0.0
@@ -177,7 +209,7 @@ class FieldView:
         return f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
 
     def _window(self, snapshots):
-        """((left, right), (low, high)) of the axes: the fluid of the snapshots, and the tank but for its empty top."""
+        """((left, right), (low, high)) of the axes: as zoomed, or the fluid of the snapshots and the tank but for its empty top."""
         x = np.concatenate([snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots])
         low, high = x.min(axis=0), x.max(axis=0)
         tank = self.case.get("walls")
@@ -189,7 +221,13 @@ class FieldView:
             low, high = np.minimum(low, left), np.maximum(high, (right[0], top))
         margin = 0.03 * np.max(high - low)
         low, high = (low - margin) / self.length, (high + margin) / self.length
-        return (low[0], high[0]), (low[1], high[1])
+        if self.look.zoom is None:
+            return (low[0], high[0]), (low[1], high[1])
+        left, right, bottom, top = self.look.zoom
+        if left >= high[0] or right <= low[0] or bottom >= high[1] or top <= low[1]:
+            raise CaseError(f"--zoom {left:g} {right:g} {bottom:g} {top:g}: nothing is there; the scene reaches from "
+                            f"x = {low[0]:.4g} to {high[0]:.4g} and from y = {low[1]:.4g} to {high[1]:.4g}")
+        return (left, right), (bottom, top)
 
     def _walls_to_fill(self, snapshot):
         """Wet wall particles carry the pressure on the wall; they close the gap of half a spacing to it."""
@@ -225,7 +263,9 @@ class FieldView:
         right, top = left + width, low + height
         corners = [(left, top), (left, low), (right, low), (right, top)] + ([(left, top)] if tank["lid"] else [])
         axes.plot(*np.transpose(corners), color=style.WALL_COLOUR, linewidth=2.0, solid_joinstyle="miter", zorder=3)
-        cut.set_clip_path(Rectangle((left, low), width, height, transform=axes.transData))
+        inside = np.clip([left, right], *self.window[0]), np.clip([low, top], *self.window[1])
+        corner, size = [side[0] for side in inside], [side[1] - side[0] for side in inside]
+        cut.set_clip_path(Rectangle(corner, *size, transform=axes.transData))
 
     def _ring(self, axes, x, snapshot):
         from matplotlib.lines import Line2D
@@ -241,26 +281,12 @@ class FieldView:
             axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=9,
                         borderaxespad=0.2, handletextpad=0.1)
 
-    def _finish(self, axes, time, label):
+    def _finish(self, axes, time, label, note):
         axes.set_xlim(self.window[0])
         axes.set_ylim(self.window[1])
         axes.set_aspect("equal")
-        axes.set_xlabel("$x/H$" if self.normalise else "$x$ [m]")
-        axes.set_ylabel("$y/H$" if self.normalise else "$y$ [m]")
+        axes.set_xlabel("$x/H$" if self.look.normalise else "$x$ [m]")
+        axes.set_ylabel("$y/H$" if self.look.normalise else "$y$ [m]")
         axes.tick_params(direction="in", top=True, right=True)
-        if label:
-            axes.set_title(self.case["title"] + "\n" + style.time_label(time, self.own), loc="left", fontsize=11)
-        else:
-            axes.set_title(style.time_label(time, self.own), loc="left", fontsize=9)
-
-
-def _movie_writer(path, frames_per_second):
-    from matplotlib import animation
-
-    if path.suffix == ".gif":
-        return animation.PillowWriter(fps=frames_per_second)
-    if path.suffix != ".mp4":
-        raise CaseError(f"{path}: a movie ends in .gif or .mp4")
-    if not animation.FFMpegWriter.isAvailable():
-        raise StoreError("an .mp4 needs the program ffmpeg, which is not installed: write a .gif instead")
-    return animation.FFMpegWriter(fps=frames_per_second, extra_args=["-pix_fmt", "yuv420p"])
+        when = style.time_label(time, self.own) + (f",   {note}" if note else "")
+        axes.set_title(f"{self.case['title']}\n{when}" if label else when, loc="left", fontsize=11 if label else 9)

@@ -1,15 +1,18 @@
 """Comparison of a probe with a reference series, for `parisph compare`. Not collective."""
 
+from pathlib import Path
+
 from parisph.base.errors import CaseError
 from parisph.base.reading import listed
-from parisph.base.text import named, shown
+from parisph.base.text import clipped, named, shown
+from parisph.io import curves
 from parisph.io.reference import LARGEST, read_reference
 from parisph.io.reference import names as columns_of
 from parisph.study import errors
 
 
 def compare(run, reference, probe=None, column=None, time=None, value=None, offset=0.0, scale=1.0,
-            time_scale=1.0, shift=0.0, best_shift=None, rest=None):
+            time_scale=1.0, shift=0.0, best_shift=None, rest=None, plot=None):
     """Return how far a probe is from a reference.
 
     Parameters
@@ -23,6 +26,7 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
     shift : [s], added to the run's time
     best_shift : None, or the largest time shift [s] either way among which the best one is sought
     rest : None, or the level at rest: the error is then a share of the wave alone
+    plot : file for a picture of the two and of their difference, or None
 
     Returns
     -------
@@ -44,6 +48,11 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
         judged = errors.judge(found["time"] + shift, found[column], t, truth, rest)
     except ValueError as error:
         raise CaseError(f"{probe} against {named(reference)}: {error}") from None
+    if plot is not None:
+        at, ours, theirs = errors.on_reference(found["time"], found[column], t, truth, shift)
+        title = f"{run.folder.name}: {probe} against {value} of {Path(reference).name}" + (f"; run shifted by {shift:+.4g} s" if shift else "")
+        curves.plot_comparison((found["time"] + shift, found[column]), (t, truth), (at, ours - theirs), clipped(title, 100),
+                               column, run.units(probe)[column], plot)
     return {"probe": probe, "column": column, "time": time, "value": value, "shift": shift, **judged}
 
 

@@ -1,6 +1,7 @@
 """info, plot, movie and compare on a small run, as from a shell and without MPI's launcher."""
 
 import json
+import shutil
 import sys
 
 import numpy as np
@@ -25,20 +26,27 @@ SUMMARY = {"status": "completed", "method": "ISPH_R", "ranks": 2, "particles": 3
 
 @pytest.fixture
 def folder(tmp_path):
-    """A run of 11 steps of .1 s; p = 0 but for the tap, which rises to its peak at .5 s and falls again."""
+    return written(tmp_path / "run")
+
+
+def written(folder, peak=5):
+    """Write a run of 11 steps of .1 s and return its folder.
+
+    p = 0 but for the tap, which rises to its peak in step `peak` and falls again; a snapshot every other step.
+    """
     particles = Particles(MPI.COMM_SELF, 2)
     particles.assign(geometry.build(CASE))
-    store = Store.create(MPI.COMM_SELF, tmp_path / "run", CASE.model_dump_json(), provenance("ISPH_R", "-ksp_type gmres", PETSc="3.18.5"))
+    store = Store.create(MPI.COMM_SELF, folder, CASE.model_dump_json(), provenance("ISPH_R", "-ksp_type gmres", PETSc="3.18.5"))
     store.add_series("steps", {"dt": "s", "iterations": ""})
     store.add_series("probes/P2", {"pressure": "Pa"})
     store.add_series("probes/volume", {"volume": "m2"})
     for step in range(11):
-        store.append(0.1 * step, step, {"steps": (0.1, 9), "probes/P2": (100.0 - 20 * abs(step - 5),), "probes/volume": (0.5,)})
+        store.append(0.1 * step, step, {"steps": (0.1, 9), "probes/P2": (100.0 - 20 * abs(step - peak),), "probes/volume": (0.5,)})
         if step % 2:
             store.snapshot(particles, 0.1 * step, step)
     store.summary(SUMMARY)
     store.close()
-    return tmp_path / "run"
+    return folder
 
 
 def lines_of(capsys):
@@ -136,10 +144,43 @@ def test_plot_of_flow_and_probe_makes_two(folder, capsys):
     (["plot", "--field", "salt"], 2, "no quantity 'salt'"),
     (["plot", "--probe", "P2", "-o", "x.unknown"], 5, "cannot write the picture"),
     (["movie", "-o", "x.txt"], 2, "ends in .gif or .mp4"),
+    (["plot", "--time", "1", "--limits", "5", "2"], 2, "--limits: 5 to 2 is no range"),
+    (["plot", "--limits", "5"], 2, "--limits: expected 2 arguments"),
+    (["plot", "--zoom", "0", "1", "0.5", "0.2"], 2, "--zoom, up: 0.5 to 0.2 is no range"),
+    (["plot", "--zoom", "7", "8", "0", "1", "--time", "1"], 2, "--zoom 7 8 0 1: nothing is there"),
+    (["plot", "--cmap", "viridiss"], 2, "no colour map 'viridiss' in matplotlib: try viridis"),
+    (["plot", "--field", "role", "--cmap", "magma"], 2, "--cmap has no meaning for the field role"),
+    (["movie", "--fps", "-3"], 2, "--fps -3: must be a number greater than 0"),
+    (["movie", "--slow", "inf"], 2, "--slow: 'inf': must be a finite number"),
 ])
 def test_plot_that_cannot_be(folder, capsys, words, code, says):
     assert main([words[0], str(folder), *words[1:]]) == code
     assert says in capsys.readouterr().err
+
+
+def test_plot_lays_the_probes_of_several_runs_over_each_other(folder, capsys):
+    other = shutil.copytree(folder, folder.with_name("other"))
+    assert main(["plot", str(folder), str(other)]) == 0
+    assert main(["plot", str(folder), str(other), "--probe", "P2", "--normalise"]) == 0
+    assert lines_of(capsys) == [str(folder / "probes_run_other.png"), str(folder / "probes_P2_run_other.png")]
+    assert main(["plot", str(folder), str(other), "--time", "0.5"]) == 2
+    assert "several runs lie over each other as the series of their probes only" in capsys.readouterr().err
+    assert main(["plot", str(folder), str(folder.with_name("none")), "--probe", "P2"]) == 5
+
+
+def test_plot_of_a_part_in_other_colours(folder, capsys):
+    assert main(["plot", str(folder), "--time", "0.5", "--zoom", "0.2", "0.8", "-0.1", "0.5", "--limits", "-1", "2.5", "--cmap", "magma"]) == 0
+    assert lines_of(capsys) == [str(folder / "flow_pressure_0.5000s.png")]
+
+
+def test_plot_says_how_far_from_the_peak_the_picture_is(tmp_path, capsys):
+    assert main(["plot", str(written(tmp_path / "run", peak=6)), "--peak", "P2"]) == 0
+    assert "no snapshot at the peak of P2, t = 0.6 s: the picture is of 0.1 s " in capsys.readouterr().err
+
+
+def test_movie_of_some_speed(folder, tmp_path, capsys):
+    assert main(["movie", str(folder), "-o", str(tmp_path / "a.gif"), "--slow", "2", "--fps", "5", "--zoom", "0", "1", "0", "1"]) == 0
+    assert lines_of(capsys) == [str(tmp_path / "a.gif")]
 
 
 def test_movie(folder, tmp_path, capsys):
@@ -168,6 +209,14 @@ def test_compare_finds_a_known_error_and_shift(folder, reference, capsys):
     assert json.loads(capsys.readouterr().out)["relative_l2"] > 0.05
     assert main([*words, "--shift", "0.02", "--scale", str(1 / 1.02)]) == 0
     assert json.loads(capsys.readouterr().out)["relative_l2"] < 1e-9
+
+
+def test_compare_draws_what_it_compares(folder, reference, tmp_path, capsys):
+    words = ["compare", str(folder), reference, "--probe", "P2"]
+    assert main([*words, "--plot", str(tmp_path / "both.png"), "--best-shift", "0.1"]) == 0
+    assert (tmp_path / "both.png").read_bytes().startswith(b"\x89PNG") and "relative L2 error" in capsys.readouterr().out
+    assert main([*words, "--plot", str(tmp_path / "both.unknown")]) == 5
+    assert "cannot write the picture" in capsys.readouterr().err
 
 
 def test_compare_in_words(folder, reference, capsys):

@@ -1,5 +1,6 @@
 """Pictures: what a reader of them relies on - sizes, scales, units, walls, marks - and clear errors."""
 
+import re
 import sys
 from types import SimpleNamespace
 
@@ -8,9 +9,9 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, MissingLibrary, StoreError
-from parisph.base.fields import BALLISTIC, FIELDS, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.fields import BALLISTIC, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.schema import Box, Case, Disc, Energy, Fluid, Numerics, PressureTap, SurfaceGauge, Tank, Volume
-from parisph.io import curves, style, view
+from parisph.io import curves, movies, overview, style, view
 from parisph.io.reader import open_run
 from parisph.io.store import Store
 from tests import watched
@@ -96,15 +97,62 @@ def test_axes_colour_bar_and_title_have_units(run):
     np.testing.assert_allclose(discs(picture)[1].get_array(), 2.0 / np.sqrt(9.81 * 0.5))
 
 
-def test_pressure_is_shown_in_kilopascal_and_a_spike_does_not_dim_it(tmp_path):
+def test_pressure_is_shown_in_kilopascal_and_the_scale_ends_at_the_greatest_value(tmp_path):
+    run = written(tmp_path / "spike", basin(), water(spike=1e5))
+    particles = discs(view.plot_field(run))[1]
+    assert particles.get_clim() == (0.0, pytest.approx(101.962)) and particles.colorbar.extend == "neither"
+    assert particles.get_array().max() == particles.get_clim()[1]
+    low, high = discs(view.plot_field(run, limits=(0.0, 2.0)))[1].get_clim()
+    assert (low, high) == (0.0, 2.0) and discs(view.plot_field(run, limits=(0.0, 2.0)))[1].colorbar.extend == "max"
+
+
+def test_a_peak_on_the_wall_is_within_the_scale(tmp_path):
+    """The wall particles carry it, and they are drawn; those of a dry wall are not."""
+    def touched(role):
+        arrays = water()
+        arrays.p[arrays.kind == WALL] = np.where(arrays.x[arrays.kind == WALL, 1] < 0.1, 2e4, 0.0)
+        arrays.role[arrays.kind == WALL] = role
+        return arrays
+
+    for role, high in ((WET, 20.0), (DRY, 9.81 * 0.45)):
+        run = written(tmp_path / str(role), basin(), touched(role))
+        assert discs(view.plot_field(run))[1].get_clim()[1] == pytest.approx(high)
+    assert discs(view.plot_field(run, field="speed"))[1].get_clim() == (0.0, 2.0)
+
+
+def test_a_spike_does_not_dim_pictures_of_several_moments(tmp_path):
     run = written(tmp_path / "spike", basin(), water(spike=1e7))
-    picture = view.plot_field(run)
-    particles = discs(picture)[1]
-    low, high = particles.get_clim()
+    low, high = next(axes for axes in overview.plot_overview(run).axes if axes.get_ylabel() == "$y$ [m]").collections[1].get_clim()
     assert low == 0.0 and 4.0 < high < 5.0  # rho g d = 4.9 kPa
-    assert particles.colorbar.extend == "max"
-    assert particles.get_array().max() == pytest.approx(1e4, rel=1e-3)  # clipped in colour, not in value
-    assert view.plot_field(run, limits=(0.0, 2.0)).axes[0].collections[1].get_clim() == (0.0, 2.0)
+
+
+def test_zoom_shows_a_part_whose_values_alone_make_the_scale(run):
+    axes = view.plot_field(run, zoom=(0.2, 1.2, 0.3, 0.6)).axes[0]
+    assert (axes.get_xlim(), axes.get_ylim()) == ((0.2, 1.2), (0.3, 0.6))
+    assert axes.collections[1].get_clim()[1] == pytest.approx(9.81 * 0.2)      # of the particles at y = .3 m
+    inside = axes.transData.inverted().transform(axes.collections[0].get_clip_box())
+    np.testing.assert_allclose(inside, [[0.2, 0.3], [1.0, 0.6]])   # the ground is cut at the wall, and at the window
+    normalised = view.plot_field(run, zoom=(0.4, 2.4, 0.6, 1.2), normalise=True).axes[0]
+    assert normalised.collections[1].get_clim()[1] == pytest.approx(0.4)
+
+
+def test_colours_may_be_chosen(run):
+    assert discs(view.plot_field(run, colours="magma"))[1].get_cmap().name == "magma"
+
+
+@pytest.mark.parametrize("look, message", [
+    ({"limits": (2.0, 1.0)}, "--limits: 2 to 1 is no range; give two numbers, the lower one first"),
+    ({"limits": (0.0, np.nan)}, "--limits"),
+    ({"zoom": (1.0, 1.0, 0.0, 1.0)}, "--zoom, along x: 1 to 1 is no range"),
+    ({"zoom": (0.0, 1.0, 1.0, 0.0)}, "--zoom, up: 1 to 0 is no range"),
+    ({"zoom": (5.0, 6.0, 0.0, 1.0)}, "--zoom 5 6 0 1: nothing is there; the scene reaches from x = -0.03 to 1.03"),
+    ({"colours": "virids"}, "no colour map 'virids' in matplotlib: try viridis"),
+    ({"field": "role", "limits": (0.0, 1.0)}, "--limits has no meaning for the field role"),
+    ({"field": "role", "colours": "magma"}, "--cmap has no meaning for the field role"),
+])
+def test_a_look_without_sense_is_said(run, look, message):
+    with pytest.raises(CaseError, match=re.escape(message)):
+        view.plot_field(run, **look)
 
 
 @pytest.mark.parametrize("lid", [False, True])
@@ -151,9 +199,9 @@ def test_pictures_and_movies_are_written(run, tmp_path):
     from PIL import Image
 
     view.plot_field(run, path=tmp_path / "a.png")
-    curves.plot_overview(run, tmp_path / "b.png")
+    overview.plot_overview(run, tmp_path / "b.png")
     curves.plot_probe(run, path=tmp_path / "c.pdf")
-    view.movie(run, tmp_path / "d.gif", dpi=40)
+    movies.movie(run, tmp_path / "d.gif", dpi=40)
     with Image.open(tmp_path / "a.png") as picture, Image.open(tmp_path / "d.gif") as frames:
         assert picture.width > 800 and frames.n_frames == 3
     assert (tmp_path / "b.png").stat().st_size > 20000 and (tmp_path / "c.pdf").read_bytes().startswith(b"%PDF")
@@ -203,16 +251,16 @@ def test_what_is_misnamed_is_an_error_of_usage(run, tmp_path):
     with pytest.raises(CaseError, match="no probe 'P9'"):
         curves.plot_probe(run, "P9")
     with pytest.raises(CaseError, match="ends in .gif or .mp4"):
-        view.movie(run, tmp_path / "a.txt")
+        movies.movie(run, tmp_path / "a.txt")
 
 
 def test_a_run_without_snapshots_or_probes_is_said(tmp_path):
     Store.create(MPI.COMM_SELF, tmp_path / "run", watched.scene([]).model_dump_json())
-    for draw in (view.plot_field, curves.plot_overview, curves.plot_probe):
+    for draw in (view.plot_field, overview.plot_overview, curves.plot_probe):
         with pytest.raises(StoreError, match="has no"):
             draw(tmp_path / "run")
     with pytest.raises(StoreError, match="has no snapshots"):
-        view.movie(tmp_path / "run", tmp_path / "a.gif")
+        movies.movie(tmp_path / "run", tmp_path / "a.gif")
 
 
 def test_without_matplotlib_the_remedy_is_named(monkeypatch):

@@ -1,0 +1,145 @@
+"""Animations of the flow from the folder of a run. Needs matplotlib; needs no MPI."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from parisph.base.errors import CaseError, StoreError
+from parisph.io import style
+from parisph.io.reader import Run, open_run
+from parisph.io.view import FieldView, Look
+
+RATE = 20.0             # frames a second, where nobody asks for another
+SLOWEST, FASTEST = 1.0, 60.0   # frames a second that players show well
+MOST_RATE = 120.0       # frames a second that anybody may ask for
+MOST_FRAMES = 20_000
+SAMPLE = 24             # snapshots from which the scale of the colours is taken
+
+
+def movie(run, path, field="pressure", fps=None, slow=None, dpi=100, **look):
+    """Write the snapshots of a run as an animation: .gif, or .mp4 where ffmpeg is installed; return its path.
+
+    Colours and axes are the same in every frame. Time runs evenly, whatever the times of the snapshots,
+    and the title says how much slower than in nature.
+
+    Parameters
+    ----------
+    run : Run, or the folder of one
+    path : file to write
+    field : see view.Look, as for further keywords; without `limits` the colours suit the bulk of the
+        values in all frames, so that a short impact saturates and does not dim the rest
+    fps : frames a second, None for 20, or for what suits `slow`: each snapshot once, where players can do that
+    slow : how many times slower than in nature, None for what shows each snapshot once
+
+    Raises
+    ------
+    CaseError : as plot_field, or another ending, or fps and slow without sense
+    StoreError : as plot_field, or the file cannot be written
+    """
+    look = Look(field, **look)
+    run = run if isinstance(run, Run) else open_run(run)
+    figure, path = style.drawing(), Path(path)
+    _check_ending(path)
+    if len(run) == 0:
+        raise StoreError(f"{run.folder} has no snapshots")
+    pace = Pace.of(run.times, fps, slow, whole_hundredths=path.suffix == ".gif")
+    some = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, SAMPLE).round())]
+    view = FieldView(run.case, some, look)
+    limits = view.limits(some)
+    picture = figure.Figure(figsize=view.size(), dpi=dpi, layout="constrained")
+    axes = picture.add_subplot()
+    writer = _writer(path, pace.fps)
+    try:
+        with writer.saving(picture, str(path), dpi):
+            for count, number in enumerate(pace.numbers):
+                axes.clear()
+                discs = view.draw(axes, run.snapshot(int(number)), limits, note=pace.note)
+                view.add_colour_bar(picture, axes, discs, some)
+                if count == 0:  # one layout for all frames, so that nothing jumps
+                    picture.draw_without_rendering()
+                    picture.set_layout_engine("none")
+                writer.grab_frame()
+    except OSError as error:
+        raise StoreError(f"cannot write the movie {path}: {error}") from None
+    return path
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How fast an animation goes.
+
+    Attributes
+    ----------
+    fps : frames a second
+    slow : how many times slower than in nature; None for a single frame
+    numbers : (frames,) int, the snapshot in each frame: the one nearest the time that the frame stands for
+    """
+
+    fps: float
+    slow: float
+    numbers: np.ndarray
+
+    @classmethod
+    def of(cls, times, fps=None, slow=None, whole_hundredths=False):
+        """Return the Pace for snapshots at `times` (n,) [s], increasing.
+
+        fps, slow : see movie; whole_hundredths : whether frames last whole hundredths of a second, as in
+        a .gif. Raises CaseError.
+        """
+        _check_positive("--fps", fps, MOST_RATE)
+        _check_positive("--slow", slow, np.inf)
+        apart = float(np.median(np.diff(times))) if len(times) > 1 else 0.0
+        if fps is None:
+            fps = min(1.0 / (slow * apart), FASTEST) if slow and apart else RATE
+            fps *= np.ceil(SLOWEST / fps) if fps < SLOWEST else 1.0    # each snapshot several times, all alike
+        if whole_hundredths:
+            fps = 100.0 / max(round(100.0 / fps), 2)    # viewers take shorter frames for mistakes
+        if not apart:
+            return cls(fps, None, np.arange(len(times)))
+        slow = slow or 1.0 / (fps * apart)
+        count = (times[-1] - times[0]) * fps * slow
+        if count > MOST_FRAMES:
+            raise CaseError(f"--slow {slow:g} with --fps {fps:g} makes {count:.3g} frames of {times[-1] - times[0]:g} s, "
+                            f"at most {MOST_FRAMES:,} are drawn: slow it less, or show fewer frames a second")
+        shown = times[0] + np.arange(round(count) + 1) / (fps * slow)
+        half_way = 0.5 * (times[1:] + times[:-1]) + 1e-6 * apart      # the earlier one, whatever the rounding
+        return cls(fps, slow, np.searchsorted(half_way, shown))
+
+    @property
+    def note(self):
+        """The slow motion in words, "" for a single frame."""
+        if self.slow is None:
+            return ""
+        if 0.95 < self.slow < 1.05:
+            return "real time"
+        return f"slowed {self.slow:.3g} x" if self.slow > 1.0 else f"speeded up {1.0 / self.slow:.3g} x"
+
+    @property
+    def repeated(self):
+        """Number of frames that show a snapshot once more."""
+        return len(self.numbers) - len(np.unique(self.numbers))
+
+
+def _check_positive(name, value, most):
+    if value is not None and not 0.0 < value <= most or value == np.inf:
+        limit = f" and at most {most:g}" if most < np.inf else ""
+        raise CaseError(f"{name} {value:g}: must be a number greater than 0{limit}")
+
+
+def _check_ending(path):
+    from matplotlib import animation
+
+    if path.suffix not in (".gif", ".mp4"):
+        raise CaseError(f"{path}: a movie ends in .gif or .mp4")
+    if path.suffix == ".mp4" and not animation.FFMpegWriter.isAvailable():
+        raise StoreError("an .mp4 needs the program ffmpeg, which is not installed: write a .gif instead")
+
+
+def _writer(path, fps):
+    from matplotlib import animation
+
+    if path.suffix == ".gif":
+        # the writer cuts the milliseconds of a frame off to a whole number: 29.999... would become 20
+        return animation.PillowWriter(fps=fps * (1.0 - 1e-9))
+    return animation.FFMpegWriter(fps=fps, extra_args=["-pix_fmt", "yuv420p"])

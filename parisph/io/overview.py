@@ -1,0 +1,74 @@
+"""A whole run on one page: four moments of the flow, its probes, and how the solver went. Needs matplotlib; needs no MPI."""
+
+import numpy as np
+
+from parisph.base.errors import StoreError
+from parisph.io import curves, style
+from parisph.io.reader import Run, open_run
+from parisph.io.view import FieldView, Look
+
+
+def plot_overview(run, path=None, field="pressure", **look):
+    """Draw a whole run on one page; return the matplotlib Figure.
+
+    Parameters and errors as of view.plot_field and curves.plot_probe. The colours suit the bulk of
+    the values of all four moments.
+    """
+    look = Look(field, **look)
+    run = run if isinstance(run, Run) else open_run(run)
+    if len(run) == 0:
+        raise StoreError(f"{run.folder} has no snapshots")
+    moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, 4).round())]
+    panels = [(unit, lines) for (_, unit), lines in curves.by_quantity([run]).items()]
+    view = FieldView(run.case, moments, look)
+    columns = min(2, len(moments))
+    heights = -(-len(moments) // columns) * _height(view, 5.2), 2.3 * (len(panels) // 2 + 1)
+    picture = style.drawing().Figure(figsize=(11.0, 1.0 + sum(heights)), layout="constrained")
+    flow, series = picture.subfigures(2, 1, height_ratios=heights)
+    _draw_moments(flow, view, moments, columns)
+    _draw_series(series, run, panels)
+    picture.suptitle(run.case["title"], fontsize=13)
+    style.save(picture, path)
+    return picture
+
+
+def _height(view, width):
+    (left, right), (low, high) = view.window
+    return min(0.85 * width * (high - low) / (right - left) + 0.7, 6.0)
+
+
+def _draw_moments(flow, view, moments, columns):
+    limits = view.limits(moments)
+    grid = flow.subplots(-(-len(moments) // columns), columns, squeeze=False, sharex=True, sharey=True)
+    discs = [view.draw(axes, moment, limits, label=False) for axes, moment in zip(grid.flat, moments)]
+    for axes in grid.flat[len(moments):]:
+        axes.remove()
+    for axes in grid.flat:
+        axes.label_outer()
+    view.add_colour_bar(flow, list(grid.flat[:len(moments)]), discs[-1], moments)
+
+
+def _draw_series(series, run, panels):
+    """The probes, two a row, and the solver's record in what is left of the last row."""
+    grid = series.add_gridspec(len(panels) // 2 + 1, 2)
+    for number, (unit, lines) in enumerate(panels):
+        axes = series.add_subplot(grid[number // 2, number % 2])
+        curves.draw_curves(axes, lines, unit)
+        curves.time_label(axes, False, True)
+    last = grid[-1, 1] if len(panels) % 2 else grid[-1, :]
+    _draw_steps(series.add_subplot(last), run.steps)
+
+
+def _draw_steps(axes, steps):
+    """Iterations of the pressure solve and the size of the step."""
+    axes.plot(steps["time"], steps["iterations"], ".", color=style.LINES[0], markersize=2)
+    axes.set_ylabel("iterations a solve [-]", color=style.LINES[0])
+    axes.set_ylim(bottom=0)
+    axes.yaxis.get_major_locator().set_params(integer=True)
+    axes.set_xlabel("$t$ [s]")
+    axes.grid(True, linewidth=0.4, alpha=0.5)
+    other = axes.twinx()
+    other.plot(steps["time"], 1e3 * steps["dt"], color=style.LINES[1], linewidth=0.9)
+    other.set_ylabel(r"step $\Delta t$ [ms]", color=style.LINES[1])
+    other.set_ylim(bottom=0, top=1.25e3 * np.max(steps["dt"], initial=1e-12))
+    other.margins(x=0.0)
