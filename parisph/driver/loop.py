@@ -1,10 +1,8 @@
 """The run: steps, probes, snapshots, checkpoints, and how it ends."""
 
-import json
 import logging
-import os
 import signal
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import asdict, fields
 from pathlib import Path
 from time import perf_counter
@@ -13,9 +11,10 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base import log
-from parisph.base.errors import CaseError, Interrupted, ParisphError, StoreError, agree
+from parisph.base.errors import Interrupted, ParisphError, StoreError
 from parisph.base.paths import checked
-from parisph.case.stored import from_json, to_json
+from parisph.case.stored import to_json
+from parisph.driver import begin
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.progress import Progress
@@ -24,10 +23,8 @@ from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.driver.watch import Watch
 from parisph.io import checkpoint, probes
-from parisph.io.files import create, on_first, read_json, together, write_json
-from parisph.io.folder import identity, make, move_run_aside, unmake
+from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
-from parisph.io.lock import Lock
 from parisph.io.store import Store, provenance
 from parisph.methods.projection import StepReport
 from parisph.pressure.options import as_text
@@ -53,8 +50,8 @@ def run(case, comm, out, petsc_options=None, progress=True, overwrite=False, for
     CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder
     then holds summary.json and everything up to there, unless it held a run already (CaseError).
     """
-    made, old = on_first(comm, f"start a run in {out}", lambda: _new_folder(checked(out, "out"), overwrite, force)) or (None, None)
-    with (_left_only_if_used(made, old), Signals() as signals, _locked(comm, out, force) as lock,
+    made, old = on_first(comm, f"start a run in {out}", lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None)
+    with (begin.left_only_if_used(made, old), Signals() as signals, begin.locked(comm, out, force) as lock,
           _built(case, comm, petsc_options) as simulation):
         samplers = probes.build(case, simulation.comm)
         store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation), case.output.fields, lock)
@@ -81,13 +78,13 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
     elsewhere = out is not None and Path(out).resolve() != folder.resolve()
     target = Path(out) if elsewhere else folder
     made, _ = on_first(comm, f"go on with the run in {target}",
-                       lambda: _new_folder(target) if elsewhere else _check_run(folder, path)) or (None, None)
-    with _left_only_if_used(made), _locked(comm, target, force) as lock:
-        found = _find(Path(path), folder, comm)
+                       lambda: begin.new_folder(target) if elsewhere else begin.check_run(folder, path)) or (None, None)
+    with begin.left_only_if_used(made), begin.locked(comm, target, force) as lock:
+        found = begin.find(Path(path), folder, comm)
         saved = checkpoint.read(comm, found) if found else None
-        case, name = together(comm, f"read the case of {folder}", lambda: _case_of(saved, found, folder, until))
+        case, name = together(comm, f"read the case of {folder}", lambda: begin.case_of(saved, found, folder, until))
         done = saved is not None and finished(case, saved.time)
-        on_first(comm, f"go on with the run in {target}", lambda: _check_useful(saved, case, found, folder, elsewhere, done, until))
+        on_first(comm, f"go on with the run in {target}", lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
         with Signals() as signals, _built(case, comm, petsc_options, saved) as simulation:
             samplers = probes.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
@@ -99,22 +96,6 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
             if done:
                 run.saved_step, run.last_checkpoint = saved.step, found
             return run.go(signals, first=saved is None)
-
-
-@contextmanager
-def _left_only_if_used(made, old=None):
-    """Remove the folders that were made for a run, if it ends before anything is written into them. Not collective.
-
-    made : folders, the innermost first, on the rank that made them, else None
-    old : where an earlier run was moved to, which then comes back; else None
-    """
-    try:
-        yield
-    except BaseException:
-        if unmake(made or ()) and old is not None:
-            with suppress(OSError):
-                os.rename(old, made[0])
-        raise
 
 
 @contextmanager
@@ -282,95 +263,6 @@ class _Run:
         if self.comm.rank == 0:
             self.clock.remember(self.simulation.numerics, self.simulation.particles.n_global, self.comm.size)
         return summary
-
-
-@contextmanager
-def _locked(comm, folder, force):
-    """The lock of a folder (on rank 0; None on the others), given back at the end. Collective.
-
-    Raises StoreError on every rank if another process writes into the folder.
-    """
-    lock = on_first(comm, f"use the folder {folder}", lambda: Lock(folder, force))
-    try:
-        yield lock
-    finally:
-        if lock is not None:
-            lock.release()
-
-
-def _new_folder(folder, overwrite=False, force=False):
-    """Make the folder for a new run, before any work.
-
-    Returns the folders that were made, the innermost first, and where an earlier run was moved to, else None.
-    Raises CaseError, StoreError, OSError.
-    """
-    given, folder, old = folder, folder.resolve(), None
-    if (folder / "case.json").exists():
-        if not overwrite:
-            raise CaseError(f"{given} holds a run already: give another folder with -o, or move it aside with --overwrite")
-        Lock(folder, force).release()    # it must not be in use
-        old = move_run_aside(folder)
-    with _left_only_if_used(made := make(folder), old):
-        _check_writable(folder)
-    return made, old
-
-
-def _check_writable(folder):
-    """See that a file can be made in a folder. Raises OSError."""
-    probe = folder / f".{os.getpid()}.tmp"
-    os.close(create(probe))
-    probe.unlink()
-
-
-def _check_run(folder, path):
-    """See that there is a run to go on with, and that its folder can be written. Raises StoreError, OSError."""
-    if not Path(path).exists():
-        raise StoreError(f"{path}: no such folder or file")
-    if not (folder / "case.json").exists() and not checkpoint.paths(folder / "checkpoints"):
-        if Path(path).is_file():
-            checkpoint.read(MPI.COMM_SELF, path)    # says what is wrong with it
-            raise StoreError(f"{path} is not in the folder of a run: say with -o DIR where to go on")
-        raise StoreError(f"{path} holds no run to go on with: it has neither case.json nor a checkpoint")
-    identity(folder)    # says what is wrong with case.json
-    _check_writable(folder)
-
-
-def _find(path, folder, comm):
-    """Return the checkpoint file to go on from, None where a run has none yet, the same on every rank. Collective."""
-    def find():
-        if path.is_file():
-            return path
-        return next(reversed(checkpoint.paths(folder / "checkpoints")), None)
-    return comm.bcast(on_first(comm, f"find the checkpoints of {folder}", find))
-
-
-def _case_of(saved, found, folder, until):
-    """Return the case to go on with, and the identity of its run."""
-    text = saved.case if saved else (folder / "case.json").read_text(encoding="utf-8")
-    try:
-        case = from_json(text)
-    except CaseError as error:
-        raise CaseError(f"{found or folder / 'case.json'}: {error}") from None
-    return case if until is None else case.changed(end_time=float(until)), json.loads(text).get("run", "")
-
-
-def _check_useful(saved, case, found, folder, elsewhere, done, until):
-    """Raise CaseError where nothing is left to do, or where going on would take later results out of the run."""
-    last = checkpoint.paths(folder / "checkpoints")[-1:]
-    if saved and not elsewhere and last and int(last[0].stem) > saved.step:
-        raise CaseError(f"{found} is not the last checkpoint of {folder}, which is {last[0]}: what came after step {saved.step} "
-                        "would be lost; give another folder with -o DIR, or go on from the last one")
-    if done and (elsewhere or until is not None or _is_complete(folder)):
-        raise CaseError(f"end_time = {case.end_time:g} s: the checkpoint {found} is of {saved.time:g} s already; "
-                        "ask for more with --until")
-
-
-def _is_complete(folder):
-    """Return whether a run has a summary that says that it is completed."""
-    try:
-        return str(read_json(folder / "summary.json").get("status")).startswith("completed")
-    except StoreError:
-        return False
 
 
 def _about(simulation):

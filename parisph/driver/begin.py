@@ -1,0 +1,124 @@
+"""What a run needs before it begins: its folder, the lock of it, and the checkpoint and the case to go on with."""
+
+import json
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from mpi4py import MPI
+
+from parisph.base.errors import CaseError, StoreError
+from parisph.case.schema import Case
+from parisph.case.stored import from_json
+from parisph.io import checkpoint
+from parisph.io.checkpoint import Checkpoint
+from parisph.io.files import create, on_first, read_json
+from parisph.io.folder import identity, make, move_run_aside, unmake
+from parisph.io.lock import Lock
+
+
+@contextmanager
+def left_only_if_used(made: Sequence[Path] | None, old: Path | None = None) -> Iterator[None]:
+    """Remove the folders that were made for a run, if it ends before anything is written into them. Not collective.
+
+    made : folders, the innermost first, on the rank that made them, else None
+    old : where an earlier run was moved to, which then comes back; else None
+    """
+    try:
+        yield
+    except BaseException:
+        if unmake(made or ()) and old is not None:
+            with suppress(OSError):
+                os.rename(old, made[0])
+        raise
+
+
+@contextmanager
+def locked(comm: MPI.Comm, folder: Path, force: bool) -> Iterator[Lock | None]:
+    """The lock of a folder (on rank 0; None on the others), given back at the end. Collective.
+
+    Raises StoreError on every rank if another process writes into the folder.
+    """
+    lock = on_first(comm, f"use the folder {folder}", lambda: Lock(folder, force))
+    try:
+        yield lock
+    finally:
+        if lock is not None:
+            lock.release()
+
+
+def new_folder(folder: Path, overwrite: bool = False, force: bool = False) -> tuple[list[Path], Path | None]:
+    """Make the folder for a new run, before any work.
+
+    Returns the folders that were made, the innermost first, and where an earlier run was moved to, else None.
+    Raises CaseError, StoreError, OSError.
+    """
+    given, folder, old = folder, folder.resolve(), None
+    if (folder / "case.json").exists():
+        if not overwrite:
+            raise CaseError(f"{given} holds a run already: give another folder with -o, or move it aside with --overwrite")
+        Lock(folder, force).release()    # it must not be in use
+        old = move_run_aside(folder)
+    with left_only_if_used(made := make(folder), old):
+        _check_writable(folder)
+    return made, old
+
+
+def _check_writable(folder):
+    """See that a file can be made in a folder. Raises OSError."""
+    probe = folder / f".{os.getpid()}.tmp"
+    os.close(create(probe))
+    probe.unlink()
+
+
+def check_run(folder: Path, path: Path) -> None:
+    """See that there is a run to go on with, and that its folder can be written. Raises StoreError, OSError."""
+    if not Path(path).exists():
+        raise StoreError(f"{path}: no such folder or file")
+    if not (folder / "case.json").exists() and not checkpoint.paths(folder / "checkpoints"):
+        if Path(path).is_file():
+            checkpoint.read(MPI.COMM_SELF, path)    # says what is wrong with it
+            raise StoreError(f"{path} is not in the folder of a run: say with -o DIR where to go on")
+        raise StoreError(f"{path} holds no run to go on with: it has neither case.json nor a checkpoint")
+    identity(folder)    # says what is wrong with case.json
+    _check_writable(folder)
+
+
+def find(path: Path, folder: Path, comm: MPI.Comm) -> Path | None:
+    """Return the checkpoint file to go on from, None where a run has none yet, the same on every rank. Collective."""
+    def newest():
+        if path.is_file():
+            return path
+        return next(reversed(checkpoint.paths(folder / "checkpoints")), None)
+    return comm.bcast(on_first(comm, f"find the checkpoints of {folder}", newest))
+
+
+def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: float | None) -> tuple[Case, str]:
+    """Return the case to go on with, and the identity of its run."""
+    text = saved.case if saved else (folder / "case.json").read_text(encoding="utf-8")
+    try:
+        case = from_json(text)
+    except CaseError as error:
+        raise CaseError(f"{found or folder / 'case.json'}: {error}") from None
+    return case if until is None else case.changed(end_time=float(until)), json.loads(text).get("run", "")
+
+
+def check_useful(saved: Checkpoint | None, case: Case, found: Path | None, folder: Path, elsewhere: bool, done: bool,
+                 until: float | None) -> None:
+    """Raise CaseError where nothing is left to do, or where going on would take later results out of the run."""
+    last = checkpoint.paths(folder / "checkpoints")[-1:]
+    if saved and not elsewhere and last and int(last[0].stem) > saved.step:
+        raise CaseError(f"{found} is not the last checkpoint of {folder}, which is {last[0]}: what came after step {saved.step} "
+                        "would be lost; give another folder with -o DIR, or go on from the last one")
+    if done and (elsewhere or until is not None or _is_complete(folder)):
+        raise CaseError(f"end_time = {case.end_time:g} s: the checkpoint {found} is of {saved.time:g} s already; "
+                        "ask for more with --until")
+
+
+def _is_complete(folder):
+    """Return whether a run has a summary that says that it is completed."""
+    try:
+        return str(read_json(folder / "summary.json").get("status")).startswith("completed")
+    except StoreError:
+        return False
