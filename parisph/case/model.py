@@ -7,7 +7,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from parisph.base.errors import CaseError
-from parisph.base.text import named, shown
+from parisph.base.text import shown
 from parisph.case import values
 
 MOST_LINES = 10     # of problems in one message

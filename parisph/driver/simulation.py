@@ -3,7 +3,7 @@
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.errors import CaseError, ParisphError, ParticleLost, SolverDiverged, agree
+from parisph.base.errors import CaseError, ParisphError, ParticleLost, agree
 from parisph.base.fields import FLUID
 from parisph.case import geometry
 from parisph.case.checks import stable_time_step

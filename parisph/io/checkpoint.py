@@ -64,7 +64,7 @@ def write(comm, folder, particles, time, step, dt, case, state, attributes):
     StoreError on every rank; earlier checkpoints are then unchanged.
     """
     path = Path(folder) / f"{step:08d}.h5"
-    n, start, total = particles.n_owned, particles.offset, particles.n_global
+    start, total = particles.offset, particles.n_global
     names = [name for name, field in FIELDS.items() if field.migrates]
     slabs = [
         Slab(f"particles/{name}", np.ascontiguousarray(getattr(particles, name)), start, total, {"unit": FIELDS[name].unit})

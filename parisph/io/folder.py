@@ -12,7 +12,7 @@ from pathlib import Path
 
 from parisph.base.errors import StoreError
 from parisph.io.files import digest, read_json, write_json
-from parisph.io.layout import FILES, FOLDERS, REPLACED
+from parisph.io.layout import FOLDERS, REPLACED
 
 # Files that a killed process leaves: temporary names, with the suffixes that MPI-IO adds.
 _HALF_WRITTEN = re.compile(r"\.(\w+\.vtkhdf|\d{8}\.h5|[\w.-]+\.(csv|json|series))\.tmp.*|\.run\.lock\.[0-9a-f]{16}")
