@@ -1,4 +1,4 @@
-"""The command line: verbs and their options. What a verb does is done elsewhere."""
+"""The command line: verbs and their options. Other modules do the work."""
 
 import argparse
 import json
@@ -10,11 +10,15 @@ from parisph.base import environment, libraries
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.text import clipped, named, plain
 
-EXIT_CODES = "exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 files, 1 anything else"
+EXIT_CODES = "Exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 file error, 1 other errors."
 
 
 class _Parser(argparse.ArgumentParser):
-    """Raises CaseError where argparse would exit, and is silent on all ranks but the first."""
+    """Raises CaseError where argparse would exit, and prints on rank 0 only."""
+
+    def __init__(self, **options):
+        super().__init__(add_help=False, **options)
+        self.add_argument("-h", "--help", action="help", help="Show this help and exit")
 
     def error(self, message):
         raise CaseError(f"{clipped(plain(message), 400)}\n{self.format_usage().strip()}")
@@ -27,7 +31,7 @@ class _Parser(argparse.ArgumentParser):
 def parse(words):
     """Return the namespace of a command line; `.work` is the function that does it.
 
-    Raises CaseError with the usage. What follows a lone `--` goes to PETSc.
+    Raises CaseError with the usage. Words after a lone `--` are options for PETSc.
     """
     arguments.check(words)
     cut = words.index("--") if "--" in words else len(words)
@@ -47,20 +51,20 @@ def parse(words):
 
 
 def _hint(word):
-    """Return what to do with a word before the lone -- that is for PETSc, as the end of a message; else nothing."""
+    """Return a hint if an unknown word is an option for PETSc, as the end of a message; else nothing."""
     if word.startswith("-log"):
         return f"; {_early(word)}"
     return "; options for PETSc come after a lone --" if word.startswith(("-pressure_", "-ksp", "-pc")) else ""
 
 
 def _check_petsc(words):
-    """Raise CaseError for words after the lone -- that PETSc cannot heed there: the run would go on without them."""
+    """Raise CaseError for words after the lone -- that would have no effect there."""
     for word in words:
         if word.startswith("--") or word in ("-o", "-q", "-h"):
-            raise CaseError(f"{named(word, 80)} stands after the lone --, where only options for PETSc belong, such as -pressure_ksp_rtol: "
-                            f"write {named(word, 80)} and its value before the --")
+            raise CaseError(f"{named(word, 80)} is after the lone --, where only options for PETSc are allowed, such as "
+                            f"-pressure_ksp_rtol: write {named(word, 80)} and its value before the --")
         if word.startswith("-log_view"):
-            raise CaseError(f"{named(word, 80)} after the lone -- comes too late, as PETSc has started by then: {_early(word)}")
+            raise CaseError(f"{named(word, 80)} after the lone -- comes too late, because PETSc has started by then: {_early(word)}")
 
 
 def _early(word):
@@ -68,9 +72,9 @@ def _early(word):
 
 
 def execute(words):
-    """Carry out one command line; return the exit code. Collective for run, restart, doctor --trial.
+    """Execute a command line; return the exit code. Collective for run, restart, doctor --trial.
 
-    Raises ParisphError, on every rank.
+    Raises ParisphError on every rank.
     """
     args = _everywhere(lambda: parse(words))
     if not getattr(args, "collective", False) and not getattr(args, "trial", False):
@@ -84,9 +88,9 @@ def _alone(verb):
 
 
 def _everywhere(action):
-    """Return action(), done on each rank for itself, in a process alone without anything of MPI.
+    """Return action(), done by each rank separately. An error on one rank is raised on all.
 
-    An error on one rank is raised on all.
+    Without mpirun this needs no MPI.
     """
     if environment.launched()[1] == 1:
         return action()
@@ -100,7 +104,7 @@ def _everywhere(action):
 
 
 def _on_first(action):
-    """Return what action() returns on rank 0, on every rank; the others do nothing. Errors as of `_everywhere`."""
+    """Call action() on rank 0 only, and return its result on every rank. Errors as in `_everywhere`."""
     if environment.launched()[1] == 1:
         return action()
     comm, result, error = _world(), None, None
@@ -114,7 +118,7 @@ def _on_first(action):
 
 
 def _agree(error):
-    """Raise on every rank if any has an error, there without "rank 0:", as every rank that has it says it."""
+    """Raise on every rank if any has an error; a rank with an error raises its own, without "rank 0:" in front."""
     try:
         agree(_world(), error)
     except ParisphError:
@@ -141,102 +145,110 @@ def _world():
 
 
 def _parser():
-    parser = _Parser(prog="parisph", description="Violent water waves by incompressible SPH, on any number of MPI ranks.",
+    parser = _Parser(prog="parisph", description="Compute violent water waves by incompressible SPH, on any number of MPI ranks.",
                      epilog=EXIT_CODES, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--version", action="version", version=f"parisph {__version__}")
+    parser.add_argument("--version", action="version", version=f"parisph {__version__}", help="Show the version and exit")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
     _add_running(verbs)
     _add_looking(verbs)
-    verb = _verb(verbs, "doctor", _doctor, "is this machine fit to run parisph?")
+    verb = _verb(verbs, "doctor", _doctor, "Check whether parisph can run on this machine")
     verb.add_argument("--trial", action="store_true",
-                      help="only a small solve and a file, on the ranks this is started on (mpirun -n 4 parisph doctor --trial)")
-    verb = _verb(verbs, "completion", _completion, "print the script for completion in a shell")
-    verb.add_argument("shell", choices=completion.SHELLS, metavar="SHELL", help=f"one of {', '.join(completion.SHELLS)}")
+                      help="Only solve a small system and write a file, on the ranks of this command (mpirun -n 4 parisph doctor --trial)")
+    verb = _verb(verbs, "completion", _completion, "Print the script that completes commands in a shell")
+    verb.add_argument("shell", choices=completion.SHELLS, metavar="SHELL", help=f"One of {', '.join(completion.SHELLS)}")
     return parser
 
 
-def _verb(verbs, name, work, text):
-    verb = verbs.add_parser(name, help=text, description=text[0].upper() + text[1:], epilog=EXIT_CODES)
+def _verb(verbs, name, work, text, example=""):
+    verb = verbs.add_parser(name, help=text, description=f"{text}{example and ': '}{example or '.'}", epilog=EXIT_CODES)
     verb.set_defaults(work=work)
-    verb.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    verb.add_argument("--debug", action="store_true", help="Show the traceback of an error")
     return verb
 
 
 def _add_running(verbs):
-    verb = _verb(verbs, "run", _run, "run a case: mpirun -n 2 parisph run CASE [options] [-- PETSc options]")
+    verb = _verb(verbs, "run", _run, "Run a case on any number of ranks", "mpirun -n 2 parisph run CASE [options] [-- PETSc options]")
     _add_case(verb)
-    verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR", help="folder of the run (default: runs/NAME of the case, or the first free runs/NAME-2, ...)")
-    verb.add_argument("--overwrite", action="store_true", help="if DIR holds a run, move it aside to DIR.old first")
+    verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
+                      help="Write the run to this folder (default: runs/NAME, named after the case, or the first free runs/NAME-2, ...)")
+    verb.add_argument("--overwrite", action="store_true", help="If DIR holds a run, move it to DIR.old first")
     _add_progress(verb)
-    verb = _verb(verbs, "restart", _restart,
-                 "go on from a checkpoint, on any number of ranks: parisph restart DIR [options] [-- PETSc options]")
-    verb.add_argument("path", type=arguments.path, metavar="DIR", help="folder of a run, or a checkpoint file in it")
-    verb.add_argument("--until", type=arguments.number, metavar="T", help="new end time [s]")
-    verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR", help="folder for what follows (default: the same, from its last checkpoint only)")
+    verb = _verb(verbs, "restart", _restart, "Continue a run from a checkpoint, on any number of ranks",
+                 "mpirun -n 2 parisph restart DIR [options] [-- PETSc options]")
+    verb.add_argument("path", type=arguments.path, metavar="DIR", help="Folder of a run, or a checkpoint file in it")
+    verb.add_argument("--until", type=arguments.number, metavar="T", help="Set a new end time [s]")
+    verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
+                      help="Write to this folder (default: that of the run, only from its last checkpoint)")
     _add_progress(verb)
-    verb = _verb(verbs, "check", _check, "validate a case, and say what running it takes")
+    verb = _verb(verbs, "check", _check, "Check a case, and estimate the time and memory of a run")
     _add_case(verb)
 
 
 def _add_case(verb):
     verb.add_argument("case", type=arguments.path, metavar="CASE", help="Python file with a function case(...), or the case.json of a run")
     verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
-                      help="other values for parameters of case(...), such as --set spacing=1/40 end_time=2")
+                      help="Set parameters of case(...), such as --set spacing=1/40 end_time=2")
 
 
 def _add_progress(verb):
-    verb.add_argument("-q", "--quiet", action="store_true", help="no progress lines")
+    verb.add_argument("-q", "--quiet", action="store_true", help="Do not show progress")
     verb.add_argument("--force", action="store_true",
-                      help="use DIR even if a process on another host may still write into it (it left run.lock behind)")
+                      help="Use DIR although run.lock names a process on another host, which may still write to it")
     verb.set_defaults(petsc=[], collective=True)
 
 
 def _add_looking(verbs):
-    verb = _verb(verbs, "info", _info, "what is in a run, how it was made, how it went")
+    verb = _verb(verbs, "info", _info, "Show the content, the results and the versions of a run")
     _add_run(verb)
-    verb.add_argument("--json", action="store_true", help="print summary.json instead")
-    verb = _verb(verbs, "plot", _plot, "pictures of the flow and of the probes; by itself, the whole run on one page")
-    verb.add_argument("runs", type=arguments.path, metavar="DIR", nargs="+", help="folder of a run; the probes of several runs are drawn over each other")
-    verb.add_argument("--time", type=arguments.number, metavar="T", help="the flow at the snapshot nearest this time [s]")
-    verb.add_argument("--peak", metavar="PROBE", help="the flow at the snapshot nearest the greatest value of a probe")
-    verb.add_argument("--probe", action="append", metavar="NAME", help="the series of this probe (may be repeated)")
-    _add_drawing(verb, "ends at the greatest value shown (the bulk of the values on a page with several moments)")
-    verb = _verb(verbs, "movie", _movie, "animation of the flow; time runs evenly, and the title says how much it is slowed")
+    verb.add_argument("--json", action="store_true", help="Print summary.json instead")
+    verb = _verb(verbs, "plot", _plot, "Draw the flow, the probes, or the whole run on one page")
+    verb.add_argument("runs", type=arguments.path, metavar="DIR", nargs="+",
+                      help="Folder of a run; for several runs, their probes are drawn over each other")
+    verb.add_argument("--time", type=arguments.number, metavar="T", help="Draw the flow at the snapshot nearest this time [s]")
+    verb.add_argument("--peak", metavar="PROBE", help="Draw the flow at the snapshot nearest the greatest value of a probe")
+    verb.add_argument("--probe", action="append", metavar="NAME", help="Draw the series of this probe (may be repeated)")
+    _add_drawing(verb, "up to the greatest value shown; on a page with several moments, most of the values")
+    verb = _verb(verbs, "movie", _movie, "Make an animation of the flow; its title gives the slow-motion factor")
     _add_run(verb)
-    verb.add_argument("--fps", type=arguments.number, metavar="N", help="frames a second (default: 20, or what shows each snapshot once at the speed of --slow)")
-    verb.add_argument("--slow", type=arguments.number, metavar="X", help="X times slower than in nature (default: what shows each snapshot once)")
-    _add_drawing(verb, "one scale for all frames that suits the bulk of their values; a short impact goes beyond its end")
-    verb = _verb(verbs, "compare", _compare, "error of a probe against a reference series")
+    verb.add_argument("--fps", type=arguments.number, metavar="N",
+                      help="Show N frames per second (default: 20; with --slow, the rate that shows each snapshot once)")
+    verb.add_argument("--slow", type=arguments.number, metavar="X",
+                      help="Play X times slower than in nature (default: the speed that shows each snapshot once)")
+    _add_drawing(verb, "one scale for all frames, for most of their values; a short impact may exceed it")
+    verb = _verb(verbs, "compare", _compare, "Compute the error of a probe against a reference series")
     _add_run(verb)
-    verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv", help="a CSV file with one header line")
-    verb.add_argument("--json", action="store_true", help="print as JSON")
-    verb.add_argument("--plot", type=arguments.path, metavar="FILE", help="draw the run, the reference and their difference into a .png, .pdf, ...")
-    for option, text in (("--probe", "which probe, where there are several"), ("--column", "which of its columns"),
-                         ("--time", "the reference's column of times (default: the first)"),
-                         ("--value", "the reference's column of values (default: that of the probe's name for it, else the first after the time)")):
+    verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv", help="CSV file with one header line")
+    verb.add_argument("--json", action="store_true", help="Print JSON")
+    verb.add_argument("--plot", type=arguments.path, metavar="FILE",
+                      help="Draw the run, the reference and their difference to a .png, .pdf, ... file")
+    for option, text in (("--probe", "Choose a probe, if there are several"), ("--column", "Choose one of its columns"),
+                         ("--time", "Choose the reference's column of times (default: the first)"),
+                         ("--value", "Choose the reference's column of values (default: the one named like the probe's, else the first after the time)")):
         verb.add_argument(option, metavar="NAME", help=text)
     for option, default, text in (
-            ("--offset", 0.0, "truth = offset + scale * value"), ("--scale", 1.0, "see --offset"),
-            ("--time-scale", 1.0, "seconds for one unit of the reference's time"), ("--shift", 0.0, "added to the run's time [s]"),
-            ("--best-shift", None, "take the best shift of at most this many seconds either way"),
-            ("--rest", None, "level at rest: the error is then a share of the wave alone")):
+            ("--offset", 0.0, "Compare with offset + scale * value"), ("--scale", 1.0, "See --offset"),
+            ("--time-scale", 1.0, "Set the unit of the reference's time [s]"), ("--shift", 0.0, "Add this to the run's time [s]"),
+            ("--best-shift", None, "Find the best shift of at most this many seconds in either direction"),
+            ("--rest", None, "Set the level at rest: the error is then relative to the wave alone")):
         verb.add_argument(option, type=arguments.number, default=default, metavar="X", help=text)
 
 
 def _add_run(verb):
-    verb.add_argument("run", type=arguments.path, metavar="DIR", help="folder of a run")
+    verb.add_argument("run", type=arguments.path, metavar="DIR", help="Folder of a run")
 
 
 def _add_drawing(verb, scale):
-    verb.add_argument("--field", metavar="NAME", help="pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
-    verb.add_argument("--surface", action="store_true", help="mark the particles of the free surface")
-    verb.add_argument("--normalise", action="store_true", help="lengths by H, times by sqrt(H/g), pressures by rho g H (of the flow or of probes, not of the whole run)")
+    verb.add_argument("--field", metavar="NAME", help="Colour by pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
+    verb.add_argument("--surface", action="store_true", help="Mark the particles of the free surface")
+    verb.add_argument("--normalise", action="store_true",
+                      help="Divide lengths by H, times by sqrt(H/g), pressures by rho g H (flow or probes, not the whole run)")
     verb.add_argument("--limits", type=arguments.number, nargs=2, metavar=("LOW", "HIGH"),
-                      help=f"ends of the colour scale, in the unit of the picture (default: {scale})")
-    verb.add_argument("--cmap", metavar="NAME", help="a colour map of matplotlib, such as magma")
-    verb.add_argument("--zoom", type=arguments.number, nargs=4, metavar=("X0", "X1", "Y0", "Y1"), help="draw this part of the scene only, in the unit of the axes")
+                      help=f"Set the ends of the colour scale, in the unit of the picture (default: {scale})")
+    verb.add_argument("--cmap", metavar="NAME", help="Use this colour map of matplotlib, such as magma")
+    verb.add_argument("--zoom", type=arguments.number, nargs=4, metavar=("X0", "X1", "Y0", "Y1"),
+                      help="Draw only this part of the scene, in the unit of the axes")
     verb.add_argument("-o", "--out", type=arguments.path, metavar="FILE",
-                      help="where to write (default: in the folder of the run): a .png, .pdf, ...; a movie's .gif or .mp4")
+                      help="Write to this file (default: in the folder of the run): .png, .pdf, ...; a movie: .gif or .mp4")
 
 
 # ---- the verbs
@@ -247,7 +259,7 @@ def _run(args):
     from parisph import driver
     from parisph.case.schema import Case
 
-    case = Case.model_validate_json(text)    # of rank 0: a case file may look at the host, the clock or its rank
+    case = Case.model_validate_json(text)    # that of rank 0: a case file may depend on host, clock or rank
     summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite, force=args.force)
     _tell(comm, summary, out)
 
@@ -295,7 +307,7 @@ def _load(args):
 
 
 def _folder(args):
-    """Return the folder for a new run; one that holds a run already is never taken."""
+    """Return the folder for a new run, never one that holds a run already (unless asked to overwrite)."""
     if args.out is not None:
         if os.path.exists(Path(args.out) / "case.json") and not args.overwrite:
             raise CaseError(f"{args.out} holds a run already: give another folder with -o, or move it aside with --overwrite")
@@ -320,7 +332,7 @@ def _info(args):
 
     run = reader.open_run(args.run)
     print(json.dumps(run.summary, indent=2) if args.json else describe.describe(run))
-    if not args.json and len(run):    # comes last, as it opens a snapshot, which may be damaged
+    if not args.json and len(run):    # last, because it opens a snapshot, which may be damaged
         print(f"\n{describe.provenance(run)}")
 
 
@@ -337,7 +349,7 @@ def _plot(args):
     from parisph.io import pictures, reader
 
     if args.time is not None and args.peak is not None:
-        raise CaseError("--time and --peak both choose the snapshot: give one of them")
+        raise CaseError("--time and --peak both select a snapshot: give only one of them")
     runs = [reader.open_run(folder) for folder in args.runs]
     for path in pictures.plot(runs, args.time, args.peak, args.probe, args.out, **_look(args)):
         print(path)
@@ -350,6 +362,6 @@ def _movie(args):
 
 
 def _look(args):
-    """How the flow shall look, as of io.view.Look; None where nothing was asked for."""
+    """Return the options of io.view.Look; None for those not given."""
     return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None, "limits": args.limits,
             "colours": args.cmap, "zoom": args.zoom}

@@ -82,7 +82,7 @@ def driver(monkeypatch):
     (["info", "x" * 5000], "argument DIR: 'xxx"),
     (["x" * 5000], "invalid choice: 'xxx"),
     (["run", "tank.py", "--" + "x" * 5000], "unknown argument --xxx"),
-    (["run", "tank.py", "--", "--" + "x" * 5000], "stands after the lone --"),
+    (["run", "tank.py", "--", "--" + "x" * 5000], "is after the lone --"),
     (["run", "."], ".: is a folder; give a case file"),
     (["compare", "runs/tank"], "required: REFERENCE.csv"),
 ])
