@@ -1,4 +1,4 @@
-"""Words of the command line: looked at one by one, before anything is done with them."""
+"""Checks of single words of the command line, before they are used."""
 
 import argparse
 import math
@@ -11,14 +11,14 @@ LARGEST = 1e30    # as in a case: its square is finite
 
 
 def check(words):
-    """Raise CaseError for a word that would write lines of its own into logs and messages, or is not UTF-8."""
+    """Raise CaseError for a word with line breaks or control characters, or that is not UTF-8."""
     for word in words:
         if not is_plain(word):
             raise CaseError(f"argument {shown(word)}: must be text without line breaks or control characters")
 
 
 def path(word):
-    """Return a path that a file or folder can have. For argparse, which adds the name of the argument."""
+    """Return a word that can be a path. For argparse, which adds the name of the argument to errors."""
     problem = paths.fault(word)
     if problem:
         raise argparse.ArgumentTypeError(f"{shown(word)}: {problem}")
@@ -26,7 +26,7 @@ def path(word):
 
 
 def number(word):
-    """Return a finite number of a sane size. For argparse, as `path`."""
+    """Return a finite number of limited size. For argparse, as `path`."""
     try:
         value = float(word)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Pictures of time series: probes of one run or of several, and a probe beside its reference. Needs matplotlib; needs no MPI."""
+"""Pictures of time series: probes of one or several runs, and a probe with its reference. Needs matplotlib, but no MPI."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -30,8 +30,8 @@ class Curve:
 
     Attributes
     ----------
-    run : Run; label : name of the run where there are several
-    probe, column : names; column is "" where the probe has only one
+    run : Run; label : name of the run if there are several
+    probe, column : names; column is "" if the probe has only one
     time, values : (n,) arrays [s], [the unit of the panel]
     """
 
@@ -46,7 +46,7 @@ class Curve:
 def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
     """Draw the time series of probes, one set of axes for each quantity; return the matplotlib Figure.
 
-    Several runs lie over each other, by the names of their folders.
+    Several runs are drawn over each other, labelled by their folders.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
     names : list of probe names, or one name; all probes if None
     path : file to write (.png, .pdf, ...), or None
     truth : dict of probe name -> (time [s], value) arrays in the probe's unit, drawn over it in black
-    normalise : time by sqrt(H/g), pressures by rho g H, lengths by H, of each run's own
+    normalise : divide time by sqrt(H/g), pressures by rho g H and lengths by H of each run
 
     Raises
     ------
@@ -80,12 +80,12 @@ def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
 
 
 def plot_comparison(found, reference, difference, title, label, unit, path=None):
-    """Draw a probe, its reference, and how far they are apart; return the matplotlib Figure.
+    """Draw a probe, its reference, and their difference; return the matplotlib Figure.
 
     Parameters
     ----------
-    found, reference, difference : (time (n,) [s], values (n,)) each, of the run, of the reference, and of
-        the one less the other where both are
+    found, reference, difference : (time (n,) [s], values (n,)) each: the run, the reference, and their
+        difference where both have values
     title : one line above; label, unit : of the values
     path : file to write, or None
     """
@@ -125,9 +125,9 @@ def truths(run, folder):
 
 
 def by_quantity(runs, names=None):
-    """Return {(quantity, unit): [Curve]} of probes of runs: what belongs into one set of axes.
+    """Return {(quantity, unit): [Curve]} of probes of runs: one entry for each set of axes.
 
-    Heights, positions along x, pressures, energies, ... each have their own. names : of probes, all if None.
+    Heights, positions along x, pressures, energies, ... each have their own axes. names : of probes, all if None.
     """
     groups = {}
     for run, label in zip(runs, folder_names([run.folder for run in runs])):
@@ -144,7 +144,7 @@ def by_quantity(runs, names=None):
 
 
 def folder_names(folders):
-    """Return a short name for each folder: the end of its path, as long as it takes to tell them apart."""
+    """Return a short name for each folder: as much of the end of its path as is needed to distinguish them."""
     parts = [Path(folder).resolve().parts for folder in folders]
     names = []
     for mine in parts:
@@ -156,7 +156,7 @@ def folder_names(folders):
 
 
 def draw_curves(axes, curves, unit, normalise=False, truth=None):
-    """Draw curves of one quantity into axes, with their legend and the label of the values.
+    """Draw curves of one quantity into axes, with a legend and the label of the values.
 
     truth : {probe: (time, values)}, drawn over the first run
     """
@@ -184,7 +184,7 @@ def draw_curves(axes, curves, unit, normalise=False, truth=None):
 
 
 def own_scales(run, normalise):
-    """Return the style.Scales of a run; raise CaseError if it has none to normalise by."""
+    """Return the style.Scales of a run. Raises CaseError if it has none to normalise by."""
     own = style.scales(run.case)
     if normalise and own.time is None:
         raise CaseError(f"{run.folder}: this scene has no constant gravity: it has no sqrt(H/g) to divide by")
@@ -192,7 +192,7 @@ def own_scales(run, normalise):
 
 
 def time_label(axes, normalise, last):
-    """Name the axis of time, in the lowest panels only."""
+    """Label the axis of time, in the lowest panels only."""
     if last:
         axes.set_xlabel(r"$t\sqrt{g/H}$" if normalise else "$t$ [s]")
     else:
@@ -200,7 +200,7 @@ def time_label(axes, normalise, last):
 
 
 def _line_label(curve, series):
-    """What tells this line from the others: its run, its probe, its column, as far as there are several."""
+    """Return the label of a line: its run, probe and column, each only if there are several."""
     probes = {probe for probe, _ in series}
     if curve.label and len(series) == 1:
         return curve.label
@@ -209,7 +209,7 @@ def _line_label(curve, series):
 
 
 def _draw_truth(axes, curve, series, factor, by_time):
-    """A reference of few samples is a set of marks, a dense one a dashed line; both only where the run is."""
+    """Draw a reference within the time of the run: few samples as marks, many as a dashed line."""
     time, values = (np.asarray(part, dtype=float) for part in series)
     inside = time <= max(curve.time, default=-np.inf)
     axes.plot(time[inside] / by_time, factor * values[inside], color="black", linewidth=1.0,
@@ -244,7 +244,7 @@ def _plain_axes(axes):
 
 
 def _second_time_axis(axes, runs, normalise):
-    """The scene's own time above, where all runs have the same."""
+    """Add the dimensionless time above, if it is the same for all runs."""
     times = {own.time for own in (style.scales(run.case) for run in runs)}
     if len(times) != 1 or None in times:
         return

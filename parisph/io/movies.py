@@ -18,23 +18,23 @@ SAMPLE = 24             # snapshots from which the scale of the colours is taken
 
 
 def movie(run, path, field="pressure", fps=None, slow=None, dpi=100, **look):
-    """Write the snapshots of a run as an animation: .gif, or .mp4 where ffmpeg is installed; return its path.
+    """Write the snapshots of a run as an animation: .gif, or .mp4 if ffmpeg is installed; return its path.
 
-    Colours and axes are the same in every frame. Time runs evenly, whatever the times of the snapshots,
-    and the title says how much slower than in nature.
+    Colours and axes are the same in every frame. The animation runs at constant speed, whatever the times
+    of the snapshots; its title gives the slow-motion factor.
 
     Parameters
     ----------
     run : Run, or the folder of one
     path : file to write
-    field : see view.Look, as for further keywords; without `limits` the colours suit the bulk of the
-        values in all frames, so that a short impact saturates and does not dim the rest
-    fps : frames a second, None for 20, or for what suits `slow`: each snapshot once, where players can do that
-    slow : how many times slower than in nature, None for what shows each snapshot once
+    field : see view.Look, also for further keywords; without `limits` the colours cover most of the
+        values in all frames, so that a short impact saturates instead of dimming the rest
+    fps : frames per second; None for 20, or with `slow` for the rate that shows each snapshot once, if players can
+    slow : how many times slower than in nature; None for the speed that shows each snapshot once
 
     Raises
     ------
-    CaseError : as plot_field, or another ending, or fps and slow without sense
+    CaseError : as plot_field, for another ending, and for fps or slow out of range
     StoreError : as plot_field, or the file cannot be written
     """
     look = Look(field, **look)
@@ -67,11 +67,11 @@ def movie(run, path, field="pressure", fps=None, slow=None, dpi=100, **look):
 
 @dataclass(frozen=True)
 class Pace:
-    """How fast an animation goes.
+    """The speed of an animation.
 
     Attributes
     ----------
-    fps : frames a second
+    fps : frames per second
     slow : how many times slower than in nature; None for a single frame
     numbers : (frames,) int, the snapshot in each frame: the one nearest the time that the frame stands for
     """
@@ -108,7 +108,7 @@ class Pace:
 
     @property
     def note(self):
-        """The slow motion in words, "" for a single frame."""
+        """Return the slow-motion factor as text, "" for a single frame."""
         if self.slow is None:
             return ""
         if 0.95 < self.slow < 1.05:
@@ -117,7 +117,7 @@ class Pace:
 
     @property
     def repeated(self):
-        """Number of frames that show a snapshot once more."""
+        """Number of frames that repeat a snapshot."""
         return len(self.numbers) - len(np.unique(self.numbers))
 
 

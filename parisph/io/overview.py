@@ -1,4 +1,4 @@
-"""A whole run on one page: four moments of the flow, its probes, and how the solver went. Needs matplotlib; needs no MPI."""
+"""A whole run on one page: four moments of the flow, the probes, and the solver. Needs matplotlib, but no MPI."""
 
 import numpy as np
 
@@ -11,8 +11,8 @@ from parisph.io.view import FieldView, Look
 def plot_overview(run, path=None, field="pressure", **look):
     """Draw a whole run on one page; return the matplotlib Figure.
 
-    Parameters and errors as of view.plot_field and curves.plot_probe. The colours suit the bulk of
-    the values of all four moments.
+    Parameters and errors as in view.plot_field and curves.plot_probe. The colours cover most of the
+    values of all four moments.
     """
     look = Look(field, **look)
     run = run if isinstance(run, Run) else open_run(run)
@@ -49,7 +49,7 @@ def _draw_moments(flow, view, moments, columns):
 
 
 def _draw_series(series, run, panels):
-    """The probes, two a row, and the solver's record in what is left of the last row."""
+    """Draw the probes, two per row, and the solver's record in the rest of the last row."""
     grid = series.add_gridspec(len(panels) // 2 + 1, 2)
     for number, (unit, lines) in enumerate(panels):
         axes = series.add_subplot(grid[number // 2, number % 2])
@@ -60,7 +60,7 @@ def _draw_series(series, run, panels):
 
 
 def _draw_steps(axes, steps):
-    """Iterations of the pressure solve and the size of the step."""
+    """Draw the iterations of the pressure solve and the time step."""
     axes.plot(steps["time"], steps["iterations"], ".", color=style.LINES[0], markersize=2)
     axes.set_ylabel("iterations a solve [-]", color=style.LINES[0])
     axes.set_ylim(bottom=0)

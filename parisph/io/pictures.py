@@ -1,4 +1,4 @@
-"""Which pictures `parisph plot` and `parisph movie` make of runs, and into which files. Needs no MPI."""
+"""The pictures that `parisph plot` and `parisph movie` make of runs, and their files. Needs no MPI."""
 
 import shutil
 import sys
@@ -13,9 +13,9 @@ LONGEST = 100   # characters of the name of a file that is made up
 
 
 def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **look):
-    """Write pictures of a run, or of the probes of several over each other, and return their paths.
+    """Write pictures of a run, or of the probes of several runs, and return their paths.
 
-    Of one run without time, peak, field and probes: the whole run on one page.
+    For one run without time, peak, field and probes: the whole run on one page.
 
     Parameters
     ----------
@@ -39,11 +39,11 @@ def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **l
         _check_probes_only(flow or look)
         return [_plot_probes(runs, probes, normalise, out)]
     if out is not None and flow and probes:
-        raise CaseError("-o names one file, and these are two pictures, of the flow and of probes: ask for them one by one")
+        raise CaseError("-o names one file, but these are two pictures, of the flow and of probes: make them one by one")
     run, = runs
     if not flow and not probes:
         if normalise:
-            raise CaseError("--normalise has no meaning for the whole run on one page: give --time, --peak, --field or --probe too")
+            raise CaseError("--normalise does not apply to the whole run on one page: also give --time, --peak, --field or --probe")
         path = Path(out or run.folder / "overview.png")
         overview.plot_overview(run, path, **look)
         return [path]
@@ -73,7 +73,7 @@ def peak_time(run, probe):
 
 def _check_probes_only(other):
     if other:
-        raise CaseError("several runs lie over each other as the series of their probes only: for pictures of the flow give one run")
+        raise CaseError("only probes can be drawn for several runs: give one run for pictures of the flow")
 
 
 def _plot_probes(runs, probes, normalise, out):

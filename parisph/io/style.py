@@ -1,4 +1,4 @@
-"""How pictures speak: quantities with their labels, units and colours, and a scene's own scales."""
+"""The style of pictures: quantities with their labels, units and colours, and a scene's own scales."""
 
 import difflib
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from parisph.base.text import shown
 
 @dataclass(frozen=True)
 class Quantity:
-    """A field as it is shown.
+    """A quantity that pictures can show.
 
     Attributes
     ----------
@@ -21,7 +21,7 @@ class Quantity:
     of : function of that array (n, ...) -> (n,)
     symbol, unit : for the colour bar
     colours : name of a matplotlib colour map
-    scale : which of a scene's Scales makes it dimensionless, "" for none
+    scale : the one of a scene's Scales that makes it dimensionless, "" for none
     centre : None, or the value in the middle of a diverging colour map
     """
 
@@ -45,7 +45,7 @@ QUANTITIES = {
 }
 ALIASES = {"p": "pressure", "u": "speed", "velocity": "speed", "alpha": "density_ratio"}
 
-# Part a particle plays: name and colour (apart in brightness too, for those who do not tell hues).
+# Roles of particles: name and colour. They also differ in brightness, for readers with colour blindness.
 ROLES = {
     INNER: ("inner", "#a6cee3"), SURFACE: ("free surface", "#d62728"), BALLISTIC: ("ballistic", "#ff9f1c"),
     WET: ("wet wall", "#4d4d4d"), DRY: ("dry wall", "#cfcfcf"), CONTACT: ("contact line", "#111111"),
@@ -61,8 +61,8 @@ FEW = 6     # lines that are told by their colours alone
 def line_looks(groups, members=1):
     """Return a list of {"color", "linestyle"} for groups x members lines, member after member in each group.
 
-    Up to FEW lines differ in colour. More of them differ in the kind of line as well: by group in
-    colour and by member in kind where the kinds suffice, else each next line in both.
+    Up to FEW lines differ in colour only. More lines also differ in line style: groups in colour and
+    members in style if there are enough styles, else each next line in both.
     """
     count = groups * members
     if 1 < members <= len(STYLES) and 1 < groups <= len(LINES):
@@ -75,7 +75,7 @@ def line_looks(groups, members=1):
 
 
 def quantity(name):
-    """Return the Quantity of that name. Raises CaseError naming those there are."""
+    """Return the Quantity of that name. Raises CaseError that lists the known ones."""
     found = QUANTITIES.get(ALIASES.get(name, name))
     if found is None:
         raise CaseError(f"no quantity {name!r} to show (there are: {', '.join(QUANTITIES)})")
@@ -96,7 +96,7 @@ def check_colours(name):
 
 @dataclass(frozen=True)
 class Scales:
-    """A scene's own units. Those that it does not have are None.
+    """A scene's own units; None for those that it does not have.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ def fluid_bounds(case):
 
 
 def time_label(time, own):
-    """Return "t = 0.512 s", with the dimensionless time behind it where the scene has gravity."""
+    """Return "t = 0.512 s", followed by the dimensionless time if the scene has gravity."""
     label = rf"$t$ = {time:.3f} s"
     if own.time is None:
         return label

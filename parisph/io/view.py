@@ -16,20 +16,20 @@ DISC, GROUND = 1.05, 1.8
 
 @dataclass(frozen=True)
 class Look:
-    """What pictures of the flow show, and how.
+    """The content and look of pictures of the flow.
 
     Attributes
     ----------
     field : "pressure", "speed", "velocity_x", "velocity_y", "density_ratio" or "role"
-    surface : whether particles on the free surface are ringed, and ballistic ones too
-    normalise : lengths by H, pressures by rho g H, velocities by sqrt(g H)
-    limits : (lowest, highest) of the colours, in the picture's unit; None for what suits the values
+    surface : whether particles on the free surface, and ballistic ones, are marked with rings
+    normalise : divide lengths by H, pressures by rho g H, velocities by sqrt(g H)
+    limits : (lowest, highest) of the colours, in the picture's unit; None to fit the values
     colours : name of a matplotlib colour map, None for that of the quantity
     zoom : (left, right, low, high) of the axes, in their unit; None for all of the fluid
 
     Raises
     ------
-    CaseError : no such quantity or colour map; limits or zoom that are not in order, or do not go with the field
+    CaseError : unknown quantity or colour map; limits or zoom not in order, or not possible for the field
     """
 
     field: str = "pressure"
@@ -44,7 +44,7 @@ class Look:
         if self.field == "role":
             for name, value in (("limits", self.limits), ("cmap", self.colours)):
                 if value is not None:
-                    raise CaseError(f"--{name} has no meaning for the field role, whose colours are names: leave it out")
+                    raise CaseError(f"--{name} does not apply to the field role, whose colours stand for names: leave it out")
         if self.limits is not None:
             _check_order("--limits", *self.limits)
         if self.zoom is not None:
@@ -55,21 +55,21 @@ class Look:
 
 def _check_order(name, low, high):
     if not (np.isfinite([low, high]).all() and low < high):
-        raise CaseError(f"{name}: {low:g} to {high:g} is no range; give two numbers, the lower one first")
+        raise CaseError(f"{name}: {low:g} to {high:g} is not a range; give two numbers, the lower one first")
 
 
 def plot_field(run, which=-1, field="pressure", path=None, **look):
     """Draw the particles at one time, coloured by a quantity; return the matplotlib Figure.
 
-    The colours end at the greatest value that is shown, on the fluid or on a wet wall, so that a peak
-    is seen as what it is.
+    The colours end at the greatest value that is shown, on the fluid or on a wet wall, so that a peak is
+    never clipped.
 
     Parameters
     ----------
     run : Run, or the folder of one
-    which : number of the snapshot (int, also from the end), the one nearest a time [s] (float), or
-        a snapshot itself (dict, as Run.snapshot and Run.peak return)
-    field : see Look, as for further keywords
+    which : number of the snapshot (int, negative from the end), the one nearest a time [s] (float), or
+        a snapshot itself (dict, as from Run.snapshot and Run.peak)
+    field : see Look, also for further keywords
     path : file to write (.png, .pdf, ...), or None
 
     Raises
@@ -89,14 +89,14 @@ def plot_field(run, which=-1, field="pressure", path=None, **look):
 
 
 class FieldView:
-    """How snapshots of one run are drawn: scales, walls, colours, and a window that suits those given.
+    """Draws snapshots of one run, with common scales, walls, colours and window.
 
     case : dict, as in case.json; snapshots : list of dicts; look : Look
     """
 
     def __init__(self, case, snapshots, look):
         if snapshots[0]["x"].shape[1] != 2:
-            raise StoreError("pictures are drawn of flows in the plane only: open the run's .series file in ParaView")
+            raise StoreError("only 2D flows can be drawn: open the run's .series file in ParaView")
         self.case, self.look = case, look
         self.quantity, self.own = style.quantity(look.field), style.scales(case)
         if look.normalise and self.own.time is None:
@@ -106,7 +106,7 @@ class FieldView:
         self.window = self._window(snapshots)
 
     def size(self, width=8.0):
-        """Figure size [inch] that suits the window: the axes fill it, with room for labels and colour bar."""
+        """Return the figure size [inch] for the window, with room for labels and colour bar."""
         (left, right), (low, high) = self.window
         height = 0.84 * width * (high - low) / (right - left) + 1.2
         return (width, height) if height <= 9.0 else (max(4.0, width * 9.0 / height), 9.0)
@@ -114,8 +114,8 @@ class FieldView:
     def draw(self, axes, snapshot, limits, label=True, note=""):
         """Draw one snapshot into axes; return the coloured collection, or None for roles.
 
-        limits : (lowest, highest) of the colours; label : whether the title of the case stands above;
-        note : what stands behind the time
+        limits : (lowest, highest) of the colours; label : whether to show the title of the case;
+        note : text behind the time
         """
         x, values = snapshot["x"] / self.length, self.values(snapshot)
         fluid = snapshot["kind"] == FLUID
@@ -147,8 +147,8 @@ class FieldView:
     def limits(self, snapshots, whole=False):
         """Return the (lowest, highest) of the colours for all of the snapshots, None for roles.
 
-        Those asked for, else what suits the bulk of the values: a few moments of an impact, or single
-        spikes, do not dim the rest. With `whole` they end at the greatest value there is.
+        Those given by the user, else a range for most of the values, so that a short impact or single
+        spikes do not dim the rest. With `whole`, up to the greatest value.
         """
         if self.quantity.needs == "role":
             return None
@@ -230,7 +230,7 @@ class FieldView:
         return (left, right), (bottom, top)
 
     def _walls_to_fill(self, snapshot):
-        """Wet wall particles carry the pressure on the wall; they close the gap of half a spacing to it."""
+        """Return the wet wall particles, which have the pressure on the wall and close the gap of half a spacing to it."""
         wet = (snapshot["kind"] == WALL) & (snapshot["role"] == WET)
         return wet if self.quantity.needs in ("p", "role") else np.zeros_like(wet)
 

@@ -136,7 +136,7 @@ def test_plot_of_flow_and_probe_makes_two(folder, capsys):
 
 @pytest.mark.parametrize(("words", "code", "says"), [
     (["plot", "--time", "1", "--peak", "P2"], 2, "--time and --peak both"),
-    (["plot", "--normalise"], 2, "--normalise has no meaning for the whole run"),
+    (["plot", "--normalise"], 2, "--normalise does not apply to the whole run"),
     (["plot", "--normalise", "--surface"], 2, "give --time, --peak, --field or --probe"),
     (["plot", "--time", "1", "--probe", "P2", "-o", "x.png"], 2, "two pictures"),
     (["plot", "--probe", "P9"], 2, "no probe 'P9' (it has: P2, volume)"),
@@ -144,12 +144,12 @@ def test_plot_of_flow_and_probe_makes_two(folder, capsys):
     (["plot", "--field", "salt"], 2, "no quantity 'salt'"),
     (["plot", "--probe", "P2", "-o", "x.unknown"], 5, "cannot write the picture"),
     (["movie", "-o", "x.txt"], 2, "ends in .gif or .mp4"),
-    (["plot", "--time", "1", "--limits", "5", "2"], 2, "--limits: 5 to 2 is no range"),
+    (["plot", "--time", "1", "--limits", "5", "2"], 2, "--limits: 5 to 2 is not a range"),
     (["plot", "--limits", "5"], 2, "--limits: expected 2 arguments"),
-    (["plot", "--zoom", "0", "1", "0.5", "0.2"], 2, "--zoom, up: 0.5 to 0.2 is no range"),
+    (["plot", "--zoom", "0", "1", "0.5", "0.2"], 2, "--zoom, up: 0.5 to 0.2 is not a range"),
     (["plot", "--zoom", "7", "8", "0", "1", "--time", "1"], 2, "--zoom 7 8 0 1: nothing is there"),
     (["plot", "--cmap", "viridiss"], 2, "no colour map 'viridiss' in matplotlib: try viridis"),
-    (["plot", "--field", "role", "--cmap", "magma"], 2, "--cmap has no meaning for the field role"),
+    (["plot", "--field", "role", "--cmap", "magma"], 2, "--cmap does not apply to the field role"),
     (["movie", "--fps", "-3"], 2, "--fps -3: must be a number greater than 0"),
     (["movie", "--slow", "inf"], 2, "--slow: 'inf': must be a finite number"),
 ])
@@ -164,7 +164,7 @@ def test_plot_lays_the_probes_of_several_runs_over_each_other(folder, capsys):
     assert main(["plot", str(folder), str(other), "--probe", "P2", "--normalise"]) == 0
     assert lines_of(capsys) == [str(folder / "probes_run_other.png"), str(folder / "probes_P2_run_other.png")]
     assert main(["plot", str(folder), str(other), "--time", "0.5"]) == 2
-    assert "several runs lie over each other as the series of their probes only" in capsys.readouterr().err
+    assert "only probes can be drawn for several runs" in capsys.readouterr().err
     assert main(["plot", str(folder), str(folder.with_name("none")), "--probe", "P2"]) == 5
 
 

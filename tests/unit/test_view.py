@@ -141,14 +141,14 @@ def test_colours_may_be_chosen(run):
 
 
 @pytest.mark.parametrize("look, message", [
-    ({"limits": (2.0, 1.0)}, "--limits: 2 to 1 is no range; give two numbers, the lower one first"),
+    ({"limits": (2.0, 1.0)}, "--limits: 2 to 1 is not a range; give two numbers, the lower one first"),
     ({"limits": (0.0, np.nan)}, "--limits"),
-    ({"zoom": (1.0, 1.0, 0.0, 1.0)}, "--zoom, along x: 1 to 1 is no range"),
-    ({"zoom": (0.0, 1.0, 1.0, 0.0)}, "--zoom, up: 1 to 0 is no range"),
+    ({"zoom": (1.0, 1.0, 0.0, 1.0)}, "--zoom, along x: 1 to 1 is not a range"),
+    ({"zoom": (0.0, 1.0, 1.0, 0.0)}, "--zoom, up: 1 to 0 is not a range"),
     ({"zoom": (5.0, 6.0, 0.0, 1.0)}, "--zoom 5 6 0 1: nothing is there; the scene reaches from x = -0.03 to 1.03"),
     ({"colours": "virids"}, "no colour map 'virids' in matplotlib: try viridis"),
-    ({"field": "role", "limits": (0.0, 1.0)}, "--limits has no meaning for the field role"),
-    ({"field": "role", "colours": "magma"}, "--cmap has no meaning for the field role"),
+    ({"field": "role", "limits": (0.0, 1.0)}, "--limits does not apply to the field role"),
+    ({"field": "role", "colours": "magma"}, "--cmap does not apply to the field role"),
 ])
 def test_a_look_without_sense_is_said(run, look, message):
     with pytest.raises(CaseError, match=re.escape(message)):
