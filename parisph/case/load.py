@@ -3,11 +3,14 @@
 import difflib
 import functools
 import inspect
+import os
 import sys
 import traceback
 import types
 import typing
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from typing import Any
 
 from parisph.base import paths, reading
 from parisph.base.errors import CaseError
@@ -22,7 +25,7 @@ MISSING = inspect.Parameter.empty
 LONGEST = 400    # characters of a line of a message
 
 
-def load(path, sets=()):
+def load(path: str | os.PathLike, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
     """Return the Case that a case file describes. Not collective, needs no MPI.
 
     Parameters
@@ -50,7 +53,7 @@ def load(path, sets=()):
     return _with_truths(case, file.parent)
 
 
-def arguments(path, sets=()):
+def arguments(path: str | os.PathLike, sets: Mapping[str, Any] | Sequence[str] = ()) -> dict[str, Any]:
     """Return {name: value}: all parameters of a case file, with what `load` passes for them. Raises CaseError.
 
     path, sets : as of `load`; a stored case has no parameters
@@ -63,7 +66,7 @@ def arguments(path, sets=()):
     return {**values, **{name: _value(function, name, value, path) for name, value in _as_dict(sets).items()}}
 
 
-def parameters(path):
+def parameters(path: str | os.PathLike) -> dict[str, tuple[Any, str]]:
     """Return {name: (default, type in words)} of a case file's parameters. Raises CaseError."""
     function = _function(_find(path), path)
     hints = _hints(function)
