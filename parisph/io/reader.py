@@ -36,6 +36,8 @@ class Run:
         found = snapshot.listed(self.folder / INDEX, self.identity)
         if found is None:    # without an index of this run the files themselves say which snapshots there are
             found = snapshot.find(self.folder, self.identity)
+            if not found and snapshot.run_of_index(self.folder / INDEX) not in (None, self.identity):
+                raise StoreError(f"{self.folder / 'case.json'} is of another run than the snapshots beside it")
         self._files, self.times = list(found), np.array(list(found.values()))
         self.probe_names = sorted(path.stem for path in (self.folder / "probes").glob("*.csv"))
 

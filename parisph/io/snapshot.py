@@ -119,6 +119,14 @@ def listed(path: Path, run: str = "") -> dict[str, float] | None:
     return entries if content.get("run", "") == run else None
 
 
+def run_of_index(path: Path) -> str | None:
+    """Return the identity of the run that an index is of, None if there is no index that can be read. Not collective."""
+    try:
+        return str(read_json(path).get("run", ""))
+    except StoreError:
+        return None
+
+
 def find(folder: Path, run: str = "") -> dict[str, float]:
     """Return {file name relative to the folder of a run: time [s]} by reading each snapshot of the run. Not collective.
 

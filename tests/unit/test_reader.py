@@ -179,6 +179,14 @@ def test_a_summary_that_was_changed_is_refused(folder):
         open_run(folder).summary
 
 
+def test_a_case_of_another_run_is_noticed(folder):
+    """Even if nothing but the snapshots is read."""
+    text = (folder / "case.json").read_text()
+    (folder / "case.json").write_text(json.dumps({**json.loads(text), "run": "other", "digest": None}))
+    with pytest.raises(StoreError, match="case.json is of another run than the snapshots"):
+        open_run(folder)
+
+
 def test_a_case_that_this_release_would_not_run_is_still_read(folder):
     text = (folder / "case.json").read_text().replace('"spacing": 0.05', '"spacing": 0.0501')
     (folder / "case.json").write_text(text)
