@@ -46,7 +46,7 @@ def case(
         output=Output(every=snapshot_every * unit, checkpoint_every=unit),
         probes=[
             PressureTap("P1", at=(0.0, 0.1 * H)),
-            PressureTap("P2", at=(D, 0.05 * H)),
+            PressureTap("P2", at=(D, 0.05 * H), peak=True),     # the flow at the impact is kept
             WaterFront("front"),
             ColumnHeight("column", at=0.0),
             Energy("energy"),

@@ -35,8 +35,15 @@ class Truth(Model):
     wave: bool = False
 
 
+Peak = Annotated[bool, Field(description="whether the flow at the greatest value is kept")]
+
+
 class Probe(Model):
-    """A named probe, written to probes/NAME.csv."""
+    """A named probe, written to probes/NAME.csv.
+
+    With peak=True the run keeps the flow at the greatest value of the probe (of its first column) in
+    peaks/NAME.vtkhdf; all steps are then looked at, however seldom samples are written.
+    """
 
     name: str = Field(description="name of the probe and of its file")
 
@@ -56,6 +63,7 @@ class SurfaceGauge(Probe):
     kind: Literal["surface_gauge"] = "surface_gauge"
     at: float = Field(description="position x of the gauge [m]")
     truth: Union[Truth, None] = None
+    peak: Peak = False
 
 
 class PressureTap(Probe):
@@ -64,6 +72,7 @@ class PressureTap(Probe):
     kind: Literal["pressure_tap"] = "pressure_tap"
     at: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) on a wall [m]")]
     truth: Union[Truth, None] = None
+    peak: Peak = False
 
 
 class WaterFront(Probe):
@@ -71,6 +80,7 @@ class WaterFront(Probe):
 
     kind: Literal["water_front"] = "water_front"
     truth: Union[Truth, None] = None
+    peak: Peak = False
 
 
 class ColumnHeight(Probe):
@@ -79,6 +89,7 @@ class ColumnHeight(Probe):
     kind: Literal["column_height"] = "column_height"
     at: float = Field(description="position x of the column [m]")
     truth: Union[Truth, None] = None
+    peak: Peak = False
 
 
 class Energy(Probe):
@@ -86,6 +97,7 @@ class Energy(Probe):
 
     kind: Literal["energy"] = "energy"
     truth: Union[Truth, None] = None
+    peak: Peak = False
 
 
 class Volume(Probe):
@@ -93,6 +105,7 @@ class Volume(Probe):
 
     kind: Literal["volume"] = "volume"
     truth: Union[Truth, None] = None
+    peak: Peak = False
 
 
 class Momentum(Probe):
@@ -100,6 +113,7 @@ class Momentum(Probe):
 
     kind: Literal["momentum"] = "momentum"
     truth: Union[Truth, None] = None
+    peak: Peak = False
 
 
 AnyProbe = Annotated[

@@ -17,6 +17,7 @@ from parisph.case.stored import to_json
 from parisph.driver import begin
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
+from parisph.driver.peaks import Peaks
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Signals, Times
 from parisph.driver.simulation import Simulation, finished
@@ -92,7 +93,8 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
             store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),
                                  case.output.fields, lock, name, series)
             account = Account.resumed(saved.state) if saved else Account.new()
-            run = _Run(simulation, samplers, store, account, progress)
+            run = _Run(simulation, samplers, store, account, progress, saved.state.get("peaks") if saved else None,
+                       folder if saved and elsewhere else None)
             if done:
                 run.saved_step, run.last_checkpoint = saved.step, found
             return run.go(signals, first=saved is None)
@@ -113,14 +115,16 @@ def _built(case, comm, petsc_options, start=None):
 class _Run:
     """What happens around the steps of one run."""
 
-    def __init__(self, simulation, samplers, store, account, progress):
+    def __init__(self, simulation, samplers, store, account, progress, peaks=None, source=None):
+        """peaks : what the checkpoint knows of peaks; source : folder of the run so far, where it goes on in another."""
         self.simulation, self.store, self.account = simulation, store, account
         self.comm, self.case = simulation.comm, simulation.case
         self.progress = Progress(self.case.end_time, progress, self.comm.rank == 0)
         self.last_checkpoint, self.saved_step = None, None
         self.saved_at = perf_counter()
         self.clock = Clock()
-        self.watch = Watch(simulation, samplers, self.case.output)
+        self.peaks, self.source = Peaks(simulation, samplers, self.case.output.fields, peaks), source
+        self.watch = Watch(simulation, samplers, self.case.output, self.peaks)
         self.snapshots = Times(self.case.output.every, self.case.output.times)
         self.checkpoints = Times(self.case.output.checkpoint_every)
 
@@ -159,6 +163,8 @@ class _Run:
             s.solve_start()
         else:
             s.domain.refresh()
+        if self.source is not None:
+            self.peaks.bring(self.source)
         self.account.start(s)
         if first:
             self._write(self.watch.at_start())
@@ -178,6 +184,7 @@ class _Run:
             self._write(lines)
             if self.snapshots.due(s.reached) or s.finished():    # and before the checkpoint, which follows
                 self._snapshot()
+            self.peaks.write(self.store)
         self.account.step(report)
         self.clock.step()
         self.progress.step(s, report)
@@ -214,8 +221,9 @@ class _Run:
         with s.timers("probes"):
             self.account.measure(s)
         with s.timers("store"):
-            self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0,
-                                                         self.account.state(s))
+            self.peaks.write(self.store, all_of_them=True)
+            state = {**self.account.state(s), "peaks": self.peaks.state()}
+            self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
 
     def _abandon(self, fault):
@@ -251,6 +259,8 @@ class _Run:
         summary = None
         self._note_options()
         try:
+            if not isinstance(error, StoreError):
+                self.peaks.write(self.store, all_of_them=True)
             summary = self.account.summary(self.simulation, self.store, status)
             self.store.summary(summary)
             self.store.close()

@@ -18,10 +18,11 @@ class Watch:
     simulation : Simulation
     samplers : list of Sampler (io.probes.build)
     output : Output of the case
+    peaks : Peaks, which sees the values of its probes in every step
     """
 
-    def __init__(self, simulation, samplers, output):
-        self.simulation, self.samplers = simulation, samplers
+    def __init__(self, simulation, samplers, output, peaks):
+        self.simulation, self.samplers, self.peaks = simulation, samplers, peaks
         self._every = output.probe_every
         self._times = Times(output.probe_interval) if output.probe_interval else None
         self._last = None    # (time [s], values) at the beginning of a step that passes a sample
@@ -36,7 +37,9 @@ class Watch:
     def at_start(self):
         """Return the lines [(time [s], step, {probe: values})] of the start of a run."""
         s = self.simulation
-        return [(s.time, s.steps, self._sample())]
+        found = self._sample(self.samplers)
+        self.peaks.look(found)
+        return [(s.time, s.steps, found)]
 
     def before_step(self, after):
         """Evaluate the probes before a step that ends at `after` [s], if it contains samples."""
@@ -45,23 +48,30 @@ class Watch:
         if self._times is None or not self._times.after(self._since) < after - ROUNDING * (after - s.time):
             return
         if self._last is None or self._last[0] != s.time:
-            self._last = s.time, self._sample()
+            self._last = s.time, self._sample(self.samplers)
 
     def after_step(self):
         """Return the lines [(time [s], step, {probe: values})] that are due after the step."""
         s = self.simulation
-        if self._times is None:
-            return [] if s.steps % self._every else [(s.time, s.steps, self._sample())]
-        due = self._times.between(self._since, s.reached)
+        due = self._due()
+        found = self._sample(self.samplers if due else self.peaks.samplers)
+        self.peaks.look(found)
         if not due:
             return []
-        before, self._last = self._last, (s.time, self._sample())
+        before, self._last = self._last, (s.time, found)
         return [(time, s.steps, _between(before, self._last, time)) for time in due]
 
-    def _sample(self):
+    def _due(self):
+        """Return the times of the samples [s] that the last step has made due. Not collective."""
+        s = self.simulation
+        if self._times is None:
+            return [] if s.steps % self._every else [s.time]
+        return self._times.between(self._since, s.reached)
+
+    def _sample(self, samplers):
         s = self.simulation
         with s.timers("probes"):
-            return probes.sample_all(self.samplers, s.particles, s.domain, s.time)
+            return probes.sample_all(samplers, s.particles, s.domain, s.time)
 
 
 def _between(before, after, time):

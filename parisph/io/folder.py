@@ -12,10 +12,10 @@ from pathlib import Path
 
 from parisph.base.errors import StoreError
 from parisph.io.files import digest, read_json, write_json
-from parisph.io.layout import FOLDERS, REPLACED
+from parisph.io.layout import BEFORE, FOLDERS, PEAKS, REPLACED
 
 # Files that a killed process leaves: temporary names, with the suffixes that MPI-IO adds.
-_HALF_WRITTEN = re.compile(r"\.(\w+\.vtkhdf|\d{8}\.h5|[\w.-]+\.(csv|json|series))\.tmp.*|\.run\.lock\.[0-9a-f]{16}")
+_HALF_WRITTEN = re.compile(r"\.(\d{8}\.h5|[\w.-]+\.(vtkhdf|csv|json|series))\.tmp.*|\.run\.lock\.[0-9a-f]{16}")
 
 
 def make(folder: Path) -> list[Path]:
@@ -48,14 +48,26 @@ def unmake(made: Sequence[Path]) -> bool:
 
 def prepare(folder: Path) -> None:
     """Make the folders of a run, and remove the incomplete files of a killed process."""
-    for place in (folder, *(folder / name for name in FOLDERS)):
-        if place != folder and place.is_symlink():
-            raise StoreError(f"{place} is a symbolic link, and parisph writes only inside the folder of the run: "
-                             "put a real folder in its place, or choose another folder with -o")
-        place.mkdir(parents=True, exist_ok=True)
-        for path in place.iterdir():
+    folder.mkdir(parents=True, exist_ok=True)
+    for place in (folder / name for name in FOLDERS):
+        make_inside(place)
+    for place in (folder, *(folder / name for name in (*FOLDERS, PEAKS, BEFORE))):
+        _refuse_link(place, place != folder)
+        for path in place.iterdir() if place.is_dir() else ():
             if _HALF_WRITTEN.fullmatch(path.name) and not path.is_dir():
                 path.unlink()
+
+
+def make_inside(place: Path) -> None:
+    """Make a folder inside that of a run, and its parents. Raises StoreError if it is a symbolic link."""
+    _refuse_link(place)
+    place.mkdir(parents=True, exist_ok=True)
+
+
+def _refuse_link(place, inside=True):
+    if inside and place.is_symlink():
+        raise StoreError(f"{place} is a symbolic link, and parisph writes only inside the folder of the run: "
+                         "put a real folder in its place, or choose another folder with -o")
 
 
 def write_case(folder: Path, case: str, run: str) -> None:

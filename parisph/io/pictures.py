@@ -22,8 +22,8 @@ def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **l
     runs : list of io.reader.Run
     time : [s], the flow at the nearest snapshot, with a warning on standard error if it is farther before the
         first, or after the last, than any time inside is from its snapshot; the last one if only `field` is given
-    peak : name of a probe: the flow when its first column is greatest, instead of `time`, at the nearest
-        snapshot; standard error says how far from it that is
+    peak : name of a probe: the flow when its first column is greatest, instead of `time`, as the run has kept it
+        (Run.peak), else at the nearest snapshot, and standard error says how far from it that is
     probes : list of probe names: their series in one picture
     out : file to write; None: files in the folder of the (first) run, named after what they show
     normalise, look : see view.Look; None for what was not asked for
@@ -62,13 +62,14 @@ def animate(run, out=None, fps=None, slow=None, **look):
     return movies.movie(run, Path(out or run.folder / f"flow_{look.get('field', 'pressure')}.{ending}"), fps=fps, slow=slow, **look)
 
 
-def peak_time(run, probe):
-    """Return the time [s] at which the first column of a probe is greatest. Raises CaseError, StoreError."""
+def peak_of(run, probe):
+    """Return the time [s] at which the first column of a probe is greatest, and its value. Raises CaseError, StoreError."""
     series = run.probe(probe)
     column = next(name for name in series.dtype.names if name not in ("time", "step"))
     if not np.any(np.isfinite(series[column])):
         raise StoreError(f"the probe {probe!r} of {run.folder} has no value to find the peak of")
-    return float(series["time"][np.nanargmax(series[column])])
+    line = series[np.nanargmax(series[column])]
+    return float(line["time"]), float(line[column])
 
 
 def _check_probes_only(other):
@@ -103,12 +104,18 @@ def _plot_flow(run, time, peak, out, look):
 
 
 def _at_peak(run, probe):
-    """Return the time [s] of the peak of a probe; say on standard error how far from it the nearest snapshot is."""
-    time = peak_time(run, probe)
+    """Return the flow that the run has kept at the peak of a probe (dict), else the time [s] of the peak.
+
+    In that case standard error says how far from it the nearest snapshot is.
+    """
+    time, value = peak_of(run, probe)
+    kept = run.peak(probe)
+    if kept is not None and kept["peak"] >= value:
+        return kept
     late = run.times[run.number(time)] - time
     if late:
         print(f"parisph: note: there is no snapshot at the peak of {probe}, t = {time:.6g} s: the picture is of {abs(late):.3g} s "
-              f"{'later' if late > 0.0 else 'earlier'}", file=sys.stderr)
+              f"{'later' if late > 0.0 else 'earlier'}; a probe with peak=True keeps the flow at its peak", file=sys.stderr)
     return time
 
 

@@ -11,7 +11,7 @@ from parisph.io import series, snapshot
 from parisph.io.files import read_json
 from parisph.io.folder import check_unchanged
 from parisph.io.folder import summary as summary_of
-from parisph.io.layout import INDEX
+from parisph.io.layout import INDEX, PEAKS
 
 
 class Run:
@@ -64,6 +64,20 @@ class Run:
         """
         number = self.number(which)
         return snapshot.read(self.folder / self._files[number], self.times[number], str(self.case.get("run", "")))
+
+    def peak(self, name):
+        """Return the particles at the greatest value of a probe, as `snapshot` does, with that value as `peak`.
+
+        None if the run has not kept them: the probe must have peak=True.
+        """
+        self._probe_path(name)
+        path = self.folder / PEAKS / f"{name}.vtkhdf"
+        if not path.exists():
+            return None
+        found, about = snapshot.read(path, run=self.identity), snapshot.read_attributes(path)
+        if about.get("probe") != name:
+            raise StoreError(f"{path} is not the flow at the peak of {name}: another file has been copied over it")
+        return {**found, "peak": float(about["peak"])}
 
     def number(self, which):
         """Return the number of a snapshot given by number (int) or time (float)."""

@@ -13,7 +13,7 @@ from parisph.base.log import logger
 from parisph.io import checkpoint, snapshot
 from parisph.io import folder as folders
 from parisph.io.files import on_first, write_json
-from parisph.io.layout import INDEX
+from parisph.io.layout import BEFORE, INDEX, PEAKS
 from parisph.io.series import Series, read_own
 
 
@@ -65,7 +65,7 @@ class Store:
         """Continue to write a run from a checkpoint at `time` [s] and `step`. Collective.
 
         In the folder of the same run, files that it wrote after the checkpoint are moved to replaced/N:
-        snapshots, checkpoints, the summary, and copies of the time series, which are cut back to `step` (when
+        snapshots, peaks, checkpoints, the summary, and copies of the time series, which are cut back to `step` (when
         `add_series` opens them). Nothing else is changed. In an empty folder a new run begins at the checkpoint.
 
         run : identity of the checkpoint's run, by default that in `case`
@@ -119,6 +119,22 @@ class Store:
             snapshot.write_index(self.folder / INDEX, self._names, self.times, self.run)
         on_first(self.comm, f"write {self.folder / INDEX}", enter)
 
+    def peak(self, particles, time, step, name, value, keep):
+        """Write the particles at the greatest value of a probe; the file of an earlier peak is replaced.
+
+        name, value : of the probe, at `time` [s]
+        keep : whether the earlier file is kept as peaks/before/NAME.vtkhdf, because the last checkpoint knows it
+        """
+        path = self.folder / PEAKS / f"{name}.vtkhdf"
+
+        def make_room():
+            folders.make_inside(path.parent)
+            if keep and path.exists():
+                folders.make_inside(self.folder / BEFORE)
+                os.replace(path, self.folder / BEFORE / path.name)
+        on_first(self.comm, f"write {path}", make_room)
+        snapshot.write(self.comm, path, particles, time, step, self._fields, {**self.about, "probe": name, "peak": float(value)})
+
     def checkpoint(self, particles, time, step, dt, state):
         """Write a checkpoint and return its path; the last two are kept. See checkpoint.write."""
         return checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case, state, self.about)
@@ -164,11 +180,12 @@ class Store:
         for name in series:
             folders.check_unchanged(self.folder / f"{name}.csv", summary, f"{name}.csv")
         folders.prepare(self.folder)
-        late = self._take_stock(time)
+        late = [*self._take_stock(time), *self._late_peaks(time)]
         late += [path for path in checkpoint.paths(self.folder / "checkpoints") if int(path.stem) > step]
         late.append(self.folder / "summary.json")
         snapshot.write_index(self.folder / INDEX, self._names, self.times, run)    # it must never name a missing file
         folders.move_aside(self.folder, late, copied=cut)
+        self._put_peaks_back(time)
 
     def _take_stock(self, time):
         """Find the run's snapshots up to `time` [s], and return those that it wrote later.
@@ -187,6 +204,19 @@ class Store:
         kept.sort()
         self._names, self.times = [name for _, name in kept], [at for at, _ in kept]
         return [self.folder / name for _, name in late]
+
+    def _late_peaks(self, time):
+        """Return the files of the run's peaks after `time` [s]."""
+        paths = sorted((self.folder / PEAKS).glob("*.vtkhdf"))
+        times = [snapshot.time_of_own(path, self.run) for path in paths]
+        return [path for path, at in zip(paths, times) if at is not None and at > time]
+
+    def _put_peaks_back(self, time):
+        """Give the peaks that the checkpoint of `time` [s] knows their places again, where later ones have gone."""
+        for path in sorted((self.folder / BEFORE).glob("*.vtkhdf")):
+            place, at = self.folder / PEAKS / path.name, snapshot.time_of_own(path, self.run)
+            if at is not None and at <= time and not place.exists():
+                os.replace(path, place)
 
     def _next_name(self, time):
         """Return the name of the next snapshot: a new one, or that of this run's snapshot of the same time."""

@@ -1,0 +1,107 @@
+"""The flow at the greatest values of probes, kept while the run goes on."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from parisph.base.errors import StoreError
+from parisph.base.fields import FIELDS
+from parisph.base.log import logger
+from parisph.io import snapshot
+from parisph.io.files import on_first
+from parisph.io.layout import BEFORE, PEAKS
+
+FALL = 0.1  # of the range of a probe so far: a value as far as this below the greatest has left the peak behind
+
+
+class Peaks:
+    """Keeps the flow at the greatest value of each probe that asks for it (Probe.peak).
+
+    When a probe is higher than ever, this rank's particles are copied in memory. They are written
+    once the value has clearly fallen, at each checkpoint and at the end of the run. The values are
+    those of every step, the same on all ranks.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    samplers : list of Sampler, of all probes
+    fields : names of the fields in snapshots
+    state : dict of an earlier part of the run, from its checkpoint (see `state`)
+    """
+
+    def __init__(self, simulation, samplers, fields, state=None):
+        self.simulation, self.samplers = simulation, [sampler for sampler in samplers if sampler.probe.peak]
+        self._fields = ("x", *snapshot.check_fields(fields))
+        names = {sampler.name for sampler in self.samplers}
+        self._seen = {name: dict(seen) for name, seen in (state or {}).items() if name in names}
+        self._held = {}                 # probe -> the flow at its greatest value, not yet written
+        self._saved = set(self._seen)   # probes whose file the last checkpoint knows
+
+    def look(self, found):
+        """Hold the flow where a probe is higher than ever: {probe: values}, those of now. Not collective."""
+        s = self.simulation
+        for sampler in self.samplers:
+            value = found[sampler.name][0]
+            if not np.isfinite(value):
+                continue
+            seen = self._seen.setdefault(sampler.name, {"least": value, "greatest": -np.inf})
+            seen["least"] = min(seen["least"], value)
+            if value > seen["greatest"]:
+                seen.update(greatest=value, time=s.time, step=s.steps)
+                self._held[sampler.name] = _copied(s.particles, self._fields)
+            seen["now"] = value
+
+    def write(self, store, all_of_them=False):
+        """Write the flows whose probes have clearly fallen since, or all that are held. Collective.
+
+        Raises StoreError on every rank.
+        """
+        for name in [name for name in self._held if all_of_them or self._passed(name)]:
+            seen, keep = self._seen[name], name in self._saved
+            store.peak(self._held.pop(name), seen["time"], seen["step"], name, seen["greatest"], keep)
+            self._saved.discard(name)
+
+    def state(self):
+        """Return what a checkpoint must hold to go on, after all has been written. Not collective."""
+        self._saved = set(self._seen)
+        return {name: dict(seen) for name, seen in self._seen.items()}
+
+    def bring(self, folder):
+        """Take over the flows at the peaks so far from another folder of the run, to write them again. Collective.
+
+        What is not there any more is said in the log, and is no error: the values stay in force.
+        """
+        s = self.simulation
+        for name, seen in self._seen.items():
+            found = on_first(s.comm, f"read the flow at the peak of {name} in {folder}", lambda: self._read(folder, name, seen))
+            total = s.comm.bcast(None if found is None else len(found["x"]))
+            if total is None:
+                logger.warning(f"the flow at the peak of {name} so far, t = {seen['time']:.6g} s, is not in {folder} any more")
+                continue
+            mine = found or {key: FIELDS[key].empty(0, s.particles.dim) for key in self._fields}    # the first rank has all of it
+            self._held[name] = SimpleNamespace(dim=s.particles.dim, n_owned=len(mine["x"]), n_global=total,
+                                               offset=0 if found else total, **mine)
+        self._saved = set()
+
+    def _read(self, folder, name, seen):
+        """Return {field: array} of the flow at the peak that was seen, None if it is not in the folder. One rank."""
+        for place in (PEAKS, BEFORE):
+            path = folder / place / f"{name}.vtkhdf"
+            try:
+                about = snapshot.read_attributes(path)
+                if (about.get("step"), about.get("peak")) == (seen["step"], seen["greatest"]):
+                    found = snapshot.read(path)
+                    return {key: found[key] for key in self._fields}
+            except (StoreError, KeyError):
+                continue
+        return None
+
+    def _passed(self, name):
+        seen = self._seen[name]
+        return seen["now"] < seen["greatest"] - FALL * (seen["greatest"] - seen["least"])
+
+
+def _copied(particles, fields):
+    """Return a copy of this rank's particles that can be written as a snapshot."""
+    arrays = {name: np.array(getattr(particles, name)) for name in fields}
+    return SimpleNamespace(dim=particles.dim, n_owned=particles.n_owned, offset=particles.offset, n_global=particles.n_global, **arrays)
