@@ -1,11 +1,11 @@
 """`parisph` and `python -m parisph`: run a command line, and see that every rank ends."""
 
-import os
 import sys
 import time
 import traceback
+from contextlib import suppress
 
-from parisph.base import environment
+from parisph.base import environment, output
 from parisph.base.errors import CaseError, Interrupted, ParisphError, ParticleLost, SolverDiverged, StoreError
 from parisph.base.text import of_error, plain_lines
 
@@ -27,14 +27,10 @@ def main(words=None):
         return code
     except (Exception, KeyboardInterrupt) as error:
         if isinstance(error, BrokenPipeError) and environment.launched()[1] == 1:
-            return _leave_unread()
+            return 0
         return _fail(error, words)
-
-
-def _leave_unread():
-    """End in silence where the reader of the output has gone, as `head` does when it has enough."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())    # the interpreter flushes once more
-    return 0
+    finally:
+        output.silence(sys.stdout, sys.stderr)
 
 
 def _fail(error, words):
@@ -58,6 +54,12 @@ def _fail(error, words):
 
 
 def _say(error, trace):
+    """Say what went wrong, to whoever still reads it."""
+    with suppress(BrokenPipeError):
+        _print(error, trace)
+
+
+def _print(error, trace):
     if trace:
         traceback.print_exception(error)
     if isinstance(error, (ParisphError, KeyboardInterrupt)):

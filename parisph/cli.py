@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from parisph import __version__, arguments, completion
-from parisph.base import environment, libraries
+from parisph.base import environment, libraries, output
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.text import clipped, named, plain
 
@@ -324,7 +324,7 @@ def _tell(comm, summary, folder):
     from parisph.io import describe
 
     if comm.rank == 0:
-        print("\n".join([*describe.table(summary), f"{'folder':<16}{folder}"]))
+        output.show("\n".join([*describe.table(summary), f"{'folder':<16}{folder}"]))
 
 
 def _info(args):

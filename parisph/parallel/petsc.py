@@ -9,8 +9,9 @@ PETSc itself keeps what it has.
 """
 
 import os
+import signal
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import petsc4py
@@ -46,9 +47,19 @@ def _read_first(file):
             os.environ.pop(VARIABLE, None)
 
 
+@contextmanager
+def _pipes_left_alone():
+    """Take SIGPIPE back from PETSc, which would end the run as soon as the reader of its output leaves."""
+    before = signal.getsignal(signal.SIGPIPE)
+    yield
+    if before is not None:
+        with suppress(ValueError):    # not in the main thread
+            signal.signal(signal.SIGPIPE, before)
+
+
 if "petsc4py.PETSc" not in sys.modules:
     # one rank looks: PETSc reads the file on all of them together, or on none
-    with _read_first(MPI.COMM_WORLD.bcast(_file_of_the_user())):
+    with _pipes_left_alone(), _read_first(MPI.COMM_WORLD.bcast(_file_of_the_user())):
         petsc4py.init(["-skip_petscrc"])
 
 from petsc4py import PETSc  # noqa: E402, F401
