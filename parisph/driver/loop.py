@@ -222,7 +222,7 @@ class _Run:
             self.account.measure(s)
         with s.timers("store"):
             self.peaks.write(self.store, all_of_them=True)
-            state = {**self.account.state(s), "peaks": self.peaks.state()}
+            state = {**self.account.state(s), "peaks": self.peaks.state(), "left": vars(s.left)}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
 

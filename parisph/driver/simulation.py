@@ -1,14 +1,17 @@
 """One scene in memory: particles, domain, solver and method, advanced step by step."""
 
+from dataclasses import replace
+
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.errors import CaseError, ParisphError, ParticleLost, agree
+from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID
 from parisph.case import geometry
 from parisph.case.checks import stable_time_step
 from parisph.driver import room, warmup
 from parisph.driver.phases import PhaseTimers
+from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.kernels import selfcheck
 from parisph.methods import schemes
@@ -79,7 +82,7 @@ class Simulation:
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
         self._chosen = None     # (limit, step, time after it) of the next step
-        self._open_tank = self._reach_of_open_tank(lower, upper) if case.walls is not None and not case.walls.lid else None
+        self._open_tank = OpenTank.of(case, self.domain, start.state.get("left") if start is not None else None)
 
     def solve_start(self):
         """Give the particles of the start a pressure, which no step has done yet; nothing moves."""
@@ -114,9 +117,15 @@ class Simulation:
         self.time = after
         self.steps += 1
         self.dt = limit     # not a shorter one that meets a time: who goes on from there shall not notice
-        if self._open_tank is not None:
-            self._keep_in_open_tank()
-        return report
+        if self._open_tank is None:
+            return report
+        self._open_tank.let_leave(self.domain)
+        return replace(report, left=self.left.particles)
+
+    @property
+    def left(self):
+        """What has left an open tank over its rim so far (driver.rim.Left), the same on all ranks; nothing leaves a closed one."""
+        return Left() if self._open_tank is None else self._open_tank.left
 
     @property
     def reached(self):
@@ -186,20 +195,6 @@ class Simulation:
         p = self.particles
         force = np.linalg.norm(self._force(p.x[p.kind == FLUID], self.time), axis=1)
         return float(force.max(initial=0.0))
-
-    def _reach_of_open_tank(self, lower, upper):
-        """Return the corners of where fluid may be: anywhere above, but not through bed and sides."""
-        return lower - self.domain.radius, np.append(upper[:-1] + self.domain.radius, np.inf)
-
-    def _keep_in_open_tank(self):
-        """Raise ParticleLost where fluid has left an open tank; the domain sees to closed ones. Collective."""
-        p, (lower, upper) = self.particles, self._open_tank
-        lost = np.flatnonzero(((p.x < lower) | (p.x > upper)).any(axis=1))
-        error = None
-        if len(lost):
-            error = ParticleLost(f"particle {p.id[lost[0]]} at {np.round(p.x[lost[0]], 6).tolist()} m: outside the tank"
-                                 + (f", and {len(lost) - 1} more" if len(lost) > 1 else ""))
-        agree(self.comm, error)
 
 
 def finished(case, time):

@@ -86,7 +86,8 @@ class Account:
             "status": status, "wall_seconds": account["wall"], "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
             "volume_drift": _drift(self.last["volume"], account["volume"]),
-            "energy_drift": _drift(self.last["energy"], account["energy"]), "driven": s.case.driven,
+            "energy_drift": _drift(_with(self.last["energy"], s.left.energy), account["energy"]), "driven": s.case.driven,
+            "left": vars(s.left),
             "divergence": self.divergence, "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(store.about["versions"]),
             "petsc_options": store.about["petsc_options"],
@@ -95,6 +96,11 @@ class Account:
         if comm.rank == 0:
             content["iterations"], content["errors"] = found
         return comm.bcast(content)
+
+
+def _with(energy, left):
+    """Return the energy of the fluid in the tank and of that which has left it, None if it is not known."""
+    return None if energy is None else energy + left
 
 
 def _sums(before, now):

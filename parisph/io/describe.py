@@ -52,6 +52,9 @@ def _entries(summary):
     fallbacks = get("fallbacks")
     if fallbacks:
         yield "fallbacks", ", ".join(f"{name} {n}" for name, n in fallbacks.items()) if isinstance(fallbacks, dict) else str(fallbacks)
+    left = get("left") or {}
+    if left.get("particles"):
+        yield "left the tank", f"{left['particles']:,d} particles over the rim, {left['volume']:.4g} m2 of water"
     yield "volume drift", _number(get("volume_drift"), "+.2%")
     # if work is done on the fluid, a change of its energy is not an error
     yield "energy change" if get("driven") else "energy drift", _number(get("energy_drift"), "+.2%")

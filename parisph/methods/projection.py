@@ -41,6 +41,7 @@ class StepReport:
     position_iterations: int = 0
     position_residual: float = 0.0
     position_fallback: str = ""
+    left: int = 0
 
 
 class Projection:

@@ -63,6 +63,7 @@ class Domain:
         self.n_plans = self.n_lists = 0
         self._partition = self._halo = self._plan_x = self._list_x = None
         self._calls, self._looked, self._assigned = 0, -balance_every, particles.n_assigned
+        self._removed = False
 
     def _validate(self):
         shape = (self.particles.dim,)
@@ -95,7 +96,21 @@ class Domain:
             self.update("x")
         if renumbered or found.list_drift > self.list_skin:
             self._rebuild_lists()
+        renumbered, self._removed = renumbered or self._removed, False
         return renumbered
+
+    def remove(self, which):
+        """Take owned particles out of the scene, and renew order, ghosts and lists. Collective.
+
+        which : (n_owned,) bool. The next `refresh` tells that row numbers have changed.
+        Raises as `redistribute`.
+        """
+        p = self.particles
+        p.reorder(np.flatnonzero(~which))
+        p.renumber()
+        self._plan_x = self._list_x = None
+        self.refresh()
+        self._removed = True
 
     def update(self, *names):
         """Copy the named fields from the owners to the ghosts, in one message. Collective.

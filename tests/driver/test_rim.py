@@ -1,0 +1,121 @@
+"""Water that leaves an open tank over its rim is removed and counted, on any number of ranks and over a restart."""
+
+import json
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.base.errors import ParticleLost
+from parisph.base.fields import FLUID
+from parisph.case.schema import Box, Case, Energy, Fluid, Numerics, Output, Tank
+from parisph.driver import Simulation
+from parisph.io import reader
+from tests.scenes import difference, on_ranks
+
+
+def pouring(end_time=0.2, **output):
+    """A square of water, thrown up and to the right: its upper part goes over the rim."""
+    return Case(
+        title="pouring", fluid=Fluid(Box(width=0.4, height=0.4, at=(0.5, 0.2)), density=1000.0, velocity=(3.0, 3.0)),
+        walls=Tank(width=1.0, height=0.6), gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05, time_step=0.002, rtol=1e-13),
+        output=Output(**output), probes=[Energy("energy")], end_time=end_time)
+
+
+def test_every_particle_is_in_the_tank_or_counted():
+    s = Simulation(pouring(), MPI.COMM_SELF)
+    fluid = np.count_nonzero(s.particles.kind == FLUID)
+    volume, walls = s.particles.volume.sum(), s.particles.n_global - fluid
+    before = 0
+    while not s.finished():
+        report = s.advance()
+        p = s.particles
+        assert report.left == s.left.particles >= before
+        assert np.count_nonzero(p.kind == FLUID) + report.left == fluid
+        assert np.count_nonzero(p.kind != FLUID) == walls
+        assert p.volume.sum() + s.left.volume == pytest.approx(volume, rel=1e-12)
+        outside = (p.x[:, 0] > 1.0 + 0.025) | (p.x[:, 0] < -0.025)
+        assert not np.any(outside & (p.x[:, 1] > 0.6))
+        before = report.left
+    assert before > 10 and len(np.unique(s.particles.id)) == s.particles.n_global
+    s.destroy()
+
+
+def test_energy_leaves_with_the_water():
+    s = Simulation(pouring(), MPI.COMM_SELF)
+    s.advance()
+    p = s.particles
+    which = np.flatnonzero(p.kind == FLUID)[:3]
+    p.x[which], p.u[which] = (1.2, 0.9), (2.0, -1.0)
+    volume = p.volume[which].sum()
+    s._open_tank.let_leave(s.domain)
+    assert (s.left.particles, s.left.volume) == (3, pytest.approx(volume))
+    assert s.left.energy == pytest.approx(1000.0 * volume * (0.5 * 5.0 + 9.81 * 0.9), rel=1e-12)
+    s.destroy()
+
+
+def test_through_a_wall_is_still_an_error():
+    s = Simulation(pouring(), MPI.COMM_SELF)
+    s.advance()
+    p = s.particles
+    p.x[np.flatnonzero(p.kind == FLUID)[3]] = (1.3, 0.2)
+    with pytest.raises(ParticleLost, match="outside the tank, but not over its rim"):
+        s._open_tank.let_leave(s.domain)
+    s.destroy()
+
+
+def test_a_tank_that_is_empty_is_said():
+    s = Simulation(pouring(), MPI.COMM_SELF)
+    s.advance()
+    p = s.particles
+    p.x[p.kind == FLUID] = (1.3, 0.9)
+    with pytest.raises(ParticleLost, match="all water has left the tank"):
+        s._open_tank.let_leave(s.domain)
+    s.destroy()
+
+
+RANKS = """
+from tests.driver.test_rim import pouring
+s = Simulation(pouring(), comm)
+for _ in range(45):
+    s.advance()
+found = s.gather("x", "u", "p", "role", "id")
+if comm.rank == 0:
+    np.savez(f"{comm.size}.npz", left=list(vars(s.left).values()), **found)
+s.destroy()
+"""
+FIRST = """
+from parisph import driver
+from tests.driver.test_rim import pouring
+driver.run(pouring(), comm, "whole", progress=False)
+driver.run(pouring(0.1), comm, "part", progress=False)
+"""
+THEN = """
+from parisph import driver
+driver.restart("part", comm, until=0.2, progress=False)
+"""
+
+
+def test_ranks_agree(tmp_path):
+    for n in (1, 2, 3):
+        on_ranks(n, RANKS, tmp_path)
+    one = np.load(tmp_path / "1.npz")
+    assert one["left"][0] > 0
+    for n in (2, 3):
+        more = np.load(tmp_path / f"{n}.npz")
+        np.testing.assert_array_equal(more["id"], one["id"])
+        np.testing.assert_allclose(more["left"], one["left"], rtol=1e-9)
+        for field in ("x", "u", "p"):
+            assert difference(more[field], one[field]) < 1e-8, field
+
+
+def test_a_restart_goes_on_counting(tmp_path):
+    on_ranks(2, FIRST, tmp_path)
+    on_ranks(1, THEN, tmp_path)
+    whole, part = (reader.open_run(tmp_path / name) for name in ("whole", "part"))
+    np.testing.assert_array_equal(part.steps["left"], whole.steps["left"])
+    a, b = whole.summary, part.summary
+    assert a["left"]["particles"] == b["left"]["particles"] == whole.steps["left"][-1] > 10
+    assert b["left"]["energy"] == pytest.approx(a["left"]["energy"], rel=1e-6)
+    assert b["energy_drift"] == pytest.approx(a["energy_drift"], abs=1e-6)
+    assert json.loads((tmp_path / "part" / "summary.json").read_text())["particles"] == a["particles"]
