@@ -21,7 +21,7 @@ class _Parser(argparse.ArgumentParser):
         self.add_argument("-h", "--help", action="help", help="Show this help and exit")
 
     def error(self, message):
-        raise CaseError(f"{clipped(plain(message), 400)}\n{self.format_usage().strip()}")
+        raise CaseError(f"{clipped(plain(message), 300)}\n{self.format_usage().strip()}")
 
     def _print_message(self, message, file=None):
         if environment.launched()[0] == 0:

@@ -2,6 +2,7 @@
 
 import csv
 import errno
+import math
 import os
 import stat
 
@@ -20,9 +21,9 @@ def read_text(path, most=MOST):
     opened), has more than `most` bytes, or is not text.
     """
     try:
-        _check_regular(os.stat(path), most)
+        check_regular(os.stat(path), most)
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
-            _check_regular(os.fstat(file.fileno()), most)    # it may be another one by now
+            check_regular(os.fstat(file.fileno()), most)    # it may be another one by now
             data = file.read(most + 1)
         if len(data) > most:
             raise OSError(errno.EFBIG, f"it has more than {amount(most)}")
@@ -68,7 +69,8 @@ def listed(names):
     return clipped(", ".join(named(name) for name in names[:9]) + ", ..." * (len(names) > 9)) or "none"
 
 
-def _check_regular(status, most):
+def check_regular(status, most=math.inf):
+    """Raise OSError unless the os.stat of a path is that of a regular file of at most `most` bytes: to open others may wait for ever."""
     if stat.S_ISDIR(status.st_mode):
         raise OSError(errno.EISDIR, "it is a folder")
     if not stat.S_ISREG(status.st_mode):

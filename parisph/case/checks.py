@@ -3,6 +3,8 @@
 Each check yields one line per problem, with field, value, limit and remedy.
 """
 
+from collections import Counter
+
 import numpy as np
 
 from parisph.base.memory import amount
@@ -188,9 +190,9 @@ def _finite(case):
 
 
 def _probes(case):
-    names = [probe.name for probe in case.probes]
-    for name in sorted({name for name in names if names.count(name) > 1}):
-        yield f"probes: the name {name!r} is given {names.count(name)} times; give each probe a name of its own"
+    for name, count in sorted(Counter(probe.name for probe in case.probes).items()):
+        if count > 1:
+            yield f"probes: the name {name!r} is given {count} times; give each probe a name of its own"
     for probe in case.probes:
         if isinstance(probe, PressureTap):
             yield from _tap(case, probe)

@@ -51,7 +51,9 @@ class Model(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _values_of_their_kind(cls, data):
-        found = list(values.faults(cls.model_fields, data)) if isinstance(data, dict) else []
+        found = values.faults(cls.model_fields, data) if isinstance(data, dict) else ()
+        # as text: pydantic cannot carry an integer of thousands of digits
+        found = [(name, place, shown(value), limit) for name, place, value, limit in found]
         if found:
             raise PydanticCustomError("values", "wrong values", {"owner": cls, "found": found})
         return data
@@ -100,7 +102,7 @@ def _line(item, model):
     if kind == "value_error":  # our own message, which may have several lines
         return "\n".join(f"{place}: {line}" if item["loc"] else line for line in str(context["error"]).split("\n"))
     if kind == "values":
-        return "\n".join(f"{place}.{name}{inside} = {shown(value)}: must be {limit}{_meaning(context['owner'], name)}"
+        return "\n".join(f"{place}.{name}{inside} = {value}: must be {limit}{_meaning(context['owner'], name)}"
                          for name, inside, value, limit in context["found"])
     if kind == "extra_forbidden":
         return _unknown_field(owner, item["loc"][-1])

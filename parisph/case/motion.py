@@ -114,7 +114,7 @@ class Tabulated(Motion):
             raise ValueError(f"values: {len(self.values)} displacements for {len(self.times)} times; give one for each")
         late = np.flatnonzero(np.diff(self.times) < SMALLEST)
         if len(late):
-            raise ValueError(f"times[{late[0] + 1}] = {self.times[late[0] + 1]}: must be later than the time before it")
+            raise ValueError(f"times[{late[0] + 1}] = {self.times[late[0] + 1]}: must be later than the time before it, by {SMALLEST:g} s at least")
         return self
 
     @property

@@ -4,6 +4,7 @@ import json
 
 from parisph.base.errors import CaseError
 from parisph.base.seal import opened
+from parisph.base.text import shown
 from parisph.case.schema import READ_ONLY, Case
 
 # Version of the fields of a case. Raise it when a field is renamed, removed or changes its meaning;
@@ -24,7 +25,7 @@ def from_json(text: str, read_only: bool = False) -> Case:
     Raises CaseError: the text is not JSON, not a case, or of a newer version.
     """
     try:
-        content = json.loads(text)
+        content = json.loads(text, object_pairs_hook=_each_once)
     except (ValueError, RecursionError) as error:
         raise CaseError(f"not a stored case: {_first_line(error)}") from None
     if not isinstance(content, dict):
@@ -41,6 +42,15 @@ def from_json(text: str, read_only: bool = False) -> Case:
     content.pop("run", None)    # which run it is of (io.store); the case is the same in every run
     # through the text again: JSON has no tuples, and pydantic takes lists for them only from JSON
     return Case.model_validate_json(json.dumps(content), context=READ_ONLY if read_only else None)
+
+
+def _each_once(pairs: list) -> dict:
+    """Make the dict of a JSON object; of two values for one name, the last would win in silence."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        raise ValueError(f"{shown(next(name for name in found if names.count(name) > 1))} is given twice")
+    return found
 
 
 def _first_line(error: Exception) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.reading import read_text
 from parisph.case.schema import Case
 from parisph.case.stored import from_json
 from parisph.io import checkpoint
@@ -96,7 +97,7 @@ def find(path: Path, folder: Path, comm: MPI.Comm) -> Path | None:
 
 def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: float | None) -> tuple[Case, str]:
     """Return the case to go on with, and the identity of its run."""
-    text = saved.case if saved else (folder / "case.json").read_text(encoding="utf-8")
+    text = saved.case if saved else read_text(folder / "case.json")
     try:
         case = from_json(text)
     except CaseError as error:

@@ -76,7 +76,7 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
     """
     folder = together(comm, f"find the run {path}", lambda: run_of(checked(path, "path")))
     out = together(comm, f"go on in {out}", lambda: None if out is None else checked(out, "out"))
-    elsewhere = out is not None and Path(out).resolve() != folder.resolve()
+    elsewhere = together(comm, f"go on in {out}", lambda: out is not None and Path(out).resolve() != folder.resolve())
     target = Path(out) if elsewhere else folder
     made, _ = on_first(comm, f"go on with the run in {target}",
                        lambda: begin.new_folder(target) if elsewhere else begin.check_run(folder, path)) or (None, None)

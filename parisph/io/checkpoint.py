@@ -15,6 +15,7 @@ import numpy as np
 
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
+from parisph.base.reading import read_text
 from parisph.io import digest, rows
 from parisph.io.files import on_first, together
 from parisph.io.rows import Slab
@@ -177,7 +178,7 @@ def _check_place(path, loaded):
         raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, or another one copied over it")
     beside = path.resolve().parent.parent / "case.json"
     try:
-        run = json.loads(beside.read_text(encoding="utf-8"))["run"]
+        run = json.loads(read_text(beside))["run"]
     except (OSError, ValueError, KeyError, TypeError):    # what is wrong with case.json is said by those who read it
         return
     if path.parent.name == "checkpoints" and json.loads(loaded.case).get("run", "") != run:

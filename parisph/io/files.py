@@ -12,6 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from parisph.base.errors import StoreError, agree
+from parisph.base.reading import check_regular
 from parisph.base.seal import opened, sealed
 
 
@@ -83,6 +84,7 @@ def write_json(path, content):
 def read_json(path: Path) -> dict:
     """Return the JSON object in a file of a run after a check of its digest. Not collective. Raises StoreError."""
     try:
+        check_regular(os.stat(path))
         content = json.loads(Path(path).read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise StoreError(f"there is no {path}") from None

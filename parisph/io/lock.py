@@ -118,7 +118,7 @@ def holder(folder: Path) -> str | None:
 def _read(path):
     """Return the content of a lock file, {} if it cannot be understood, None if there is none."""
     try:
-        handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW)
+        handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)    # a pipe would be waited for
     except FileNotFoundError:
         return None
     except OSError as error:

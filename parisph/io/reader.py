@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.text import named, shown
 from parisph.case import stored
 from parisph.io import series, snapshot
 from parisph.io.files import read_json
@@ -121,7 +122,7 @@ class Run:
 
     def _probe_path(self, name):
         if name not in self.probe_names:
-            raise CaseError(f"{self.folder} has no probe {name!r} (it has: {', '.join(self.probe_names) or 'none'})")
+            raise CaseError(f"{self.folder} has no probe {shown(name)} (it has: {named(', '.join(self.probe_names)) or 'none'})")
         return self.folder / "probes" / f"{name}.csv"
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from parisph.base.errors import StoreError
+from parisph.base.reading import check_regular
 from parisph.io.files import write_text
 
 OF_RUN = "run "
@@ -81,6 +82,7 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
     """
     path = Path(path)
     try:
+        check_regular(os.stat(path))
         text = path.read_bytes().decode("utf-8")
     except FileNotFoundError:
         raise StoreError(f"there is no {path}: it was removed or moved away") from None

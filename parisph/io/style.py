@@ -2,6 +2,7 @@
 
 import difflib
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -78,7 +79,7 @@ def quantity(name):
     """Return the Quantity of that name. Raises CaseError that lists the known ones."""
     found = QUANTITIES.get(ALIASES.get(name, name))
     if found is None:
-        raise CaseError(f"no quantity {name!r} to show (there are: {', '.join(QUANTITIES)})")
+        raise CaseError(f"no quantity {shown(name)} to show (there are: {', '.join(QUANTITIES)})")
     return found
 
 
@@ -161,9 +162,11 @@ def drawing():
 
 
 def save(picture, path, dpi=150):
-    """Write a figure to `path` (the ending says the format); nothing if path is None. Raises StoreError."""
+    """Write a figure to `path` (the ending says the format); nothing if path is None. Raises CaseError, StoreError."""
     if path is None:
         return
+    if not Path(path).suffix[1:]:    # matplotlib would add one, and the file would have another name
+        raise CaseError(f"{path}: must end in a kind of picture, such as .png or .pdf")
     try:
         picture.savefig(path, dpi=dpi, bbox_inches="tight")
     except (OSError, ValueError) as error:

@@ -45,7 +45,7 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
     try:
         if best_shift is not None:
             shift = errors.best_shift(found["time"], found[column], t, truth, best_shift)
-        judged = errors.judge(found["time"] + shift, found[column], t, truth, rest)
+        judged = errors.judge(found["time"], found[column], t, truth, rest, shift)
     except ValueError as error:
         raise CaseError(f"{probe} against {named(reference)}: {error}") from None
     if plot is not None:

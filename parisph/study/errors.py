@@ -95,9 +95,10 @@ def best_shift(time, value, reference_time, reference, limit):
     return float(centre)
 
 
-def judge(time, value, reference_time, reference, rest=None):
+def judge(time, value, reference_time, reference, rest=None, shift=0.0):
     """Return the errors of a probe against its truth, for summary.json.
 
+    shift : [s], added to the run's time
     rest : None, or the level at rest of a wave, in the probe's unit
 
     Returns
@@ -105,7 +106,7 @@ def judge(time, value, reference_time, reference, rest=None):
     dict: relative_l2 (of the wave part if `rest` is given), z14 (the norm of Z14, which includes the
     level at rest), samples, start and end [s] of the compared window.
     """
-    t, found, truth = on_reference(time, value, reference_time, reference)
+    t, found, truth = on_reference(time, value, reference_time, reference, shift)
     return {
         "relative_l2": wave_relative_l2(found, truth, 0.0 if rest is None else rest),
         "z14": relative_l2(found, truth), "samples": len(t), "start": float(t[0]), "end": float(t[-1]),

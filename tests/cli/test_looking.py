@@ -142,6 +142,7 @@ def test_plot_of_flow_and_probe_makes_two(folder, capsys):
     (["plot", "--probe", "P9"], 2, "no probe 'P9' (it has: P2, volume)"),
     (["plot", "--peak", "P9"], 2, "no probe 'P9'"),
     (["plot", "--field", "salt"], 2, "no quantity 'salt'"),
+    (["plot", "-o", "x"], 2, "x: must end in a kind of picture, such as .png"),
     (["plot", "--probe", "P2", "-o", "x.unknown"], 5, "cannot write the picture"),
     (["movie", "-o", "x.txt"], 2, "ends in .gif or .mp4"),
     (["plot", "--time", "1", "--limits", "5", "2"], 2, "--limits: 5 to 2 is not a range"),
@@ -255,6 +256,10 @@ def test_compare_with_a_series_without_values(folder, tmp_path, capsys):
     (["--probe", "P2", "--value", "q"], 2, "has no column 'q' (it has: t, p, other): choose one with --value"),
     (["--probe", "P2", "--time", "q"], 2, "has no column 'q' (it has: t, p, other): choose one with --time"),
     (["--probe", "P2", "--shift", "9"], 2, "share fewer than two samples"),
+    (["--probe", "P2", "--shift", "1e20"], 2, "share fewer than two samples"),
+    (["--probe", "P2", "--best-shift", "-1"], 2, "best_shift = -1: must be at least 0"),
+    (["--probe", "P2", "--time-scale", "0"], 2, "time_scale = 0: must be greater than 0"),
+    (["--probe", "P2", "--scale", "1e30"], 5, "reaches more than 1e+30 when scaled"),
 ])
 def test_compare_that_cannot_be(folder, reference, capsys, words, code, says):
     assert main(["compare", str(folder), reference, *words]) == code

@@ -1,6 +1,7 @@
 """A run read back as numpy arrays, as a notebook does."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -15,6 +16,24 @@ from tests import watched
 from tests.owned_rows import OwnedRows, everything
 
 CASE = to_json(watched.scene([]).model_copy(update={"title": "made up"}))
+
+
+@pytest.mark.parametrize("make, message", [
+    (os.mkfifo, "it is not a regular file"), (os.mkdir, "it is a folder"), (lambda path: path.symlink_to(path), "it has no case.json"),
+])
+def test_what_is_no_file_is_not_waited_for(tmp_path, make, message):
+    make(tmp_path / "case.json")
+    with pytest.raises(StoreError, match=message):
+        open_run(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["steps.csv", "probes/P2.csv"])
+def test_a_pipe_in_the_place_of_a_series_is_not_waited_for(folder, name):
+    (folder / name).unlink()
+    os.mkfifo(folder / name)
+    run = open_run(folder)
+    with pytest.raises(StoreError, match="it is not a regular file"):
+        run.probe("P2") if "P2" in name else run.steps
 
 
 @pytest.fixture

@@ -27,6 +27,8 @@ def test_a_case_comes_back_as_it_was():
 @pytest.mark.parametrize("text, says", [
     ("", "not a stored case"), ("[]", "holds a list"), ('{"schema": "x"}', "must be a whole number"), ('{"schema": true}', "whole number"),
     (f'{{"schema": {SCHEMA + 1}}}', "written by a newer parisph; this one reads up to schema"), ("{}", "Case.title is missing"),
+    ('{"title": "a", "title": "b"}', "'title' is given twice"), ('{"fluid": {"density": 1, "density": 2}}', "'density' is given twice"),
+    ("[" * 10**5, "not a stored case"), ('{"end_time": ' + "9" * 10**4 + "}", "not a stored case: Exceeds the limit"),
 ])
 def test_what_is_no_case_of_this_release_is_said(text, says):
     with pytest.raises(CaseError, match=says):
