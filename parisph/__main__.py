@@ -7,11 +7,12 @@ from contextlib import suppress
 
 from parisph.base import environment, output
 from parisph.base.errors import CaseError, Interrupted, ParisphError, ParticleLost, SolverDiverged, StoreError
-from parisph.base.text import of_error, plain_lines
+from parisph.base.text import clipped, of_error, plain_lines
 
 # The first class that fits gives the exit code.
 CODES = ((CaseError, 2), (SolverDiverged, 3), (ParticleLost, 3), (Interrupted, 4), (KeyboardInterrupt, 4), (StoreError, 5))
 OTHER = 1
+WIDEST = 380       # characters of a line of a message
 PATIENCE = 5.0    # [s] that a rank with an error waits for the others to come to theirs
 
 
@@ -66,8 +67,9 @@ def _print(error, trace):
         text = str(error) or "interrupted"
     else:
         text = f"{type(error).__name__}: {of_error(error)} (a fault in parisph or in a library)"
-    # Names of files and texts of stored runs may hold anything; the terminal gets none of it.
-    print(f"parisph: error: {plain_lines(text)}", file=sys.stderr, flush=True)
+    # Names of files and texts of stored runs may hold anything, at any length; the terminal gets little of it.
+    text = "\n".join(clipped(line, WIDEST) for line in plain_lines(text).split("\n"))
+    print(f"parisph: error: {text}", file=sys.stderr, flush=True)
 
 
 def _running_world():

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
-from parisph.base.text import clipped
 from parisph.io import style
 from parisph.io.reader import Run, open_run
 from parisph.io.reference import read_reference
@@ -74,7 +73,7 @@ def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
         if number < columns:
             _second_time_axis(axes, runs, normalise)
         time_label(axes, normalise, number + columns >= len(panels))
-    picture.suptitle(clipped(" / ".join(dict.fromkeys(run.case["title"] for run in runs)), 100), x=0.01, ha="left", fontsize=11)
+    picture.suptitle(style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in runs))), x=0.01, ha="left", fontsize=11)
     style.save(picture, path)
     return picture
 
@@ -105,7 +104,7 @@ def plot_comparison(found, reference, difference, title, label, unit, path=None)
     for axes in (upper, lower):
         _plain_axes(axes)
     upper.set_xlim(start, end)
-    upper.set_title(title, loc="left", fontsize=10)
+    upper.set_title(style.literal(title), loc="left", fontsize=10)
     style.save(picture, path)
     return picture
 

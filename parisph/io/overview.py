@@ -27,7 +27,7 @@ def plot_overview(run, path=None, field="pressure", **look):
     flow, series = picture.subfigures(2, 1, height_ratios=heights)
     _draw_moments(flow, view, moments, columns)
     _draw_series(series, run, panels)
-    picture.suptitle(run.case["title"], fontsize=13)
+    picture.suptitle(style.literal(run.case["title"]), fontsize=13)
     style.save(picture, path)
     return picture
 

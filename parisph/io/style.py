@@ -9,7 +9,7 @@ import numpy as np
 from parisph.base import libraries
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WET
-from parisph.base.text import shown
+from parisph.base.text import clipped, plain, shown
 
 
 @dataclass(frozen=True)
@@ -134,6 +134,11 @@ def fluid_bounds(case):
     if shape["kind"] == "disc":
         return at - shape["radius"], at + shape["radius"]
     return at, at + np.array([shape["width"], shape["height"]])
+
+
+def literal(text, limit=100):
+    """Return a title or name as matplotlib shows it unchanged: a dollar sign would begin a formula, or fail as one."""
+    return clipped(plain(text), limit).replace("$", r"\$")
 
 
 def time_label(time, own):

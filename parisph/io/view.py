@@ -289,4 +289,4 @@ class FieldView:
         axes.set_ylabel("$y/H$" if self.look.normalise else "$y$ [m]")
         axes.tick_params(direction="in", top=True, right=True)
         when = style.time_label(time, self.own) + (f",   {note}" if note else "")
-        axes.set_title(f"{self.case['title']}\n{when}" if label else when, loc="left", fontsize=11 if label else 9)
+        axes.set_title(f"{style.literal(self.case['title'])}\n{when}" if label else when, loc="left", fontsize=11 if label else 9)

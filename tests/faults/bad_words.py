@@ -81,6 +81,13 @@ def name(random, number):
     return Attempt(_shown(words), words, ["argument"], FILES)
 
 
+def long_name(random, number):
+    """A long name that a file could have, of what is not there."""
+    words = [word for word in WITH_NAMES if word[0] != "run" and "-o" not in word and "--plot" not in word]
+    words, bad = words[number % len(words)], ("y/" * 1900, "y" * 250, "./" * 1900 + "y", "é" * 120)[int(random.integers(4))]
+    return Attempt(_shown([word.replace("{}", bad) for word in words]), [word.replace("{}", bad) for word in words], ["y", "é"], FILES, codes=(2, 5))
+
+
 def value(random, number):
     """What is no number, wherever one is asked for."""
     words, bad = WITH_NUMBERS[number % len(WITH_NUMBERS)], NUMBERS[int(random.integers(len(NUMBERS)))]

@@ -25,7 +25,7 @@ LONGEST, WIDEST = 2000, 400     # characters of a message, and of one of its lin
 # What is tried, in turn: the more there is of a kind, the more often.
 KINDS = (bad_cases.field, bad_words.line, bad_cases.field, bad_files.stored, bad_cases.file, bad_words.setting, bad_cases.field, bad_words.name, bad_files.reference,
          bad_words.line, bad_cases.field, bad_files.folder, bad_words.value, bad_cases.mutated, bad_files.stored, bad_files.truth, bad_cases.field, bad_words.setting,
-         bad_files.checkpoint, bad_files.folder)
+         bad_files.checkpoint, bad_files.folder, bad_words.long_name, bad_words.line)
 OWN, RANKS = 10, 50             # each so manieth attempt has a process of its own, or two ranks
 SOUND = """
 from tests.scenes import scene

@@ -97,6 +97,16 @@ def test_axes_colour_bar_and_title_have_units(run):
     np.testing.assert_allclose(discs(picture)[1].get_array(), 2.0 / np.sqrt(9.81 * 0.5))
 
 
+def test_a_title_is_shown_as_it_stands(tmp_path):
+    """Dollar signs are those of formulas to matplotlib, and fail where there is none."""
+    title = r"tank for $5 or $\frac{1$"
+    run = written(tmp_path / "run", basin(title=title), water())
+    picture = view.plot_field(run, 0, path=tmp_path / "a.png")
+    assert picture.axes[0].get_title(loc="left").startswith(title.replace("$", r"\$"))
+    curves.plot_probe(run, path=tmp_path / "b.png")
+    overview.plot_overview(run, path=tmp_path / "c.png")
+
+
 def test_pressure_is_shown_in_kilopascal_and_the_scale_ends_at_the_greatest_value(tmp_path):
     run = written(tmp_path / "spike", basin(), water(spike=1e5))
     particles = discs(view.plot_field(run))[1]
