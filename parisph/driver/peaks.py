@@ -38,10 +38,11 @@ class Peaks:
         self._saved = set(self._seen)   # probes whose file the last checkpoint knows
 
     def look(self, found):
-        """Hold the flow where a probe is higher than ever: {probe: values}, those of now. Not collective."""
+        """Hold the flow where a probe is higher than ever: {probe: values}, those of now. Collective."""
         s = self.simulation
-        for sampler in self.samplers:
-            value = found[sampler.name][0]
+        # all ranks write together or not at all: one of them says what the sums of all are, to the last bit
+        values = s.comm.bcast([found[sampler.name][0] for sampler in self.samplers]) if self.samplers else ()
+        for sampler, value in zip(self.samplers, values):
             if not np.isfinite(value):
                 continue
             seen = self._seen.setdefault(sampler.name, {"least": value, "greatest": -np.inf})

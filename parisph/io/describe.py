@@ -1,7 +1,7 @@
 """The table at the end of a run, and the text of `parisph info`. Not collective."""
 
 from parisph.base.text import plain_lines
-from parisph.io.layout import INDEX
+from parisph.io.layout import INDEX, PEAKS
 
 
 def table(summary):
@@ -21,7 +21,8 @@ def describe(run):
     for name in run.probe_names:
         columns = (f"{column} [{unit}]" if unit else column for column, unit in run.units(name).items()
                    if column not in ("time", "step"))
-        lines.append(f"{'probe':<16}{name}: {', '.join(columns)}")
+        kept = "; the flow at its peak is kept" if (run.folder / PEAKS / f"{name}.vtkhdf").exists() else ""
+        lines.append(f"{'probe':<16}{name}: {', '.join(columns)}{kept}")
     return "\n".join(_plain(lines))
 
 

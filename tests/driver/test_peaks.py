@@ -229,6 +229,9 @@ def test_plot_takes_it_and_says_nothing(whole, capsys):
     assert said.out.strip() == str(whole.folder / f"flow_pressure_{greatest(whole)['time']:.4f}s.png") and said.err == ""
     assert main(["plot", str(whole.folder), "--peak", "P1"]) == 0
     assert "no snapshot at the peak of P1" in capsys.readouterr().err
+    assert main(["info", str(whole.folder)]) == 0
+    kept = [line.split()[1] for line in capsys.readouterr().out.splitlines() if "the flow at its peak is kept" in line]
+    assert kept == ["P2:"]
 
 
 def test_only_true_or_false_asks_for_it():
