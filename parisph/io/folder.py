@@ -14,7 +14,7 @@ from parisph.base.errors import StoreError
 from parisph.io.files import digest, read_json, write_json
 from parisph.io.layout import BEFORE, FOLDERS, PEAKS, REPLACED
 
-# Files that a killed process leaves: temporary names, with the suffixes that MPI-IO adds.
+# Files that a killed process leaves: temporary names, perhaps with a suffix of a library.
 _HALF_WRITTEN = re.compile(r"\.(\d{8}\.h5|[\w.-]+\.(vtkhdf|csv|json|series))\.tmp.*|\.run\.lock\.[0-9a-f]{16}")
 
 

@@ -1,14 +1,16 @@
 """Write arrays that are distributed over the ranks into one HDF5 file.
 
 Rank 0 creates the file alone: groups, attributes, and datasets with their full size on the disk.
-Errors such as a full disk or missing permissions therefore occur there, in serial code, before any
-rank has entered a collective call. Then every rank opens the file with MPI-IO and writes its rows
-independently; a rank without rows writes nothing.
+Then every rank writes its rows to their place in the file with plain system calls; a rank without
+rows writes nothing. HDF5's own parallel writing is not used: if a folder disappears while the
+ranks open a file, some are refused and the others wait for them for ever. Here no rank waits
+inside a call, and an error on any of them is raised on all.
 
 HDF5 itself must never run into a full disk: HDF5 1.10 ends the process if it cannot write the last
 blocks of a file when it closes the file. The space is therefore reserved before.
 """
 
+import errno
 import math
 import os
 from contextlib import suppress
@@ -17,7 +19,6 @@ from dataclasses import dataclass, field
 import h5py
 import numpy as np
 
-from parisph.base.errors import StoreError
 from parisph.io import digest
 from parisph.io.files import create, on_first, publish, temporary, together
 
@@ -56,12 +57,11 @@ def write(comm, path, slabs, decorate):
     ------
     StoreError on every rank; an existing file of that name is then unchanged.
     """
-    _check_h5py(comm)
     doing = f"write {path}"
     hidden = temporary(path)
     try:
-        on_first(comm, doing, lambda: _lay_out(hidden, slabs, decorate))
-        _fill(comm, doing, hidden, slabs)
+        places = comm.bcast(on_first(comm, doing, lambda: _laid_out(hidden, slabs, decorate)))
+        together(comm, doing, lambda: _write_own(hidden, slabs, places))
         digest.append(comm, hidden, doing)
         on_first(comm, doing, lambda: publish(path))
     except Exception:
@@ -71,22 +71,27 @@ def write(comm, path, slabs, decorate):
         raise
 
 
-def _check_h5py(comm):
-    if comm.size > 1 and not h5py.get_config().mpi:
-        raise StoreError(
-            "the installed h5py cannot write from several ranks: install a build with MPI "
-            "(Debian: python3-h5py-mpi, and set H5PY_ALWAYS_USE_MPI=1), or run on one rank"
-        )
+def _laid_out(path, slabs, decorate):
+    """As _lay_out; of a file that disappears meanwhile HDF5 only says that it has no information."""
+    try:
+        return _lay_out(path, slabs, decorate)
+    except OSError as error:
+        if path.exists():
+            raise
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path)) from error
 
 
 def _lay_out(path, slabs, decorate):
+    """Make the file with all but the rows, and return where in it the rows of each slab begin [bytes]."""
     with open(create(path), "wb") as file:
         os.posix_fallocate(file.fileno(), 0, _size(slabs))
     with h5py.File(path, "w") as file:
         decorate(file)
+        places = []
         for slab in slabs:
             dataset = _allocate(file, slab)
             dataset.attrs.update(slab.attributes)
+            places.append(dataset.id.get_offset())
     # HDF5 has freed the blocks again. Reserve them for good, so that a full disk is an error here, and
     # not on some rank in the middle of its rows.
     handle = os.open(path, os.O_RDWR)
@@ -94,6 +99,7 @@ def _lay_out(path, slabs, decorate):
         os.posix_fallocate(handle, 0, os.fstat(handle).st_size)
     finally:
         os.close(handle)
+    return places
 
 
 def _size(slabs):
@@ -114,17 +120,20 @@ def _allocate(file, slab):
     return h5py.Dataset(h5py.h5d.create(group.id, name.encode(), kind, space, layout))
 
 
-def _fill(comm, doing, path, slabs):
-    how = {"driver": "mpio", "comm": comm} if comm.size > 1 else {}
-    file = together(comm, doing, lambda: h5py.File(path, "r+", **how))
+def _write_own(path, slabs, places):
+    """Write the rows of this rank to the file, and force them to the disk."""
+    handle = os.open(path, os.O_WRONLY | os.O_NOFOLLOW)
     try:
-        together(comm, doing, lambda: _write_own(file, slabs))
-        together(comm, doing, file.flush)  # with MPI-IO: each node sends its rows to the disk
+        for slab, place in zip(slabs, places, strict=True):
+            rows = np.ascontiguousarray(slab.data)
+            if len(rows):
+                _write_at(handle, place + slab.start * rows[0].nbytes, memoryview(rows.reshape(-1)).cast("B"))
+        os.fsync(handle)
     finally:
-        together(comm, doing, file.close)
+        os.close(handle)
 
 
-def _write_own(file, slabs):
-    for slab in slabs:
-        if len(slab.data):
-            file[slab.path][slab.start:slab.start + len(slab.data)] = slab.data
+def _write_at(handle, place, data):
+    while data:
+        written = os.pwrite(handle, data, place)
+        place, data = place + written, data[written:]

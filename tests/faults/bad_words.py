@@ -1,6 +1,5 @@
 """Command lines that are wrong by construction. 'good.py' is a sound case, and '{run}' the folder of a sound run."""
 
-from tests.faults import bad_cases
 from tests.faults.attempt import Attempt
 
 NAMES = ("", " ", "a\nb", "a\rb", "\x1b[2J", "x" * 300, "x" * 100_000, "x/" * 3000, "a\0b", "\udcff", "\ud800", "\u2028")

@@ -66,7 +66,7 @@ def _values(run, sound):
         except ParisphError:
             continue
         expected = ask(due)
-        same = np.array_equal(found, expected, equal_nan=True) if isinstance(expected, np.ndarray) and expected.dtype.names is None else str(found) == str(expected)
+        same = str(found) == str(expected) if isinstance(expected, np.ndarray) else found == expected
         if found is not None and not same:
             return f"was read as {str(found)[:300]}, not {str(expected)[:300]}"
     return None
