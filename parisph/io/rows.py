@@ -76,7 +76,7 @@ def _laid_out(path, slabs, decorate):
     try:
         return _lay_out(path, slabs, decorate)
     except OSError as error:
-        if path.exists():
+        if error.errno is not None or path.exists():
             raise
         raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path)) from error
 
