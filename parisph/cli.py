@@ -254,6 +254,9 @@ def _add_drawing(verb, scale):
 # ---- the verbs
 
 def _run(args):
+    if environment.launched()[1] > 1:
+        _world()
+        from parisph.driver import run  # noqa: F401  starts PETSc, on all ranks together: the case file may import it on one
     text, out = _on_first(lambda: (_load(args).model_dump_json(), _folder(args)))
     comm = _world()
     from parisph import driver

@@ -190,6 +190,13 @@ def case(spacing: float = 0.1) -> Case:
 """
 
 
+def test_case_that_imports_all_of_parisph_is_refused_like_any_other(case):
+    """The import starts PETSc, which all ranks must do together, and one rank loads the case."""
+    case.write_text(CASE.replace("from parisph import Box, Case, Fluid, Numerics, Tank", "from parisph import *"))
+    done = mpirun(2, ["-m", "parisph", "run", "tank.py", "--set", "spacing=-1"], timeout=40, cwd=case.parent)
+    assert done.returncode == 2 and done.stderr.count("parisph: error: ") == 1 and "spacing = -1" in done.stderr
+
+
 def test_case_that_differs_from_rank_to_rank_is_loaded_on_one(case):
     """By rank, process and clock: each rank would have particles, steps and a title of its own."""
     case.write_text(MOODY)

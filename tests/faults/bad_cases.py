@@ -90,7 +90,7 @@ FILES = {
     "def case():\n    raise GeneratorExit\n": "GeneratorExit", "class E(BaseException):\n    pass\ndef case():\n    raise E\n": "line 4",
     "class E(Exception):\n    def __str__(self):\n        raise self\nraise E\n": "line 4", "def case():\n    return case()\n": "RecursionError",
     "raise MemoryError\n": "MemoryError", "raise ValueError('a\\nparisph: error: b\\n'*999)\n": "ValueError", "import nowhere_at_all\n": "nowhere_at_all",
-    "from parisph import nothing\n": "nothing", "raise UnicodeDecodeError('utf-8', b'a', 0, 1, 'x')\n": "UnicodeDecodeError",
+    "from parisph import nothing\n": "nothing", "from parisph import *\n": "no function case", "raise UnicodeDecodeError('utf-8', b'a', 0, 1, 'x')\n": "UnicodeDecodeError",
     "x = [0] * (1 << 62)\n": "MemoryError", "raise OSError(2, 'gone', 'a\\nb')\n": "gone", "(" * 3000: "bad_case.py", "x = '\0'\n": "not text",
     "from parisph import CaseError\nraise CaseError('y\\n'*5000)\n": "more problems", "raise StopIteration\n": "StopIteration",
     "class R:\n    def __repr__(self):\n        raise ValueError\ndef case(a: int = R()):\n    return a\n": "returned a R",
