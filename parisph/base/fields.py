@@ -6,6 +6,7 @@ import numpy as np
 
 # Values of the field `kind`.
 FLUID, WALL = 0, 1
+ABSENT = 2     # for a kernel that shall not see a particle; never in the field itself
 
 # Values of the field `role`: the part a particle plays in the pressure equation.
 INNER = 0      # fluid, an equation of its own
@@ -56,8 +57,12 @@ FIELDS = {
         Field("p", "scalar", np.float64, "Pa", "pressure"),
         Field("normal", "vector", np.float64, "", "unit normal of a wall particle, into the fluid"),
         Field("role", "scalar", np.int8, "", "0 inner, 1 surface, 2 wet wall, 3 dry wall, 4 contact line, 5 ballistic"),
+        Field("start_role", "scalar", np.int8, "", "role at the start of the run, which a frozen surface gives back", exchanged=False,
+              written=False),
         Field("phi", "scalar", np.float64, "m^2", "potential of the position projection", exchanged=False, written=False),
         Field("grad_alpha", "vector", np.float64, "1/m", "gradient of alpha", exchanged=False, migrates=False, written=False),
+        Field("closing", "scalar", np.int8, "", "of a wall particle: 0 apart from the fluid, 1 near it, 2 closing it off (kernels.wetness)",
+              exchanged=False, migrates=False, written=False),
         Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value"),
     )
 }

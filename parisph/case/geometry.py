@@ -25,7 +25,7 @@ def build(case, rank=0, size=1):
     -------
     dict of arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8;
     x [m], u [m/s], normal (n, dim); volume (n,) [m^dim] (see Lattice.cells), 0 for walls; p (n,)
-    [Pa], zero: the first solve finds it. Wall
+    [Pa], zero: the first solve finds it; start_role as role. Wall
     normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
 
     Raises
@@ -43,6 +43,7 @@ def build(case, rank=0, size=1):
     arrays = {name: np.concatenate([fluid[name], solid[name]]) for name in fluid}
     arrays["id"] = np.arange(start, stop, dtype=np.int64)
     arrays["p"] = np.zeros(stop - start)
+    arrays["start_role"] = arrays["role"].copy()
     return arrays
 
 
@@ -126,13 +127,17 @@ def _fluid(case, points, start, stop):
 
 
 def _walls(case, points, index, inward):
-    """Wall particles; their role is that of the lattice point one step inward, diagonally in a corner."""
+    """Wall particles; their role is that of the lattice point one step inward, diagonally in a corner.
+
+    A wall that the fluid does not reach, such as a lid less than a spacing above it, is not wet.
+    """
     n = len(index)
     x = points.position(index)
     beside = points.index(_unstretched(case, x + inward * points.step))
     role = np.full(n, DRY, dtype=np.int8)
-    wet = points.is_fluid(beside)
-    role[wet] = np.where(points.is_surface(beside[wet]), CONTACT, WET)
+    there = points.is_fluid(beside)
+    wet = case.fluid.shape.inside(_unstretched(case, x[there]), points.tolerance) & ~points.is_surface(beside[there])
+    role[there] = np.where(wet, WET, CONTACT)
     length = np.linalg.norm(inward, axis=1)
     return {
         "kind": np.full(n, WALL, dtype=np.int8),

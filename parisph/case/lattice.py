@@ -71,13 +71,17 @@ class Lattice:
         return inside
 
     def is_surface(self, index):
-        """Return which of the *fluid* lattice indices (n, dim) lack a neighbour along an axis, walls counted."""
+        """Return which of the *fluid* lattice indices (n, dim) lack a neighbour along an axis.
+
+        A wall is a neighbour where the fluid reaches it: of water one spacing below a lid the uppermost
+        particles lie on the surface, of water up to the lid they lie just as high, and inside.
+        """
         open_side = np.zeros(len(index), dtype=bool)
         for axis in range(index.shape[1]):
             for side in (-1, 1):
                 beside = index.copy()
                 beside[:, axis] += side
-                open_side |= ~(self.is_fluid(beside) | self._is_wall(beside))
+                open_side |= ~(self.is_fluid(beside) | self._is_touched_wall(beside))
         return open_side
 
     def cells(self, index):
@@ -122,11 +126,22 @@ class Lattice:
             number += there
         return np.where(distance == nearest, 1.0 / number, 0.0)
 
-    def _is_wall(self, index):
-        """Return which lattice indices (n, dim) lie on a wall or behind it."""
+    def has_surface(self):
+        """Return whether any fluid particle lies on the surface. Looks at CHUNK points at a time, and no farther than the first."""
+        total = int(np.prod(self.counts))
+        for low in range(0, total, CHUNK):
+            index = self._unravel(np.arange(low, min(low + CHUNK, total)))
+            if np.any(self.is_surface(index[self.is_fluid(index)])):
+                return True
+        return False
+
+    def _is_touched_wall(self, index):
+        """Return which lattice indices (n, dim) lie on a wall, and in the fluid's shape up to its edge."""
         if self.tank is None:
             return np.zeros(len(index), dtype=bool)
-        return np.any((index <= 0) | ((index >= self.top) & self._closed_above()), axis=1)
+        touched = np.any((index <= 0) | ((index >= self.top) & self._closed_above()), axis=1)
+        touched[touched] = self.shape.inside(self.position(index[touched]), self.tolerance)
+        return touched
 
     def fluid_indices(self, start=0, stop=None):
         """Return the indices (n, dim) of fluid particles number start to stop, in the lattice's order.

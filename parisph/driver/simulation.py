@@ -85,10 +85,14 @@ class Simulation:
         self._open_tank = OpenTank.of(case, self.domain, start.state.get("left") if start is not None else None)
 
     def solve_start(self):
-        """Give the particles of the start a pressure, which no step has done yet; nothing moves."""
+        """Give the particles of the start a pressure, which no step has done yet; nothing moves.
+
+        Returns how many particles no free surface anchors, on all ranks: they have p = 0.
+        """
         with self.timers("start"):
-            self.method.pressure_now(self.time)
+            isolated = self.method.pressure_now(self.time)
         self._has_pressure = True
+        return isolated
 
     def choose_step(self, until=None):
         """Settle how long the next `advance` is, and return the time [s] after it, the same on all ranks.

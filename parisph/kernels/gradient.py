@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
 from parisph.kernels import harmonic
-from parisph.kernels.jit import kernel
+from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.moments import invert, pair_weight
 from parisph.kernels.near import dot, fill_up, gather, room_for, weigh
 from parisph.kernels.roles import outside
@@ -35,14 +35,7 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
-        weigh(weighted, near, power, columns, axes)
-        for a in range(dim):
-            for b in range(a + 1):
-                m[a, b] = m[b, a] = dot(weighted, 1 + a, near, b, columns)
-        found = 0
-        for k in range(n):
-            found += weighted[0, k] > 0.0
-        if found < dim + 1 or invert(m, inverse, axes) < floor:
+        if _support(m, inverse, weighted, near, power, n, columns, axes) < floor:
             role[i] = BALLISTIC
             continue
         for k in range(columns):
@@ -51,6 +44,42 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
             right = dot(weighted, 1 + b, difference, 0, columns)
             for a in range(dim):
                 out[i, a] += inverse[a, b] * right
+
+
+@inlined
+def _support(m, inverse, weighted, near, power, n, columns, axes):
+    """Weigh the neighbours and invert their moment; return its det/(trace/dim)^dim, 0 if they are too few for a gradient."""
+    dim = len(axes)
+    weigh(weighted, near, power, columns, axes)
+    for a in range(dim):
+        for b in range(a + 1):
+            m[a, b] = m[b, a] = dot(weighted, 1 + a, near, b, columns)
+    found = 0
+    for k in range(n):
+        found += weighted[0, k] > 0.0
+    quality = invert(m, inverse, axes)
+    return quality if found > dim else 0.0
+
+
+@kernel
+def regain_role(role, start_role, x, radius, power, floor, indptr, indices, axes):
+    """Give owned fluid in free flight its role of the start, once its neighbours would support a gradient again.
+
+    For a surface that keeps its particles: nothing else would end their flight. A `floor` above that of
+    least_squares_gradient keeps a particle from going to and fro between the two.
+
+    role : (n_all,), changed; start_role : (n_owned,); others as of least_squares_gradient
+    """
+    dim, room = len(axes), room_for(indptr)
+    near, weighted, member = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty(room, np.int32)
+    m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
+    for i in range(len(indptr) - 1):
+        if role[i] != BALLISTIC:
+            continue
+        n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
+        columns = fill_up(near, n, axes)
+        if _support(m, inverse, weighted, near, power, n, columns, axes) >= floor:
+            role[i] = start_role[i]
 
 
 @kernel

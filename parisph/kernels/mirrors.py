@@ -5,7 +5,7 @@ image of j is never nearer to i than j itself, so every image within a radius be
 neighbour within that radius: the neighbour lists already hold all that is needed.
 """
 
-from parisph.base.fields import FLUID, WALL
+from parisph.base.fields import ABSENT, FLUID, WALL
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.near import fill_up
 
@@ -86,6 +86,8 @@ def casts_image(j, subset, member, x, kind, normal, thin, axes):
 def gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes):
     """Write all neighbours of fluid particle i, and the images of itself and of them in the walls nearby.
 
+    Particles of the kind ABSENT are left out, as neighbours and as walls.
+
     near : (dim, 2^dim times the columns from `near.room_for`), relative to i, in units of h
     member : (dim,) int64, image : (dim,) scratch
     Returns the number of columns in use, those of points without weight behind them included.
@@ -93,6 +95,8 @@ def gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, in
     dim, n, walls = len(axes), 0, False
     for k in range(indptr[i], indptr[i + 1]):
         j = indices[k]
+        if kind[j] == ABSENT:
+            continue
         walls |= kind[j] == WALL
         for a in range(dim):
             near[a, n] = (x[j, a] - x[i, a]) / h
@@ -102,7 +106,7 @@ def gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, in
         for subset in range(1, 1 << planes):
             for k in range(indptr[i] - 1, indptr[i + 1]):
                 j = i if k < indptr[i] else indices[k]
-                if casts_image(j, subset, member, x, kind, normal, 0.1 * h, axes):
+                if kind[j] != ABSENT and casts_image(j, subset, member, x, kind, normal, 0.1 * h, axes):
                     reflect(image, j, subset, member, x, normal, axes)
                     for a in range(dim):
                         near[a, n] = (image[a] - x[i, a]) / h

@@ -1,14 +1,15 @@
-"""Density ratio, and which particles lie on the free surface or touch the fluid.
+"""Density ratio, and which particles lie on the free surface.
 
 The gap rule and the auxiliary functions divide the plane into angles and are for 2D; the
-density ratio and the wetness of walls are for any dimension.
+density ratio is for any dimension. Walls that do not touch the fluid (see wetness.py) shall not
+count as neighbours: the caller gives them the kind ABSENT.
 """
 
 import math
 
 import numpy as np
 
-from parisph.base.fields import BALLISTIC, CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.fields import ABSENT, BALLISTIC, FLUID, INNER, SURFACE, WALL
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mirrors import gather_around, near_planes, reflect
 from parisph.kernels.near import room_for
@@ -69,6 +70,7 @@ def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, lea
     p = 0 and an equation of its own, which is felt as a pressure pulse.
 
     role : output for owned fluid; was : role at the previous step (owned and ghost)
+    kind : (n_all,), ABSENT for what is no neighbour
     """
     member, image = np.empty(2, np.int64), np.empty(2)
     angles = np.empty(1024)
@@ -81,7 +83,7 @@ def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, lea
             role[i] = SURFACE
             continue
         limit = leave if was[i] == SURFACE or was[i] == BALLISTIC else enter
-        n, bound = _bound_of_gap(i, x, radius2, indptr, indices)
+        n, bound = _bound_of_gap(i, x, kind, radius2, indptr, indices)
         if n >= 4 and bound < limit:
             continue  # most particles: no angle has to be known
         n, walls = _angles(angles, i, x, kind, radius2, indptr, indices)
@@ -94,7 +96,7 @@ def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, lea
 
 
 @inlined
-def _bound_of_gap(i, x, radius2, indptr, indices):
+def _bound_of_gap(i, x, kind, radius2, indptr, indices):
     """Return the number of neighbours, and an angle that no gap between them exceeds [rad].
 
     A gap covers a run of empty sectors, and at most the sectors at its two ends. All is without
@@ -105,7 +107,7 @@ def _bound_of_gap(i, x, radius2, indptr, indices):
         j = indices[k]
         dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
         r2 = dx * dx + dy * dy
-        near = (0.0 < r2) & (r2 < radius2)  # one in the same place is in no direction
+        near = (0.0 < r2) & (r2 < radius2) & (kind[j] != ABSENT)  # one in the same place is in no direction
         n += near
         occupied |= near << _sector(dx, dy)
     empty = ((1 << 2 * SECTORS) - 1) & ~(occupied | occupied << SECTORS)  # twice around
@@ -134,7 +136,7 @@ def _angles(angles, i, x, kind, radius2, indptr, indices):
         j = indices[k]
         walls |= kind[j] == WALL
         dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
-        if 0.0 < dx * dx + dy * dy < radius2 and n < len(angles):
+        if 0.0 < dx * dx + dy * dy < radius2 and kind[j] != ABSENT and n < len(angles):
             angles[n] = math.atan2(dy, dx)
             n += 1
     return n, walls
@@ -192,7 +194,7 @@ def surface_by_auxiliary_functions(role, was, x, kind, corner, normal, alpha, ra
             j = indices[k]
             walls |= kind[j] == WALL
             dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
-            if not 0.0 < dx * dx + dy * dy < radius2:  # one in the same place is in no direction
+            if not 0.0 < dx * dx + dy * dy < radius2 or kind[j] == ABSENT:  # one in the same place is in no direction
                 continue
             near_surface |= kind[j] == FLUID and (was[j] == SURFACE or was[j] == BALLISTIC)
             inner += kind[j] == FLUID and was[j] == INNER
@@ -259,60 +261,3 @@ def surface_by_density(role, kind, alpha, limit, indptr):
     for i in range(len(indptr) - 1):
         if kind[i] == FLUID:
             role[i] = SURFACE if alpha[i] < limit else INNER
-
-
-@kernel
-def wet_walls(role, x, kind, corner, normal, spacing, indptr, indices, axes):
-    """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
-
-    Wet: an inner fluid particle within 2.1 spacings, and fluid on both sides along the wall, or
-    beside a corner the other wall in its place (in the corner itself the inner particle
-    suffices). Contact: not wet, and a surface particle stands beside it. `role` of fluid must
-    be known, ghosts included; that of owned walls is written.
-    """
-    dim = len(axes)
-    for i in range(len(indptr) - 1):
-        if kind[i] != WALL:
-            continue
-        inner, beside = False, False
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if kind[j] != FLUID:
-                continue
-            r2 = 0.0
-            away = 0.0
-            for a in range(dim):
-                r2 += (x[j, a] - x[i, a]) ** 2
-                away += (x[j, a] - x[i, a]) * normal[i, a]
-            inner |= role[j] == INNER and r2 < (2.1 * spacing) ** 2
-            # half a spacing to either side along the wall, one and a half away from it
-            beside |= (role[j] == SURFACE and 0.0 < away < 1.5 * spacing
-                       and r2 - away * away < (0.55 * spacing) ** 2)
-        if inner and (corner[i] or _covered_on_both_sides(i, x, kind, normal, spacing, indptr, indices, axes)):
-            role[i] = WET
-        else:
-            role[i] = CONTACT if beside else DRY
-
-
-@kernel
-def _covered_on_both_sides(i, x, kind, normal, spacing, indptr, indices, axes):
-    dim = len(axes)
-    for b in range(dim):  # the tangent along axis b is e_b - n_b n
-        if 1.0 - normal[i, b] ** 2 < 0.25:
-            continue
-        ahead, behind = False, False
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            along, away, cosine = x[j, b] - x[i, b], 0.0, 0.0
-            for a in range(dim):
-                away += (x[j, a] - x[i, a]) * normal[i, a]
-                cosine += normal[j, a] * normal[i, a]
-            along -= away * normal[i, b]
-            # one spacing from a corner the other wall, facing i, stands where fluid would be
-            facing = normal[j, b] - cosine * normal[i, b]
-            covers = kind[j] == FLUID or (along * facing < -0.5 * abs(along) and abs(along) < 1.5 * spacing)
-            ahead |= covers and along > 0.3 * spacing
-            behind |= covers and along < -0.3 * spacing
-        if not (ahead and behind):
-            return False
-    return True

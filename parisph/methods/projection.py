@@ -4,14 +4,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.fields import ABSENT, BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels import gradient as gradients
 from parisph.kernels import surface as surfaces
+from parisph.kernels import wetness
 from parisph.kernels.jit import axes_of
 from parisph.methods import regularise, schemes
 from parisph.pressure import groups
 from parisph.pressure.rows import PressureRows
 
+REGAIN = 1.5         # times the floor of the gradient: when free flight of a kept surface ends
+FEW = 10             # particles without a surface that are not worth an equation
+BODIES = 4           # bodies of fluid without a surface, at most, that get one
+ROUNDING = 1e-3      # spacings within which two particles are equally high
 STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source answers
 
 
@@ -80,11 +85,11 @@ class Projection:
             renumbered = self.domain.refresh()
             self.domain.update("u")
         with timers("surface"):
-            self._classify()
+            force = self.acceleration(p.x_all, time + 0.5 * dt)
+            self._classify(force, dt)
             self._wall_velocity()
             self.domain.update("role", "u")
         with timers("assemble"):
-            force = self.acceleration(p.x_all, time + 0.5 * dt)
             matrix, right, isolated = self._assemble(force, dt)
         with timers("solve"):
             p.p[:], solve = self.solver.solve(*matrix, right, p.p, renumbered=renumbered)
@@ -103,7 +108,7 @@ class Projection:
         return self._report(dt, solve, divergence, isolated, collisions, positions)
 
     def pressure_now(self, time):
-        """Solve for the pressure where the particles are at `time` [s], and move nothing. Collective.
+        """Solve for the pressure where the particles are at `time` [s], and move nothing; return how many are isolated. Collective.
 
         For the start of a run, which no step has given a pressure yet. A flow that keeps its volume has
         lap p = rho (div g - tr((grad u)^2)) at every instant: the divergence of Euler's equation. A step
@@ -112,16 +117,17 @@ class Projection:
         """
         p = self.particles
         self.domain.refresh()
-        self._classify()
+        force = self.acceleration(p.x_all, time)
+        self._classify(force, 0.0)
         self._wall_velocity()
         self.domain.update("role", "u")
-        force = self.acceleration(p.x_all, time)
         self._fill(force)
         invariant = np.empty(p.n_owned)
         self.rows.second_invariant(invariant, p.u_all, p.role_all)
         target = self.density * (self.rows.div[:p.n_owned] - invariant)
-        matrix, right, _ = self._equation(target, force)
+        matrix, right, isolated = self._equation(target, force)
         p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
+        return isolated
 
     def acceleration_now(self, time):
         """Return g - grad p/rho [m/s^2] of owned particles with their pressure of now, 0 for walls. Collective.
@@ -149,26 +155,47 @@ class Projection:
             fluid = p.kind == FLUID
             p.x[fluid] += ahead * p.u[fluid]
 
-    def _classify(self):
-        """Find the free surface, unless it keeps its particles, and the walls that are wet."""
+    def _classify(self, force, dt):
+        """Find the free surface, unless it keeps its particles, and the walls that are wet.
+
+        force : (n_all, dim) [m/s^2], dt [s]: of the step that begins
+        """
         p, d, n = self.particles, self.domain, self.numerics
-        if self.needs_alpha:
-            surfaces.density_ratio(p.alpha, p.x_all, p.kind_all, p.corner_all, p.normal_all,
-                                   schemes.DENSITY * self.spacing, self.full, d.indptr, d.indices, self.axes)
         if n.surface_rule == "none":
             p.role[:] = np.where(p.kind == FLUID, INNER, WET)
             return
-        if n.surface_rule != "frozen":
-            self._find_surface()
-            d.update("role")
+        wetness.closing_walls(p.closing_all, p.role_all, p.x_all, p.u_all, force, p.kind_all, p.normal_all,
+                              self.spacing, dt, d.indptr, d.indices, self.axes)
+        d.update("closing")
+        seen = self.seen(wetness.CLOSING)
+        if self.needs_alpha:
+            surfaces.density_ratio(p.alpha, p.x_all, seen, p.corner_all, p.normal_all,
+                                   schemes.DENSITY * self.spacing, self.full, d.indptr, d.indices, self.axes)
+        if n.surface_rule == "frozen":
+            self._keep_surface()
+        else:
+            self._find_surface(seen)
+        d.update("role")
         # also for a frozen surface: it falls and rises past the nodes of the walls
-        surfaces.wet_walls(p.role_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, self.spacing,
-                           d.indptr, d.indices, self.axes)
+        wetness.wet_walls(p.role_all, p.closing_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, self.spacing,
+                          d.indptr, d.indices, self.axes)
 
-    def _find_surface(self):
+    def seen(self, closing):
+        """Return kind (n_all,) with the walls ABSENT that are less than `closing` (wetness.NEAR or CLOSING)."""
+        p = self.particles
+        return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
+
+    def _keep_surface(self):
+        """Give fluid its role of the start, also what has flown freely and is back among others."""
+        p, d = self.particles, self.domain
+        radius, power, floor = self._gradient_form()
+        p.role[:] = np.where((p.kind == FLUID) & (p.role != BALLISTIC), p.start_role, p.role)
+        gradients.regain_role(p.role_all, p.start_role, p.x_all, radius, power, REGAIN * floor, d.indptr, d.indices, self.axes)
+
+    def _find_surface(self, kind):
         p, d, n = self.particles, self.domain, self.numerics
         was = p.role_all.copy()
-        where = (p.x_all, p.kind_all, p.corner_all, p.normal_all, p.alpha)
+        where = (p.x_all, kind, p.corner_all, p.normal_all, p.alpha)
         if n.surface_rule == "gap":
             surfaces.surface_by_gap(p.role_all, was, *where, schemes.SURFACE_GAP * self.spacing, 2.3, 1.4, 0.55,
                                     d.indptr, d.indices, self.axes)
@@ -209,7 +236,7 @@ class Projection:
         walls = p.role == WET
         target[walls] = self.density * np.einsum("ia,ia->i", p.normal[walls], force[:p.n_owned][walls])
         right = self.rows.right_hand_side(target)
-        matrix, isolated = self._matrix()
+        matrix, isolated = self._matrix(force)
         right[(p.role != INNER) & (p.role != WET)] = 0.0
         return matrix, right, isolated
 
@@ -226,19 +253,36 @@ class Projection:
         self.rows.second_invariant(out, p.u_all, p.role_all)
         return np.clip(0.5 * out, -STRAIN_LIMIT / dt**2, STRAIN_LIMIT / dt**2)
 
-    def _matrix(self):
-        """Compress to CSR; groups that nothing anchors get p = 0, for their level is arbitrary."""
+    def _matrix(self, force):
+        """Return the CSR matrix, and how many of its rows no free surface anchors. Collective.
+
+        The level of their pressure is arbitrary. Water that has closed its last gap of air below a lid is
+        all like that: then p = 0 at its highest particle. Where only a few are left, they have p = 0.
+        """
         p, d = self.particles, self.domain
-        *matrix, anchored = self.rows.csr(p.role_all, d.global_rows)
         if self.closed:
-            return matrix, 0
-        alone = groups.isolated_rows(p.comm, p.offset, matrix[0], matrix[1], anchored)
-        count = p.comm.allreduce(int(alone.sum()))
-        if count:
+            return self.rows.csr(p.role_all, d.global_rows)[:3], 0
+        matrix, alone, count = self._anchored()
+        left = count
+        for _ in range(BODIES):
+            if left <= FEW:
+                break
+            top = groups.highest(p.comm, alone & (p.kind == FLUID), p.x, force[:p.n_owned], p.id, ROUNDING * self.spacing)
+            p.role[top] = SURFACE
+            d.update("role")
+            matrix, alone, left = self._anchored()
+        if left:
             p.role[alone] = np.where(p.kind[alone] == WALL, DRY, BALLISTIC)
             d.update("role")
-            *matrix, _ = self.rows.csr(p.role_all, d.global_rows)
+            matrix = self.rows.csr(p.role_all, d.global_rows)[:3]
         return matrix, count
+
+    def _anchored(self):
+        """Compress the rows to CSR; return it, which rows of it nothing anchors, and their number on all ranks. Collective."""
+        p = self.particles
+        *matrix, anchored = self.rows.csr(p.role_all, self.domain.global_rows)
+        alone = groups.isolated_rows(p.comm, p.offset, matrix[0], matrix[1], anchored)
+        return matrix, alone, p.comm.allreduce(int(alone.sum()))
 
     def _correct_velocity(self, force, dt):
         """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
@@ -252,21 +296,24 @@ class Projection:
 
         Where there are too few neighbours it is zero, and the particle is ballistic from here on.
         """
-        p, d, name = self.particles, self.domain, self.numerics.gradient
+        p, d = self.particles, self.domain
         out = np.empty_like(p.u)
-        radius = schemes.GRADIENT[name] * self.spacing
-        if name == "symmetric":
+        if self.numerics.gradient == "symmetric":
             gradients.symmetric_gradient(out, f, p.x_all, p.role_all, schemes.SPH * self.spacing,
                                          self.spacing**p.dim, d.indptr, d.indices, self.axes)
         else:
-            power, floor = (2, 0.2) if name == "sfdi" else (0, 0.05)
-            gradients.least_squares_gradient(out, f, p.x_all, p.role_all, radius, power, floor,
+            gradients.least_squares_gradient(out, f, p.x_all, p.role_all, *self._gradient_form(),
                                              d.indptr, d.indices, self.axes)
         if self.numerics.surface_gradient == "harmonic":
             gradients.harmonic_gradient(out, f, p.x_all, p.role_all, schemes.WALL * self.spacing,
                                         d.indptr, d.indices, self.axes)
         d.update("role")
         return out
+
+    def _gradient_form(self):
+        """Return (radius [m], power, floor) of the least-squares gradient, as its kernel takes them."""
+        name = self.numerics.gradient
+        return schemes.GRADIENT[name] * self.spacing, *((2, 0.2) if name == "sfdi" else (0, 0.05))
 
     def _move(self, start, dt):
         """Positions: the trapezoid of Eq. 16, or u^{n+1} alone for symplectic Euler."""

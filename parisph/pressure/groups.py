@@ -51,6 +51,34 @@ def isolated_rows(comm, offset, indptr, indices, anchored):
     return ~reached
 
 
+def highest(comm, candidates, x, force, ids, rounding):
+    """Return which candidate lies farthest against their mean body force, one of all ranks. Collective.
+
+    Parameters
+    ----------
+    candidates : (n_owned,) bool
+    x : (n_owned, dim) [m], force : (n_owned, dim) [m/s^2]
+    ids : (n_owned,) int, which decide between particles as high as each other
+    rounding : float [m], heights are rounded to, so that the choice does not depend on the number of ranks
+
+    Returns
+    -------
+    chosen : (n_owned,) bool, True for one particle on one rank; for none if there is no candidate
+    """
+    mean = comm.allreduce(force[candidates].sum(axis=0))
+    length = float(np.linalg.norm(mean))
+    up = -mean / length if length > 0.0 else np.zeros_like(mean)
+    mine = np.flatnonzero(candidates)
+    levels = np.round(x[mine] @ up / rounding)
+    best = np.lexsort((ids[mine], -levels))[:1]
+    found = comm.allgather([(-levels[k], int(ids[mine[k]])) for k in best])
+    chosen = np.zeros_like(candidates)
+    if any(found):
+        first = min(item for part in found for item in part)
+        chosen[mine[ids[mine] == first[1]]] = True
+    return chosen
+
+
 def _spread_over_ranks(comm, offset, reached, pending, indptr, indices):
     """Fetch marks from other ranks and spread them, until no rank marks another row."""
     rows, columns = reach.outside(pending, indptr, indices, offset, reached.size)

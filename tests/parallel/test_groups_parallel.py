@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from parisph.base.errors import ParisphError
-from parisph.pressure.groups import isolated_rows
+from parisph.pressure.groups import highest, isolated_rows
 from tests.digraphs import leads_nowhere, random_rows, to_csr
 
 
@@ -68,3 +68,23 @@ def test_a_column_that_no_rank_owns_raises_on_all(comm):
     first, last, *rows = cut(comm, indptr, indices, even(comm, 30))
     with pytest.raises(ParisphError, match="column .* 30 of 30"):
         isolated_rows(comm, first, *rows, np.zeros(last - first, bool))
+
+
+@pytest.mark.parametrize("ends", [even, with_empty_first, with_empty_last])
+@pytest.mark.parametrize(("force", "expected"), [
+    ([0.0, -9.81], 37),         # on top, and the lowest id of those as high to within the rounding
+    ([0.0, 9.81], 5), ([2.0, 0.0], 11),
+    ([0.0, 0.0], 5),            # nothing is higher than anything else: the lowest id of all
+])
+def test_highest_of_all_ranks(comm, ends, force, expected):
+    x = np.array([[0.0, 1.0 - 1e-9], [1.0, 1.0], [-1.0, 0.3], [0.5, 0.0], [0.0, 2.0]])
+    ids = np.array([37, 40, 11, 5, 1])
+    candidate = np.array([True, True, True, True, False])
+    own = slice(*[0, *ends(comm, len(x))][comm.rank:comm.rank + 2])
+    chosen = highest(comm, candidate[own], x[own], np.tile(force, (len(x), 1))[own], ids[own], 1e-3)
+    assert [number for part in comm.allgather(ids[own][chosen].tolist()) for number in part] == [expected]
+
+
+def test_highest_of_none(comm):
+    none = np.zeros((3, 2))
+    assert not highest(comm, np.zeros(3, bool), none, none, np.arange(3), 1e-3).any()

@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph import driver
-from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WET
 from parisph.case.schema import Box, Case, Disc, Fluid, Numerics, Tank
 from parisph.driver import Simulation
 from tests.scenes import scene
@@ -48,6 +48,30 @@ def still(shape, walls, gravity, **numerics):
     s = Simulation(case, MPI.COMM_SELF)
     s.solve_start()
     return s
+
+
+@pytest.mark.parametrize("gap", [0.3, 0.7, 1.0, 1.4, 2.0])
+@pytest.mark.parametrize("numerics", [{"preset": "gentle"}, {"preset": "violent", "rtol": 1e-9},
+                                      {"preset": "violent", "rtol": 1e-9, "surface_rule": "auxiliary"},
+                                      {"preset": "violent", "rtol": 1e-9, "surface_rule": "density"}], ids=str)
+def test_water_below_a_lid(gap, numerics):
+    """The surface is found at any distance [s] of the lid, though wall particles stand where neighbours would be."""
+    layers = 10 - int(np.ceil(gap))
+    depth = 1.0 - 0.1 * gap
+    case = Case(title="still", fluid=Fluid(Box(width=1.0, height=0.1 * layers), density=DENSITY, elevation=depth - 0.1 * layers),
+                walls=Tank(width=1.0, height=1.0, lid=True), gravity=(0.0, -G), numerics=Numerics(spacing=0.1, **numerics),
+                end_time=1.0)
+    s = Simulation(case, MPI.COMM_SELF)
+    s.solve_start()
+    p = s.particles
+    for step in range(50):
+        wet = np.isin(p.role, (INNER, SURFACE, WET))
+        error = np.abs(p.p - DENSITY * G * np.maximum(depth - p.x[:, 1], 0.0))[wet].max() / (DENSITY * G * depth)
+        assert error < 1e-6, step
+        assert p.role[(p.kind == FLUID) & (p.x[:, 1] > depth - 0.01)].tolist() == [SURFACE] * 9
+        assert s.advance().isolated == 0
+    assert np.abs(p.u[p.kind == FLUID]).max() < 1e-6
+    s.destroy()
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.4])

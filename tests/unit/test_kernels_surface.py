@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from parisph.base.fields import BALLISTIC, DRY, INNER, SURFACE, WALL
+from parisph.base.fields import ABSENT, BALLISTIC, DRY, INNER, SURFACE, WALL
 from parisph.kernels import surface
 from tests.pools import block, free, part, tank
 
@@ -209,6 +209,29 @@ def test_drop_touching_a_wall_is_surface_all_round():
     keep = (pool.kind == WALL) | (pool.index[:, None] == index).all(axis=2).any(axis=1)
     drop = part(pool, keep)
     assert np.all(by_gap(drop)[drop.fluid] == SURFACE)
+
+
+@jitters
+@pytest.mark.parametrize("rule", ["gap", "auxiliary", "density"])
+def test_absent_lid_one_spacing_above_the_water(rule, jitter):
+    """Its particles stand where neighbours would be, and so do the images that it would cast."""
+    pool = tank((14, 10), lid=True, jitter=jitter)
+    top = pool.fluid & (pool.index[:, 1] == 9)
+    pool.x[top] = pool.spacing * pool.index[top]
+    pool.relist()
+    lid = ~pool.fluid & (pool.index[:, 1] >= 9)
+    was = np.where(top, SURFACE, INNER).astype(np.int8)
+    for absent, expected in ((False, INNER), (True, SURFACE)):
+        pool.kind[lid] = ABSENT if absent else WALL
+        if rule == "gap":
+            role = by_gap(pool, was)
+        elif rule == "auxiliary":
+            role = by_auxiliary(pool, was, ratio(pool))
+        else:
+            role = pool.role.copy()
+            surface.surface_by_density(role, pool.kind, ratio(pool), 0.9, pool.indptr)
+        assert np.all(role[top] == expected)
+        assert rule == "density" or np.all(role[pool.fluid & (pool.index[:, 1] < 8)] == INNER)
 
 
 # -- auxiliary functions (Zheng, Ma & Duan 2014, Sec. 2.4.2) --------------------------------------------

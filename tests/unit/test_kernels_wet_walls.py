@@ -4,15 +4,16 @@ import numpy as np
 import pytest
 
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WALL, WET
-from parisph.kernels import surface
+from parisph.kernels import wetness
 from tests.pools import part, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
 
 
-def wetted(pool):
+def wetted(pool, closing=True):
     role = np.where(pool.fluid, pool.role, DRY).astype(np.int8)
-    surface.wet_walls(role, pool.x, pool.kind, pool.corner, pool.normal, pool.spacing, *pool.csr)
+    closing = np.where((pool.kind == WALL) & closing, wetness.CLOSING, wetness.APART).astype(np.int8)
+    wetness.wet_walls(role, closing, pool.x, pool.kind, pool.corner, pool.normal, pool.spacing, *pool.csr)
     assert np.array_equal(role[pool.fluid], pool.role[pool.fluid])
     return role
 
@@ -155,3 +156,75 @@ def test_node_beside_a_corner_has_the_other_wall_at_its_side():
     pocket = part(pool, ~pool.fluid | (pool.index[:, 0] > 2))
     role = wetted(pocket)
     assert role[pocket.at(2, 0)] == role[pocket.at(1, 0)] == DRY and role[pocket.at(4, 0)] == WET
+
+
+# -- which walls close the fluid off ------------------------------------------------------------------
+
+
+def test_wall_that_does_not_close_the_fluid_off_is_not_wet():
+    pool = filled((9, 9), 6)
+    assert not (wetted(pool, closing=False) == WET).any()
+
+
+GRAVITY = np.array([0.0, -10.0])
+
+
+def closing(pool, u=0.0, dt=0.01, force=GRAVITY):
+    """Return which particles close the fluid off, with the roles of the pool as those of the last step; u [m/s] up."""
+    out = np.full(pool.n, 9, np.int8)
+    velocity = np.where(pool.fluid[:, None], [0.0, u], 0.0)
+    wetness.closing_walls(out, pool.role, pool.x, velocity, np.tile(force, (pool.n, 1)), pool.kind, pool.normal, pool.spacing,
+                          dt, *pool.csr)
+    assert not out[pool.fluid].any() and set(out) <= {wetness.APART, wetness.NEAR, wetness.CLOSING}
+    return out == wetness.CLOSING
+
+
+def under_a_lid(gap):
+    """Return a closed tank with water up to `gap` spacings below its lid, at rest: (pool, its lid)."""
+    pool = tank((12, 10), lid=True)
+    pool = part(pool, (pool.kind == WALL) | (pool.index[:, 1] <= 8))
+    top = pool.fluid & (pool.index[:, 1] == 8)
+    pool.x[pool.fluid, 1] += (2.0 - gap) * pool.spacing
+    pool.role[top] = SURFACE
+    pool.role[~pool.fluid] = np.where(pool.index[~pool.fluid, 1] < 8, WET, DRY)
+    pool.relist()
+    return pool, pool.index[:, 1] == 10
+
+
+@pytest.mark.parametrize("gap", [0.2, 0.7, 1.0, 1.5, 2.0])
+def test_lid_above_water_at_rest_does_not_close_it_off(gap):
+    pool, lid = under_a_lid(gap)
+    assert not closing(pool)[lid].any() and closing(pool)[pool.role == WET].all()
+
+
+@pytest.mark.parametrize(("gap", "u", "expected"), [
+    (1.0, 10.0, True),          # it reaches the lid in this step
+    (1.0, 1.0, False),          # not yet
+    (0.5, 1.0, True), (0.5, 0.2, True),
+    (0.5, 0.005, False),        # it hardly moves, and gravity pulls it back
+    (0.5, -1.0, False),
+])
+def test_water_that_runs_into_the_lid(gap, u, expected):
+    pool, lid = under_a_lid(gap)
+    nodes = lid & (pool.corner == 0)
+    assert np.all(closing(pool, u)[nodes] == expected)
+
+
+def test_water_line_moves_on_along_the_wall_by_one_particle():
+    pool = filled((9, 9), 6)
+    pool.role[~pool.fluid] = np.where(pool.index[~pool.fluid, 1] < 5, WET, DRY)     # one less than there is water
+    side = (pool.index[:, 0] == 0)
+    np.testing.assert_array_equal(closing(pool)[side], pool.index[side, 1] < 6)
+    pool.role[pool.fluid] = SURFACE
+    np.testing.assert_array_equal(closing(pool)[side], pool.index[side, 1] < 5)
+
+
+def test_bed_under_falling_water_closes_it_off():
+    """Without a velocity of its own: the body force brings it down."""
+    pool = filled((12, 9), 3, width=5)
+    pool.role[~pool.fluid] = DRY
+    pool.x[pool.fluid, 1] -= 0.5 * pool.spacing
+    pool.relist()
+    bed = (pool.index[:, 1] == 0) & (pool.corner == 0)
+    np.testing.assert_array_equal(closing(pool)[bed], pool.index[bed, 0] <= 5)
+    assert not closing(pool, force=-GRAVITY)[bed].any()

@@ -175,6 +175,29 @@ def test_full_tank_is_closed_and_has_no_surface():
     assert not scene(Box(2.0, 2.0), Tank(2.0, 2.0)).closed
 
 
+@pytest.mark.parametrize("gap", [1, 2])
+def test_water_below_a_lid_has_a_surface_at_any_gap(gap):
+    arrays = geometry.build(scene(Box(2.0, 2.0 - 0.1 * gap), Tank(2.0, 2.0, lid=True)))
+    fluid, top = arrays["kind"] == 0, np.abs(arrays["x"][:, 1] - (2.0 - 0.1 * gap)) < 1e-9
+    assert np.all(arrays["role"][fluid & top] == SURFACE) and np.all(arrays["role"][fluid & ~top] == INNER)
+    assert WET not in arrays["role"][arrays["x"][:, 1] > 1.99 - 0.1 * gap]
+
+
+@pytest.mark.parametrize("rise", [0.02, 0.07])
+def test_water_raised_to_less_than_a_spacing_below_a_lid(rise):
+    arrays = geometry.build(scene(Box(2.0, 1.9), Tank(2.0, 2.0, lid=True), elevation=str(rise)))
+    lid = np.abs(arrays["x"][:, 1] - 2.0) < 1e-9
+    assert set(arrays["role"][lid]) <= {DRY, CONTACT} and np.count_nonzero(arrays["role"] == SURFACE) == 19
+    assert role_at(arrays, 0.0, 1.8) == WET
+
+
+def test_column_one_spacing_from_a_wall_has_a_surface_there():
+    arrays = geometry.build(scene(Box(0.9, 1.0, at=(0.1, 0.0)), Tank(2.0, 2.0)))
+    assert role_at(arrays, 0.1, 0.5) == SURFACE and role_at(arrays, 0.0, 0.5) == CONTACT and role_at(arrays, 0.2, 0.5) == INNER
+    touching = geometry.build(scene(Box(1.0, 1.0), Tank(2.0, 2.0)))
+    assert role_at(touching, 0.1, 0.5) == INNER and role_at(touching, 0.0, 0.5) == WET
+
+
 def test_fluid_fills_an_open_tank_to_the_brim():
     arrays = geometry.build(scene(Box(2.0, 2.0)))
     assert role_at(arrays, 1.0, 2.0) == SURFACE and role_at(arrays, 0.0, 2.0) == CONTACT

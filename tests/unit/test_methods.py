@@ -61,8 +61,8 @@ def test_relaxation_time_weakens_the_source_by_dt_over_it():
         right = simulation.method
         right._predict(0.004)
         simulation.domain.refresh()
-        right._classify()
         force = np.zeros_like(p.x_all)
+        right._classify(force, 0.004)
         _, b, _ = right._assemble(force, 0.004)
         pressures.append(b[p.role == INNER])
         simulation.destroy()
@@ -77,13 +77,13 @@ def test_position_projection_spreads_what_is_too_dense():
     p.x[middle] += 0.12 * ([0.25, 0.25] - p.x[middle])
     p.u[:] = 0.0
     simulation.domain.refresh()
-    simulation.method._classify()
+    simulation.method._classify(np.zeros_like(p.x_all), 0.001)
     before = p.alpha.copy()
     simulation.method._assemble(np.zeros_like(p.x_all), 0.001)
     simulation.method.pressure_now(0.0)
     regularise.positions(simulation.method, np.zeros_like(p.x_all))
     simulation.domain.refresh()
-    simulation.method._classify()
+    simulation.method._classify(np.zeros_like(p.x_all), 0.001)
     inner = middle & (before > 1.02)
     assert inner.sum() > 4
     assert (p.alpha[inner] - 1.0).mean() < 0.6 * (before[inner] - 1.0).mean()

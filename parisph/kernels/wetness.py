@@ -1,0 +1,112 @@
+"""Which wall particles touch the fluid, in any dimension."""
+
+from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.kernels.jit import kernel
+
+# Lengths in spacings.
+TOUCH = 0.55    # fluid as near to a wall as this is in contact; the wall guard stops it at half a spacing
+MOVING = 1e-3   # what moves by less in a step rests
+BESIDE = 0.75   # along the wall, from a wall particle to the fluid in front of it
+NEARBY = 1.6    # inner fluid behind a water line that moves on along the wall
+
+# What a wall particle is to the fluid before it: the values of the field `closing`.
+APART, NEAR, CLOSING = 0, 1, 2
+
+
+@kernel
+def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr, indices, axes):
+    """Find what owned wall particles are to the fluid: CLOSING it off, NEAR it, or APART from it.
+
+    From places alone water that rests one spacing below a lid looks like water that fills the tank, as
+    wall particles stand where its neighbours would be. Their past tells them apart. A wall particle
+    closes the fluid off if it was wet, if the water line beside it moves on to it (next to a wet
+    one, inner fluid within NEARBY), or if fluid runs into it: nearer than TOUCH at the end of the step,
+    and moving or pulled towards it, which water at rest below a lid is not.
+    It is near if fluid nearer than TOUCH is in front of it, wherever that moves.
+
+    closing : (n_all,) output; role, x, u : of the previous step (role) and of now, ghosts included
+    force : (n_all, dim), body force per unit mass [m/s^2]; dt : step [s]
+    """
+    dim = len(axes)
+    for i in range(len(indptr) - 1):
+        if kind[i] != WALL:
+            closing[i] = APART
+            continue
+        beside_wet, beside_inner, hit, near = False, False, False, False
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            r2, away, towards, pull, cosine = 0.0, 0.0, 0.0, 0.0, 0.0
+            for a in range(dim):
+                r2 += (x[j, a] - x[i, a]) ** 2
+                away += (x[j, a] - x[i, a]) * normal[i, a]
+                towards -= u[j, a] * normal[i, a]
+                pull -= force[j, a] * normal[i, a]
+                cosine += normal[j, a] * normal[i, a]
+            if kind[j] == WALL:
+                beside_wet |= role[j] == WET and cosine > 0.5 and r2 < (1.5 * spacing) ** 2
+                continue
+            beside_inner |= role[j] == INNER and r2 < (NEARBY * spacing) ** 2
+            if away > 0.0 and r2 - away * away < (BESIDE * spacing) ** 2:
+                near |= away < TOUCH * spacing
+                moves = towards * dt > MOVING * spacing or towards + pull * dt > 0.0
+                hit |= moves and away - (towards + max(pull, 0.0) * dt) * dt < TOUCH * spacing
+        closing[i] = NEAR if near else APART
+        if role[i] == WET or hit or (beside_wet and beside_inner):
+            closing[i] = CLOSING
+
+
+@kernel
+def wet_walls(role, closing, x, kind, corner, normal, spacing, indptr, indices, axes):
+    """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
+
+    Wet: it closes the fluid off (closing_walls), an inner fluid particle within 2.1 spacings, and fluid on both sides along the wall, or
+    beside a corner the other wall in its place (in the corner itself the inner particle
+    suffices). Contact: not wet, and a surface particle stands beside it. `role` of fluid must
+    be known, ghosts included; that of owned walls is written.
+    """
+    dim = len(axes)
+    for i in range(len(indptr) - 1):
+        if kind[i] != WALL:
+            continue
+        inner, beside = False, False
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != FLUID:
+                continue
+            r2 = 0.0
+            away = 0.0
+            for a in range(dim):
+                r2 += (x[j, a] - x[i, a]) ** 2
+                away += (x[j, a] - x[i, a]) * normal[i, a]
+            inner |= role[j] == INNER and r2 < (2.1 * spacing) ** 2
+            # half a spacing to either side along the wall, one and a half away from it
+            beside |= (role[j] == SURFACE and 0.0 < away < 1.5 * spacing
+                       and r2 - away * away < (0.55 * spacing) ** 2)
+        if inner and closing[i] == CLOSING and (corner[i] or _covered_on_both_sides(i, closing, x, kind, normal, spacing, indptr, indices, axes)):
+            role[i] = WET
+        else:
+            role[i] = CONTACT if beside else DRY
+
+
+@kernel
+def _covered_on_both_sides(i, closing, x, kind, normal, spacing, indptr, indices, axes):
+    dim = len(axes)
+    for b in range(dim):  # the tangent along axis b is e_b - n_b n
+        if 1.0 - normal[i, b] ** 2 < 0.25:
+            continue
+        ahead, behind = False, False
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            along, away, cosine = x[j, b] - x[i, b], 0.0, 0.0
+            for a in range(dim):
+                away += (x[j, a] - x[i, a]) * normal[i, a]
+                cosine += normal[j, a] * normal[i, a]
+            along -= away * normal[i, b]
+            # one spacing from a corner the other wall, if fluid touches it, stands where fluid would be
+            facing = normal[j, b] - cosine * normal[i, b]
+            covers = kind[j] == FLUID or (closing[j] == CLOSING and along * facing < -0.5 * abs(along) and abs(along) < 1.5 * spacing)
+            ahead |= covers and along > 0.3 * spacing
+            behind |= covers and along < -0.3 * spacing
+        if not (ahead and behind):
+            return False
+    return True

@@ -1,0 +1,58 @@
+"""A surface that keeps its particles: one that flies off comes back to what it was."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE
+from parisph.driver import Simulation
+from parisph.io import checkpoint
+from tests.scenes import scene
+
+S = 0.1
+
+
+def thrown(layer):
+    """Return water at rest, and the id of a particle of a layer (10 is the surface) that is thrown up from the surface."""
+    s = Simulation(scene("hydrostatic", spacing=S, end_time=1e3), MPI.COMM_SELF)
+    s.solve_start()
+    p = s.particles
+    i = np.argmin(np.linalg.norm(p.x - [0.5, S * layer], axis=1))
+    assert p.kind[i] == FLUID and p.role[i] == (SURFACE if layer == 10 else INNER)
+    p.x[i] = [0.52, 1.05]
+    p.u[i] = [0.0, 3.0]
+    return s, int(p.id[i])
+
+
+def role_of(s, number):
+    return int(s.particles.role[s.particles.id == number][0])
+
+
+@pytest.mark.parametrize(("layer", "role"), [(10, SURFACE), (8, INNER)])
+def test_particle_that_is_back_among_others_has_its_role_back(layer, role):
+    s, number = thrown(layer)
+    seen = []
+    for _ in range(300):
+        s.advance()
+        seen.append(role_of(s, number))
+    height = s.particles.x[s.particles.id == number][0, 1]
+    s.destroy()
+    assert seen[0] != BALLISTIC and seen[-1] == role and height < 1.0 + S
+    flying = np.flatnonzero(np.array(seen) == BALLISTIC)
+    assert 20 < len(flying) < 250 and np.all(np.diff(flying) == 1), "one flight, from which it comes back for good"
+
+
+def test_role_comes_back_after_a_restart(tmp_path):
+    s, number = thrown(8)
+    while role_of(s, number) != BALLISTIC:
+        s.advance()
+    path = checkpoint.write(s.comm, tmp_path, s.particles, s.time, s.steps, s.dt, s.case.model_dump_json(), {}, {})
+    whole = [(s.advance(), role_of(s, number), s.particles.x[s.particles.id == number][0].copy()) for _ in range(150)]
+    s.destroy()
+    again = Simulation(s.case, MPI.COMM_SELF, start=checkpoint.read(MPI.COMM_SELF, path))
+    for _, role, x in whole:
+        again.advance()
+        assert role_of(again, number) == role
+        np.testing.assert_allclose(again.particles.x[again.particles.id == number][0], x, atol=1e-6)
+    assert role == INNER
+    again.destroy()

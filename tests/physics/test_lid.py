@@ -1,0 +1,51 @@
+"""Waves below a lid: it is nothing to them until they touch it."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph import Box, Case, Fluid, Numerics, PressureTap, SurfaceGauge, Sway, Tank, Volume
+from parisph.base.fields import FLUID
+from parisph.driver import Simulation
+from parisph.io import probes
+
+S, DEPTH = 0.05, 0.5
+
+
+def swayed(gap, amplitude, steps, **numerics):
+    """Return (probes' columns, most isolated particles) of a tank whose lid is `gap` spacings above the water."""
+    top = DEPTH + gap * S
+    case = Case(title="lid", fluid=Fluid(Box(width=1.0, height=DEPTH), density=1000.0), walls=Tank(width=1.0, height=top, lid=True),
+                gravity=(0.0, -9.81), frame=Sway(amplitude=amplitude, frequency=5.0), end_time=100.0,
+                numerics=Numerics(spacing=S, **numerics),
+                probes=[SurfaceGauge("left", at=0.0), Volume("volume"), PressureTap("lid", at=(0.0, top))])
+    s = Simulation(case, MPI.COMM_SELF)
+    isolated = s.solve_start()
+    samplers, found = probes.build(case, s.comm), []
+    for _ in range(steps):
+        isolated = max(isolated, s.advance().isolated)
+        found.append([value[0] for value in probes.sample_all(samplers, s.particles, s.domain, s.time).values()])
+    inside = s.particles.x[s.particles.kind == FLUID, 1].max() < top
+    s.destroy()
+    assert inside
+    return np.array(found).T, isolated
+
+
+@pytest.mark.parametrize("preset", ["gentle", "violent"])
+def test_wave_that_stays_below_the_lid(preset):
+    """A fifth of a spacing high, where the lid is one spacing above the water."""
+    (far, _, _), _ = swayed(8, 0.004, 120, preset=preset, time_step=0.01)
+    (near, _, lid), isolated = swayed(1, 0.004, 120, preset=preset, time_step=0.01)
+    assert 0.15 * S < np.abs(far - DEPTH).max() < 0.25 * S
+    np.testing.assert_allclose(near, far, atol=1e-8)
+    assert isolated == 0 and not lid.any()
+
+
+@pytest.mark.parametrize("gap", [1, 3])
+def test_crest_that_hits_the_lid(gap):
+    """One spacing of air is so little that the water closes it here and there: it must not collapse then."""
+    (left, volume, lid), isolated = swayed(gap, 0.05, 250)
+    assert lid.max() > 500.0 and np.abs(lid).max() < 2e4
+    assert left.min() < DEPTH - S, "it comes down again"
+    assert np.abs(volume - 1.0).max() < 0.05
+    assert gap == 1 or isolated == 0
