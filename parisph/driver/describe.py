@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from parisph.base import memory
-from parisph.case import scales, size
+from parisph.case import geometry, scales, size
 from parisph.driver import cost
 
 
@@ -31,9 +31,17 @@ def describe(case, parameters=None):
         ("memory", _memory(count["all"])),
         ("probes", ", ".join(probe.name for probe in case.probes) or "none"),
     ]
+    lines += [("warning", text) for text in _warnings(case, count)]
     if parameters:
         lines.append(("--set", ", ".join(f"{name}={_text(value)}" for name, value in parameters.items())))
     return "\n".join(f"{name:<12}{text}" for name, text in lines)
+
+
+def _warnings(case, count):
+    """Say what the lattice shows already: water without a surface, whose pressure has no level."""
+    if not case.closed and count["exact"] and not geometry.lattice(case).has_surface():
+        yield (f"none of the {count['fluid']} particles of fluid is on a free surface, so p = 0 is set at the highest one alone; leave a "
+               "spacing of air, or fill the tank with a Box that is as large, and without elevation")
 
 
 def _memory(particles):

@@ -159,13 +159,14 @@ class _Run:
             self.store.add_series(f"probes/{sampler.name}", sampler.columns, self.watch.title(sampler))
         log.logger.info(f"{self.case.title}: {s.particles.n_global} particles on {self.comm.size} "
                         f"rank{'s' * (self.comm.size > 1)}, {'into' if first else 'on in'} {self.store.folder}")
+        isolated = 0
         if first:
-            s.solve_start()
+            isolated = s.solve_start()
         else:
             s.domain.refresh()
         if self.source is not None:
             self.peaks.bring(self.source)
-        self.account.start(s)
+        self.account.start(s, isolated)
         if first:
             self._write(self.watch.at_start())
             self._snapshot()
@@ -185,7 +186,8 @@ class _Run:
             if self.snapshots.due(s.reached) or s.finished():    # and before the checkpoint, which follows
                 self._snapshot()
             self.peaks.write(self.store)
-        self.account.step(report)
+        with s.timers("probes"):
+            self.account.step(s, report)
         self.clock.step()
         self.progress.step(s, report)
         self._pause(signals, self.checkpoints.due(s.time + 0.5 * s.dt))
@@ -252,7 +254,10 @@ class _Run:
     def _close(self, error):
         """Write the summary whatever has happened, and return it or raise the error. Collective."""
         self.progress.close()
-        status = "completed"
+        warnings = self.account.warnings()
+        status = "completed with warnings" if warnings else "completed"
+        for line in warnings:
+            log.logger.warning(line)
         if error is not None:
             status = "interrupted" if isinstance(error, Interrupted) else f"failed: {error}"
         log.logger.debug(status)    # into the log file alone

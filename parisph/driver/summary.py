@@ -8,10 +8,15 @@ from time import perf_counter, process_time
 import numpy as np
 
 from parisph.base.errors import ParisphError
-from parisph.case.schema import Energy, Volume
-from parisph.io import probes, reader
+from parisph.base.fields import FLUID
+from parisph.base.log import logger
+from parisph.driver.conservation import Conservation
+from parisph.io import reader
 from parisph.io.files import on_first
 from parisph.study import truth
+
+
+FEW, SHARE = 4, 1e-3    # isolated particles, and their share of all, that are not worth a word
 
 
 class Account:
@@ -25,36 +30,47 @@ class Account:
         self.wall, self.cpu = perf_counter(), process_time()
         self.fallbacks = 0
         self.divergence = None
-        self.last = {"energy": None, "volume": None}
+        self.conservation = None
+        self._notes = list(before.get("notes", ()))
 
     @classmethod
     def new(cls):
         """Return the account of a run that begins."""
-        return cls({"wall": 0.0, "cpu": 0.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0, "energy": None, "volume": None})
+        return cls({"wall": 0.0, "cpu": 0.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0})
 
     @classmethod
     def resumed(cls, state):
         """Return the account of a run that goes on from a checkpoint's state."""
         return cls(state["account"])
 
-    def start(self, simulation):
-        """Take energy and volume at the start of the run. Collective."""
-        watched = (Energy(name="energy"), *((Volume(name="volume"),) if simulation.case.dim == 2 else ()))
-        self._watch = probes.build(simulation.case.model_copy(update={"probes": watched}), simulation.comm)
+    def start(self, simulation, isolated=0):
+        """Take energy and volume at the start of the run, or of this part of it. Collective.
+
+        isolated : particles that no free surface anchors in the first solve (Simulation.solve_start)
+        """
+        p = simulation.particles
+        fluid = p.comm.allreduce(int(np.count_nonzero(p.kind == FLUID)))
+        if isolated > max(FEW, SHARE * fluid):
+            self._notes.append(f"{isolated} particles had no contact with a free surface at the start, of {fluid} of fluid and those of the "
+                               "walls: p = 0 was set at the highest of them alone")
+            logger.warning(self._notes[-1])
+        start = {name: self.before.get(name) for name in ("energy", "volume")}    # of a checkpoint by an older parisph
+        self.conservation = Conservation(simulation, self.before.get("conservation"), start)
         self.measure(simulation)
-        if self.before["energy"] is None:
-            self.before.update(self.last)
 
     def measure(self, simulation):
         """Take energy and volume as they are now. Collective."""
-        found = probes.sample_all(self._watch, simulation.particles, simulation.domain, simulation.time)
-        named = {w.name: dict(zip(w.columns, found[w.name])) for w in self._watch}
-        self.last = {"energy": named["energy"]["total"], "volume": named.get("volume", {}).get("cell")}
+        self.conservation.measure(simulation)
 
-    def step(self, report):
-        """Count a step. Not collective."""
+    def step(self, simulation, report):
+        """Count a step that was made. Collective."""
         self.fallbacks += (report.fallback != "") + (report.position_fallback != "")
         self.divergence = report.divergence
+        self.conservation.step(simulation)
+
+    def warnings(self):
+        """Return one line for each thing of the whole run that a user should know of. Not collective."""
+        return self._notes + (self.conservation.warnings() if self.conservation else [])
 
     def state(self, simulation, comm=None):
         """Return what a checkpoint must hold to go on counting. Collective.
@@ -68,7 +84,8 @@ class Account:
             "cpu": self.before["cpu"] + comm.allreduce(process_time() - self.cpu),
             "phases": _sums(self.before["phases"], wall),
             "cpu_phases": _sums(self.before["cpu_phases"], timers.reduce_cpu(comm)),
-            "fallbacks": self.before["fallbacks"] + self.fallbacks,
+            "fallbacks": self.before["fallbacks"] + self.fallbacks, "notes": self._notes,
+            "conservation": self.conservation.state() if self.conservation else self.before.get("conservation", {}),
         }}
 
     def summary(self, simulation, store, status, comm=None):
@@ -83,12 +100,9 @@ class Account:
         content = {
             "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": s.comm.size,
             "particles": int(s.particles.n_global), "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,
-            "status": status, "wall_seconds": account["wall"], "cpu_seconds": account["cpu"],
+            "status": status, "warnings": self.warnings(), "wall_seconds": account["wall"], "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
-            "volume_drift": _drift(self.last["volume"], account["volume"]),
-            "energy_drift": _drift(_with(self.last["energy"], s.left.energy), account["energy"]), "driven": s.case.driven,
-            "left": vars(s.left),
-            "divergence": self.divergence, "peak_memory_mb": peak,
+            **self._kept(s), "left": vars(s.left), "divergence": self.divergence, "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(store.about["versions"]),
             "petsc_options": store.about["petsc_options"],
         }
@@ -97,20 +111,15 @@ class Account:
             content["iterations"], content["errors"] = found
         return comm.bcast(content)
 
-
-def _with(energy, left):
-    """Return the energy of the fluid in the tank and of that which has left it, None if it is not known."""
-    return None if energy is None else energy + left
+    def _kept(self, simulation):
+        """Return what the summary says of volume and energy. Not collective: a run may end before it has looked at them."""
+        if self.conservation is None:
+            return {"volume_drift": None, "energy_drift": None, "driven": simulation.case.driven}
+        return self.conservation.content()
 
 
 def _sums(before, now):
     return {name: before.get(name, 0.0) + now.get(name, 0.0) for name in (*before, *(n for n in now if n not in before))}
-
-
-def _drift(end, start):
-    if end is None or not start or not np.isfinite(end):
-        return None
-    return end / start - 1.0
 
 
 def _from_files(case, store):

@@ -39,6 +39,8 @@ def _plain(entries):
 def _entries(summary):
     get = summary.get
     yield "status", get("status")
+    for warning in get("warnings") or ():
+        yield "warning", str(warning)
     yield "method", get("method")
     yield "ranks", _number(get("ranks"), "d")
     yield "particles", _number(get("particles"), ",d")
@@ -56,9 +58,10 @@ def _entries(summary):
     left = get("left") or {}
     if left.get("particles"):
         yield "left the tank", f"{left['particles']:,d} particles over the rim, {left['volume']:.4g} m2 of water"
-    yield "volume drift", _number(get("volume_drift"), "+.2%")
-    # if work is done on the fluid, a change of its energy is not an error
-    yield "energy change" if get("driven") else "energy drift", _number(get("energy_drift"), "+.2%")
+    yield "volume drift", _drift(get("volume_drift"), get("volume_range"))
+    # where work is done on the fluid a change of its energy is no error
+    yield "energy change" if get("driven") else "energy drift", _drift(get("energy_drift"), get("energy_range"))
+    yield "in motion", _motion(get("energy_in_motion"))
     for probe, error in (get("errors") or {}).items():
         if isinstance(error, dict) and error.get("relative_l2") is None:
             yield f"error of {probe}", f"not judged: {error.get('reason', 'no reason is known')}"
@@ -70,3 +73,24 @@ def _entries(summary):
 
 def _number(value, form, unit=""):
     return None if value is None else format(value, form) + unit
+
+
+def _drift(end, extremes):
+    """A change from start to end, and its extremes on the way."""
+    text = _number(end, "+.2%")
+    if not isinstance(extremes, dict):
+        return text
+    return (f"{text or 'not known at the end'} (lowest {extremes['low']:+.2%} at {extremes['low_time']:.4g} s, "
+            f"highest {extremes['high']:+.2%} at {extremes['high_time']:.4g} s)")
+
+
+def _motion(energy):
+    """The energy of waves and flow, without that of the water at rest."""
+    if not isinstance(energy, dict):
+        return None
+    unit = energy["unit"]
+    text = f"{energy['start']:.4g} {unit} at the start, "
+    text += "not known at the end" if energy["end"] is None else f"{energy['end']:.4g} {unit} at the end"
+    if energy.get("drift") is not None:
+        text += f" ({energy['drift']:+.2%} by drift)"
+    return f"{text}, highest {energy['high']:.4g} {unit} at {energy['high_time']:.4g} s"

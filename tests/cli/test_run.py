@@ -106,7 +106,7 @@ def test_a_fault_in_the_step_of_one_rank_ends_the_run(place):
     left = summary(place / "runs/dam")
     assert left["status"] == "failed: rank 1: ZeroDivisionError: in one rank's step"
     assert (left["ranks"], left["steps"]) == (2, 2) and left["wall_seconds"] > 0.0
-    assert left["energy_drift"] == left["volume_drift"] == 0.0    # of the last checkpoint, that of the start
+    assert left["volume_drift"] == 0.0 and 0.0 < abs(left["energy_drift"]) < 1e-3    # of the last sample, and of the last step
     assert left["iterations"]["max"] > 0 and len(left["peak_memory_mb"]) == 1
 
 

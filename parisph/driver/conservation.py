@@ -1,0 +1,170 @@
+"""What a run shall keep: volume and energy, as they began, as they are, and at their worst in between."""
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Optional
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph.case.schema import Box, Energy, Volume
+from parisph.io import probes
+from parisph.io.sampling import Scene, View
+
+EVERY = 10             # steps between two looks at the volume, which take as long as a twelfth of a step
+VOLUME_LIMIT = 0.02    # change of the volume that is worth a warning
+ENERGY_LIMIT = 2e-3    # rise of the energy above its start, of a flow on which no work is done
+
+
+@dataclass
+class Range:
+    """A quantity over a run: at its start, now, and at its extremes, with their times [s].
+
+    missing, missing_since : how often it was no number, and when first
+    """
+
+    start: Optional[float] = None
+    now: Optional[float] = None
+    low: Optional[float] = None
+    low_time: Optional[float] = None
+    high: Optional[float] = None
+    high_time: Optional[float] = None
+    missing: int = 0
+    missing_since: Optional[float] = None
+
+    def add(self, time, value):
+        """Count a value of `time` [s]; None or what is no number counts as missing."""
+        value = math.nan if value is None else float(value)
+        self.now = value if math.isfinite(value) else None
+        if self.now is None:
+            self.missing += 1
+            self.missing_since = time if self.missing_since is None else self.missing_since
+            return
+        self.start = value if self.start is None and not self.missing else self.start
+        if self.low is None or value < self.low:
+            self.low, self.low_time = value, time
+        if self.high is None or value > self.high:
+            self.high, self.high_time = value, time
+
+    def relative(self, value):
+        """Return a value over the start, less one; None where that says nothing."""
+        return value / self.start - 1.0 if self.start and value is not None else None
+
+    def extremes(self):
+        """Return {"low", "low_time", "high", "high_time"} over the start, less one; None without a start."""
+        if self.relative(self.low) is None:
+            return None
+        return {"low": self.relative(self.low), "low_time": self.low_time,
+                "high": self.relative(self.high), "high_time": self.high_time}
+
+
+class Conservation:
+    """Follows volume and energy through a run, and over restarts.
+
+    The energy is looked at in each step, the volume (mean Voronoi cell inside the fluid) in one of EVERY.
+    What has left the tank stays in the energy with what it had then. The energy in motion is
+    kinetic plus potential energy above the fluid at rest in the tank: that of the waves, which is
+    little beside the potential energy of all the water.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    state : dict of an earlier part of the run (`state()`), possibly empty
+    start : {"energy", "volume"} of the start of the run or None, where `state` does not know it
+    """
+
+    def __init__(self, simulation, state=None, start=None):
+        case = simulation.case
+        self._scene = Scene.of(case)
+        self._energy, = probes.build(case.model_copy(update={"probes": (Energy(name="energy"),)}), simulation.comm)
+        volume = (Volume(name="volume"),) if case.dim == 2 else ()
+        self._volume = probes.build(case.model_copy(update={"probes": volume}), simulation.comm)
+        self._driven, self._at_rest = case.driven, _rest(case, self._scene)
+        state, start = state or {}, start or {}
+        self.energy, self.motion, self.volume = (
+            Range(**state[name]) if name in state else Range(start=start.get(name)) for name in ("energy", "motion", "volume"))
+
+    def step(self, simulation):
+        """Look at what a step has made of the energy, and now and then of the volume. Collective."""
+        self._look_at_energy(simulation)
+        if simulation.steps % EVERY == 0:
+            self._look_at_volume(simulation)
+
+    def measure(self, simulation):
+        """Look at both. Collective."""
+        self._look_at_energy(simulation)
+        self._look_at_volume(simulation)
+
+    def state(self):
+        """Return what a checkpoint must hold to go on. Not collective."""
+        return {name: asdict(getattr(self, name)) for name in ("energy", "motion", "volume")}
+
+    def content(self):
+        """Return the part of summary.json. Not collective."""
+        energy, volume, motion = self.energy, self.volume, self.motion
+        change = None
+        if not self._driven and motion.start and energy.now is not None and motion.start > 1e-12 * abs(energy.start):
+            change = (energy.now - energy.start) / motion.start
+        return {
+            "volume_drift": volume.relative(volume.now), "volume_range": volume.extremes(),
+            "energy_drift": energy.relative(energy.now), "energy_range": energy.extremes(),
+            "energy_in_motion": None if motion.low is None else {
+                "start": motion.start, "end": motion.now, "high": motion.high, "high_time": motion.high_time, "drift": change,
+                "unit": self._energy.columns["total"]},
+            "driven": self._driven,
+        }
+
+    def warnings(self):
+        """Return one line for each thing that should not be. Not collective."""
+        found = []
+        volume, energy = self.volume.extremes(), self.energy.extremes()
+        for name in ("low", "high") if volume else ():
+            if abs(volume[name]) > VOLUME_LIMIT:
+                found.append(f"the volume was {volume[name]:+.1%} off its start at t = {volume[name + '_time']:.4g} s, "
+                             f"more than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step")
+        if energy and not self._driven and energy["high"] > ENERGY_LIMIT:
+            found.append(f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, though nothing "
+                         "does work on the fluid: use a smaller spacing or time step")
+        reasons = {"energy": "a velocity or position is out of range", "volume": "nothing was 2.1 spacings inside the fluid"}
+        for name, reason in reasons.items():
+            gaps = getattr(self, name)
+            if gaps.missing and gaps.start is not None:
+                found.append(f"the {name} was not a number {gaps.missing} time{'s' * (gaps.missing > 1)}, "
+                             f"first at t = {gaps.missing_since:.4g} s: {reason}")
+        return found
+
+    def _look_at_energy(self, simulation):
+        s, p = simulation, simulation.particles
+        sums = np.array([*self._energy.sums(View(p, s.domain)), p.volume.sum()])
+        s.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
+        kinetic, potential, total = self._energy.values(sums[:2], None)
+        self.energy.add(s.time, total + s.left.energy)
+        if self._at_rest is not None:
+            self.motion.add(s.time, kinetic + potential - self._at_rest(sums[2]))
+
+    def _look_at_volume(self, simulation):
+        s = simulation
+        if self._volume:
+            found = probes.sample_all(self._volume, s.particles, s.domain, s.time)
+            self.volume.add(s.time, found["volume"][0])
+
+
+def _rest(case, scene):
+    """Return the potential energy at rest as a function of the volume, or None where it means nothing.
+
+    A tank of upright walls under gravity that points down. Particles stand for volumes about them, as at the
+    start (Lattice.cells): lying flat on the lattice they have the height d^2/2 + s^2/2 where water of the depth
+    d has d^2/2, since those at the bed stand for 3/2 cells and those on the surface for 1/2. That counts where
+    the water is as wide as the tank; what flows into another shape comes to rest off the lattice. Without any
+    force there is no potential energy.
+    """
+    g, density = scene.gravity, case.fluid.density
+    if not case.driven and not g.any():
+        return lambda volume: 0.0
+    if not scene.tank or np.abs(g[:-1]).max(initial=0.0) > 1e-12 * abs(g[-1]) or not g[-1] < 0.0:
+        return None
+    width = float(np.prod((scene.upper - scene.lower)[:-1]))
+    shape = case.fluid.shape
+    spans = isinstance(shape, Box) and not case.closed and np.allclose(shape.size[:-1], (scene.upper - scene.lower)[:-1])
+    extra = width * scene.step[-1] ** 2 if spans else 0.0
+    return lambda volume: 0.5 * density * abs(g[-1]) * (volume**2 / width + extra)

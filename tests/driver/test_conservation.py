@@ -1,0 +1,187 @@
+"""What a run says of volume and energy: at the end, at their worst, and when that is worth a warning."""
+
+import json
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph import Box, Case, Fluid, Numerics, Output, Polygon, Tank
+from parisph.driver import Simulation, describe, restart, run
+from parisph.driver.conservation import Conservation, Range
+from parisph.driver.summary import Account
+from parisph.io import describe as words
+from tests.scenes import scene
+
+
+def started(case):
+    """Return a Simulation at its start, and its Conservation that has looked at it."""
+    s = Simulation(case, MPI.COMM_SELF)
+    s.solve_start()
+    kept = Conservation(s)
+    kept.measure(s)
+    return s, kept
+
+
+def test_range_knows_start_end_extremes_and_what_was_missing():
+    found = Range()
+    for time, value in ((0.0, 2.0), (1.0, 1.0), (2.0, np.nan), (3.0, 5.0), (4.0, np.inf), (5.0, 3.0)):
+        found.add(time, value)
+    assert (found.start, found.now, found.missing, found.missing_since) == (2.0, 3.0, 2, 2.0)
+    assert found.extremes() == {"low": -0.5, "low_time": 1.0, "high": 1.5, "high_time": 3.0}
+    assert found.relative(found.now) == 0.5
+
+
+def test_range_without_a_start_compares_nothing():
+    found = Range()
+    found.add(0.0, None)
+    found.add(1.0, 2.0)
+    assert found.start is None and found.extremes() is None and found.relative(2.0) is None
+
+
+def test_volume_that_was_off_on_the_way_is_named(tmp_path):
+    """The drop on the lattice is 2.9 % off at .7 s, and .2 % at its end."""
+    summary = run(scene("free_drop"), MPI.COMM_SELF, tmp_path / "run", progress=False)
+    assert abs(summary["volume_drift"]) < 0.01 < 0.02 < summary["volume_range"]["high"]
+    assert summary["status"] == "completed with warnings" and len(summary["warnings"]) == 1
+    assert "volume" in summary["warnings"][0] and f"{summary['volume_range']['high_time']:.4g} s" in summary["warnings"][0]
+    assert json.loads((tmp_path / "run" / "summary.json").read_text())["warnings"] == summary["warnings"]
+    lines = words.table(summary)
+    assert any(line.startswith("warning ") and "volume" in line for line in lines)
+    assert any(line.startswith("volume drift ") and "highest +2." in line for line in lines)
+    assert "volume" in (tmp_path / "run" / "run.log").read_text()
+
+
+def test_energy_that_comes_from_nothing_is_named():
+    s, kept = started(scene("rotating_patch", spacing=0.1))
+    s.advance()
+    kept.step(s)
+    assert not kept.warnings()
+    s.particles.u *= 1.01
+    kept.step(s)
+    s.particles.u /= 1.01
+    kept.step(s)
+    content = kept.content()
+    assert content["energy_range"]["high"] == pytest.approx(0.02, rel=0.1) and content["energy_drift"] < 1e-3
+    (line,) = kept.warnings()
+    assert "energy" in line and "%" in line and f"{s.time:.4g} s" in line
+    s.destroy()
+
+
+def test_energy_of_a_driven_flow_may_rise():
+    s, kept = started(scene("free_drop", spacing=0.1, stiffness=1.0))
+    s.particles.u *= 2.0
+    kept.step(s)
+    assert kept.content()["driven"] and not kept.warnings()
+    s.destroy()
+
+
+@pytest.mark.parametrize("field", ["u", "x"])
+def test_what_is_no_number_is_named(field):
+    s, kept = started(scene("rotating_patch", spacing=0.1))
+    getattr(s.particles, field)[3] = np.nan
+    kept.step(s)
+    (line,) = kept.warnings()
+    assert "energy was not a number 1 time, first at t = 0 s" in line
+    assert kept.content()["energy_drift"] is None and kept.content()["energy_range"]["high"] == 0.0
+    s.destroy()
+
+
+# -- energy in motion -------------------------------------------------------------------------------
+
+
+def in_motion(case):
+    s, kept = started(case)
+    s.destroy()
+    return kept.content()["energy_in_motion"]
+
+
+def test_energy_in_motion_of_a_standing_wave():
+    """rho g a^2 L/4 of a wave whose water is far more, at the start all kinetic; the same if it is raised instead."""
+    due = 0.25 * 1000.0 * 9.81 * 0.025**2 * 2.0
+    assert in_motion(scene("standing_wave", spacing=0.025))["start"] == pytest.approx(due, rel=0.02)
+    raised = Case(title="raised", fluid=Fluid(Box(width=2.0, height=1.0), density=1000.0, elevation="0.025*cos(pi*x)"),
+                  walls=Tank(width=2.0, height=1.5), gravity=(0.0, -9.81), numerics=Numerics(spacing=0.025), end_time=1.0)
+    assert in_motion(raised)["start"] == pytest.approx(due, rel=0.03)
+
+
+def test_energy_in_motion_of_water_at_rest_and_of_a_column():
+    assert in_motion(scene("hydrostatic", spacing=0.1))["start"] == pytest.approx(0.0, abs=1e-9)
+    full = Case(title="full", fluid=Fluid(Box(width=1.0, height=1.0), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
+                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1), end_time=1.0)
+    assert in_motion(full)["start"] == pytest.approx(0.0, abs=1e-8)
+    column = in_motion(scene("dam_break", spacing=0.05))["start"]    # H^2 L/2 - (L H/D)^2 D/2
+    assert column == pytest.approx(9810.0 * (0.25 - 0.0625), rel=0.01)
+
+
+def test_energy_in_motion_where_nothing_pulls_is_the_kinetic_one():
+    found = in_motion(scene("rotating_patch", spacing=0.1))
+    assert found["start"] == pytest.approx(1000.0 / 12.0, rel=0.03) and found["drift"] == 0.0
+
+
+def test_energy_in_motion_means_nothing_without_a_level():
+    assert in_motion(scene("free_drop", spacing=0.1)) is None
+    tilted = scene("hydrostatic", spacing=0.1).changed(gravity=(1.0, -9.81))
+    assert in_motion(tilted) is None
+
+
+# -- over a restart, and of a run that has no surface ---------------------------------------------------
+
+
+def column(end_time):
+    return Case(title="column", fluid=Fluid(Box(width=0.5, height=0.5), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
+                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05, time_step=0.005), output=Output(checkpoint_every=0.1),
+                end_time=end_time)
+
+
+def test_extremes_go_on_over_a_restart(tmp_path):
+    whole = run(column(0.3), MPI.COMM_SELF, tmp_path / "whole", progress=False)
+    first = run(column(0.2), MPI.COMM_SELF, tmp_path / "parts", progress=False)
+    both = restart(tmp_path / "parts", MPI.COMM_SELF, until=0.3, progress=False)
+    for name in ("volume_range", "energy_range", "energy_in_motion"):
+        for key, value in whole[name].items():
+            assert both[name][key] == (value if isinstance(value, str) else pytest.approx(value, rel=1e-6, abs=1e-9)), (name, key)
+    assert both["energy_range"]["high"] >= first["energy_range"]["high"]
+
+
+def test_account_of_an_older_run_is_taken_up():
+    """It knows volume and energy at the start alone."""
+    s = Simulation(column(0.3), MPI.COMM_SELF)
+    s.solve_start()
+    account = Account.resumed({"account": {"wall": 1.0, "cpu": 1.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0,
+                                           "energy": 2000.0, "volume": 1.0}})
+    account.start(s)
+    content = account.conservation.content()
+    assert content["energy_drift"] == pytest.approx(account.conservation.energy.now / 2000.0 - 1.0)
+    assert set(account.state(s)["account"]["conservation"]) == {"energy", "motion", "volume"}
+    s.destroy()
+
+
+def without_surface():
+    """A polygon that fills a tank with a lid: no particle of it lies on a surface."""
+    corners = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    return Case(title="full polygon", fluid=Fluid(Polygon(corners), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
+                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle"), end_time=0.1)
+
+
+def test_fluid_without_a_surface_is_announced(tmp_path):
+    case = without_surface()
+    assert "warning" in describe(case) and "none of the 81 particles of fluid is on a free surface" in describe(case)
+    assert "warning" not in describe(column(0.3))
+    summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    assert summary["status"] == "completed with warnings"
+    assert any("121 particles had no contact with a free surface at the start, of 81 of fluid" in line for line in summary["warnings"])
+
+
+def test_fluid_without_a_surface_rests_all_the_same():
+    """p = 0 at one particle of the highest ones, and the weight of the water below it."""
+    s = Simulation(without_surface(), MPI.COMM_SELF)
+    assert s.solve_start() == 121
+    for _ in range(20):
+        s.advance()
+    p = s.particles
+    np.testing.assert_allclose(p.p - p.p.max(), 9810.0 * -p.x[:, 1], atol=1e-3 * 9810.0)
+    top = p.p[np.abs(p.x[:, 1] - 0.9) < 1e-3]
+    assert np.abs(top).max() < 1e-3 * 9810.0
+    assert np.abs(p.u).max() < 1e-6
+    s.destroy()
