@@ -26,7 +26,7 @@ LONGEST, WIDEST = 2000, 400     # characters of a message, and of one of its lin
 KINDS = (bad_cases.field, bad_words.line, bad_cases.field, bad_files.stored, bad_cases.file, bad_words.setting, bad_cases.field, bad_words.name, bad_files.reference,
          bad_words.line, bad_cases.field, bad_files.folder, bad_words.value, bad_cases.mutated, bad_files.stored, bad_files.truth, bad_cases.field, bad_words.setting,
          bad_files.checkpoint, bad_files.folder, bad_words.long_name, bad_words.line)
-OWN, RANKS = 10, 50             # each so manieth attempt has a process of its own, or two ranks
+OWN, RANKS = 0.1, 0.1           # shares of the attempts in a process of their own; and, of runs and restarts, on two ranks
 SOUND = """
 from tests.scenes import scene
 def case():
@@ -49,7 +49,7 @@ def make(count, random, folder):
             place = folder / f"try{number}"
             place.mkdir()
             attempt.prepare(place, sound)
-            found = _judge(attempt, place, *_carry_out(attempt, number, worker, place, sound))
+            found = _judge(attempt, place, *_carry_out(attempt, random.random(2), worker, place, sound))
             if found is None and _tree(sound) != before:
                 found, before = f"{attempt.what}: has changed a sound run", _tree(sound)
             yield found
@@ -65,14 +65,17 @@ def _sound(worker, folder):
     return folder / "sound"
 
 
-def _carry_out(attempt, number, worker, place, sound):
-    """Return (files before, what was said of the attempt: see `answer`, or a text if there is no answer)."""
+def _carry_out(attempt, chance, worker, place, sound):
+    """Carry out an attempt in one way or another, by two random numbers from 0 to 1.
+
+    Returns (files before, what was said of the attempt: see `answer`, or a text if there is no answer).
+    """
     words = [word.replace("{run}", str(sound)) for word in attempt.words]
     before = _tree(place)
     possible = not any("\0" in word or len(word) > 100_000 or any("\ud800" <= character <= "\udc7f" for character in word) for word in words)
-    if possible and number % RANKS == RANKS - 1 and words and words[0] in ("run", "restart"):
+    if possible and chance[0] < RANKS and words and words[0] in ("run", "restart"):
         return before, _on_two_ranks(words, place)
-    if possible and number % OWN == OWN - 1:
+    if possible and chance[1] < OWN:
         return before, _by_itself(words, place)
     error, said = worker.ask({"words": words, "folder": str(place)})
     return before, f"{error}: {said}" if error else said
