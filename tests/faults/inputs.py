@@ -18,9 +18,10 @@ from parisph import __main__ as entry
 from parisph.base.text import is_plain
 from tests.faults import bad_cases, bad_files, bad_words
 from tests.faults.answering import Answering
-from tests.launch import clean_environment, mpirun
+from tests.launch import clean_environment, mpirun, parisph
 
 SECONDS, MEMORY = 20.0, 1e9     # for one attempt [s], [bytes]
+COMPILE = 300.0                 # for the sound run [s]
 LONGEST, WIDEST = 2000, 400     # characters of a message, and of one of its lines
 # What is tried, in turn: the more there is of a kind, the more often.
 KINDS = (bad_cases.field, bad_words.line, bad_cases.field, bad_files.stored, bad_cases.file, bad_words.setting, bad_cases.field, bad_words.name, bad_files.reference,
@@ -40,7 +41,7 @@ def make(count, random, folder):
     for kind in turns:
         turns[kind] = int(random.integers(1000))
     with Answering("tests.faults.inputs") as worker:
-        sound = _sound(worker, folder)
+        sound = _sound(folder)
         before = _tree(sound)
         for number in range(count):
             kind = KINDS[number % len(KINDS)]
@@ -56,12 +57,12 @@ def make(count, random, folder):
             shutil.rmtree(place)
 
 
-def _sound(worker, folder):
-    """Make the run that commands may look at."""
+def _sound(folder):
+    """Make the run that commands may look at; the first one on a machine compiles the kernels."""
     (folder / "sound.py").write_text(SOUND)
-    error, said = worker.ask({"words": ["run", str(folder / "sound.py"), "-o", str(folder / "sound"), "-q"], "folder": str(folder)})
-    if error or said["code"] != 0:
-        raise RuntimeError(f"no sound run: {error} {said}")
+    done = parisph("run", "sound.py", "-o", "sound", "-q", timeout=COMPILE, cwd=folder)
+    if done.returncode != 0:
+        raise RuntimeError(f"no sound run: {done.stderr}")
     return folder / "sound"
 
 
