@@ -41,8 +41,8 @@ Peak = Annotated[bool, Field(description="whether the flow at the greatest value
 class Probe(Model):
     """A named probe, written to probes/NAME.csv.
 
-    With peak=True the run keeps the flow at the greatest value of the probe (of its first column) in
-    peaks/NAME.vtkhdf; all steps are then looked at, however seldom samples are written.
+    With peak=True the run writes the flow at the greatest value of the probe (of its first column) to
+    peaks/NAME.vtkhdf. Every step counts for this, even if samples are written less often.
     """
 
     name: str = Field(description="name of the probe and of its file")

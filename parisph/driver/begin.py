@@ -1,4 +1,4 @@
-"""What a run needs before it begins: its folder, the lock of it, and the checkpoint and the case to go on with."""
+"""Preparation of a run: its folder, the folder's lock, and for a restart the checkpoint and the case."""
 
 import json
 import os
@@ -21,10 +21,10 @@ from parisph.io.lock import Lock
 
 @contextmanager
 def left_only_if_used(made: Sequence[Path] | None, old: Path | None = None) -> Iterator[None]:
-    """Remove the folders that were made for a run, if it ends before anything is written into them. Not collective.
+    """Remove the folders that were made for a run if it ends before anything is written to them. Not collective.
 
     made : folders, the innermost first, on the rank that made them, else None
-    old : where an earlier run was moved to, which then comes back; else None
+    old : folder that an earlier run was moved to, which is then moved back; else None
     """
     try:
         yield
@@ -37,7 +37,7 @@ def left_only_if_used(made: Sequence[Path] | None, old: Path | None = None) -> I
 
 @contextmanager
 def locked(comm: MPI.Comm, folder: Path, force: bool) -> Iterator[Lock | None]:
-    """The lock of a folder (on rank 0; None on the others), given back at the end. Collective.
+    """Hold the lock of a folder (on rank 0; None on the others) and release it at the end. Collective.
 
     Raises StoreError on every rank if another process writes into the folder.
     """
@@ -52,7 +52,7 @@ def locked(comm: MPI.Comm, folder: Path, force: bool) -> Iterator[Lock | None]:
 def new_folder(folder: Path, overwrite: bool = False, force: bool = False) -> tuple[list[Path], Path | None]:
     """Make the folder for a new run, before any work.
 
-    Returns the folders that were made, the innermost first, and where an earlier run was moved to, else None.
+    Returns the folders that were made, the innermost first, and the folder that an earlier run was moved to, else None.
     Raises CaseError, StoreError, OSError.
     """
     given, folder, old = folder, folder.resolve(), None
@@ -67,27 +67,27 @@ def new_folder(folder: Path, overwrite: bool = False, force: bool = False) -> tu
 
 
 def _check_writable(folder):
-    """See that a file can be made in a folder. Raises OSError."""
+    """Check that a file can be made in a folder. Raises OSError."""
     probe = folder / f".{os.getpid()}.tmp"
     os.close(create(probe))
     probe.unlink()
 
 
 def check_run(folder: Path, path: Path) -> None:
-    """See that there is a run to go on with, and that its folder can be written. Raises StoreError, OSError."""
+    """Check that there is a run to continue, and that its folder can be written. Raises StoreError, OSError."""
     if not Path(path).exists():
         raise StoreError(f"{path}: no such folder or file")
     if not (folder / "case.json").exists() and not checkpoint.paths(folder / "checkpoints"):
         if Path(path).is_file():
             checkpoint.read(MPI.COMM_SELF, path)    # says what is wrong with it
-            raise StoreError(f"{path} is not in the folder of a run: say with -o DIR where to go on")
-        raise StoreError(f"{path} holds no run to go on with: it has neither case.json nor a checkpoint")
+            raise StoreError(f"{path} is not in the folder of a run: give a folder to continue in with -o DIR")
+        raise StoreError(f"{path} holds no run to continue: it has neither case.json nor a checkpoint")
     identity(folder)    # says what is wrong with case.json
     _check_writable(folder)
 
 
 def find(path: Path, folder: Path, comm: MPI.Comm) -> Path | None:
-    """Return the checkpoint file to go on from, None where a run has none yet, the same on every rank. Collective."""
+    """Return the checkpoint file to continue from, None if the run has none yet, the same on every rank. Collective."""
     def newest():
         if path.is_file():
             return path
@@ -96,7 +96,7 @@ def find(path: Path, folder: Path, comm: MPI.Comm) -> Path | None:
 
 
 def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: float | None) -> tuple[Case, str]:
-    """Return the case to go on with, and the identity of its run."""
+    """Return the case of the restart, and the identity of its run."""
     text = saved.case if saved else read_text(folder / "case.json")
     try:
         case = from_json(text)
@@ -107,18 +107,18 @@ def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: f
 
 def check_useful(saved: Checkpoint | None, case: Case, found: Path | None, folder: Path, elsewhere: bool, done: bool,
                  until: float | None) -> None:
-    """Raise CaseError where nothing is left to do, or where going on would take later results out of the run."""
+    """Raise CaseError if nothing is left to do, or if the restart would remove later results from the run."""
     last = checkpoint.paths(folder / "checkpoints")[-1:]
     if saved and not elsewhere and last and int(last[0].stem) > saved.step:
-        raise CaseError(f"{found} is not the last checkpoint of {folder}, which is {last[0]}: what came after step {saved.step} "
-                        "would be lost; give another folder with -o DIR, or go on from the last one")
+        raise CaseError(f"{found} is not the last checkpoint of {folder}, which is {last[0]}: results after step {saved.step} "
+                        "would be lost; give another folder with -o DIR, or continue from the last one")
     if done and (elsewhere or until is not None or _is_complete(folder)):
         raise CaseError(f"end_time = {case.end_time:g} s: the checkpoint {found} is of {saved.time:g} s already; "
                         "ask for more with --until")
 
 
 def _is_complete(folder):
-    """Return whether a run has a summary that says that it is completed."""
+    """Return whether the summary of a run says that it is completed."""
     try:
         return str(read_json(folder / "summary.json").get("status")).startswith("completed")
     except StoreError:

@@ -1,4 +1,4 @@
-"""The flow at the greatest values of probes, kept while the run goes on."""
+"""Snapshots of the flow at the greatest values of probes."""
 
 from types import SimpleNamespace
 
@@ -15,11 +15,11 @@ FALL = 0.1  # of the range of a probe so far: a value as far as this below the g
 
 
 class Peaks:
-    """Keeps the flow at the greatest value of each probe that asks for it (Probe.peak).
+    """Keeps the flow at the greatest value of each probe with peak=True.
 
-    When a probe is higher than ever, this rank's particles are copied in memory. They are written
-    once the value has clearly fallen, at each checkpoint and at the end of the run. The values are
-    those of every step, the same on all ranks.
+    When a probe has a new maximum, this rank's particles are copied in memory. They are written when
+    the value has clearly fallen, at each checkpoint, and at the end of the run. Every step counts, and
+    the values are the same on all ranks.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Peaks:
         self._saved = set(self._seen)   # probes whose file the last checkpoint knows
 
     def look(self, found):
-        """Hold the flow where a probe is higher than ever: {probe: values}, those of now. Collective."""
+        """Copy the flow if a probe has a new maximum. values : {probe: values} of this step. Collective."""
         s = self.simulation
         # all ranks write together or not at all: one of them says what the sums of all are, to the last bit
         values = s.comm.bcast([found[sampler.name][0] for sampler in self.samplers]) if self.samplers else ()
@@ -53,7 +53,7 @@ class Peaks:
             seen["now"] = value
 
     def write(self, store, all_of_them=False):
-        """Write the flows whose probes have clearly fallen since, or all that are held. Collective.
+        """Write the copies whose probes have clearly fallen since, or all copies. Collective.
 
         Raises StoreError on every rank.
         """
@@ -63,14 +63,14 @@ class Peaks:
             self._saved.discard(name)
 
     def state(self):
-        """Return what a checkpoint must hold to go on, after all has been written. Not collective."""
+        """Return the data that a checkpoint needs, after all copies have been written. Not collective."""
         self._saved = set(self._seen)
         return {name: dict(seen) for name, seen in self._seen.items()}
 
     def bring(self, folder):
-        """Take over the flows at the peaks so far from another folder of the run, to write them again. Collective.
+        """Read the flows at the peaks so far from another folder of the run, to write them again. Collective.
 
-        What is not there any more is said in the log, and is no error: the values stay in force.
+        The log names missing files; they are not an error, and the greatest values stay known.
         """
         s = self.simulation
         for name, seen in self._seen.items():
@@ -85,7 +85,7 @@ class Peaks:
         self._saved = set()
 
     def _read(self, folder, name, seen):
-        """Return {field: array} of the flow at the peak that was seen, None if it is not in the folder. One rank."""
+        """Return {field: array} of the flow at the known peak, None if it is not in the folder. One rank."""
         for place in (PEAKS, BEFORE):
             path = folder / place / f"{name}.vtkhdf"
             try:

@@ -4,8 +4,8 @@
     DIR/steps.csv                      one line per step
     DIR/probes/NAME.csv                one file per probe
     DIR/snapshots/NNNNNN.vtkhdf        the particles at one time
-    DIR/peaks/NAME.vtkhdf              the particles at the greatest value of a probe that asks for them
-    DIR/peaks/before/NAME.vtkhdf       those that the last checkpoint knows, if a higher value has come since
+    DIR/peaks/NAME.vtkhdf              the particles at the greatest value of a probe with peak=True
+    DIR/peaks/before/NAME.vtkhdf       those at the last checkpoint, if the value has been exceeded since
     DIR/flow.hdf.series                the list of snapshots, to open in ParaView
     DIR/checkpoints/NNNNNNNN.h5        the last two; the number is that of the step
     DIR/summary.json                   written at the end of the run, also if it failed

@@ -1,7 +1,9 @@
 """Read a run: `run = open_run(DIR)`, then fields and probes as numpy arrays. Needs no MPI."""
 
 import json
+import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +30,7 @@ class Run:
     probe_names : list of str
     """
 
-    def __init__(self, folder):
+    def __init__(self, folder: str | os.PathLike):
         self.folder = Path(folder)
         if not (self.folder / "case.json").exists():
             raise StoreError(f"{folder} is not the folder of a run: it has no case.json")
@@ -53,11 +55,11 @@ class Run:
         content.pop("files", None)    # digests, for reading the time series
         return content
 
-    def __len__(self):
+    def __len__(self) -> int:
         """Number of snapshots."""
         return len(self.times)
 
-    def snapshot(self, which=-1):
+    def snapshot(self, which: int | float = -1) -> dict[str, Any]:
         """Return the particles of a snapshot, given by its number (int; negative from the end) or the nearest time [s] (float).
 
         dict of arrays by the names of the field registry: x (n, dim) [m], u [m/s], p [Pa], role, kind,
@@ -66,10 +68,10 @@ class Run:
         number = self.number(which)
         return snapshot.read(self.folder / self._files[number], self.times[number], str(self.case.get("run", "")))
 
-    def peak(self, name):
-        """Return the particles at the greatest value of a probe, as `snapshot` does, with that value as `peak`.
+    def peak(self, name: str) -> dict[str, Any] | None:
+        """Return the particles at the greatest value of a probe, as from `snapshot`, with that value as `peak`.
 
-        None if the run has not kept them: the probe must have peak=True.
+        None if the run has not kept them, which needs a probe with peak=True.
         """
         self._probe_path(name)
         path = self.folder / PEAKS / f"{name}.vtkhdf"
@@ -80,7 +82,7 @@ class Run:
             raise StoreError(f"{path} is not the flow at the peak of {name}: another file has been copied over it")
         return {**found, "peak": float(about["peak"])}
 
-    def number(self, which):
+    def number(self, which: int | float) -> int:
         """Return the number of a snapshot given by number (int) or time (float)."""
         if len(self) == 0:
             raise StoreError(f"{self.folder} has no snapshots")
@@ -90,11 +92,11 @@ class Run:
             return int(which) % len(self)
         return int(np.argmin(np.abs(self.times - which)))
 
-    def probe(self, name):
+    def probe(self, name: str) -> np.ndarray:
         """Return a probe's series as a structured array with columns time [s], step and the probe's own."""
         return self._series(self._probe_path(name))
 
-    def units(self, name):
+    def units(self, name: str) -> dict[str, str]:
         """Return the unit of each column of a probe as a dict."""
         path = self._probe_path(name)
         try:
@@ -103,12 +105,12 @@ class Run:
             raise StoreError(f"cannot read {path}: {getattr(error, 'strerror', None) or 'it is not text'}") from None
 
     @property
-    def steps(self):
+    def steps(self) -> np.ndarray:
         """One line per step as a structured array: time, step, dt, iterations, ... (see steps.csv)."""
         return self._series(self.folder / "steps.csv", each_step=True)
 
     @property
-    def about(self):
+    def about(self) -> dict[str, Any]:
         """How the run was made: dict of versions, method, PETSc options, ranks, from its first snapshot."""
         if len(self) == 0:
             return {}
@@ -136,6 +138,6 @@ def _case(path):
     return content
 
 
-def open_run(folder):
+def open_run(folder: str | os.PathLike) -> Run:
     """Return the Run in `folder`, for notebooks and pictures. Raises StoreError if there is none."""
     return Run(folder)

@@ -72,7 +72,7 @@ def write(comm, path, slabs, decorate):
 
 
 def _laid_out(path, slabs, decorate):
-    """As _lay_out; of a file that disappears meanwhile HDF5 only says that it has no information."""
+    """Do _lay_out; if the file disappears meanwhile, HDF5 only reports that it has no information."""
     try:
         return _lay_out(path, slabs, decorate)
     except OSError as error:
@@ -82,7 +82,7 @@ def _laid_out(path, slabs, decorate):
 
 
 def _lay_out(path, slabs, decorate):
-    """Make the file with all but the rows, and return where in it the rows of each slab begin [bytes]."""
+    """Make the file without the rows, and return the offset of the rows of each slab in it [bytes]."""
     with open(create(path), "wb") as file:
         os.posix_fallocate(file.fileno(), 0, _size(slabs))
     with h5py.File(path, "w") as file:

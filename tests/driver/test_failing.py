@@ -167,7 +167,7 @@ def test_folder_that_cannot_be_written(folder, capfd, out, ranks):
 
 @pytest.mark.parametrize(("words", "code", "says"), [
     (["restart", "nowhere"], 5, "nowhere: no such folder or file"),
-    (["restart", "."], 5, "holds no run to go on with"),
+    (["restart", "."], 5, "holds no run to continue"),
     (["restart", "wild.py"], 5, "not a whole file of parisph"),
 ])
 def test_nothing_to_restart(folder, capfd, words, code, says):
