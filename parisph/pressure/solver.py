@@ -338,9 +338,9 @@ class PressureSolver:
 
     def _failure(self, tried):
         """Return the message of a solve in which all attempts failed."""
-        attempts = "; ".join(
-            f"{_NAMES[name]}: {_REASONS.get(reason, f'reason {reason}')} after {iterations} iterations, "
+        attempts = "".join(
+            f"\n  {_NAMES[name]}: {_REASONS.get(reason, f'reason {reason}')} after {iterations} iterations, "
             f"residual {residual:.1e}" for name, reason, iterations, residual in tried)
         return (f"the pressure equation ({self._total} unknowns) could not be solved to a relative residual of "
-                f"{self._goal:g}. Attempts: {attempts}. A frequent cause is a group of particles without contact "
+                f"{self._goal:g}. Attempts:{attempts}\n  A frequent cause is a group of particles without contact "
                 "with the free surface, or several particles in one place")
