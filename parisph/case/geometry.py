@@ -1,4 +1,4 @@
-"""From a case to its particles at the start, for any slice of them; and the walls as planes."""
+"""The initial particles of a case, or any slice of them, and the walls as planes."""
 
 import numpy as np
 
@@ -87,7 +87,7 @@ def _stretched(case, x):
 
 
 def _stretch(case, x):
-    """Return by how much the columns at x (n, dim) [m] are stretched, (n,)."""
+    """Return the stretch factor of the columns at x (n, dim) [m], (n,)."""
     if case.fluid.elevation is None:
         return np.ones(len(x))
     return 1.0 + _elevation(case, x[:, :-1]) / case.fluid.shape.size[-1]
@@ -151,9 +151,9 @@ def _walls(case, points, index, inward):
 
 
 def uniform(seed, number, columns):
-    """Return random numbers (n, columns) in [0, 1) that depend on the seed and the particle's number only.
+    """Return random numbers (n, columns) in [0, 1) that depend only on the seed and the particle's number.
 
-    A hash (splitmix64's finaliser) of a counter: no state, hence the same on any number of ranks.
+    They are a hash (splitmix64's finaliser) of a counter: without state, so the same on any number of ranks.
     """
     with np.errstate(over="ignore"):
         counter = np.asarray(number, dtype=np.uint64)[:, None] * np.uint64(columns) + np.arange(columns, dtype=np.uint64)

@@ -1,8 +1,8 @@
-"""The lattice on which a scene starts: which of its points are fluid, which are wall.
+"""The initial lattice of a scene: its fluid points and its wall points.
 
 In a tank the lattice begins at the tank's lower corner, so that wall particles lie on the wall and
-fluid at s, 2s, ... from it. Without a tank it begins at the lower corner of a Box or Polygon and
-has a point at the centre of a Disc. All in any number of dimensions.
+fluid at s, 2s, ... from it. Without a tank it begins at the lower corner of a Box or Polygon, and has
+a point at the centre of a Disc. It works in any number of dimensions.
 """
 
 import math
@@ -73,8 +73,8 @@ class Lattice:
     def is_surface(self, index):
         """Return which of the *fluid* lattice indices (n, dim) lack a neighbour along an axis.
 
-        A wall is a neighbour where the fluid reaches it: of water one spacing below a lid the uppermost
-        particles lie on the surface, of water up to the lid they lie just as high, and inside.
+        A wall counts as a neighbour where the fluid reaches it. The uppermost particles of water one spacing
+        below a lid are on the surface; those of water up to the lid are at the same height, but inside.
         """
         open_side = np.zeros(len(index), dtype=bool)
         for axis in range(index.shape[1]):
@@ -85,13 +85,13 @@ class Lattice:
         return open_side
 
     def cells(self, index):
-        """Return the volume of fluid that each of the *fluid* lattice indices (n, dim) stands for, in cells.
+        """Return the volume of fluid that each of the *fluid* lattice indices (n, dim) represents, in cells.
 
-        What is in its own cell, and with its neighbours in equal parts what is in the cells of points
-        beside it that are no fluid particles: those on a wall, and those just outside a curved surface.
-        A particle beside a wall stands for 3/2 cells, one on a plane surface for 1/2. Together this is
-        all the fluid of a Box; of other shapes it is missing where they are thinner than a cell, with no
-        particle in them, and each particle stands for something, in the sharpest corner as well.
+        This is the fluid in its own cell, and an equal share of the fluid in neighbouring cells whose points
+        are not fluid particles: on a wall, or just outside a curved surface. A particle beside a wall
+        represents 3/2 cells, one on a plane surface 1/2. The sum is all the fluid of a Box. Parts of other
+        shapes that are thinner than a cell and contain no particle are missing. Every particle represents
+        some volume, even in the sharpest corner.
         """
         share = np.ones(len(index))
         beside = [index + offset for offset in _offsets(index.shape[1])]
@@ -103,7 +103,7 @@ class Lattice:
         return np.maximum(share, 1.0 / SAMPLES[index.shape[1]] ** index.shape[1])
 
     def _filling(self, index):
-        """Return which part of the cells about lattice indices (n, dim) is fluid, (n,)."""
+        """Return the fraction of the cells around lattice indices (n, dim) that is fluid, (n,)."""
         dim = index.shape[1]
         m = SAMPLES[dim]
         at = (np.indices((m,) * dim).reshape(dim, -1).T + 0.5) / m - 0.5
@@ -113,9 +113,9 @@ class Lattice:
         return filled / len(at)
 
     def _takes(self, index, empty):
-        """Return the part that fluid points (n, dim) take of the cells of `empty` points beside them, (n,).
+        """Return the share of fluid points (n, dim) in the cells of `empty` points beside them, (n,).
 
-        The fluid points nearest to the empty one take equal parts.
+        The fluid points nearest to the empty one have equal shares.
         """
         distance = np.abs(index - empty).sum(axis=1)
         nearest, number = np.full(len(index), 9), np.zeros(len(index))
@@ -127,7 +127,7 @@ class Lattice:
         return np.where(distance == nearest, 1.0 / number, 0.0)
 
     def has_surface(self):
-        """Return whether any fluid particle lies on the surface. Looks at CHUNK points at a time, and no farther than the first."""
+        """Return whether any fluid particle is on the surface. Checks CHUNK points at a time, and stops at the first."""
         total = int(np.prod(self.counts))
         for low in range(0, total, CHUNK):
             index = self._unravel(np.arange(low, min(low + CHUNK, total)))
@@ -223,14 +223,14 @@ def _offsets(dim):
 
 
 def misfit(length, spacing):
-    """Return by how much of a spacing a length [m] misses a whole number of spacings."""
+    """Return the distance of a length [m] from a whole number of spacings, in spacings."""
     return abs(length / spacing - round(length / spacing))
 
 
 def nearest_spacings(lengths, spacing):
     """Return the largest spacing <= and the smallest >= `spacing` that divide all lengths, or () if none does.
 
-    The lengths' common measure is found by Euclid's algorithm, down to a twentieth of the spacing.
+    The common measure of the lengths is found by Euclid's algorithm, down to a twentieth of the spacing.
     """
     measure = 0.0
     for length in lengths:

@@ -1,4 +1,4 @@
-"""What a run shall keep: volume and energy, as they began, as they are, and at their worst in between."""
+"""Conservation of volume and energy in a run: their initial, current and extreme values."""
 
 import math
 from dataclasses import asdict, dataclass
@@ -18,9 +18,9 @@ ENERGY_LIMIT = 2e-3    # rise of the energy above its start, of a flow on which 
 
 @dataclass
 class Range:
-    """A quantity over a run: at its start, now, and at its extremes, with their times [s].
+    """A quantity over a run: its initial, current and extreme values, with their times [s].
 
-    missing, missing_since : how often it was no number, and when first
+    missing, missing_since : how often it was not a number, and the first time
     """
 
     start: Optional[float] = None
@@ -33,7 +33,7 @@ class Range:
     missing_since: Optional[float] = None
 
     def add(self, time, value):
-        """Count a value of `time` [s]; None or what is no number counts as missing."""
+        """Add a value at `time` [s]; None or NaN counts as missing."""
         value = math.nan if value is None else float(value)
         self.now = value if math.isfinite(value) else None
         if self.now is None:
@@ -47,11 +47,11 @@ class Range:
             self.high, self.high_time = value, time
 
     def relative(self, value):
-        """Return a value over the start, less one; None where that says nothing."""
+        """Return a value relative to the start, minus one; None if that is not defined."""
         return value / self.start - 1.0 if self.start and value is not None else None
 
     def extremes(self):
-        """Return {"low", "low_time", "high", "high_time"} over the start, less one; None without a start."""
+        """Return {"low", "low_time", "high", "high_time"} relative to the start, minus one; None without a start."""
         if self.relative(self.low) is None:
             return None
         return {"low": self.relative(self.low), "low_time": self.low_time,
@@ -61,16 +61,16 @@ class Range:
 class Conservation:
     """Follows volume and energy through a run, and over restarts.
 
-    The energy is looked at in each step, the volume (mean Voronoi cell inside the fluid) in one of EVERY.
-    What has left the tank stays in the energy with what it had then. The energy in motion is
-    kinetic plus potential energy above the fluid at rest in the tank: that of the waves, which is
-    little beside the potential energy of all the water.
+    The energy is computed in each step, the volume (mean Voronoi cell inside the fluid) once in EVERY
+    steps. Fluid that has left the tank counts with the energy that it had then. The energy in motion is
+    the kinetic energy plus the potential energy above that of the fluid at rest: the energy of the waves,
+    which is small compared with the potential energy of all the water.
 
     Parameters
     ----------
     simulation : Simulation
     state : dict of an earlier part of the run (`state()`), possibly empty
-    start : {"energy", "volume"} of the start of the run or None, where `state` does not know it
+    start : {"energy", "volume"} at the start of the run or None, if `state` does not contain it
     """
 
     def __init__(self, simulation, state=None, start=None):
@@ -85,22 +85,22 @@ class Conservation:
             Range(**state[name]) if name in state else Range(start=start.get(name)) for name in ("energy", "motion", "volume"))
 
     def step(self, simulation):
-        """Look at what a step has made of the energy, and now and then of the volume. Collective."""
+        """Measure the energy after a step, and from time to time the volume. Collective."""
         self._look_at_energy(simulation)
         if simulation.steps % EVERY == 0:
             self._look_at_volume(simulation)
 
     def measure(self, simulation):
-        """Look at both. Collective."""
+        """Measure both. Collective."""
         self._look_at_energy(simulation)
         self._look_at_volume(simulation)
 
     def state(self):
-        """Return what a checkpoint must hold to go on. Not collective."""
+        """Return the data that a checkpoint needs for a restart. Not collective."""
         return {name: asdict(getattr(self, name)) for name in ("energy", "motion", "volume")}
 
     def content(self):
-        """Return the part of summary.json. Not collective."""
+        """Return the entries of summary.json. Not collective."""
         energy, volume, motion = self.energy, self.volume, self.motion
         change = None
         if not self._driven and motion.start and energy.now is not None and motion.start > 1e-12 * abs(energy.start):
@@ -115,7 +115,7 @@ class Conservation:
         }
 
     def warnings(self):
-        """Return one line for each thing that should not be. Not collective."""
+        """Return one line for each warning. Not collective."""
         found = []
         volume, energy = self.volume.extremes(), self.energy.extremes()
         for name in ("low", "high") if volume else ():
@@ -150,13 +150,13 @@ class Conservation:
 
 
 def _rest(case, scene):
-    """Return the potential energy at rest as a function of the volume, or None where it means nothing.
+    """Return the potential energy at rest as a function of the volume, or None if it is not defined.
 
-    A tank of upright walls under gravity that points down. Particles stand for volumes about them, as at the
-    start (Lattice.cells): lying flat on the lattice they have the height d^2/2 + s^2/2 where water of the depth
-    d has d^2/2, since those at the bed stand for 3/2 cells and those on the surface for 1/2. That counts where
-    the water is as wide as the tank; what flows into another shape comes to rest off the lattice. Without any
-    force there is no potential energy.
+    It is defined for a tank with vertical walls under gravity that points down. Particles represent the volumes
+    around them, as at the start (Lattice.cells): at rest on the lattice their potential energy is proportional
+    to d^2/2 + s^2/2, where water of depth d has d^2/2, because particles at the bed represent 3/2 cells and
+    those on the surface 1/2. This applies if the water is as wide as the tank; water that flows into another
+    shape comes to rest off the lattice. Without a force there is no potential energy.
     """
     g, density = scene.gravity, case.fluid.density
     if not case.driven and not g.any():

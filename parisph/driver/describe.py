@@ -1,4 +1,4 @@
-"""What `parisph check` says of a case: particles, resolution, stages, steps, seconds, memory."""
+"""The output of `parisph check`: particles, resolution, stages, steps, time, memory."""
 
 import math
 
@@ -12,7 +12,7 @@ from parisph.driver import cost
 def describe(case, parameters=None):
     """Return the description as text. Needs neither MPI nor compiled kernels.
 
-    parameters : {name: value} of the case file (case.load.arguments), for those who will set others
+    parameters : {name: value} of the case file (case.load.arguments), which --set can change
     """
     numerics = case.numerics.resolved()
     count = size.counts(case)
@@ -38,10 +38,10 @@ def describe(case, parameters=None):
 
 
 def _warnings(case, count):
-    """Say what the lattice shows already: water without a surface, whose pressure has no level."""
+    """Warn of water without a free surface, which the initial lattice already shows."""
     if not case.closed and count["exact"] and not geometry.lattice(case).has_surface():
-        yield (f"none of the {count['fluid']} particles of fluid is on a free surface, so p = 0 is set at the highest one alone; leave a "
-               "spacing of air, or fill the tank with a Box that is as large, and without elevation")
+        yield (f"none of the {count['fluid']} fluid particles is on a free surface, so p = 0 is set only at the highest one; leave a "
+               "spacing of air, or fill the tank with a Box of its size, without elevation")
 
 
 def _memory(particles):
@@ -68,7 +68,7 @@ def stages(case):
 
 
 def _text(value):
-    """A value as --set takes it."""
+    """Return a value in the form that --set accepts."""
     if isinstance(value, (tuple, list)):
         return ",".join(map(_text, value))
     return "none" if value is None else f"{value:.15g}" if isinstance(value, float) else str(value)
@@ -99,7 +99,7 @@ def _steps(case, n, steps):
 
 
 def _resolution(case, expected):
-    """How many spacings the lengths of a scene have."""
+    """Return the lengths of the scene in spacings, as text."""
     s = case.numerics.spacing
     lower, upper = case.fluid.shape.bounds
     width, depth = (upper - lower)[[0, -1]]
@@ -112,7 +112,7 @@ def _resolution(case, expected):
 
 
 def _rounded(number):
-    """An estimate with two digits, as text."""
+    """Return a number rounded to two digits, as text."""
     return f"{float(f'{number:.1e}'):.10g}"
 
 

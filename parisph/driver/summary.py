@@ -1,4 +1,4 @@
-"""The account of a run: what summary.json says, also of a run that failed."""
+"""The account of a run: the content of summary.json, also after a failure."""
 
 import json
 import resource
@@ -20,7 +20,7 @@ FEW, SHARE = 4, 1e-3    # isolated particles, and their share of all, that are n
 
 
 class Account:
-    """Collects what a run costs and conserves, over restarts.
+    """Collects the cost of a run, and what it conserves, over restarts.
 
     Made by `Account.new` or `Account.resumed`.
     """
@@ -35,31 +35,31 @@ class Account:
 
     @classmethod
     def new(cls):
-        """Return the account of a run that begins."""
+        """Return the account of a new run."""
         return cls({"wall": 0.0, "cpu": 0.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0})
 
     @classmethod
     def resumed(cls, state):
-        """Return the account of a run that goes on from a checkpoint's state."""
+        """Return the account of a run that continues from a checkpoint's state."""
         return cls(state["account"])
 
     def start(self, simulation, isolated=0):
-        """Take energy and volume at the start of the run, or of this part of it. Collective.
+        """Measure energy and volume at the start of the run, or of this part of it. Collective.
 
         isolated : particles that no free surface anchors in the first solve (Simulation.solve_start)
         """
         p = simulation.particles
         fluid = p.comm.allreduce(int(np.count_nonzero(p.kind == FLUID)))
         if isolated > max(FEW, SHARE * fluid):
-            self._notes.append(f"{isolated} particles had no contact with a free surface at the start, of {fluid} of fluid and those of the "
-                               "walls: p = 0 was set at the highest of them alone")
+            self._notes.append(f"{isolated} particles had no contact with a free surface at the start (of {fluid} fluid particles and the walls): "
+                               "p = 0 was set only at the highest of them")
             logger.warning(self._notes[-1])
         start = {name: self.before.get(name) for name in ("energy", "volume")}    # of a checkpoint by an older parisph
         self.conservation = Conservation(simulation, self.before.get("conservation"), start)
         self.measure(simulation)
 
     def measure(self, simulation):
-        """Take energy and volume as they are now. Collective."""
+        """Measure energy and volume now. Collective."""
         self.conservation.measure(simulation)
 
     def step(self, simulation, report):
@@ -69,11 +69,11 @@ class Account:
         self.conservation.step(simulation)
 
     def warnings(self):
-        """Return one line for each thing of the whole run that a user should know of. Not collective."""
+        """Return one line for each warning of the whole run. Not collective."""
         return self._notes + (self.conservation.warnings() if self.conservation else [])
 
     def state(self, simulation, comm=None):
-        """Return what a checkpoint must hold to go on counting. Collective.
+        """Return the data that a checkpoint needs to continue the account. Collective.
 
         comm : the ranks whose cost counts, by default all of the simulation
         """
@@ -89,7 +89,7 @@ class Account:
         }}
 
     def summary(self, simulation, store, status, comm=None):
-        """Return the content of summary.json, with volume and energy as measured last, the same on all ranks. Collective.
+        """Return the content of summary.json, with the last measured volume and energy, the same on all ranks. Collective.
 
         comm : the ranks whose cost counts, by default all; MPI.COMM_SELF makes it not collective
         Raises StoreError on every rank if the files of the run cannot be read.
@@ -112,7 +112,7 @@ class Account:
         return comm.bcast(content)
 
     def _kept(self, simulation):
-        """Return what the summary says of volume and energy. Not collective: a run may end before it has looked at them."""
+        """Return the entries of the summary on volume and energy. Not collective: a run may end before it has measured them."""
         if self.conservation is None:
             return {"volume_drift": None, "energy_drift": None, "driven": simulation.case.driven}
         return self.conservation.content()
@@ -123,7 +123,7 @@ def _sums(before, now):
 
 
 def _from_files(case, store):
-    """Return (iterations, errors) of the whole run, as its files hold them, earlier parts included."""
+    """Return (iterations, errors) of the whole run from its files, including earlier parts."""
     try:
         run = reader.open_run(store.folder)
         counts = run.steps["iterations"]
@@ -137,9 +137,9 @@ def _from_files(case, store):
 
 
 def _peak_memory():
-    """Return the largest resident memory that this process has had [MB].
+    """Return the largest resident memory of this process so far [MB].
 
-    Linux's own mark begins with the program; that of getrusage is inherited from whatever started it.
+    Linux's VmHWM starts with the program; that of getrusage is inherited from the parent process.
     """
     try:
         line = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM:"))

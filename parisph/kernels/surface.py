@@ -1,8 +1,8 @@
 """Density ratio, and which particles lie on the free surface.
 
-The gap rule and the auxiliary functions divide the plane into angles and are for 2D; the
-density ratio is for any dimension. Walls that do not touch the fluid (see wetness.py) shall not
-count as neighbours: the caller gives them the kind ABSENT.
+The gap rule and the auxiliary functions divide the plane into angles and work in 2D only; the density
+ratio works in any dimension. Walls that do not touch the fluid (see wetness.py) must not count as
+neighbours: the caller gives them the kind ABSENT.
 """
 
 import math
@@ -64,13 +64,13 @@ def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, lea
                    axes):
     """Mark fluid particles on the surface by the largest angle free of neighbours (2D).
 
-    A particle joins the surface when the gap exceeds `enter` [rad], stays on it while the gap
-    exceeds `leave`, and lies on it anyway with fewer than four neighbours within the radius
-    or a density ratio below `thin`. The two thresholds keep a particle from blinking between
-    p = 0 and an equation of its own, which is felt as a pressure pulse.
+    A particle joins the surface if the gap exceeds `enter` [rad], and stays on it while the gap exceeds
+    `leave`. A particle with fewer than four neighbours within the radius, or a density ratio below
+    `thin`, is always on it. The two thresholds keep a particle from alternating between p = 0 and an
+    equation, which would cause pressure pulses.
 
     role : output for owned fluid; was : role at the previous step (owned and ghost)
-    kind : (n_all,), ABSENT for what is no neighbour
+    kind : (n_all,), ABSENT for particles that are no neighbours
     """
     member, image = np.empty(2, np.int64), np.empty(2)
     angles = np.empty(1024)
@@ -97,10 +97,10 @@ def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, lea
 
 @inlined
 def _bound_of_gap(i, x, kind, radius2, indptr, indices):
-    """Return the number of neighbours, and an angle that no gap between them exceeds [rad].
+    """Return the number of neighbours, and an upper bound for the gaps between them [rad].
 
-    A gap covers a run of empty sectors, and at most the sectors at its two ends. All is without
-    branches: which sector a neighbour is in cannot be predicted.
+    A gap covers consecutive empty sectors, and at most the sectors at its two ends. The code has no
+    branches, because the sector of a neighbour cannot be predicted.
     """
     n, occupied = 0, 0
     for k in range(indptr[i], indptr[i + 1]):
@@ -222,7 +222,7 @@ def surface_by_auxiliary_functions(role, was, x, kind, corner, normal, alpha, ra
 
 @kernel
 def _quadrant(dx, dy):
-    """Bits of the quadrants that a neighbour occupies; one on an axis lies in both."""
+    """Return the bits of the quadrants that a neighbour occupies; one on an axis lies in both."""
     bits = 0
     if dx >= 0.0 and dy >= 0.0:
         bits |= 1
@@ -237,7 +237,7 @@ def _quadrant(dx, dy):
 
 @kernel
 def _shaded(dx, dy):
-    """Bits of the right-angled sectors about the axes that a neighbour occupies."""
+    """Return the bits of the right-angled sectors about the axes that a neighbour occupies."""
     bits = 0
     if dx >= abs(dy):
         bits |= 1

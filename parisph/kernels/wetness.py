@@ -1,4 +1,4 @@
-"""Which wall particles touch the fluid, in any dimension."""
+"""The wall particles that touch the fluid, in any dimension."""
 
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.jit import kernel
@@ -15,14 +15,14 @@ APART, NEAR, CLOSING = 0, 1, 2
 
 @kernel
 def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr, indices, axes):
-    """Find what owned wall particles are to the fluid: CLOSING it off, NEAR it, or APART from it.
+    """Classify owned wall particles: CLOSING the fluid off, NEAR it, or APART from it.
 
-    From places alone water that rests one spacing below a lid looks like water that fills the tank, as
-    wall particles stand where its neighbours would be. Their past tells them apart. A wall particle
-    closes the fluid off if it was wet, if the water line beside it moves on to it (next to a wet
-    one, inner fluid within NEARBY), or if fluid runs into it: nearer than TOUCH at the end of the step,
-    and moving or pulled towards it, which water at rest below a lid is not.
-    It is near if fluid nearer than TOUCH is in front of it, wherever that moves.
+    By positions alone, water that rests one spacing below a lid looks like water that fills the tank,
+    because wall particles are where its neighbours would be. The history tells the two apart. A wall
+    particle closes the fluid off if it was wet, if the water line beside it reaches it (next to a wet
+    one, with inner fluid within NEARBY), or if fluid runs into it: closer than TOUCH at the end of the
+    step, and moving or pulled towards it, unlike water at rest below a lid. It is near if fluid is in
+    front of it and closer than TOUCH, whatever its motion.
 
     closing : (n_all,) output; role, x, u : of the previous step (role) and of now, ghosts included
     force : (n_all, dim), body force per unit mass [m/s^2]; dt : step [s]
@@ -59,10 +59,10 @@ def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr,
 def wet_walls(role, closing, x, kind, corner, normal, spacing, indptr, indices, axes):
     """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
 
-    Wet: it closes the fluid off (closing_walls), an inner fluid particle within 2.1 spacings, and fluid on both sides along the wall, or
-    beside a corner the other wall in its place (in the corner itself the inner particle
-    suffices). Contact: not wet, and a surface particle stands beside it. `role` of fluid must
-    be known, ghosts included; that of owned walls is written.
+    Wet: it closes the fluid off (closing_walls), an inner fluid particle is within 2.1 spacings, and
+    there is fluid on both sides along the wall, or beside a corner the other wall instead (in the corner
+    itself the inner particle is enough). Contact: not wet, with a surface particle beside it. `role`
+    of fluid must be known, including ghosts; that of owned walls is written.
     """
     dim = len(axes)
     for i in range(len(indptr) - 1):

@@ -22,13 +22,13 @@ STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source
 
 @dataclass(frozen=True)
 class StepReport:
-    """What one step did: the line of the run's record.
+    """The results of one step: a line of steps.csv.
 
     dt [s]; iterations, residual, reason, fallback, rebuilt, setup_seconds and solve_seconds of
-    the pressure solve; divergence: rms of div u after the step times dt; surface: fluid
-    particles with p = 0; isolated: particles in groups that no surface anchors; collisions:
+    the pressure solve; divergence: rms of div u after the step times dt; surface: number of fluid
+    particles with p = 0; isolated: particles in groups without contact with a free surface; collisions:
     pairs that collided; position_iterations, position_residual, position_fallback: of the second
-    solve, that of the position projection; 0, 0 and "" without one.
+    solve, for the position projection; 0, 0 and "" without one.
     """
 
     dt: float
@@ -108,12 +108,12 @@ class Projection:
         return self._report(dt, solve, divergence, isolated, collisions, positions)
 
     def pressure_now(self, time):
-        """Solve for the pressure where the particles are at `time` [s], and move nothing; return how many are isolated. Collective.
+        """Solve for the pressure at the current positions, at `time` [s]; return the number of isolated particles. Collective.
 
-        For the start of a run, which no step has given a pressure yet. A flow that keeps its volume has
-        lap p = rho (div g - tr((grad u)^2)) at every instant: the divergence of Euler's equation. A step
-        gets half of the second term from the strain source and half from div u*, where particles have
-        moved on by dt/2; here nothing has moved, and neither a time step nor its weights matter.
+        This gives the pressure at the start of a run, before any step. An incompressible flow has lap p =
+        rho (div g - tr((grad u)^2)) at every instant, the divergence of Euler's equation. In a step, half
+        of the second term comes from the strain source and half from div u* at positions half a step
+        later. Here nothing moves, and neither a time step nor its weights matter.
         """
         p = self.particles
         self.domain.refresh()
@@ -130,9 +130,9 @@ class Projection:
         return isolated
 
     def acceleration_now(self, time):
-        """Return g - grad p/rho [m/s^2] of owned particles with their pressure of now, 0 for walls. Collective.
+        """Return g - grad p/rho [m/s^2] of owned particles with their current pressure, 0 for walls. Collective.
 
-        Nothing changes, not even the role of a particle that is found to have too few neighbours.
+        Nothing changes, not even the role of a particle with too few neighbours.
         """
         p = self.particles
         self.domain.refresh()
@@ -147,7 +147,7 @@ class Projection:
     # -- the parts of the step, in order ---------------------------------------------------
 
     def _predict(self, dt):
-        """Move to where the operators are evaluated (midpoint: r^n + dt/2 u^n is neutral)."""
+        """Move to the positions at which operators are evaluated (midpoint: r^n + dt/2 u^n is neutral)."""
         p, stepping = self.particles, self.numerics.stepping
         p.x0[:] = p.x
         ahead = {"midpoint": 0.5 * dt, "start": 0.0, "predicted": dt, "symplectic": 0.0}[stepping]
@@ -156,7 +156,7 @@ class Projection:
             p.x[fluid] += ahead * p.u[fluid]
 
     def _classify(self, force, dt):
-        """Find the free surface, unless it keeps its particles, and the walls that are wet.
+        """Find the free surface, unless it keeps its particles, and the wet walls.
 
         force : (n_all, dim) [m/s^2], dt [s]: of the step that begins
         """
@@ -186,7 +186,7 @@ class Projection:
         return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
 
     def _keep_surface(self):
-        """Give fluid its role of the start, also what has flown freely and is back among others."""
+        """Give fluid its initial role, also particles that have flown freely and have neighbours again."""
         p, d = self.particles, self.domain
         radius, power, floor = self._gradient_form()
         p.role[:] = np.where((p.kind == FLUID) & (p.role != BALLISTIC), p.start_role, p.role)
@@ -230,7 +230,7 @@ class Projection:
     def _equation(self, target, force):
         """Return (CSR matrix, right-hand side, isolated) for lap p = target (n_owned,) [Pa/m^2]. Collective.
 
-        At wet walls n . grad p = rho n . force, whatever the target says there.
+        At wet walls n . grad p = rho n . force, and the target is ignored.
         """
         p = self.particles
         walls = p.role == WET
@@ -241,12 +241,12 @@ class Projection:
         return matrix, right, isolated
 
     def _strain(self, dt):
-        """Return tr((grad u)^2)/2 [1/s^2]: what a step in straight lines does to volume.
+        """Return tr((grad u)^2)/2 [1/s^2], the effect of a step in straight lines on volume.
 
-        Particles move from one set of operators to the next by dt u, which maps a volume by
-        det(1 + dt grad u) = 1 + dt div u - dt^2/2 tr((grad u)^2) + ... With div u = 0 a straining
-        flow shrinks, at 4 % of the dam break's volume up to the impact; div u = dt/2
-        tr((grad u)^2) keeps it. Limited to where the expansion holds.
+        Particles move from one set of operators to the next by dt u, which changes a volume by the factor
+        det(1 + dt grad u) = 1 + dt div u - dt^2/2 tr((grad u)^2) + ... With div u = 0 a straining flow
+        shrinks: the dam break loses 4 % of its volume until the impact. div u = dt/2 tr((grad u)^2)
+        conserves it. The value is limited to the range in which the expansion is valid.
         """
         p = self.particles
         out = np.empty(p.n_owned)
@@ -254,10 +254,10 @@ class Projection:
         return np.clip(0.5 * out, -STRAIN_LIMIT / dt**2, STRAIN_LIMIT / dt**2)
 
     def _matrix(self, force):
-        """Return the CSR matrix, and how many of its rows no free surface anchors. Collective.
+        """Return the CSR matrix, and the number of rows without a link to a free surface. Collective.
 
-        The level of their pressure is arbitrary. Water that has closed its last gap of air below a lid is
-        all like that: then p = 0 at its highest particle. Where only a few are left, they have p = 0.
+        The level of their pressure is arbitrary. If water has closed its last gap of air below a lid, no
+        row has such a link: then p = 0 at the highest particle. If they are only a few, they all get p = 0.
         """
         p, d = self.particles, self.domain
         if self.closed:
@@ -278,7 +278,7 @@ class Projection:
         return matrix, count
 
     def _anchored(self):
-        """Compress the rows to CSR; return it, which rows of it nothing anchors, and their number on all ranks. Collective."""
+        """Compress the rows to CSR; return it, its rows without a link to p = 0, and their number on all ranks. Collective."""
         p = self.particles
         *matrix, anchored = self.rows.csr(p.role_all, self.domain.global_rows)
         alone = groups.isolated_rows(p.comm, p.offset, matrix[0], matrix[1], anchored)
@@ -292,9 +292,9 @@ class Projection:
         p.u[fluid] += dt * (force[:p.n_owned][fluid] - grad[fluid] / self.density)
 
     def pressure_gradient(self, f):
-        """Gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.
+        """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.
 
-        Where there are too few neighbours it is zero, and the particle is ballistic from here on.
+        A particle with too few neighbours has a zero gradient, and becomes ballistic.
         """
         p, d = self.particles, self.domain
         out = np.empty_like(p.u)
@@ -311,12 +311,12 @@ class Projection:
         return out
 
     def _gradient_form(self):
-        """Return (radius [m], power, floor) of the least-squares gradient, as its kernel takes them."""
+        """Return the arguments (radius [m], power, floor) of the least-squares gradient's kernel."""
         name = self.numerics.gradient
         return schemes.GRADIENT[name] * self.spacing, *((2, 0.2) if name == "sfdi" else (0, 0.05))
 
     def _move(self, start, dt):
-        """Positions: the trapezoid of Eq. 16, or u^{n+1} alone for symplectic Euler."""
+        """Move particles by the trapezoid of Eq. 16, or by u^{n+1} for symplectic Euler."""
         p = self.particles
         fluid = p.kind == FLUID
         u = p.u if self.numerics.stepping == "symplectic" else 0.5 * (start + p.u)

@@ -1,4 +1,4 @@
-"""What a violent step does beside the projection: to velocities, then to positions."""
+"""The regularisation of violent flows: first of velocities, then of positions."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ CAP = 0.1  # longest move of the position projection and of the shift, in spacin
 
 
 def velocity(method, dt):
-    """Filter, pair collisions and wall guard, each if the scene has it. Collective.
+    """Apply the filter, pair collisions and the wall guard, if the case uses them. Collective.
 
     Returns the number of collisions of owned particles.
     """
@@ -39,13 +39,12 @@ def velocity(method, dt):
 
 
 def positions(method, force):
-    """Position projection, then Fick shift, neither of which makes or takes energy. Collective.
+    """Apply the position projection, then the Fick shift; neither changes the energy. Collective.
 
     force : (n_all, dim), body force per unit mass [m/s^2]
 
-    Returns the SolveRecord of the position projection, None without one. The lists and the matrix
-    are those of the pressure: half a step has moved neighbours against each other by far less
-    than a spacing.
+    Returns the SolveRecord of the position projection, None without one. Uses the lists and the matrix of
+    the pressure solve: within half a step, neighbours move relative to each other by far less than a spacing.
     """
     p, d, n = method.particles, method.domain, method.numerics
     h = schemes.DENSITY * method.spacing
@@ -86,7 +85,7 @@ def _project(method, force, walls, h):
 
 
 def _move(method, move, force):
-    """Displace the owned fluid, but not into a wall, and keep the energy of all fluid. Collective."""
+    """Displace the owned fluid, but not into a wall, and keep the total energy of the fluid. Collective."""
     p, d, n = method.particles, method.domain, method.numerics
     if n.wall_guard > 0.0:
         collisions.keep_off_walls(move, p.x_all, p.kind_all, p.corner_all, p.normal_all,
@@ -98,13 +97,13 @@ def _move(method, move, force):
 
 
 def _paid(p, move, force):
-    """Return the share of the displacements that is made, and the factor of all velocities for it. Collective.
+    """Return the fraction of the displacements to apply, and the factor for all velocities. Collective.
 
-    Particles that are lifted gain potential energy, which a regularisation must not make: without
-    this the falling column has gained .3 % before the impact, and a shaken tank a quarter of its
-    wave. All motion pays alike, by some 1e-5 in a step, and so the velocity stays free of
-    divergence; paid by each particle alone, the pressure is rough and slow fluid tears at walls.
-    Fluid at rest is not stirred: the work is at most the share WORK of the kinetic energy.
+    Lifted particles gain potential energy, which a regularisation must not add: without the factor, the
+    falling column gains .3 % before the impact, and a shaken tank a quarter of its wave. All
+    velocities are scaled equally, by some 1e-5 per step, so that the velocity stays free of divergence.
+    If each particle paid for itself, the pressure would be rough, and slow fluid would tear off walls. To
+    leave fluid at rest alone, the work is at most the fraction WORK of the kinetic energy.
     """
     own = [np.einsum("i,ia,ia", p.volume, force[:p.n_owned], move), 0.5 * np.einsum("i,ia,ia", p.volume, p.u, p.u)]
     work, kinetic = p.comm.allreduce(np.array(own))

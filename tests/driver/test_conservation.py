@@ -166,11 +166,11 @@ def without_surface():
 
 def test_fluid_without_a_surface_is_announced(tmp_path):
     case = without_surface()
-    assert "warning" in describe(case) and "none of the 81 particles of fluid is on a free surface" in describe(case)
+    assert "warning" in describe(case) and "none of the 81 fluid particles is on a free surface" in describe(case)
     assert "warning" not in describe(column(0.3))
     summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
     assert summary["status"] == "completed with warnings"
-    assert any("121 particles had no contact with a free surface at the start, of 81 of fluid" in line for line in summary["warnings"])
+    assert any("121 particles had no contact with a free surface at the start (of 81 fluid particles and the walls)" in line for line in summary["warnings"])
 
 
 def test_fluid_without_a_surface_rests_all_the_same():
