@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from parisph.base.errors import Interrupted, StoreError
+from parisph.base.errors import Interrupted, ParticleLost, SolverDiverged, StoreError
 from parisph.base.fields import FLUID
 
 WORST = 5       # particles that are named
@@ -25,9 +25,19 @@ def explained(error, simulation, last_checkpoint):
     found = suspects(s, bad[0] if bad else None)
     if found:
         lines += ["  particles to look at:", *(f"    {line}" for line in found)]
+    if not bad and s.numerics.surface_rule == "frozen" and isinstance(error, (ParticleLost, SolverDiverged)):
+        lines.append(f"  {_beyond_range(s.numerics)}")
     if last_checkpoint:
         lines.append(f"  last good checkpoint: {last_checkpoint}")
     return type(error)("\n".join(lines))
+
+
+def _beyond_range(numerics):
+    """Return the advice for a surface that keeps its particles, which breaking waves tear apart."""
+    chosen = 'preset="gentle"' if numerics.preset == "gentle" else 'surface_rule="frozen"'
+    instead = 'preset="violent"' if numerics.preset == "gentle" else 'surface_rule="gap"'
+    return (f"{chosen} keeps the surface particles of the start, and fails if waves are steep or break: use {instead}, "
+            "a smaller amplitude, or a smaller time step")
 
 
 def suspects(simulation, bad_force=None, count=WORST):
