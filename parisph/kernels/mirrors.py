@@ -9,12 +9,16 @@ from parisph.base.fields import ABSENT, FLUID, WALL
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.near import fill_up
 
+SLACK = 0.1     # of the wall that a particle sees: how far past its end it still counts
 PARALLEL = 0.9  # cosine above which two wall normals belong to the same plane
 
 
 @kernel
 def near_planes(member, i, x, kind, corner, normal, indptr, indices, axes):
     """Find the walls next to particle i: one wall particle for each orientation.
+
+    A wall counts only beside itself: above the rim of an open tank there is none, and its plane does
+    not go on there.
 
     member : (dim,) int64 output; the plane of member p goes through x[member[p]] with the
         normal of that particle. Of parallel walls the one nearest to i is taken.
@@ -39,7 +43,44 @@ def near_planes(member, i, x, kind, corner, normal, indptr, indices, axes):
         elif found < dim:
             member[found] = j
             found += 1
-    return found
+    kept = 0
+    for p in range(found):
+        if _is_beside(i, member[p], x, kind, normal, indptr, indices, axes):
+            member[kept] = member[p]
+            kept += 1
+    return kept
+
+
+@kernel
+def _is_beside(i, wall, x, kind, normal, indptr, indices, axes):
+    """Return whether particle i is in front of a wall, not past its end.
+
+    Along each tangent the wall particles of that plane, corners included, must lie on both sides of i.
+    """
+    dim = len(axes)
+    for b in range(dim):  # the tangent along axis b is e_b - n_b n
+        if 1.0 - normal[wall, b] ** 2 < 0.25:
+            continue
+        first, last = 0.0, 0.0
+        seen = False
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != WALL:
+                continue
+            off, apart = 0.0, 0.0
+            for a in range(dim):
+                off += (x[j, a] - x[wall, a]) * normal[wall, a]
+                apart += (x[j, a] - x[wall, a]) ** 2
+            if off * off > 0.01 * apart:
+                continue  # on another wall
+            along = x[j, b] - x[i, b] + height(i, wall, x, normal, axes) * normal[wall, b]
+            first = min(first, along) if seen else along
+            last = max(last, along) if seen else along
+            seen = True
+        slack = SLACK * (last - first)
+        if first > slack or last < -slack:
+            return False
+    return True
 
 
 @kernel

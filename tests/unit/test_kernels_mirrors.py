@@ -45,6 +45,28 @@ def test_three_planes_in_the_corner_of_a_cube():
     assert len(planes(pool, pool.at(1, 1, 1))) == 3
 
 
+@dims
+@pytest.mark.parametrize(("above", "expected"), [(-0.5, 1), (0.0, 1), (0.5, 0), (1.5, 0)])
+def test_no_plane_above_the_rim(dim, above, expected):
+    """Wall particles are near, but the wall ends below: what is higher than the rim can pass over it."""
+    pool = tank((8,) * dim)
+    i = pool.at(1, *[4] * (dim - 2), 8)
+    pool.x[i, -1] += above * pool.spacing
+    pool.relist()
+    assert len(planes(pool, i)) == expected
+
+
+@dims
+def test_planes_reach_into_corners(dim):
+    """Fluid between an edge and the wall particles beside it has both walls, wherever it stands."""
+    pool = tank((8,) * dim)
+    i = pool.at(*[1] * dim)
+    for place in (0.1, 0.5, 0.9, 1.4):
+        pool.x[i] = place * pool.spacing
+        pool.relist()
+        assert len(planes(pool, i)) == dim, place
+
+
 def test_opposite_walls_are_two_planes_and_parallel_ones_give_the_nearest():
     channel = tank((3, 8), spacing=0.1)
     found = planes(channel, channel.at(1, 4))
