@@ -1,37 +1,53 @@
 """`parisph` and `python -m parisph`: run a command line, and see that every rank ends."""
 
+import atexit
+import os
 import sys
-import time
 import traceback
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 
 from parisph.base import environment, output
-from parisph.base.errors import CaseError, Interrupted, ParisphError, ParticleLost, SolverDiverged, StoreError
+from parisph.base.errors import ParisphError, exit_code, unforeseen
+from parisph.base.signals import Signals
 from parisph.base.text import clipped, of_error, plain_lines
 
-# The first class that fits gives the exit code.
-CODES = ((CaseError, 2), (SolverDiverged, 3), (ParticleLost, 3), (Interrupted, 4), (KeyboardInterrupt, 4), (StoreError, 5))
-OTHER = 1
+STOPPABLE = ("run", "restart")    # the verbs that a signal stops properly
 WIDEST = 380       # characters of a line of a message
-PATIENCE = 5.0    # [s] that a rank with an error waits for the others to come to theirs
 
 
 def main(words=None):
     """Carry out a command line (default: that of this process) and return the exit code."""
     environment.prepare()
-    from parisph import cli
+    own, words = words is None, sys.argv[1:] if words is None else words
+    with ExitStack() as stack:
+        if words and words[0] in STOPPABLE:
+            signals = stack.enter_context(_signals())
+            if own:
+                stack.pop_all()    # they stay in force until the interpreter ends,
+                atexit.register(signals.ignore)    # which would die of one more, with another exit code
+        try:
+            from parisph import cli
 
-    words = sys.argv[1:] if words is None else words
-    try:
-        code = cli.execute(words)
-        sys.stdout.flush()
-        return code
-    except (Exception, KeyboardInterrupt) as error:
-        if isinstance(error, BrokenPipeError) and environment.launched()[1] == 1:
-            return 0
-        return _fail(error, words)
-    finally:
-        output.silence(sys.stdout, sys.stderr)
+            code = cli.execute(words)
+            sys.stdout.flush()
+            return code
+        except BaseException as error:
+            if isinstance(error, SystemExit) and _running_world() is None:
+                raise
+            if isinstance(error, BrokenPipeError) and environment.launched()[1] == 1:
+                return 0
+            return _fail(error, words)
+        finally:
+            output.silence(sys.stdout, sys.stderr)
+
+
+def _signals():
+    """Return the Signals of this process, for a start in which MPI is not up yet."""
+    signals = Signals()
+    signals.rank, size = environment.launched()
+    if size > 1:
+        signals.abort = os._exit    # the launcher ends the other ranks
+    return signals
 
 
 def _fail(error, words):
@@ -41,17 +57,19 @@ def _fail(error, words):
     is a fault, perhaps of this rank alone, while the others wait for it in a collective: this
     rank says it, with the traceback, and ends them all.
     """
-    meant = isinstance(error, (ParisphError, KeyboardInterrupt))
+    meant = isinstance(error, (ParisphError, KeyboardInterrupt)) and not unforeseen(error)
     first = environment.launched()[0] == 0
     if first or not meant:
         _say(error, trace=not meant or "--debug" in words)
-    code = next((code for kind, code in CODES if isinstance(error, kind)), OTHER)
     comm = _running_world()
-    if comm is not None and not _all_come(comm):
-        if meant and not first:
-            _say(error, trace=True)
-        comm.Abort(code)
-    return code
+    if comm is not None:
+        from parisph.parallel.guard import all_come
+
+        if not all_come(comm):
+            if meant and not first:
+                _say(error, trace=True)
+            comm.Abort(exit_code(error))
+    return exit_code(error)
 
 
 def _say(error, trace):
@@ -80,17 +98,6 @@ def _running_world():
 
     up = MPI.Is_initialized() and not MPI.Is_finalized()
     return MPI.COMM_WORLD if up and MPI.COMM_WORLD.size > 1 else None
-
-
-def _all_come(comm):
-    """Return whether all ranks arrive here within a few seconds."""
-    request = comm.Ibarrier()
-    deadline = time.monotonic() + PATIENCE
-    while not request.Test():
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.01)
-    return True
 
 
 if __name__ == "__main__":

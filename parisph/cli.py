@@ -3,11 +3,13 @@
 import argparse
 import json
 import os
+import signal
 from pathlib import Path
 
 from parisph import __version__, arguments, completion
 from parisph.base import environment, libraries, output
-from parisph.base.errors import CaseError, ParisphError, agree
+from parisph.base.errors import CaseError, Interrupted, ParisphError, agree
+from parisph.base.signals import Signals
 from parisph.base.text import clipped, named, plain
 
 EXIT_CODES = "Exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 file error, 1 other errors."
@@ -113,8 +115,19 @@ def _on_first(action):
             result = action()
         except ParisphError as problem:
             error = problem
+    comm.Barrier()    # a rank that waits here can be stopped by signals; in the sums of `agree` it cannot
     _agree(error)
     return comm.bcast(result)
+
+
+def _stop_if_asked():
+    """Raise Interrupted, on every rank, if any has got a signal to stop: nothing has begun yet."""
+    seen = Signals.active().seen
+    error = Interrupted(f"stopped by {signal.Signals(seen).name} before the run has begun") if seen else None
+    if environment.launched()[1] > 1:
+        _agree(error)
+    elif error is not None:
+        raise error
 
 
 def _agree(error):
@@ -141,6 +154,7 @@ def _world():
         raise ParisphError(
             f"{launched} processes were launched, but the MPI library of mpi4py sees one. mpirun and mpi4py "
             "belong to different MPI libraries: see parisph doctor")
+    Signals.active().over(MPI.COMM_WORLD)
     return MPI.COMM_WORLD
 
 
@@ -258,6 +272,7 @@ def _run(args):
         _world()
         from parisph.driver import run  # noqa: F401  starts PETSc, on all ranks together: the case file may import it on one
     text, out = _on_first(lambda: (_load(args).model_dump_json(), _folder(args)))
+    _stop_if_asked()
     comm = _world()
     from parisph import driver
     from parisph.case.schema import Case

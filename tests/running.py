@@ -33,6 +33,7 @@ class Running:
     """`parisph run CASE.py -o run ...` on some ranks, in the folder of the case.
 
     change : text of Python that each rank carries out before, "" for none
+    settings : environment variables to set besides
 
     Attributes
     ----------
@@ -40,7 +41,7 @@ class Running:
     checkpoints : pathlib.Path
     """
 
-    def __init__(self, folder, ranks, *words, change=""):
+    def __init__(self, folder, ranks, *words, change="", **settings):
         program = ["-m", "parisph"]
         if change:
             (folder / "program.py").write_text(PROGRAM.format(change=change))
@@ -50,7 +51,7 @@ class Running:
         if self._several:
             command = [shutil.which("mpirun"), "-n", str(ranks), *command]
         self._out = open(folder / "output.txt", "w+")
-        self.process = subprocess.Popen(command, cwd=folder, env=clean_environment(), start_new_session=True, text=True,
+        self.process = subprocess.Popen(command, cwd=folder, env=clean_environment(**settings), start_new_session=True, text=True,
                                         stdin=subprocess.DEVNULL, stdout=self._out, stderr=subprocess.STDOUT)
         self.checkpoints = Path(folder) / "run" / "checkpoints"
 
@@ -80,10 +81,10 @@ class Running:
 
 
 @contextmanager
-def running(folder, ranks, *words, case=FALLING, change=""):
+def running(folder, ranks, *words, case=FALLING, change="", **settings):
     """A Running of a case, whose processes are gone afterwards."""
     (folder / "case.py").write_text(case)
-    run = Running(folder, ranks, *words, change=change)
+    run = Running(folder, ranks, *words, change=change, **settings)
     try:
         yield run
     finally:

@@ -29,6 +29,17 @@ class Interrupted(ParisphError):
     """The run was asked to stop and did so between two steps."""
 
 
+# The first class that fits gives the exit code of the process.
+_CODES = ((CaseError, 2), (SolverDiverged, 3), (ParticleLost, 3), (Interrupted, 4), (KeyboardInterrupt, 4), (StoreError, 5))
+
+
+def exit_code(error):
+    """Return the exit code of a process that an exception ends, never 0."""
+    if isinstance(error, SystemExit) and isinstance(error.code, int):
+        return error.code or 1
+    return next((code for kind, code in _CODES if isinstance(error, kind)), 1)
+
+
 def agree(comm, error=None):
     """Raise on every rank if any rank has an error; return if none has. Collective.
 
@@ -49,10 +60,20 @@ def agree(comm, error=None):
         return
     if not comm.allreduce(int(error is not None)):
         return
-    mine = None if error is None else (_class_to_raise(error), f"rank {comm.rank}: {error}")
+    mine = None if error is None else (_class_to_raise(error), f"rank {comm.rank}: {_kind(error)}{error}")
     kind, message = next(item for item in comm.allgather(mine) if item is not None)
     raise kind(message) from error
 
 
 def _class_to_raise(error):
     return type(error) if isinstance(error, ParisphError) else ParisphError
+
+
+def _kind(error):
+    """Return the class of an error that nobody has foreseen: its message alone may say nothing."""
+    return "" if isinstance(error, (ParisphError, OSError)) else f"{type(error).__name__}: "
+
+
+def unforeseen(error):
+    """Return whether `agree` has made this error, on this rank, of one that nobody has foreseen."""
+    return type(error) is ParisphError and error.__cause__ is not None and bool(_kind(error.__cause__))

@@ -13,13 +13,14 @@ from mpi4py import MPI
 from parisph.base import log
 from parisph.base.errors import Interrupted, ParisphError, StoreError
 from parisph.base.paths import checked
+from parisph.base.signals import Signals
 from parisph.case.stored import to_json
 from parisph.driver import begin
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.peaks import Peaks
 from parisph.driver.progress import Progress
-from parisph.driver.schedule import Signals, Times
+from parisph.driver.schedule import Times
 from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.driver.watch import Watch
@@ -28,6 +29,8 @@ from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
 from parisph.io.store import Store, provenance
 from parisph.methods.projection import StepReport
+from parisph.parallel import last_resort
+from parisph.parallel.guard import guarded
 from parisph.pressure.options import as_text
 from parisph.pressure.trial import versions
 
@@ -51,12 +54,12 @@ def run(case, comm, out, petsc_options=None, progress=True, overwrite=False, for
     CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder
     then holds summary.json and everything up to there, unless it held a run already (CaseError).
     """
-    made, old = on_first(comm, f"start a run in {out}", lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None)
-    with (begin.left_only_if_used(made, old), Signals() as signals, begin.locked(comm, out, force) as lock,
-          _built(case, comm, petsc_options) as simulation):
-        samplers = probes.build(case, simulation.comm)
-        store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation), case.output.fields, lock)
-        return _Run(simulation, samplers, store, Account.new(), progress).go(signals, first=True)
+    with guarded(comm, "run"), _signals(comm) as signals:
+        made, old = on_first(comm, f"start a run in {out}", lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None)
+        with begin.left_only_if_used(made, old), begin.locked(comm, out, force) as lock, _built(case, comm, petsc_options) as simulation:
+            samplers = probes.build(case, simulation.comm)
+            store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation), case.output.fields, lock)
+            return _Run(simulation, samplers, store, Account.new(), progress).go(signals, first=True)
 
 
 def restart(path, comm, until=None, out=None, petsc_options=None, progress=True, force=False):
@@ -74,6 +77,11 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
     of the same folder that come after the checkpoint would be lost, or there is nothing left to do; and
     StoreError: the folder is in use, or one of its files is damaged.
     """
+    with guarded(comm, "restart"), _signals(comm) as signals:
+        return _restarted(signals, path, comm, until, out, petsc_options, progress, force)
+
+
+def _restarted(signals, path, comm, until, out, petsc_options, progress, force):
     folder = together(comm, f"find the run {path}", lambda: run_of(checked(path, "path")))
     out = together(comm, f"go on in {out}", lambda: None if out is None else checked(out, "out"))
     elsewhere = together(comm, f"go on in {out}", lambda: out is not None and Path(out).resolve() != folder.resolve())
@@ -86,7 +94,7 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
         case, name = together(comm, f"read the case of {folder}", lambda: begin.case_of(saved, found, folder, until))
         done = saved is not None and finished(case, saved.time)
         on_first(comm, f"go on with the run in {target}", lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
-        with Signals() as signals, _built(case, comm, petsc_options, saved) as simulation:
+        with _built(case, comm, petsc_options, saved) as simulation:
             samplers = probes.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
             series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
@@ -101,13 +109,23 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
 
 
 @contextmanager
+def _signals(comm):
+    """The Signals in force, so that a second one ends all ranks at once, whatever they are in."""
+    with Signals.active() as signals:
+        signals.over(comm)
+        last_resort.arm(signals)
+        yield signals
+
+
+@contextmanager
 def _built(case, comm, petsc_options, start=None):
     """A Simulation that is freed at the end, unless a fault of one rank leaves the others behind."""
     simulation = Simulation(case, comm, petsc_options, start)
     try:
         yield simulation
-    except ParisphError:    # on all ranks
-        simulation.destroy()
+    except BaseException as error:
+        if simulation.agreed(error):
+            simulation.destroy()
         raise
     simulation.destroy()
 
@@ -133,20 +151,21 @@ class _Run:
 
         signals : Signals that may ask the run to stop; first : whether it begins, and is not a restart
         """
-        error = None
+        error, self.signals = None, signals
+        signals.left = f"{self.store.folder} has no checkpoint yet: parisph restart {self.store.folder} begins it again"
         try:
             # what is not a number is found by the checks of each step, which say more than numpy
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 self._open(first)
-                self._pause(signals)
+                self._pause()
                 while not self.simulation.finished():
-                    self._step(signals)
+                    self._step()
                 self._save()
-        except ParisphError as problem:
+        except BaseException as problem:
+            if not isinstance(problem, ParisphError) or not self.simulation.agreed(problem):
+                self._abandon(problem)
+                raise
             error = explained(problem, self.simulation, self.last_checkpoint)
-        except BaseException as fault:
-            self._abandon(fault)
-            raise
         return self._close(error)
 
     def _open(self, first):
@@ -175,7 +194,7 @@ class _Run:
         self.snapshots.skip(s.reached)
         self.checkpoints.skip(s.time + 0.5 * (s.dt or 0.0))
 
-    def _step(self, signals):
+    def _step(self):
         s = self.simulation
         self.watch.before_step(s.choose_step(self.snapshots.after(s.reached)))
         report = s.advance()
@@ -190,25 +209,26 @@ class _Run:
             self.account.step(s, report)
         self.clock.step()
         self.progress.step(s, report)
-        self._pause(signals, self.checkpoints.due(s.time + 0.5 * s.dt))
+        self._pause(self.checkpoints.due(s.time + 0.5 * s.dt))
 
     def _write(self, lines):
         for time, step, values in lines:
             self.store.append(time, step, {f"probes/{name}": line for name, line in values.items()})
 
-    def _pause(self, signals, due=False):
+    def _pause(self, due=False):
         """Write a checkpoint if one is due or asked for, and stop if that is asked. Collective."""
-        s, asked = self.simulation, self._asked(signals)
+        s, asked = self.simulation, self._asked()
         if due or asked:
             self._save()
         if asked > SAVE and not s.finished():
             raise Interrupted(f"stopped at t = {s.time:.6g} s by {signal.Signals(asked - SAVE).name}; "
                               f"go on with: parisph restart {self.store.folder}")
 
-    def _asked(self, signals):
+    def _asked(self):
         """Return what any rank asks for: 0, SAVE, or SAVE + the number of a signal to stop. Collective."""
         late = self.comm.rank == 0 and perf_counter() - self.saved_at > WALL_CLOCK
-        return self.comm.allreduce(SAVE + signals.seen if signals.seen else SAVE * late, op=MPI.MAX)
+        seen = self.signals.seen
+        return self.comm.allreduce(SAVE + seen if seen else SAVE * late, op=MPI.MAX)
 
     def _snapshot(self):
         s = self.simulation
@@ -227,6 +247,7 @@ class _Run:
             state = {**self.account.state(s), "peaks": self.peaks.state(), "left": vars(s.left)}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
+        self.signals.left = f"the last checkpoint is {self.last_checkpoint}; go on with: parisph restart {self.store.folder}"
 
     def _abandon(self, fault):
         """Leave a summary behind a fault, which is perhaps of this rank alone. Not collective.

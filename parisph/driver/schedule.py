@@ -1,7 +1,6 @@
-"""The schedule of a run: simulated times at which something is due, and signals to stop."""
+"""The schedule of a run: simulated times at which something is due, and the steps that meet them."""
 
 import math
-import signal
 
 ROUNDED = 1.0 + 1e-12   # a time that is reached but for rounding is reached
 ROUNDING = 1e-6         # of a step: what the sum of many steps may be off by
@@ -58,36 +57,3 @@ class Times:
 
     def _multiple(self, time):
         return math.floor(time / self.every * ROUNDED) if self.every else 0
-
-
-class Signals:
-    """Ctrl-C, SIGTERM and SIGUSR1 ask the run to finish its step; a second one ends it at once.
-
-    SIGUSR1, because mpirun hands it on and leaves the run alone, whereas after a SIGINT or
-    SIGTERM it kills the ranks within a second or so, finished or not.
-
-    Attributes
-    ----------
-    seen : number of the signal that has come to this rank, or None
-    """
-
-    NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
-
-    def __enter__(self):
-        self.seen = None
-        self._old = {}
-        for number in self.NUMBERS:
-            try:
-                self._old[number] = signal.signal(number, self._handle)
-            except ValueError:  # not in the main thread (a notebook's worker): leave signals alone
-                break
-        return self
-
-    def _handle(self, number, frame):
-        if self.seen:
-            raise KeyboardInterrupt
-        self.seen = number
-
-    def __exit__(self, *_):
-        for number, handler in self._old.items():
-            signal.signal(number, handler)

@@ -1,6 +1,8 @@
 """One scene in memory: particles, domain, solver and method, advanced step by step."""
 
+from contextlib import nullcontext
 from dataclasses import replace
+from functools import wraps
 
 import numpy as np
 from mpi4py import MPI
@@ -17,6 +19,7 @@ from parisph.kernels import selfcheck
 from parisph.methods import schemes
 from parisph.methods.projection import Projection
 from parisph.methods.timestep import first_step, next_step, rest_step
+from parisph.parallel.guard import Guard
 from parisph.parallel.neighbours import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.solver import PressureSolver
@@ -24,6 +27,19 @@ from parisph.pressure.solver import PressureSolver
 SKIN = 1.0        # spacings a particle moves until particles are redistributed and sorted
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
 SHORTEST = 1e-5   # of the step that the case itself asks for: what needs a shorter one is out of hand
+
+
+def _call(guard, name):
+    return nullcontext() if guard is None else guard.call(name)
+
+
+def _collective(method):
+    """A method of a Simulation that all ranks call together: no rank waits in it for one that has failed or ended."""
+    @wraps(method)
+    def call(self, *args, **options):
+        with _call(self._guard, f"Simulation.{method.__name__}"):
+            return method(self, *args, **options)
+    return call
 
 
 class Simulation:
@@ -48,6 +64,11 @@ class Simulation:
     """
 
     def __init__(self, case, comm, petsc_options=None, start=None):
+        self._guard = Guard.of(comm)
+        with _call(self._guard, "Simulation"):
+            self._make(case, comm, petsc_options, start)
+
+    def _make(self, case, comm, petsc_options, start):
         room.check(case, comm)
         self.numerics = _numerics(case)
         # what is stored is what was computed, whatever a preset becomes later
@@ -56,7 +77,7 @@ class Simulation:
         try:
             self._build(petsc_options, start)
         except BaseException as error:
-            if self.comm.size == 1 or isinstance(error, ParisphError):    # else perhaps on this rank alone
+            if self.agreed(error):
                 self.destroy()
             raise
 
@@ -84,6 +105,7 @@ class Simulation:
         self._chosen = None     # (limit, step, time after it) of the next step
         self._open_tank = OpenTank.of(case, self.domain, start.state.get("left") if start is not None else None)
 
+    @_collective
     def solve_start(self):
         """Give the particles of the start a pressure, which no step has done yet; nothing moves.
 
@@ -94,6 +116,7 @@ class Simulation:
         self._has_pressure = True
         return isolated
 
+    @_collective
     def choose_step(self, until=None):
         """Settle how long the next `advance` is, and return the time [s] after it, the same on all ranks.
 
@@ -107,6 +130,7 @@ class Simulation:
         self._chosen = (limit, *step_towards(self._target(until), self.time, limit))
         return self._chosen[-1]
 
+    @_collective
     def advance(self, until=None):
         """Take one step of the case's size, or of what `choose_step` has chosen; return its StepReport.
 
@@ -140,6 +164,7 @@ class Simulation:
         """Return whether the end time is reached, to within half a fixed step."""
         return finished(self.case, self.time)
 
+    @_collective
     def gather(self, *names):
         """Return {name: array over all particles, in the order of their ids} on rank 0, None elsewhere."""
         p = self.particles
@@ -150,6 +175,11 @@ class Simulation:
         order = np.argsort(columns[0])
         return {name: column[order] for name, column in zip(names, columns[1:])}
 
+    def agreed(self, error):
+        """Return whether an error is one that all ranks have, so that what follows may be collective."""
+        return self.comm.size == 1 or (isinstance(error, ParisphError) and self._guard.on_all())
+
+    @_collective
     def destroy(self):
         """Free what MPI and PETSc hold for this scene; once more does nothing."""
         for part in (self.domain, self.solver):

@@ -32,6 +32,7 @@ def on_one_rank_first(comm, make, case, numerics):
             pass    # whatever is wrong with the small scene, the real one will report it on all ranks
         except Exception as error:
             problem = error
+    comm.Barrier()    # lets other threads of the ranks that wait run, as the sums of `agree` do not
     agree(comm, problem)
 
 

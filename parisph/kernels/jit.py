@@ -33,6 +33,9 @@ kernel = _compiler(**_OPTIONS)
 # these functions may read and write arrays, but neither make nor slice them.
 inlined = _compiler(forceinline=True, _nrt=False, **_OPTIONS)
 
+# For what waits in a thread of its own, also while another one keeps Python's lock.
+unlocked = _compiler(nogil=True, **_OPTIONS)
+
 # The length of a tuple is part of its type: a loop over range(len(axes)) is unrolled, and code
 # under `if len(axes) == 3` costs nothing in 2D.
 _AXES = {2: (0, 1), 3: (0, 1, 2)}

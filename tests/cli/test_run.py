@@ -110,6 +110,26 @@ def test_a_fault_in_the_step_of_one_rank_ends_the_run(place):
     assert left["iterations"]["max"] > 0 and len(left["peak_memory_mb"]) == 1
 
 
+WARM_UP = """
+import sys
+from parisph.__main__ import main
+from parisph.driver import warmup
+def fails(*_):
+    raise KeyError("no such compiler")
+warmup._step = fails
+sys.exit(main(["run", "dam.py", "-q"]))
+"""
+
+
+def test_a_fault_of_the_warm_up_is_told_by_all_with_its_traceback(place):
+    """The other ranks wait for the first one to compile the kernels."""
+    (place / "fault.py").write_text(WARM_UP)
+    done = mpirun(2, ["fault.py"], timeout=120, cwd=place)
+    assert done.returncode == 1 and "parisph: error: rank 0: KeyError: 'no such compiler'" in done.stderr
+    assert "Traceback" in done.stderr and "in fails" in done.stderr
+    assert not (place / "runs").exists()
+
+
 def test_check_says_what_it_takes(place):
     done = parisph("check", "dam.py", cwd=place, timeout=120)
     assert done.returncode == 0, done.stderr

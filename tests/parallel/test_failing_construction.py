@@ -6,6 +6,7 @@ from mpi4py import MPI
 from parisph import Box, Case, CaseError, Fluid, Numerics, ParisphError, Tank
 from parisph.case import geometry
 from parisph.driver import Simulation, simulation, warmup
+from parisph.parallel.guard import Guard
 from parisph.parallel.petsc import PETSc
 
 SMALL = Case(title="small", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), gravity=(0.0, -9.81),
@@ -29,9 +30,11 @@ def counted(comm):
     key = MPI.Comm.Create_keyval(copied, freed)
     own = comm.Dup()
     own.Set_attr(key, True)
-    PETSc.Vec().createMPI(4, comm=own).destroy()    # PETSc keeps its copy of a communicator, if at all, from here on
+    Guard.of(own)    # keeps one copy as long as the communicator lives
+    PETSc.Vec().createMPI(4, comm=own).destroy()    # PETSc may do so too
     yield own, lambda: copies
     own.Free()
+    assert copies == -1, "every copy is freed, and the communicator, which was none"
     MPI.Comm.Free_keyval(key)
 
 

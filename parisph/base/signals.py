@@ -1,0 +1,142 @@
+"""Signals that ask a run to stop. None of them interrupts what several ranks do together.
+
+Python runs a handler only while its main thread executes Python, and a rank that waits for another
+rank does not. A thread therefore reads the numbers of the signals from a socket, into which the
+interpreter writes them as they come (signal.set_wakeup_fd).
+"""
+
+import faulthandler
+import os
+import select
+import signal
+import socket
+import sys
+import threading
+import time
+from contextlib import suppress
+
+NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
+CODE = 4          # exit code of a run that was stopped
+COPY = 0.25       # [s] after a signal in which another one may be a copy of it
+PATIENCE = 4.0    # [s] that a run then has to stop properly
+_HINT = 0.3       # [s] that rank 0 has to speak first, where all ranks get the signal
+
+
+class Signals:
+    """The first Ctrl-C, SIGTERM or SIGUSR1 sets a flag; a second one ends everything at once.
+
+    A second one that comes within COPY of the first may be a copy: a batch system signals mpirun and
+    its ranks, and mpirun then signals its ranks too. The run then gets PATIENCE to stop properly.
+
+    SIGUSR1, because mpirun forwards it and leaves the run alone, whereas it kills its ranks within a
+    second or so of a SIGINT or SIGTERM.
+
+    Attributes
+    ----------
+    seen : number of the first signal that has come to this process, else None
+    left : text, what the run has on disk and how to resume it; rank 0 prints it at the end
+    rank : of this process
+    abort : function (exit code) that ends all ranks; None in a process alone, where a second signal
+        raises KeyboardInterrupt in the main thread
+    taken : [n], how many signals the thread has read
+    socket : where it reads them; None where no signals are watched
+    helper : thread that ends when the socket is shut down, or None
+    """
+
+    _active = None    # the handlers belong to the process, so two of these cannot be in force at once
+
+    def __init__(self):
+        self.seen, self.left = None, "nothing has been written"
+        self.rank, self.abort = 0, None
+        self.taken, self.socket, self.helper = [0], None, None
+        self._depth, self._raise, self._own = 0, False, False
+
+    @classmethod
+    def active(cls):
+        """Return the Signals that are in force, else new ones; use them in a `with` statement."""
+        return cls._active or cls()
+
+    def over(self, comm):
+        """End all ranks of `comm` with a second signal, if there are several. Not collective."""
+        if comm.size > 1:
+            self.rank, self.abort = comm.rank, comm.Abort
+
+    def __enter__(self):
+        self._depth += 1
+        if self._depth > 1 or threading.current_thread() is not threading.main_thread():
+            return self    # a worker of a notebook leaves signals alone
+        self.socket, self._source = socket.socketpair()
+        self._source.setblocking(False)
+        self._wakeup = signal.set_wakeup_fd(self._source.fileno(), warn_on_full_buffer=False)
+        self._old = {number: signal.signal(number, self._handle) for number in NUMBERS}
+        self._thread = threading.Thread(target=self._listen, name="signals", daemon=True)
+        self._thread.start()
+        Signals._active = self
+        return self
+
+    def __exit__(self, *_):
+        self._depth -= 1
+        if self._depth or self.socket is None:
+            return
+        Signals._active = None
+        for number, handler in self._old.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+        signal.set_wakeup_fd(self._wakeup)
+        self.socket.shutdown(socket.SHUT_RDWR)
+        for thread in (self._thread, self.helper):
+            if thread is not None:
+                thread.join()
+        self.socket.close()
+        self._source.close()
+        self.socket = None
+
+    def ignore(self):
+        """Ignore signals from now on: everything is done, and the process is about to end."""
+        for number in NUMBERS:
+            signal.signal(number, signal.SIG_IGN)
+
+    def _handle(self, number, frame):
+        if self._raise:
+            self._raise = False
+            raise KeyboardInterrupt
+        self.seen = self.seen or number
+
+    def _listen(self):
+        """Read signals until this is closed, and end everything when it is time to."""
+        first = deadline = None
+        while True:
+            left = None if deadline is None else max(deadline - time.monotonic(), 0.0)
+            if not select.select([self.socket], [], [], left)[0]:
+                self._end()
+                deadline = None
+                continue
+            numbers = self.socket.recv(64)
+            if not numbers:
+                return
+            for number in numbers:
+                if number not in NUMBERS or self._is_own():
+                    continue
+                self.taken[0] += 1
+                now = time.monotonic()
+                if first is None:
+                    first, self.seen = now, self.seen or number
+                else:
+                    deadline = min(deadline or now + PATIENCE, now + (PATIENCE if now - first < COPY else 0.0))
+
+    def _is_own(self):
+        """Return whether a signal is the one that this thread has sent to the main thread."""
+        own, self._own = self._own, False
+        return own
+
+    def _end(self):
+        if self.abort is None:
+            self._raise = self._own = True
+            signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+            return
+        # Ends this process, should what follows hang.
+        faulthandler.dump_traceback_later(PATIENCE, exit=True, file=open(os.devnull, "w"))
+        if self.rank:
+            time.sleep(_HINT)
+        with suppress(OSError):    # nobody reads it any more
+            print(f"parisph: stopped at once by a second signal; {self.left}", file=sys.stderr, flush=True)
+        self.abort(CODE)

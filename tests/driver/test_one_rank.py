@@ -1,0 +1,97 @@
+"""One rank of a user's own script fails or ends: the others are ended if they wait for it, and only then."""
+
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tests.launch import clean_environment, mpirun
+from tests.scenes import PROGRAM
+
+SCRIPT = PROGRAM + """
+import time
+from parisph import ParisphError
+def fail():
+    {what}
+s = Simulation(scene("dam_break", spacing=0.1), comm)
+acceleration = s.method.acceleration
+def force(x, t):
+    if s.steps == 3 and comm.rank in {inside}:
+        print("failed", flush=True)
+        fail()
+    return acceleration(x, t)
+s.method.acceleration = force
+for _ in range(8):
+    if s.steps == 4 and comm.rank in {between}:
+        print("failed", flush=True)
+        fail()
+    s.advance()
+{after}
+"""
+SOON = 10.0    # [s] from the failure until all ranks are gone
+
+
+def carried_out(folder, what="pass", inside=(), between=(), after=""):
+    """Run the script on two ranks; return (exit code, output, seconds from the first failure to the end)."""
+    (folder / "script.py").write_text(SCRIPT.format(what=what, inside=inside, between=between, after=after))
+    process = subprocess.Popen(["mpirun", "-n", "2", sys.executable, "script.py"], cwd=folder, env=clean_environment(), text=True,
+                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=open(folder / "errors.txt", "w"))
+    try:
+        said, failed = "", None
+        for line in process.stdout:
+            said += line
+            failed = failed or (time.monotonic() if "failed" in line else None)
+        code = process.wait(60)
+        return code, said + (folder / "errors.txt").read_text(), time.monotonic() - (failed or time.monotonic())
+    finally:
+        process.kill()
+
+
+@pytest.mark.parametrize(("what", "says", "code"), [
+    ("sys.exit(7)", "SystemExit: 7", 7), ("raise ParisphError('mine alone')", "ParisphError: mine alone", 1),
+])
+def test_failure_inside_a_call(tmp_path, what, says, code):
+    found, said, seconds = carried_out(tmp_path, what, inside=[1])
+    assert found == code and says in said and "in force" in said and "in fail" in said
+    assert "an error on rank 1 alone, in Simulation.advance: all 2 ranks are ended" in said
+    assert seconds < SOON
+
+
+@pytest.mark.parametrize(("what", "says"), [
+    ("sys.exit(0)", "rank 1 has ended, and rank 0 waits for it in Simulation.advance"),
+    ("raise ValueError('on one rank')", "ValueError: on one rank"),
+])
+def test_failure_between_calls(tmp_path, what, says):
+    code, said, seconds = carried_out(tmp_path, what, between=[1])
+    assert code != 0 and says in said and "all 2 ranks are ended" in said
+    assert seconds < SOON
+
+
+def test_failure_while_the_others_do_something_else(tmp_path):
+    code, said, seconds = carried_out(tmp_path, after="if comm.rank == 1: raise ValueError(print('failed', flush=True))\ntime.sleep(60)")
+    assert code == 1 and "ValueError: None" in said and "rank 1 ends with an error, and others go on" in said
+    assert seconds < SOON
+
+
+@pytest.mark.parametrize("alone", [0, 1])
+def test_rank_that_still_works_after_the_others_have_ended_is_left_alone(tmp_path, alone):
+    after = f"import time\nif comm.rank == {alone}:\n    time.sleep(7)\n    print('pictures made', flush=True)"
+    code, said, _ = carried_out(tmp_path, after=after)
+    assert code == 0 and "pictures made" in said and "ended" not in said
+
+
+@pytest.mark.parametrize("caught", [False, True])
+def test_error_on_all_ranks_is_left_to_the_user(tmp_path, caught):
+    what = "raise ParisphError('on all ranks')"
+    script = SCRIPT.replace("    s.advance()\n", "    try: s.advance()\n    except ParisphError: break\n") if caught else SCRIPT
+    (tmp_path / "script.py").write_text(script.format(what=what, inside=[0, 1], between=[], after="print('end', comm.rank)"))
+    done = mpirun(2, ["script.py"], cwd=tmp_path)
+    assert done.returncode == (0 if caught else 1) and "are ended" not in done.stderr
+    assert done.stdout.count("end") == (2 if caught else 0)
+
+
+def test_script_on_one_rank_raises_as_ever(tmp_path):
+    (tmp_path / "script.py").write_text(SCRIPT.format(what="raise ValueError('alone')", inside=[0], between=[], after=""))
+    done = mpirun(1, ["script.py"], cwd=tmp_path)
+    assert done.returncode == 1 and "ValueError: alone" in done.stderr and "are ended" not in done.stderr

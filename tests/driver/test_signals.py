@@ -1,0 +1,137 @@
+"""Two signals to one of two ranks end both, in whatever they are; one rank alone never deadlocks the other."""
+
+import os
+import signal
+import time
+
+import pytest
+
+from parisph.base import signals
+from tests.running import FALLING, running
+
+ENDLESS = ("--set", "end_time=1000", "--set", "checkpoint_every=100")
+GONE = 10.0    # [s] from the second signal
+
+
+def twice(pid, numbers, gap):
+    for number, pause in zip(numbers, (gap, 0.0)):
+        os.kill(pid, number)
+        time.sleep(pause)
+
+
+def ended(run):
+    """Wait for the end, which must come in time; return the exit code and what was said."""
+    code = run.process.wait(GONE)
+    return code, run.output()
+
+
+SLOW_CASE = FALLING + """
+import pathlib, time
+pathlib.Path("waits").touch()
+time.sleep(300)
+"""
+SLOW_WARM_UP = """
+from parisph.driver import warmup
+def wait(*_):
+    open("waits", "w").close()
+    time.sleep(300)
+warmup._step = wait
+"""
+SLOW_STEP = """
+from parisph.methods.projection import Projection
+step = Projection.step
+def wait(self, *args):
+    if self.particles.comm.size == 1:
+        return step(self, *args)    # of the warm-up
+    if self.particles.comm.rank == 0:
+        open("waits", "w").close()
+        time.sleep(300)
+    self.particles.comm.Barrier()
+Projection.step = wait
+"""
+
+
+@pytest.mark.parametrize("gap", [0.02, 0.5])
+@pytest.mark.parametrize("where", ["loading", "warm-up", "step"])
+def test_rank_that_waits_for_another_is_ended(tmp_path, where, gap):
+    """The first one waits for the case file, the compiler or something else, and the last one for the first."""
+    case = SLOW_CASE if where == "loading" else FALLING
+    change = {"warm-up": SLOW_WARM_UP, "step": SLOW_STEP}.get(where, "")
+    with running(tmp_path, 2, case=case, change=change) as run:
+        run.until((tmp_path / "waits").exists)
+        time.sleep(0.5)
+        twice(run.ranks()[-1], (signal.SIGTERM, signal.SIGINT), gap)
+        code, said = ended(run)
+    assert code == 4 and said.count("stopped at once by a second signal; ") == 1 and "Traceback" not in said
+    tells = "the last checkpoint is run/checkpoints/00000000.h5; go on with: parisph restart run" if where == "step" else "nothing has been written"
+    assert tells in said
+    assert (tmp_path / "run" / "case.json").exists() == (where == "step")
+
+
+IN_A_CHECKPOINT = """
+from parisph.io import checkpoint
+write = checkpoint.write
+def signalled(comm, folder, particles, time_, step, *more):
+    if comm.rank == 1 and 0 < step < 5:
+        for number in (signal.SIGINT, signal.SIGINT):
+            os.kill(os.getpid(), number)
+            time.sleep(0.005)
+    return write(comm, folder, particles, time_, step, *more)
+checkpoint.write = signalled
+"""
+
+
+def test_two_copies_of_a_signal_in_a_collective_write_are_one(tmp_path):
+    with running(tmp_path, 2, change=IN_A_CHECKPOINT) as run:
+        code = run.wait()
+        said = run.output()
+    assert code == 4 and "stopped at t = " in said and "by SIGINT" in said and "parisph restart run" in said
+    assert "Traceback" not in said and "at once" not in said
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGUSR1])
+def test_every_rank_may_get_it(tmp_path, number):
+    """As from srun and scancel, twice."""
+    with running(tmp_path, 2, *ENDLESS) as run:
+        run.until_checkpoints(0)
+        time.sleep(0.5)
+        for _ in range(2):
+            for pid in run.ranks():
+                os.kill(pid, number)
+        code, said = ended(run)
+    assert code == 4 and said.count(f"by {number.name}") == 1 and "Traceback" not in said
+
+
+def test_second_signal_ends_a_rank_that_another_one_hangs_up(tmp_path):
+    """A rank that has stopped for good, as on a node that hangs: Python's lock may be held by PETSc, waiting for it."""
+    with running(tmp_path, 2, *ENDLESS) as run:
+        run.until_checkpoints(0)
+        first, last = run.ranks()
+        os.kill(first, signal.SIGSTOP)
+        time.sleep(1.0)
+        twice(last, (signal.SIGTERM, signal.SIGTERM), 0.5)
+        code, said = ended(run)
+    assert code == 4 and "stopped at once by a second signal" in said and "Traceback" not in said
+
+
+def test_handlers_are_put_back():
+    before = [signal.getsignal(number) for number in signals.NUMBERS]
+    with signals.Signals() as outer:
+        with signals.Signals.active() as inner:
+            assert inner is outer
+        os.kill(os.getpid(), signal.SIGUSR1)
+        for _ in range(100):
+            time.sleep(0.01)
+            if outer.taken[0]:
+                break
+        assert outer.seen == signal.SIGUSR1 and signals.Signals.active() is outer
+    assert [signal.getsignal(number) for number in signals.NUMBERS] == before
+    assert signal.set_wakeup_fd(-1) == -1 and signals.Signals.active() is not outer
+
+
+def test_in_a_process_alone_a_second_one_raises():
+    with pytest.raises(KeyboardInterrupt), signals.Signals():
+        for _ in range(2):
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(2.0 * signals.COPY)
+        time.sleep(5.0)
