@@ -26,7 +26,7 @@ from mpi4py import MPI
 from parisph.__main__ import main
 sys.exit(main())
 """
-LONG = 40.0     # [s] for a run to come as far as a test wants it
+LONG = 100.0    # [s] for a run to come as far as a test wants it
 
 
 class Running:

@@ -60,7 +60,8 @@ class Simulation:
     timers : PhaseTimers
     bad_force : float or None, the first time [s] at which the body force was no finite number here
 
-    All methods are collective. Raises CaseError where the case cannot be run as it is.
+    All methods are collective. Raises CaseError where the case cannot be run as it is. What fails on one
+    rank only, such as sys.exit in a function of the user, ends all ranks (parallel.guard).
     """
 
     def __init__(self, case, comm, petsc_options=None, start=None):

@@ -18,7 +18,7 @@ from mpi4py import MPI
 from parisph.base.errors import exit_code
 
 PATIENCE = 5.0    # [s] that a rank with an error waits for the others to come to theirs
-LOOK = 1.0        # [s] between two looks of a rank that waits, for ranks that have ended
+LOOK, RARELY = 1.0, 4.0    # [s] between two looks of a rank that waits, for ranks that have ended: at first, later
 BRIEF = 1.0       # [s] for the message of a rank that ends; MPI_Finalize sends what is left
 _ENDED = 72       # the tag of that message
 
@@ -27,10 +27,10 @@ class Guard:
     """Watches the collective calls on one communicator, from all ranks. `Guard.of(comm)` makes or finds it.
 
     An exception that leaves a call on some ranks only ends all ranks within PATIENCE, as they wait in
-    the call for ever otherwise, or in the next one. A rank that ends without an error tells the others
-    how many calls it has made. Whoever waits for it in a later one ends all ranks, and whoever does not is
-    left alone, such as a rank that still makes pictures. An uncaught exception also ends all
-    ranks, unless they end with it.
+    the call for ever otherwise, or in the next one. A rank that ends without an error tells others
+    how many calls it has made. Whoever waits for it in a later one ends all ranks; whoever does not is
+    left alone, such as a rank that still makes pictures. An uncaught exception also ends all ranks,
+    unless they end with it.
 
     None of this sends a message while all is well. To look for ranks that have ended takes an MPI library
     that several threads may call at once (MPI_THREAD_MULTIPLE, which mpi4py asks for).
@@ -105,15 +105,17 @@ class Guard:
 
     def _look(self):
         """Where this rank is in one call for long, see whether one that it needs there has ended. In a thread."""
-        before = None
-        while not self._ended.wait(LOOK):
+        before, wait = None, LOOK
+        while not self._ended.wait(wait):
             now = self.calls if self._call else None
-            if now is not None and now == before:
-                self._receive()
-                for rank, calls in self._left.items():
-                    if calls < now:
-                        self._abort(f"rank {rank} has ended, and rank {self.comm.rank} waits for it in {self._call}", 1)
-            before = now
+            if now is None or now != before:
+                before, wait = now, LOOK
+                continue
+            wait = min(2.0 * wait, RARELY)
+            self._receive()
+            for rank, calls in self._left.items():
+                if calls < now:
+                    self._abort(f"rank {rank} has ended, and rank {self.comm.rank} waits for it in {self._call}", 1)
 
     def _stop_looking(self):
         self._ended.set()
@@ -127,18 +129,23 @@ class Guard:
             self._left[status.source] = self.comm.recv(source=status.source, tag=_ENDED)
 
     def _leave(self):
-        """Tell the others that this rank ends. If an exception ends it, all ranks end within PATIENCE."""
+        """Tell others that this rank ends. If an exception ends it, all ranks end within PATIENCE."""
         self._stop_looking()
-        others = [rank for rank in range(self.comm.size) if rank != self.comm.rank]
-        sent = [self.comm.isend(self.calls, rank, _ENDED) for rank in others]
+        sent = [self.comm.isend(self.calls, rank, _ENDED) for rank in self._partners(1)]
+        due = len(self._partners(-1)) if self._failed else 0
         deadline = time.monotonic() + (PATIENCE if self._failed else BRIEF)
-        while not MPI.Request.Testall(sent) or (self._failed and len(self._left) < len(others)):
+        while not MPI.Request.Testall(sent) or len(self._left) < due:
             if time.monotonic() > deadline:
                 break
             self._receive()
             time.sleep(0.01)
-        if self._failed and len(self._left) < len(others):
+        if len(self._left) < due:
             self._abort(f"rank {self.comm.rank} ends with an error, and others go on", 1)
+
+    def _partners(self, sign):
+        """Return the ranks that hear from this one (1), or that it hears from (-1): few, and where all but one wait, one of them."""
+        size = self.comm.size
+        return {(self.comm.rank + sign * 2**k) % size for k in range(size.bit_length())} - {self.comm.rank}
 
     @classmethod
     def _watch_the_end(cls):

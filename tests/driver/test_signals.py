@@ -30,6 +30,16 @@ import pathlib, time
 pathlib.Path("waits").touch()
 time.sleep(300)
 """
+def test_one_signal_while_the_case_is_loaded_stops_before_anything_is_made(tmp_path):
+    with running(tmp_path, 2, case=SLOW_CASE.replace("300", "2")) as run:
+        run.until((tmp_path / "waits").exists)
+        time.sleep(0.5)
+        os.kill(run.ranks()[-1], signal.SIGTERM)
+        code, said = ended(run)
+    assert code == 4 and said.count("parisph: error: ") == 1 and "stopped by SIGTERM before the run has begun" in said
+    assert "Traceback" not in said and not (tmp_path / "run").exists()
+
+
 SLOW_WARM_UP = """
 from parisph.driver import warmup
 def wait(*_):

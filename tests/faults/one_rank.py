@@ -76,9 +76,9 @@ COMMAND = FAILING + """
 from parisph.__main__ import main
 sys.exit(main(["run", "case.py", "-o", "run", "-q"]))
 """
-START = 60.0       # [s] until the failure
+START = 200.0      # [s] until the failure
 GONE = 10.0        # [s] from there until all processes are gone
-SECONDS = 120.0    # [s] for a restart
+SECONDS = 300.0    # [s] for a restart
 
 
 def make(count, random, folder):

@@ -20,7 +20,7 @@ def case():
 """
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
 GONE = 10.0        # [s] for all processes to end after the second signal
-SECONDS = 120.0    # [s] for a run
+SECONDS = 300.0    # [s] for a run, which may have to compile
 COLD = 0.15        # share of the attempts in which the kernels have to be compiled, for which one rank waits
 COMPILES = 15.0    # [s] at least for that
 FEW, USUAL = 5, 5.0    # so few attempts do without measuring how long a run takes, about so many [s]
