@@ -152,8 +152,10 @@ def _reset_peak():
     Path("/proc/self/clear_refs").write_text("5")    # the peak begins at what is in use
 
 
-def _status(name):
-    return next(1024.0 * int(line.split()[1]) for line in Path("/proc/self/status").read_text().splitlines() if line.startswith(name))
+def _status(name, process="self"):
+    """Return a size in bytes from the status of a process; 0 of one that has ended."""
+    lines = Path(f"/proc/{process}/status").read_text().splitlines()
+    return next((1024.0 * int(line.split()[1]) for line in lines if line.startswith(name)), 0.0)
 
 
 def _by_itself(words, place):
@@ -161,20 +163,20 @@ def _by_itself(words, place):
     with tempfile.TemporaryFile("w+", errors="replace") as out, tempfile.TemporaryFile("w+", errors="replace") as err:
         process = subprocess.Popen([sys.executable, "-m", "parisph", *words], cwd=place, env=clean_environment(), stdin=subprocess.DEVNULL,
                                    stdout=out, stderr=err)
-        done, status, used = 0, 0, None
-        while not done and time.monotonic() < begun + 2.0 * SECONDS:
-            done, status, used = os.wait4(process.pid, os.WNOHANG)
-            time.sleep(0.02)
-        if not done:
+        peak = 0.0
+        while process.poll() is None and time.monotonic() < begun + 2.0 * SECONDS:
+            # not `ru_maxrss`, which begins at the memory of the process that forked
+            peak = max(peak, _status("VmHWM", process.pid))
+            time.sleep(0.01)
+        if process.poll() is None:
             process.kill()
             process.wait()
             return f"hang: no end after {2.0 * SECONDS:g} s"
-        process.returncode = os.waitstatus_to_exitcode(status)
         texts = []
         for file in (out, err):
             file.seek(0)
             texts.append(file.read(10**6))
-    return {"code": process.returncode, "out": texts[0], "err": texts[1], "seconds": time.monotonic() - begun, "bytes": 1024.0 * used.ru_maxrss}
+    return {"code": process.returncode, "out": texts[0], "err": texts[1], "seconds": time.monotonic() - begun, "bytes": peak}
 
 
 def _on_two_ranks(words, place):
