@@ -61,7 +61,7 @@ FIELDS = {
               written=False),
         Field("phi", "scalar", np.float64, "m^2", "potential of the position projection", exchanged=False, written=False),
         Field("grad_alpha", "vector", np.float64, "1/m", "gradient of alpha", exchanged=False, migrates=False, written=False),
-        Field("closing", "scalar", np.int8, "", "of a wall particle: 0 apart from the fluid, 1 near it, 2 closing it off (kernels.wetness)",
+        Field("closing", "scalar", np.int8, "", "of a wall particle: 0 apart from fluid in front of it, 1 free, 2 closing fluid off (kernels.wetness)",
               exchanged=False, migrates=False, written=False),
         Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value"),
     )

@@ -10,19 +10,22 @@ BESIDE = 0.75   # along the wall, from a wall particle to the fluid in front of 
 NEARBY = 1.6    # inner fluid behind a water line that moves on along the wall
 
 # What a wall particle is to the fluid before it: the values of the field `closing`.
-APART, NEAR, CLOSING = 0, 1, 2
+APART, FREE, CLOSING = 0, 1, 2
 
 
 @kernel
 def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr, indices, axes):
-    """Classify owned wall particles: CLOSING the fluid off, NEAR it, or APART from it.
+    """Classify owned wall particles: CLOSING the fluid off, APART from it, or FREE.
 
     By positions alone, water that rests one spacing below a lid looks like water that fills the tank,
     because wall particles are where its neighbours would be. The history tells the two apart. A wall
     particle closes the fluid off if it was wet, if the water line beside it reaches it (next to a wet
     one, with inner fluid within NEARBY), or if fluid runs into it: closer than TOUCH at the end of the
-    step, and moving or pulled towards it, unlike water at rest below a lid. It is near if fluid is in
-    front of it and closer than TOUCH, whatever its motion.
+    step, and moving or pulled towards it, unlike water at rest below a lid.
+
+    A wall particle is apart if fluid that does not touch it is in front of it on both sides, as below a
+    lid: it must not crowd that fluid. All others are free; those of a side wall above the water line
+    crowd the water as those below do, so that water at rest has no gradient of concentration there.
 
     closing : (n_all,) output; role, x, u : of the previous step (role) and of now, ghosts included
     force : (n_all, dim), body force per unit mass [m/s^2]; dt : step [s]
@@ -50,7 +53,8 @@ def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr,
                 near |= away < TOUCH * spacing
                 moves = towards * dt > MOVING * spacing or towards + pull * dt > 0.0
                 hit |= moves and away - (towards + max(pull, 0.0) * dt) * dt < TOUCH * spacing
-        closing[i] = NEAR if near else APART
+        facing = not near and _covered_on_both_sides(i, closing, APART, x, kind, normal, spacing, indptr, indices, axes)
+        closing[i] = APART if facing else FREE
         if role[i] == WET or hit or (beside_wet and beside_inner):
             closing[i] = CLOSING
 
@@ -82,14 +86,16 @@ def wet_walls(role, closing, x, kind, corner, normal, spacing, indptr, indices, 
             # half a spacing to either side along the wall, one and a half away from it
             beside |= (role[j] == SURFACE and 0.0 < away < 1.5 * spacing
                        and r2 - away * away < (0.55 * spacing) ** 2)
-        if inner and closing[i] == CLOSING and (corner[i] or _covered_on_both_sides(i, closing, x, kind, normal, spacing, indptr, indices, axes)):
+        if inner and closing[i] == CLOSING and (
+                corner[i] or _covered_on_both_sides(i, closing, CLOSING, x, kind, normal, spacing, indptr, indices, axes)):
             role[i] = WET
         else:
             role[i] = CONTACT if beside else DRY
 
 
 @kernel
-def _covered_on_both_sides(i, closing, x, kind, normal, spacing, indptr, indices, axes):
+def _covered_on_both_sides(i, closing, least, x, kind, normal, spacing, indptr, indices, axes):
+    """Return whether fluid is on both sides of wall particle i along the wall; another wall that is `least` counts as fluid."""
     dim = len(axes)
     for b in range(dim):  # the tangent along axis b is e_b - n_b n
         if 1.0 - normal[i, b] ** 2 < 0.25:
@@ -102,9 +108,9 @@ def _covered_on_both_sides(i, closing, x, kind, normal, spacing, indptr, indices
                 away += (x[j, a] - x[i, a]) * normal[i, a]
                 cosine += normal[j, a] * normal[i, a]
             along -= away * normal[i, b]
-            # one spacing from a corner the other wall, if fluid touches it, stands where fluid would be
+            # one spacing from a corner the other wall is where fluid would be
             facing = normal[j, b] - cosine * normal[i, b]
-            covers = kind[j] == FLUID or (closing[j] == CLOSING and along * facing < -0.5 * abs(along) and abs(along) < 1.5 * spacing)
+            covers = kind[j] == FLUID or (closing[j] >= least and along * facing < -0.5 * abs(along) and abs(along) < 1.5 * spacing)
             ahead |= covers and along > 0.3 * spacing
             behind |= covers and along < -0.3 * spacing
         if not (ahead and behind):

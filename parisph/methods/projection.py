@@ -181,7 +181,7 @@ class Projection:
                           d.indptr, d.indices, self.axes)
 
     def seen(self, closing):
-        """Return kind (n_all,) with the walls ABSENT that are less than `closing` (wetness.NEAR or CLOSING)."""
+        """Return kind (n_all,) with the walls ABSENT that are less than `closing` (wetness.FREE or CLOSING)."""
         p = self.particles
         return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
 

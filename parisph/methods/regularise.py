@@ -49,7 +49,7 @@ def positions(method, force):
     p, d, n = method.particles, method.domain, method.numerics
     h = schemes.DENSITY * method.spacing
     d.update("x")
-    walls = (p.x_all, method.seen(wetness.NEAR), p.corner_all, p.normal_all)
+    walls = (p.x_all, method.seen(wetness.FREE), p.corner_all, p.normal_all)
     solve = _project(method, force, walls, h) if n.kappa > 0.0 else None
     if n.shift > 0.0:
         shifting.concentration_gradient(p.grad_alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)

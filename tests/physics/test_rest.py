@@ -33,6 +33,19 @@ def test_open_tank(jitter):
     assert error[-fifth:].max() < 1.5 * error[fifth:2 * fifth].max()
 
 
+@pytest.mark.parametrize("lid", [False, True])
+def test_violent_preset_leaves_water_at_rest(lid):
+    """Its regularisation must find no gradient of concentration at the water line, or motion grows out of rounding."""
+    case = Case(title="still", fluid=Fluid(Box(width=1.0, height=1.0), density=DENSITY), walls=Tank(width=1.0, height=1.5, lid=lid),
+                gravity=(0.0, -G), numerics=Numerics(spacing=0.05, time_step=0.01 / np.sqrt(G)), end_time=10.0)
+    s = Simulation(case, MPI.COMM_SELF)
+    p = s.particles
+    for _ in range(200):
+        s.advance()
+        assert np.abs(p.u[p.kind == FLUID]).max() < 1e-6 * np.sqrt(G)
+    s.destroy()
+
+
 def test_the_case_judges_itself(tmp_path):
     """Its truths are constants, given by two points of which one is later than any run."""
     found = driver.run(scene("hydrostatic", end_time=0.1), MPI.COMM_SELF, tmp_path / "run", progress=False)["errors"]

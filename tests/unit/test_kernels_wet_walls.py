@@ -175,7 +175,7 @@ def closing(pool, u=0.0, dt=0.01, force=GRAVITY):
     velocity = np.where(pool.fluid[:, None], [0.0, u], 0.0)
     wetness.closing_walls(out, pool.role, pool.x, velocity, np.tile(force, (pool.n, 1)), pool.kind, pool.normal, pool.spacing,
                           dt, *pool.csr)
-    assert not out[pool.fluid].any() and set(out) <= {wetness.APART, wetness.NEAR, wetness.CLOSING}
+    assert not out[pool.fluid].any() and set(out) <= {wetness.APART, wetness.FREE, wetness.CLOSING}
     return out == wetness.CLOSING
 
 
@@ -228,3 +228,15 @@ def test_bed_under_falling_water_closes_it_off():
     bed = (pool.index[:, 1] == 0) & (pool.corner == 0)
     np.testing.assert_array_equal(closing(pool)[bed], pool.index[bed, 0] <= 5)
     assert not closing(pool, force=-GRAVITY)[bed].any()
+
+
+@pytest.mark.parametrize("gap", [1.0, 2.0])
+def test_lid_is_apart_and_walls_above_the_water_line_are_free(gap):
+    pool, lid = under_a_lid(gap)
+    out = np.full(pool.n, 9, np.int8)
+    still = np.zeros_like(pool.x)
+    wetness.closing_walls(out, pool.role, pool.x, still, np.tile(GRAVITY, (pool.n, 1)), pool.kind, pool.normal, pool.spacing,
+                          0.01, *pool.csr)
+    assert np.all(out[lid & (pool.corner == 0)] == wetness.APART)
+    above = (pool.kind == WALL) & ~lid & (pool.index[:, 1] == 9)
+    assert np.all(out[above] == wetness.FREE)
