@@ -1,4 +1,4 @@
-"""`parisph` and `python -m parisph`: run a command line, and see that every rank ends."""
+"""`parisph` and `python -m parisph`: execute a command line, and make sure that every rank ends."""
 
 import atexit
 import os
@@ -16,7 +16,7 @@ WIDEST = 380       # characters of a line of a message
 
 
 def main(words=None):
-    """Carry out a command line (default: that of this process) and return the exit code."""
+    """Execute a command line (default: that of this process) and return the exit code."""
     environment.prepare()
     own, words = words is None, sys.argv[1:] if words is None else words
     with ExitStack() as stack:
@@ -51,11 +51,11 @@ def _signals():
 
 
 def _fail(error, words):
-    """Say what went wrong, leave together with the other ranks, return the exit code.
+    """Print an error, wait for the other ranks, return the exit code.
 
-    An error that parisph raises on purpose is on all ranks, and the first one says it. Any other
-    is a fault, perhaps of this rank alone, while the others wait for it in a collective: this
-    rank says it, with the traceback, and ends them all.
+    parisph's own errors are on all ranks, and rank 0 prints them. Any other error is a fault, possibly
+    on this rank only, while the others wait for it in a collective call: this rank prints it with the
+    traceback and ends all ranks.
     """
     meant = isinstance(error, (ParisphError, KeyboardInterrupt)) and not unforeseen(error)
     first = environment.launched()[0] == 0

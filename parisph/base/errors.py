@@ -1,8 +1,8 @@
-"""The errors that parisph raises on purpose, and how ranks agree on them."""
+"""The errors that parisph raises, and how all ranks raise the same one."""
 
 
 class ParisphError(Exception):
-    """Base of every error that parisph raises on purpose."""
+    """Base class of all errors that parisph raises itself."""
 
 
 class CaseError(ParisphError):
@@ -22,7 +22,7 @@ class StoreError(ParisphError):
 
 
 class MissingLibrary(ParisphError, ImportError):
-    """A library that parisph can be installed without is needed here, and cannot be imported."""
+    """An optional library is needed here and cannot be imported."""
 
 
 class Interrupted(ParisphError):
@@ -34,7 +34,7 @@ _CODES = ((CaseError, 2), (SolverDiverged, 3), (ParticleLost, 3), (Interrupted, 
 
 
 def exit_code(error):
-    """Return the exit code of a process that an exception ends, never 0."""
+    """Return the exit code of a process that ends with an exception, never 0."""
     if isinstance(error, SystemExit) and isinstance(error.code, int):
         return error.code or 1
     return next((code for kind, code in _CODES if isinstance(error, kind)), 1)
@@ -70,10 +70,10 @@ def _class_to_raise(error):
 
 
 def _kind(error):
-    """Return the class of an error that nobody has foreseen: its message alone may say nothing."""
+    """Return the class name of an unexpected error, whose message alone may not be clear."""
     return "" if isinstance(error, (ParisphError, OSError)) else f"{type(error).__name__}: "
 
 
 def unforeseen(error):
-    """Return whether `agree` has made this error, on this rank, of one that nobody has foreseen."""
+    """Return whether `agree` made this error, on this rank, from an unexpected one."""
     return type(error) is ParisphError and error.__cause__ is not None and bool(_kind(error.__cause__))

@@ -1,11 +1,11 @@
-"""Output whose reader may leave, as `head` does when it has enough."""
+"""Output to a reader that may close the pipe early, such as `head`."""
 
 import os
 import sys
 
 
 def show(text):
-    """Print a text, or nothing from now on if the reader of the output has left. Not collective."""
+    """Print a text; if the reader has closed the pipe, print nothing from now on. Not collective."""
     try:
         print(text, flush=True)
     except BrokenPipeError:
@@ -13,7 +13,7 @@ def show(text):
 
 
 def silence(*streams):
-    """Discard what is still to be written to streams whose reader has left, so that the exit is silent. Not collective."""
+    """Discard pending output to closed pipes, so that the exit is silent. Not collective."""
     for stream in streams:
         try:
             stream.flush()

@@ -1,8 +1,8 @@
-"""Signals that ask a run to stop. None of them interrupts what several ranks do together.
+"""Signals that ask a run to stop. They never interrupt a collective call.
 
-Python runs a handler only while its main thread executes Python, and a rank that waits for another
-rank does not. A thread therefore reads the numbers of the signals from a socket, into which the
-interpreter writes them as they come (signal.set_wakeup_fd).
+Python runs a signal handler only while its main thread executes Python code, which a rank that waits
+for another one does not. A thread therefore reads the signal numbers from a socket, to which the
+interpreter writes them immediately (signal.set_wakeup_fd).
 """
 
 import faulthandler
@@ -23,23 +23,23 @@ _HINT = 0.3       # [s] that rank 0 has to speak first, where all ranks get the 
 
 
 class Signals:
-    """The first Ctrl-C, SIGTERM or SIGUSR1 sets a flag; a second one ends everything at once.
+    """The first Ctrl-C, SIGTERM or SIGUSR1 sets a flag; a second signal ends all ranks at once.
 
-    A second one that comes within COPY of the first may be a copy: a batch system signals mpirun and
-    its ranks, and mpirun then signals its ranks too. The run then gets PATIENCE to stop properly.
+    A second signal within COPY of the first may be a copy: a batch system signals mpirun and its ranks,
+    and mpirun then signals its ranks too. The run then gets PATIENCE to stop properly.
 
-    SIGUSR1, because mpirun forwards it and leaves the run alone, whereas it kills its ranks within a
-    second or so of a SIGINT or SIGTERM.
+    SIGUSR1 is supported because mpirun forwards it and does nothing else; after SIGINT or SIGTERM it
+    kills its ranks within about a second.
 
     Attributes
     ----------
-    seen : number of the first signal that has come to this process, else None
-    left : text, what the run has on disk and how to resume it; rank 0 prints it at the end
-    rank : of this process
-    abort : function (exit code) that ends all ranks; None in a process alone, where a second signal
+    seen : number of the first signal to this process, else None
+    left : text about the files on disk and how to resume; rank 0 prints it at the end
+    rank : rank of this process
+    abort : function (exit code) that ends all ranks; None in a single process, where a second signal
         raises KeyboardInterrupt in the main thread
-    taken : [n], how many signals the thread has read
-    socket : where it reads them; None where no signals are watched
+    taken : [n], the number of signals that the thread has read
+    socket : where it reads them; None if no signals are watched
     helper : thread that ends when the socket is shut down, or None
     """
 
@@ -53,11 +53,11 @@ class Signals:
 
     @classmethod
     def active(cls):
-        """Return the Signals that are in force, else new ones; use them in a `with` statement."""
+        """Return the active Signals, else new ones; use them in a `with` statement."""
         return cls._active or cls()
 
     def over(self, comm):
-        """End all ranks of `comm` with a second signal, if there are several. Not collective."""
+        """Let a second signal end all ranks of `comm`, if there are several. Not collective."""
         if comm.size > 1:
             self.rank, self.abort = comm.rank, comm.Abort
 
@@ -91,7 +91,7 @@ class Signals:
         self.socket = None
 
     def ignore(self):
-        """Ignore signals from now on: everything is done, and the process is about to end."""
+        """Ignore signals from now on, because the process is about to end."""
         for number in NUMBERS:
             signal.signal(number, signal.SIG_IGN)
 
@@ -102,7 +102,7 @@ class Signals:
         self.seen = self.seen or number
 
     def _listen(self):
-        """Read signals until this is closed, and end everything when it is time to."""
+        """Read signals until the socket is closed, and end all ranks when necessary."""
         first = deadline = None
         while True:
             left = None if deadline is None else max(deadline - time.monotonic(), 0.0)
@@ -124,7 +124,7 @@ class Signals:
                     deadline = min(deadline or now + PATIENCE, now + (PATIENCE if now - first < COPY else 0.0))
 
     def _is_own(self):
-        """Return whether a signal is the one that this thread has sent to the main thread."""
+        """Return whether a signal is the one that this thread sent to the main thread."""
         own, self._own = self._own, False
         return own
 

@@ -33,10 +33,10 @@ def explained(error, simulation, last_checkpoint):
 
 
 def _beyond_range(numerics):
-    """Return the advice for a surface that keeps its particles, which breaking waves tear apart."""
+    """Return advice for a surface that keeps its particles, which fails in breaking waves."""
     chosen = 'preset="gentle"' if numerics.preset == "gentle" else 'surface_rule="frozen"'
     instead = 'preset="violent"' if numerics.preset == "gentle" else 'surface_rule="gap"'
-    return (f"{chosen} keeps the surface particles of the start, and fails if waves are steep or break: use {instead}, "
+    return (f"{chosen} keeps the initial surface particles, and fails if waves are steep or break: use {instead}, "
             "a smaller amplitude, or a smaller time step")
 
 

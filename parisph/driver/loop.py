@@ -1,11 +1,13 @@
-"""The run: steps, probes, snapshots, checkpoints, and how it ends."""
+"""A run: steps, probes, snapshots, checkpoints, and its end."""
 
 import logging
+import os
 import signal
 from contextlib import contextmanager
 from dataclasses import asdict, fields
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -14,6 +16,7 @@ from parisph.base import log
 from parisph.base.errors import Interrupted, ParisphError, StoreError
 from parisph.base.paths import checked
 from parisph.base.signals import Signals
+from parisph.case.schema import Case
 from parisph.case.stored import to_json
 from parisph.driver import begin
 from parisph.driver.cost import Clock
@@ -34,48 +37,50 @@ from parisph.parallel.guard import guarded
 from parisph.pressure.options import as_text
 from parisph.pressure.trial import versions
 
-WALL_CLOCK = 600.0  # seconds between checkpoints at the latest, whatever the case says
-SAVE = 1            # what ranks ask of each other at the end of a step; above it: the signal to stop for
+WALL_CLOCK = 600.0  # [s] between checkpoints at most, whatever the case says
+SAVE = 1            # request of a rank at the end of a step; above it: the signal to stop
 UNITS = {"dt": "s", "setup_seconds": "s", "solve_seconds": "s"}
 
 
-def run(case, comm, out, petsc_options=None, progress=True, overwrite=False, force=False):
+def run(case: Case, comm: MPI.Comm, out: str | os.PathLike, petsc_options: list[str] | None = None, progress: bool = True,
+        overwrite: bool = False, force: bool = False) -> dict[str, Any]:
     """Run a case from its start into the folder `out`, and return the summary, the same dict on every rank. Collective.
 
     Parameters
     ----------
     case : Case; comm : mpi4py communicator; out : folder, without an earlier run
-    petsc_options : list of str; progress : whether rank 0 tells how far it is
-    overwrite : whether an earlier run in `out` is moved aside, to `out`.old; nothing is ever removed
-    force : whether to use a folder that another process, of which nobody knows if it still runs, has locked
+    petsc_options : list of str; progress : whether rank 0 shows progress
+    overwrite : whether to move an earlier run in `out` to `out`.old; nothing is ever removed
+    force : whether to use a folder that is locked by a process which may or may not still run
 
     Raises
     ------
-    CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder
-    then holds summary.json and everything up to there, unless it held a run already (CaseError).
+    CaseError, SolverDiverged, ParticleLost, StoreError, Interrupted : on every rank; the folder then
+    contains summary.json and all results so far, unless it held a run already (CaseError).
     """
     with guarded(comm, "run"), _signals(comm) as signals:
         made, old = on_first(comm, f"start a run in {out}", lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None)
-        with begin.left_only_if_used(made, old), begin.locked(comm, out, force) as lock, _built(case, comm, petsc_options) as simulation:
+        with begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock, _built(case, comm, petsc_options) as simulation:
             samplers = probes.build(case, simulation.comm)
             store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation), case.output.fields, lock)
             return _Run(simulation, samplers, store, Account.new(), progress).go(signals, first=True)
 
 
-def restart(path, comm, until=None, out=None, petsc_options=None, progress=True, force=False):
-    """Go on from the last checkpoint of a run, or from a given one, on any number of ranks. Collective.
+def restart(path: str | os.PathLike, comm: MPI.Comm, until: float | None = None, out: str | os.PathLike | None = None,
+            petsc_options: list[str] | None = None, progress: bool = True, force: bool = False) -> dict[str, Any]:
+    """Continue a run from its last checkpoint, or from a given one, on any number of ranks. Collective.
 
-    A run that was killed before its first checkpoint begins again; one that was killed between its last
-    checkpoint and its summary gets what is missing.
+    A run that was killed before its first checkpoint begins again. A run that was killed between its last
+    checkpoint and its summary is completed.
 
-    path : folder of a run or checkpoint file; until : new end time [s]; out : folder for what
-    follows, without an earlier run, by default the same. Otherwise as `run`.
+    path : folder of a run or checkpoint file; until : new end time [s]; out : folder to continue in,
+    without an earlier run; the same folder by default. Other parameters as for `run`.
 
     Raises
     ------
-    As `run`; besides, on every rank and before anything is touched, CaseError: `out` holds another run, results
-    of the same folder that come after the checkpoint would be lost, or there is nothing left to do; and
-    StoreError: the folder is in use, or one of its files is damaged.
+    As `run`, and on every rank before anything is changed: CaseError if `out` holds another run, if results
+    of the same folder after the checkpoint would be lost, or if there is nothing left to do; StoreError if
+    the folder is in use, or one of its files is damaged.
     """
     with guarded(comm, "restart"), _signals(comm) as signals:
         return _restarted(signals, path, comm, until, out, petsc_options, progress, force)
@@ -83,17 +88,17 @@ def restart(path, comm, until=None, out=None, petsc_options=None, progress=True,
 
 def _restarted(signals, path, comm, until, out, petsc_options, progress, force):
     folder = together(comm, f"find the run {path}", lambda: run_of(checked(path, "path")))
-    out = together(comm, f"go on in {out}", lambda: None if out is None else checked(out, "out"))
-    elsewhere = together(comm, f"go on in {out}", lambda: out is not None and Path(out).resolve() != folder.resolve())
+    out = together(comm, f"continue in {out}", lambda: None if out is None else checked(out, "out"))
+    elsewhere = together(comm, f"continue in {out}", lambda: out is not None and Path(out).resolve() != folder.resolve())
     target = Path(out) if elsewhere else folder
-    made, _ = on_first(comm, f"go on with the run in {target}",
+    made, _ = on_first(comm, f"continue the run in {target}",
                        lambda: begin.new_folder(target) if elsewhere else begin.check_run(folder, path)) or (None, None)
     with begin.left_only_if_used(made), begin.locked(comm, target, force) as lock:
         found = begin.find(Path(path), folder, comm)
         saved = checkpoint.read(comm, found) if found else None
         case, name = together(comm, f"read the case of {folder}", lambda: begin.case_of(saved, found, folder, until))
         done = saved is not None and finished(case, saved.time)
-        on_first(comm, f"go on with the run in {target}", lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
+        on_first(comm, f"continue the run in {target}", lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
         with _built(case, comm, petsc_options, saved) as simulation:
             samplers = probes.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
@@ -110,7 +115,7 @@ def _restarted(signals, path, comm, until, out, petsc_options, progress, force):
 
 @contextmanager
 def _signals(comm):
-    """The Signals in force, so that a second one ends all ranks at once, whatever they are in."""
+    """Return the active Signals, extended so that a second signal ends all ranks at once, whatever they do."""
     with Signals.active() as signals:
         signals.over(comm)
         last_resort.arm(signals)
@@ -119,7 +124,7 @@ def _signals(comm):
 
 @contextmanager
 def _built(case, comm, petsc_options, start=None):
-    """A Simulation that is freed at the end, unless a fault of one rank leaves the others behind."""
+    """Make a Simulation and free it at the end, unless an error is on one rank only."""
     simulation = Simulation(case, comm, petsc_options, start)
     try:
         yield simulation
@@ -131,10 +136,10 @@ def _built(case, comm, petsc_options, start=None):
 
 
 class _Run:
-    """What happens around the steps of one run."""
+    """The steps of one run, and everything around them."""
 
     def __init__(self, simulation, samplers, store, account, progress, peaks=None, source=None):
-        """peaks : what the checkpoint knows of peaks; source : folder of the run so far, where it goes on in another."""
+        """peaks : state of the peaks in the checkpoint; source : folder of the earlier run, if this one is another."""
         self.simulation, self.store, self.account = simulation, store, account
         self.comm, self.case = simulation.comm, simulation.case
         self.progress = Progress(self.case.end_time, progress, self.comm.rank == 0)
@@ -149,7 +154,7 @@ class _Run:
     def go(self, signals, first):
         """Take all steps and return the summary. Collective.
 
-        signals : Signals that may ask the run to stop; first : whether it begins, and is not a restart
+        signals : Signals that may ask the run to stop; first : whether this is a new run, not a restart
         """
         error, self.signals = None, signals
         signals.left = f"{self.store.folder} has no checkpoint yet: parisph restart {self.store.folder} begins it again"
@@ -173,11 +178,11 @@ class _Run:
         level = logging.INFO if self.progress.wanted else logging.WARNING
         together(self.comm, f"write {path}", lambda: log.start(self.comm, path, level))
         self.store.add_series("steps", {f.name: UNITS.get(f.name, "") for f in fields(StepReport)},
-                              "one line a step")
+                              "one line per step")
         for sampler in self.watch.samplers:
             self.store.add_series(f"probes/{sampler.name}", sampler.columns, self.watch.title(sampler))
         log.logger.info(f"{self.case.title}: {s.particles.n_global} particles on {self.comm.size} "
-                        f"rank{'s' * (self.comm.size > 1)}, {'into' if first else 'on in'} {self.store.folder}")
+                        f"rank{'s' * (self.comm.size > 1)}, {'into' if first else 'continuing in'} {self.store.folder}")
         isolated = 0
         if first:
             isolated = s.solve_start()
@@ -216,16 +221,16 @@ class _Run:
             self.store.append(time, step, {f"probes/{name}": line for name, line in values.items()})
 
     def _pause(self, due=False):
-        """Write a checkpoint if one is due or asked for, and stop if that is asked. Collective."""
+        """Save a checkpoint if it is due or requested, and stop if requested. Collective."""
         s, asked = self.simulation, self._asked()
         if due or asked:
             self._save()
         if asked > SAVE and not s.finished():
             raise Interrupted(f"stopped at t = {s.time:.6g} s by {signal.Signals(asked - SAVE).name}; "
-                              f"go on with: parisph restart {self.store.folder}")
+                              f"continue with: parisph restart {self.store.folder}")
 
     def _asked(self):
-        """Return what any rank asks for: 0, SAVE, or SAVE + the number of a signal to stop. Collective."""
+        """Return the request of any rank: 0, SAVE, or SAVE + the number of a signal to stop. Collective."""
         late = self.comm.rank == 0 and perf_counter() - self.saved_at > WALL_CLOCK
         seen = self.signals.seen
         return self.comm.allreduce(SAVE + seen if seen else SAVE * late, op=MPI.MAX)
@@ -247,12 +252,12 @@ class _Run:
             state = {**self.account.state(s), "peaks": self.peaks.state(), "left": vars(s.left)}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
-        self.signals.left = f"the last checkpoint is {self.last_checkpoint}; go on with: parisph restart {self.store.folder}"
+        self.signals.left = f"the last checkpoint is {self.last_checkpoint}; continue with: parisph restart {self.store.folder}"
 
     def _abandon(self, fault):
-        """Leave a summary behind a fault, which is perhaps of this rank alone. Not collective.
+        """Write a summary after an error that may be on this rank only. Not collective.
 
-        The others may wait in something else, so the summary says what this rank knows.
+        The other ranks may wait elsewhere, so the summary contains only what this rank knows.
         """
         self.progress.close()
         status = f"failed: rank {self.comm.rank}: {type(fault).__name__}: {fault}".removesuffix(": ")
@@ -269,11 +274,11 @@ class _Run:
             log.stop()
 
     def _note_options(self):
-        """Say in the files to come which options are in force: they change with the size of the system."""
+        """Note the current PETSc options for later files: they change with the size of the system."""
         self.store.about["petsc_options"] = as_text(self.simulation.solver.options)
 
     def _close(self, error):
-        """Write the summary whatever has happened, and return it or raise the error. Collective."""
+        """Write the summary in any case, and return it or raise the error. Collective."""
         self.progress.close()
         warnings = self.account.warnings()
         status = "completed with warnings" if warnings else "completed"

@@ -1,8 +1,9 @@
-"""One scene in memory: particles, domain, solver and method, advanced step by step."""
+"""A scene in memory: particles, domain, solver and method, advanced step by step."""
 
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import wraps
+from typing import Any, Callable, TypeVar, cast
 
 import numpy as np
 from mpi4py import MPI
@@ -11,13 +12,15 @@ from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID
 from parisph.case import geometry
 from parisph.case.checks import stable_time_step
+from parisph.case.schema import Case
 from parisph.driver import room, warmup
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
+from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
 from parisph.methods import schemes
-from parisph.methods.projection import Projection
+from parisph.methods.projection import Projection, StepReport
 from parisph.methods.timestep import first_step, next_step, rest_step
 from parisph.parallel.guard import Guard
 from parisph.parallel.neighbours import Domain
@@ -26,24 +29,26 @@ from parisph.pressure.solver import PressureSolver
 
 SKIN = 1.0        # spacings a particle moves until particles are redistributed and sorted
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
-SHORTEST = 1e-5   # of the step that the case itself asks for: what needs a shorter one is out of hand
+SHORTEST = 1e-5   # of the stable step of the case: a run that needs a shorter one has diverged
+
+Method = TypeVar("Method", bound=Callable[..., Any])
 
 
 def _call(guard, name):
     return nullcontext() if guard is None else guard.call(name)
 
 
-def _collective(method):
-    """A method of a Simulation that all ranks call together: no rank waits in it for one that has failed or ended."""
+def _collective(method: Method) -> Method:
+    """Decorate a collective method of a Simulation: no rank waits in it for one that has failed or ended."""
     @wraps(method)
     def call(self, *args, **options):
         with _call(self._guard, f"Simulation.{method.__name__}"):
             return method(self, *args, **options)
-    return call
+    return cast(Method, call)
 
 
 class Simulation:
-    """A scene that can be advanced; for scripts and notebooks as for the command line.
+    """A scene that can be advanced step by step, for scripts, notebooks and the command line.
 
     Parameters
     ----------
@@ -51,20 +56,20 @@ class Simulation:
     comm : mpi4py communicator; it is duplicated
     petsc_options : list of str, PETSc's options with the prefix pressure_
     start : Checkpoint or None
-        Where to go on from.
+        The checkpoint to continue from.
 
     Attributes
     ----------
     particles : Particles, fields as numpy arrays (particles.x, .u, .p, .role, ...) of this rank
     time [s], steps, dt [s] : of the last step, dt None before the first
     timers : PhaseTimers
-    bad_force : float or None, the first time [s] at which the body force was no finite number here
+    bad_force : float or None, the first time [s] at which the body force was not finite on this rank
 
-    All methods are collective. Raises CaseError where the case cannot be run as it is. What fails on one
+    All methods are collective. Raises CaseError if the case cannot be run as it is. What fails on one
     rank only, such as sys.exit in a function of the user, ends all ranks (parallel.guard).
     """
 
-    def __init__(self, case, comm, petsc_options=None, start=None):
+    def __init__(self, case: Case, comm: MPI.Comm, petsc_options: list[str] | None = None, start: Checkpoint | None = None):
         self._guard = Guard.of(comm)
         with _call(self._guard, "Simulation"):
             self._make(case, comm, petsc_options, start)
@@ -83,7 +88,7 @@ class Simulation:
             raise
 
     def _build(self, petsc_options, start):
-        """Make the parts of the scene. Collective; what is made here `destroy` frees."""
+        """Make the parts of the scene, which `destroy` frees. Collective."""
         case = self.case
         agree(self.comm, _other_than_first(self.comm, case, petsc_options))
         if self.comm.size > 1:
@@ -107,10 +112,10 @@ class Simulation:
         self._open_tank = OpenTank.of(case, self.domain, start.state.get("left") if start is not None else None)
 
     @_collective
-    def solve_start(self):
-        """Give the particles of the start a pressure, which no step has done yet; nothing moves.
+    def solve_start(self) -> int:
+        """Compute the pressure at the start, before any step; nothing moves.
 
-        Returns how many particles no free surface anchors, on all ranks: they have p = 0.
+        Returns the number of particles on all ranks without contact with a free surface; these have p = 0.
         """
         with self.timers("start"):
             isolated = self.method.pressure_now(self.time)
@@ -118,12 +123,12 @@ class Simulation:
         return isolated
 
     @_collective
-    def choose_step(self, until=None):
-        """Settle how long the next `advance` is, and return the time [s] after it, the same on all ranks.
+    def choose_step(self, until: float | None = None) -> float:
+        """Choose the length of the next step, and return the time [s] after it, the same on all ranks.
 
-        until : a time [s] to meet exactly, None for none. As soon as it is less than two steps away the
-            steps to it are shortened; nothing else changes, and the growth of an adaptive step goes on
-            from the step that was not shortened.
+        until : a time [s] to meet exactly, None for none. When it is less than two steps away, the steps to
+            it are shortened. Nothing else changes, and an adaptive step then grows again from its length
+            before it was shortened.
 
         Raises SolverDiverged.
         """
@@ -132,10 +137,10 @@ class Simulation:
         return self._chosen[-1]
 
     @_collective
-    def advance(self, until=None):
-        """Take one step of the case's size, or of what `choose_step` has chosen; return its StepReport.
+    def advance(self, until: float | None = None) -> StepReport:
+        """Take one step, of the length chosen by `choose_step` if that was called; return its StepReport.
 
-        until : as of choose_step, where that has not been called.
+        until : as for choose_step, if that was not called
 
         Raises SolverDiverged or ParticleLost.
         """
@@ -152,22 +157,22 @@ class Simulation:
         return replace(report, left=self.left.particles)
 
     @property
-    def left(self):
-        """What has left an open tank over its rim so far (driver.rim.Left), the same on all ranks; nothing leaves a closed one."""
+    def left(self) -> Left:
+        """Fluid that has left an open tank over its rim so far (driver.rim.Left), the same on all ranks."""
         return Left() if self._open_tank is None else self._open_tank.left
 
     @property
-    def reached(self):
-        """Time [s] up to which things due are due now: what the sum of many steps may be off by is forgiven."""
+    def reached(self) -> float:
+        """Time [s] up to which things are due now, with a tolerance for the rounding of many steps."""
         return self.time + ROUNDING * (self.dt or 0.0)
 
-    def finished(self):
+    def finished(self) -> bool:
         """Return whether the end time is reached, to within half a fixed step."""
         return finished(self.case, self.time)
 
     @_collective
-    def gather(self, *names):
-        """Return {name: array over all particles, in the order of their ids} on rank 0, None elsewhere."""
+    def gather(self, *names: str) -> dict[str, np.ndarray] | None:
+        """Return {name: array over all particles, sorted by id} on rank 0, None elsewhere."""
         p = self.particles
         parts = self.comm.gather([np.array(getattr(p, name)) for name in ("id", *names)])
         if parts is None:
@@ -177,12 +182,12 @@ class Simulation:
         return {name: column[order] for name, column in zip(names, columns[1:])}
 
     def agreed(self, error):
-        """Return whether an error is one that all ranks have, so that what follows may be collective."""
+        """Return whether all ranks have this error, so that collective calls may follow."""
         return self.comm.size == 1 or (isinstance(error, ParisphError) and self._guard.on_all())
 
     @_collective
-    def destroy(self):
-        """Free what MPI and PETSc hold for this scene; once more does nothing."""
+    def destroy(self) -> None:
+        """Free the MPI and PETSc objects of this scene. A second call does nothing."""
         for part in (self.domain, self.solver):
             if part is not None:
                 part.destroy()
@@ -198,7 +203,7 @@ class Simulation:
         return dt if self.dt is not None else self._first(dt)
 
     def _first(self, dt):
-        """Return the first step [s]; the pressure of the start is found if nobody has asked for it yet."""
+        """Return the first step [s]; computes the pressure at the start if that has not been done."""
         if not self._has_pressure:
             self.solve_start()
         p = self.particles
@@ -211,7 +216,7 @@ class Simulation:
     def _target(self, until):
         """Return the time [s] that steps must meet next, infinity if there is none.
 
-        An adaptive run meets its end too, a fixed step comes to within half of it.
+        An adaptive run also meets its end; with a fixed step it ends within half a step of it.
         """
         target = np.inf if until is None else until
         if self.numerics.time_step is None and not self.finished():
@@ -219,7 +224,7 @@ class Simulation:
         return target
 
     def _force(self, x, t):
-        """Body force (n, dim) [m/s^2] at x (n, dim) and t; remembers when it was no number."""
+        """Return the body force (n, dim) [m/s^2] at x (n, dim) and t; notes the first time at which it is not finite."""
         force = self.case.body_force(x, t)
         if self.bad_force is None and not np.isfinite(force).all():
             self.bad_force = t
@@ -239,10 +244,10 @@ def finished(case, time):
 
 
 def _wrong_code():
-    """Return a ParisphError if kernels do not compute what they say, else None. Not collective."""
+    """Return a ParisphError if the compiler translates kernels wrongly, else None. Not collective."""
     if selfcheck.stores_hold():
         return None
-    return ParisphError("numba makes wrong machine code on this processor. Unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, "
+    return ParisphError("numba generates wrong machine code on this processor. Unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, "
                         "import parisph's kernels before others compile, or install another release of numba")
 
 
@@ -253,12 +258,12 @@ def _other_than_first(comm, case, petsc_options):
     if mine == first:
         return None
     parts = [name for name, value in mine[0].items() if value != first[0].get(name)] or ["petsc_options"]
-    return CaseError(f"another case than on rank 0, in {', '.join(parts)}: make it on one rank and give it to all, "
+    return CaseError(f"another case than on rank 0, in {', '.join(parts)}: make it on one rank and send it to all, "
                      "as in case = comm.bcast(case)")
 
 
 def _numerics(case):
-    """Return the resolved numerics; a closed case has no free surface to look for."""
+    """Return the resolved numerics; a closed case has no free surface."""
     numerics = case.numerics.resolved()
     if case.closed and case.numerics.surface_rule is None:
         return numerics.model_copy(update={"surface_rule": "none"})
@@ -266,7 +271,7 @@ def _numerics(case):
 
 
 def _arrays(case, comm):
-    """Build this rank's share of the particles; an error on one rank is raised on all."""
+    """Make this rank's share of the particles; an error on one rank is raised on all."""
     arrays, error = None, None
     try:
         arrays = geometry.build(case, comm.rank, comm.size)

@@ -1,8 +1,8 @@
-"""Mirror images of fluid in the walls nearby, without storing a single ghost particle.
+"""Mirror images of fluid in nearby walls, without stored ghost particles.
 
-A particle near a wall sees too few neighbours. For i and j on the same side of a plane the
-image of j is never nearer to i than j itself, so every image within a radius belongs to a
-neighbour within that radius: the neighbour lists already hold all that is needed.
+A particle near a wall has too few neighbours. For i and j on the same side of a plane, the image of j
+is never closer to i than j itself, so every image within a radius belongs to a neighbour within that
+radius: the neighbour lists contain all that is needed.
 """
 
 from parisph.base.fields import ABSENT, FLUID, WALL
@@ -17,11 +17,10 @@ PARALLEL = 0.9  # cosine above which two wall normals belong to the same plane
 def near_planes(member, i, x, kind, corner, normal, indptr, indices, axes):
     """Find the walls next to particle i: one wall particle for each orientation.
 
-    A wall counts only beside itself: above the rim of an open tank there is none, and its plane does
-    not go on there.
+    A wall ends with its last particles: there is no mirror plane above the rim of an open tank.
 
     member : (dim,) int64 output; the plane of member p goes through x[member[p]] with the
-        normal of that particle. Of parallel walls the one nearest to i is taken.
+        normal of that particle. Of several parallel walls, the one closest to i is taken.
     Returns the number of planes, at most dim.
     """
     dim = len(axes)
@@ -110,10 +109,10 @@ def reflect(image, j, subset, member, x, normal, axes):
 
 @kernel
 def casts_image(j, subset, member, x, kind, normal, thin, axes):
-    """Return whether particle j has an image of its own in the planes whose bits are set in subset.
+    """Return whether particle j has an image, other than itself, in the planes whose bits are set in subset.
 
-    All fluid has one. A wall particle on one of the planes (nearer than `thin` [m]) is its own
-    image; one on another wall goes on behind the plane, which the corners of a tank need.
+    All fluid has one. A wall particle on one of the planes (closer than `thin` [m]) is its own image;
+    a particle on another wall has an image behind the plane, which is needed in the corners of a tank.
     """
     if kind[j] == FLUID:
         return True
@@ -125,13 +124,13 @@ def casts_image(j, subset, member, x, kind, normal, thin, axes):
 
 @inlined
 def gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes):
-    """Write all neighbours of fluid particle i, and the images of itself and of them in the walls nearby.
+    """Write all neighbours of fluid particle i, and the images of itself and its neighbours in nearby walls.
 
     Particles of the kind ABSENT are left out, as neighbours and as walls.
 
     near : (dim, 2^dim times the columns from `near.room_for`), relative to i, in units of h
     member : (dim,) int64, image : (dim,) scratch
-    Returns the number of columns in use, those of points without weight behind them included.
+    Returns the number of columns in use, including the padding with points without weight.
     """
     dim, n, walls = len(axes), 0, False
     for k in range(indptr[i], indptr[i + 1]):

@@ -1,8 +1,8 @@
-"""No rank waits for ever for one that has failed, or has ended.
+"""A guard against ranks that wait for ever for one that has failed or ended.
 
-What fails in a collective call is agreed on wherever it can be foreseen (base.errors.agree). The rest,
-such as sys.exit or a MemoryError in a user's own code on one rank, leaves the other ranks waiting. A
-Guard ends all of them then, with the traceback of the rank that failed.
+Expected errors in collective calls are raised on all ranks (base.errors.agree). Other errors on one
+rank, such as sys.exit or a MemoryError in a user's own code, leave the other ranks waiting. A Guard
+then ends all ranks, with the traceback of the one that failed.
 """
 
 import atexit
@@ -24,16 +24,16 @@ _ENDED = 72       # the tag of that message
 
 
 class Guard:
-    """Watches the collective calls on one communicator, from all ranks. `Guard.of(comm)` makes or finds it.
+    """Watches the collective calls on a communicator, on all ranks. `Guard.of(comm)` makes or finds it.
 
-    An exception that leaves a call on some ranks only ends all ranks within PATIENCE, as they wait in
-    the call for ever otherwise, or in the next one. A rank that ends without an error tells others
-    how many calls it has made. Whoever waits for it in a later one ends all ranks; whoever does not is
-    left alone, such as a rank that still makes pictures. An uncaught exception also ends all ranks,
-    unless they end with it.
+    If a call raises an exception on some ranks only, all ranks end within PATIENCE, because the others
+    would wait for ever in this call or the next one. A rank that ends without an error tells others
+    how many calls it has made. A rank that waits for it in a later call ends all ranks; a rank that does
+    not, because it still makes pictures, for example, is left alone. An uncaught exception also ends all
+    ranks, unless they end too.
 
-    None of this sends a message while all is well. To look for ranks that have ended takes an MPI library
-    that several threads may call at once (MPI_THREAD_MULTIPLE, which mpi4py asks for).
+    No messages are sent as long as there is no error. To detect ranks that have ended, the MPI library
+    must support calls from several threads (MPI_THREAD_MULTIPLE, which mpi4py requests).
     """
 
     _key = None
@@ -68,7 +68,7 @@ class Guard:
 
     @contextmanager
     def call(self, name):
-        """A collective call: what it raises is on all ranks, or all are ended. Calls inside it are part of it."""
+        """Context of a collective call: an error is on all ranks, or all are ended. Calls inside are part of it."""
         if self._call is not None or self._ended.is_set():
             yield
             return
@@ -85,7 +85,7 @@ class Guard:
             self._call = None
 
     def on_all(self):
-        """Return whether an error is on all ranks: whether they come here within PATIENCE. Collective, for those that do."""
+        """Return whether all ranks have an error, that is, arrive here within PATIENCE. Collective on those that do."""
         self.alone = self.alone or not all_come(self.comm)
         return not self.alone
 
@@ -98,13 +98,13 @@ class Guard:
     def _abort(self, text, code):
         with suppress(OSError):    # nobody reads it any more
             sys.stdout.flush()
-            print(f"parisph: {text}: all {self.comm.size} ranks are ended", file=sys.stderr, flush=True)
+            print(f"parisph: {text}: stopping all {self.comm.size} ranks", file=sys.stderr, flush=True)
         self.comm.Abort(code)
 
     # -- ranks that end ----------------------------------------------------------------------
 
     def _look(self):
-        """Where this rank is in one call for long, see whether one that it needs there has ended. In a thread."""
+        """If this rank is in one call for long, check whether a rank that it waits for has ended. Runs in a thread."""
         before, wait = None, LOOK
         while not self._ended.wait(wait):
             now = self.calls if self._call else None
@@ -123,13 +123,13 @@ class Guard:
             self._thread.join()
 
     def _receive(self):
-        """Note the messages of ranks that end, as far as they have come."""
+        """Receive the messages of ranks that have ended so far."""
         status = MPI.Status()
         while self.comm.Iprobe(tag=_ENDED, status=status):
             self._left[status.source] = self.comm.recv(source=status.source, tag=_ENDED)
 
     def _leave(self):
-        """Tell others that this rank ends. If an exception ends it, all ranks end within PATIENCE."""
+        """Tell others that this rank ends. If it ends with an exception, all ranks end within PATIENCE."""
         self._stop_looking()
         sent = [self.comm.isend(self.calls, rank, _ENDED) for rank in self._partners(1)]
         due = len(self._partners(-1)) if self._failed else 0
@@ -140,7 +140,7 @@ class Guard:
             self._receive()
             time.sleep(0.01)
         if len(self._left) < due:
-            self._abort(f"rank {self.comm.rank} ends with an error, and others go on", 1)
+            self._abort(f"rank {self.comm.rank} ends with an error, while others continue", 1)
 
     def _partners(self, sign):
         """Return the ranks that hear from this one (1), or that it hears from (-1): few, and where all but one wait, one of them."""
@@ -149,7 +149,7 @@ class Guard:
 
     @classmethod
     def _watch_the_end(cls):
-        """Have guards called when this process ends: atexit comes before MPI is finalised, and after an exception is shown."""
+        """Call the guards when this process ends: atexit runs after an exception is shown and before MPI_Finalize."""
         def hook(kind, error, trace, before=sys.excepthook):
             before(kind, error, trace)
             cls._failed = True
@@ -164,7 +164,7 @@ class Guard:
 
 
 def all_come(comm):
-    """Return whether all ranks of `comm` come here within PATIENCE. Collective, for those that do."""
+    """Return whether all ranks of `comm` arrive here within PATIENCE. Collective on those that do."""
     request, wait = comm.Ibarrier(), 1e-5
     deadline = time.monotonic() + PATIENCE
     while not request.Test():

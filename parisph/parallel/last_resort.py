@@ -1,8 +1,8 @@
-"""A second signal ends this rank also where Python cannot run.
+"""Let a second signal end this rank even if Python cannot run.
 
-PETSc and HDF5 keep Python's lock while they wait for other ranks. If one of those hangs, the thread
-that answers signals (base.signals) never gets its turn. A compiled function in another thread needs no
-lock: it looks whether signals stay unread.
+PETSc and HDF5 hold Python's global lock while they wait for other ranks. If they hang, the thread that
+reads signals (base.signals) cannot run. A compiled function in another thread does not need the lock,
+and checks whether signals stay unread.
 """
 
 import socket

@@ -1,22 +1,21 @@
-"""How much work a particle makes in the kernels of a step: the measure by which ranks get equal shares.
+"""The work of a particle in the kernels of a step, by which the ranks get equal shares.
 
-Work is counted, not timed. A clock also runs while a rank waits for the others, and ranks that are
-spread by it are spread another way each time, so that no run on several ranks could be repeated
-bit for bit.
+Work is counted, not timed. Measured time includes waiting for other ranks, and differs from run to run,
+so that a run on several ranks could not be repeated bit for bit.
 """
 
 import numpy as np
 
 from parisph.base.fields import INNER, SURFACE, WET
 
-# Found by timing the kernels of three ranks, of which the busiest had up to three times the work
-# of the idlest. Processor time was shared out as follows, with the largest error of a rank's share:
+# Found by timing the kernels on three ranks, of which one had up to three times the work of another. Each
+# measure of work gives the ranks' shares of the processor time with these largest errors:
 #                                         dam break   the same, ISPH   still tank   rotating patch
 #     particles                               .21            .31           .02            .01
 #     neighbours                              .03            .06           .03            .01
 #     3 or 10 times (neighbours + 10)         .03            .04           .03            .00
-# The overhead of a call and what has no neighbours cost as much as ten of them; particles in no
-# stencil are sorted, listed and tested, and no more.
+# Calls and work without neighbours cost as much as ten neighbours; particles in no stencil are only
+# sorted, listed and tested.
 BY_ITSELF = 10
 TAKING_PART, LEFT_OUT = 10, 3
 

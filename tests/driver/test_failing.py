@@ -134,7 +134,7 @@ def test_kept_surface_beyond_its_range_is_named(folder, capfd, sets, chosen, ins
     (folder / "steep.py").write_text(STEEP.replace("surface_rule: str | None = None", "surface_rule: str | None = None, wall_guard: float | None = None")
                                      .replace("surface_rule=surface_rule)", "surface_rule=surface_rule, wall_guard=wall_guard)"))
     said = fails(["run", "steep.py", "-o", "run", "-q", *sets], capfd, 3)
-    assert f"{chosen} keeps the surface particles of the start" in said and f"use {instead}" in said
+    assert f"{chosen} keeps the initial surface particles" in said and f"use {instead}" in said
 
 
 def test_other_failures_do_not_blame_the_surface(folder, capfd):

@@ -54,7 +54,7 @@ def carried_out(folder, what="pass", inside=(), between=(), after=""):
 def test_failure_inside_a_call(tmp_path, what, says, code):
     found, said, seconds = carried_out(tmp_path, what, inside=[1])
     assert found == code and says in said and "in force" in said and "in fail" in said
-    assert "an error on rank 1 alone, in Simulation.advance: all 2 ranks are ended" in said
+    assert "an error on rank 1 alone, in Simulation.advance: stopping all 2 ranks" in said
     assert seconds < SOON
 
 
@@ -64,13 +64,13 @@ def test_failure_inside_a_call(tmp_path, what, says, code):
 ])
 def test_failure_between_calls(tmp_path, what, says):
     code, said, seconds = carried_out(tmp_path, what, between=[1])
-    assert code != 0 and says in said and "all 2 ranks are ended" in said
+    assert code != 0 and says in said and "stopping all 2 ranks" in said
     assert seconds < SOON
 
 
 def test_failure_while_the_others_do_something_else(tmp_path):
     code, said, seconds = carried_out(tmp_path, after="if comm.rank == 1: raise ValueError(print('failed', flush=True))\ntime.sleep(60)")
-    assert code == 1 and "ValueError: None" in said and "rank 1 ends with an error, and others go on" in said
+    assert code == 1 and "ValueError: None" in said and "rank 1 ends with an error, while others continue" in said
     assert seconds < SOON
 
 
