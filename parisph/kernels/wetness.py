@@ -23,8 +23,8 @@ def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr,
     one, with inner fluid within NEARBY), or if fluid runs into it: closer than TOUCH at the end of the
     step, and moving or pulled towards it, unlike water at rest below a lid.
 
-    A wall particle is apart if fluid that does not touch it is in front of it on both sides, as below a
-    lid: it must not crowd that fluid. All others are free; those of a side wall above the water line
+    A wall particle is apart if fluid is in front of it and on both sides but does not touch it or the wall
+    beside it, as below a lid: it must not crowd that fluid. All others are free; those of a side wall above the water line
     crowd the water as those below do, so that water at rest has no gradient of concentration there.
 
     closing : (n_all,) output; role, x, u : of the previous step (role) and of now, ghosts included
@@ -35,7 +35,7 @@ def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr,
         if kind[i] != WALL:
             closing[i] = APART
             continue
-        beside_wet, beside_inner, hit, near = False, False, False, False
+        beside_wet, beside_inner, opposite, near, hit = False, False, False, False, False
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             r2, away, towards, pull, cosine = 0.0, 0.0, 0.0, 0.0, 0.0
@@ -50,10 +50,11 @@ def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr,
                 continue
             beside_inner |= role[j] == INNER and r2 < (NEARBY * spacing) ** 2
             if away > 0.0 and r2 - away * away < (BESIDE * spacing) ** 2:
+                opposite = True
                 near |= away < TOUCH * spacing
                 moves = towards * dt > MOVING * spacing or towards + pull * dt > 0.0
                 hit |= moves and away - (towards + max(pull, 0.0) * dt) * dt < TOUCH * spacing
-        facing = not near and _covered_on_both_sides(i, closing, APART, x, kind, normal, spacing, indptr, indices, axes)
+        facing = opposite and not near and not beside_wet and _covered_on_both_sides(i, closing, APART, x, kind, normal, spacing, indptr, indices, axes)
         closing[i] = APART if facing else FREE
         if role[i] == WET or hit or (beside_wet and beside_inner):
             closing[i] = CLOSING
