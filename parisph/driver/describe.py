@@ -117,7 +117,7 @@ def _rounded(number):
 
 
 def _duration(seconds):
-    for unit, size in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2.0 * size:
-            return f"{_rounded(seconds / size)} {unit}"
+    for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * length:
+            return f"{_rounded(seconds / length)} {unit}"
     return f"{_rounded(seconds)} s"

@@ -3,9 +3,9 @@
 import sys
 
 import pytest
+from mpi4py import MPI
 
 from parisph import doctor
-from parisph.base.errors import ParisphError
 from tests.launch import mpirun, parisph
 
 
@@ -99,18 +99,15 @@ def test_judging_petsc(change, ok, word):
 
 
 def test_judging_the_rest():
-    assert not doctor._judge_hdf5({"version": "1.14", "h5py": "3.11", "parallel": False})[0]
-    assert doctor._judge_hdf5({"version": "1.14", "h5py": "3.11", "parallel": True})[0]
+    for parallel in (False, True):
+        assert doctor._judge_hdf5({"version": "1.14", "h5py": "3.11", "parallel": parallel})[0]
     right = {"ranks": 2, "iterations": 9, "error": 1e-9, "file": True}
     assert doctor._judge_trial(right)[0]
     for wrong in ({"error": 1e-3}, {"file": False}, {"ranks": 1}, {"error": float("nan")}):
         assert not doctor._judge_trial({**right, **wrong})[0]
 
 
-def test_serial_h5py_ends_the_trial_in_words(monkeypatch):
-    import h5py
-    from mpi4py import MPI
-
-    monkeypatch.setattr(h5py, "get_config", lambda: type("Config", (), {"mpi": False}))
-    with pytest.raises(ParisphError, match="not parallel"):
-        doctor._write_together(MPI.COMM_SELF)
+def test_file_written_together_is_read_back_and_removed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert doctor._write_together(MPI.COMM_SELF)
+    assert not list(tmp_path.iterdir())

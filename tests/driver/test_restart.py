@@ -10,13 +10,13 @@ from parisph.io import checkpoint, reader
 from tests.scenes import difference, on_ranks
 
 END = 1.0       # t sqrt(g/H)
-BODY = f"""
+BODY = """
 from parisph import driver
 
 def fall(end, **sets):
     # snapshots and checkpoints fall between steps, where what is due could be missed or repeated
-    return scene("dam_break", {{"rtol": 1e-13, "gamma": 0.01}}, spacing=0.05, end_time=end, snapshot_every=0.11, **sets).changed(
-        **{{"output.checkpoint_every": 0.0777, "output.probe_every": 3}})
+    return scene("dam_break", {"rtol": 1e-13, "gamma": 0.01}, spacing=0.05, end_time=end, snapshot_every=0.11, **sets).changed(
+        **{"output.checkpoint_every": 0.0777, "output.probe_every": 3})
 """
 FIRST = """
 summary = driver.run(fall({end}), comm, "whole", progress=False)

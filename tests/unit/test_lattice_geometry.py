@@ -46,10 +46,10 @@ def role_at(arrays, x, y, kind=None):
 def test_slices_make_up_the_whole(name):
     case = SCENES[name]
     whole = geometry.build(case)
-    for size in (2, 3, 41):
-        parts = [geometry.build(case, rank, size) for rank in range(size)]
+    for n_ranks in (2, 3, 41):
+        parts = [geometry.build(case, rank, n_ranks) for rank in range(n_ranks)]
         for key, value in whole.items():
-            assert np.array_equal(np.concatenate([part[key] for part in parts]), value), (size, key)
+            assert np.array_equal(np.concatenate([part[key] for part in parts]), value), (n_ranks, key)
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -7,7 +7,7 @@ import pytest
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from parisph.base.errors import CaseError, ParisphError, SolverDiverged
+from parisph.base.errors import ParisphError, SolverDiverged
 from parisph.pressure import options as opts
 from parisph.pressure.solver import PressureSolver
 from tests import systems
