@@ -207,7 +207,7 @@ def _add_case(verb):
 def _add_progress(verb):
     verb.add_argument("-q", "--quiet", action="store_true", help="Do not show progress")
     verb.add_argument("--force", action="store_true",
-                      help="Use DIR although run.lock names a process on another host, which may still write to it")
+                      help="Use DIR although run.lock names a process on another host or in another container, which may still write to it")
     verb.set_defaults(petsc=[], collective=True)
 
 

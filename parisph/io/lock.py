@@ -3,7 +3,7 @@
 The file `run.lock` names it: host, process and start. It is made with O_EXCL, which is atomic on local
 disks and on NFS since version 3, and its time is renewed while the run goes on. A process that is killed
 leaves its lock behind. On the same host this can be detected, and the lock is taken over; on another
-host it cannot, and the user decides.
+host, or from another container, it cannot, and the user decides.
 """
 
 import json
@@ -35,7 +35,7 @@ class Lock:
 
     def __init__(self, folder: Path, force: bool = False):
         self.path = Path(folder) / NAME
-        self._mine = {"host": _host(), "process": os.getpid(), "began": _began(os.getpid()),
+        self._mine = {"host": _host(), "processes": _numbering(), "process": os.getpid(), "began": _began(os.getpid()),
                       "since": time.strftime("%Y-%m-%d %H:%M:%S"), "token": os.urandom(8).hex()}
         self._beaten = time.monotonic()
         for _ in range(3):    # two processes may find the same stale lock at once
@@ -68,8 +68,13 @@ class Lock:
             handle = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o644)
         except FileExistsError:
             return False
-        with open(handle, "w", encoding="utf-8") as file:
-            json.dump(self._mine, file)
+        try:
+            with open(handle, "w", encoding="utf-8") as file:
+                json.dump(self._mine, file)
+        except OSError:
+            with suppress(OSError):    # the first cause is the one to report
+                self.path.unlink()
+            raise
         return True
 
     def _clear(self, force):
@@ -94,6 +99,8 @@ class Lock:
         if alive:
             return f"{folder} is in use by {_words(found)}, which still runs: wait for it to end, or stop it"
         here = socket.gethostname()
+        if str(found.get("host")).partition(" ")[0] == here:
+            here += ", in another container"
         return (f"{folder} is in use by {_words(found)}. Its last sign of life was {self._silence()} ago, and whether it still runs "
                 f"cannot be seen from here ({here}). If it does not, repeat the command with --force")
 
@@ -140,6 +147,8 @@ def _alive(found):
         return None
     if boot != booted:
         return False    # the host has been started anew since
+    if found.get("processes") != _numbering():
+        return None     # in another container, where the same number means another process
     began = _began(found["process"])
     return began is not None and began == found.get("began")
 
@@ -157,6 +166,14 @@ def _host():
     except OSError:
         boot = ""
     return f"{socket.gethostname()} {boot}"
+
+
+def _numbering():
+    """Return which numbering of processes this one is in (the PID namespace of Linux); "" if unknown. Each container has its own."""
+    try:
+        return os.readlink("/proc/self/ns/pid")
+    except OSError:
+        return ""
 
 
 def _began(process):

@@ -2,6 +2,8 @@
 
 import json
 import os
+import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -86,6 +88,46 @@ def test_what_cannot_be_seen_from_here_is_left_to_the_user(tmp_path, content):
     held = Lock(tmp_path, force=True)
     assert lock.holder(tmp_path).startswith(f"process {os.getpid()}")
     held.release()
+
+
+def test_the_lock_of_a_living_process_in_another_container_is_kept(tmp_path):
+    """There it has a number that means another process here, or none."""
+    alone = ["unshare", "--pid", "--fork", "--mount-proc"]
+    if shutil.which("unshare") is None or subprocess.run([*alone, "true"], capture_output=True).returncode:
+        pytest.skip("no PID namespace can be made here")
+    process = subprocess.Popen([*alone, "--kill-child", sys.executable, "-c", HOLDER, str(tmp_path)], env=clean_environment(),
+                               stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout.readline() == "held\n"
+        before = (tmp_path / lock.NAME).read_bytes()
+        with pytest.raises(StoreError, match="cannot be seen from here .*, in another container.* repeat the command with --force"):
+            Lock(tmp_path)
+        assert (tmp_path / lock.NAME).read_bytes() == before and lock.holder(tmp_path) is not None
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+@pytest.mark.parametrize("processes", ["pid:[1]", None])
+def test_in_another_numbering_of_processes_a_number_says_nothing(tmp_path, holder, processes):
+    change(tmp_path, processes=processes, process=2**22 + 1)    # no process here has this number
+    with pytest.raises(StoreError, match="cannot be seen from here"):
+        Lock(tmp_path)
+    Lock(tmp_path, force=True).release()
+
+
+def test_a_lock_that_cannot_be_written_is_not_left_behind(tmp_path):
+    """A real refusal by the kernel, as on a full disk."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            Lock(tmp_path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert not list(tmp_path.iterdir())
+    Lock(tmp_path).release()
 
 
 def test_who_has_lost_the_lock_stops(tmp_path, monkeypatch):
