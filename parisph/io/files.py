@@ -8,7 +8,8 @@ import hashlib
 import json
 import math
 import os
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from parisph.base.errors import StoreError, agree
@@ -62,6 +63,28 @@ def publish(path):
     _sync(temporary(path))
     os.replace(temporary(path), path)
     _sync(path.parent)  # the new name itself must survive a power cut
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give the name of a new, empty file beside `path`, with the same ending; at the end of the block it replaces `path`. One process.
+
+    A symbolic link is replaced too, never followed. If the block fails, `path` is unchanged and nothing is left behind.
+    Raises OSError: a file cannot be made there, or `path` is a folder, a pipe or a device.
+    """
+    path = Path(path)
+    if path.exists() and not path.is_symlink():
+        check_regular(os.stat(path))
+    new = path.with_name(f".{path.stem[:80]}.{os.urandom(4).hex()}.tmp{path.suffix}")
+    try:
+        os.close(create(new))
+        yield new
+        _sync(new)
+        os.replace(new, path)
+    except BaseException:
+        with suppress(OSError):    # the first cause is the one to report
+            new.unlink(missing_ok=True)
+        raise
 
 
 def write_text(path, text):

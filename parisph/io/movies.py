@@ -7,6 +7,7 @@ import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.io import style
+from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run
 from parisph.io.view import FieldView, Look
 
@@ -51,7 +52,7 @@ def movie(run, path, field="pressure", fps=None, slow=None, dpi=100, **look):
     axes = picture.add_subplot()
     writer = _writer(path, pace.fps)
     try:
-        with writer.saving(picture, str(path), dpi):
+        with replacing(path) as new, writer.saving(picture, str(new), dpi):
             for count, number in enumerate(pace.numbers):
                 axes.clear()
                 discs = view.draw(axes, run.snapshot(int(number)), limits, note=pace.note)
@@ -61,7 +62,7 @@ def movie(run, path, field="pressure", fps=None, slow=None, dpi=100, **look):
                     picture.set_layout_engine("none")
                 writer.grab_frame()
     except OSError as error:
-        raise StoreError(f"cannot write the movie {path}: {error}") from None
+        raise StoreError(f"cannot write the movie {path}: {error.strerror or error}") from None
     return path
 
 

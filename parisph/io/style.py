@@ -10,6 +10,7 @@ from parisph.base import libraries
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WET
 from parisph.base.text import clipped, plain, shown
+from parisph.io.files import replacing
 
 
 @dataclass(frozen=True)
@@ -173,6 +174,7 @@ def save(picture, path, dpi=150):
     if not Path(path).suffix[1:]:    # matplotlib would add one, and the file would have another name
         raise CaseError(f"{path}: must end in a kind of picture, such as .png or .pdf")
     try:
-        picture.savefig(path, dpi=dpi, bbox_inches="tight")
+        with replacing(path) as new:
+            picture.savefig(new, dpi=dpi, bbox_inches="tight")
     except (OSError, ValueError) as error:
-        raise StoreError(f"cannot write the picture {path}: {error}") from None
+        raise StoreError(f"cannot write the picture {path}: {getattr(error, 'strerror', None) or error}") from None

@@ -1,6 +1,8 @@
 """info, plot, movie and compare on a small run, as from a shell and without MPI's launcher."""
 
 import json
+import os
+import resource
 import shutil
 import sys
 
@@ -117,6 +119,46 @@ def test_plot_names_the_picture_it_made(folder, capsys, words, name):
     assert main(["plot", str(folder), *words]) == 0
     assert lines_of(capsys) == [str(folder / name)]
     assert (folder / name).read_bytes().startswith(b"\x89PNG") and (folder / name).stat().st_size > 5000
+
+
+@pytest.mark.parametrize(("words", "name"), [
+    (["plot"], "overview.png"), (["plot", "--time", "0.24"], "flow_pressure_0.3000s.png"), (["plot", "--probe", "P2"], "probes_P2.png"),
+    (["compare", "REFERENCE", "--probe", "P2", "--plot", "FILE"], "compared.pdf"), (["movie", "-o", "FILE"], "flow_pressure.gif"),
+])
+def test_a_picture_is_never_written_through_a_link(folder, reference, words, name):
+    target = folder.with_name("target.txt")
+    target.write_bytes(b"mine")
+    (folder / name).symlink_to(target)
+    words = [{"REFERENCE": reference, "FILE": str(folder / name)}.get(word, word) for word in words]
+    assert main([words[0], str(folder), *words[1:]]) == 0
+    assert target.read_bytes() == b"mine"
+    assert not (folder / name).is_symlink() and (folder / name).stat().st_size > 1000
+    assert not [path for path in folder.iterdir() if path.name.startswith(".")]
+
+
+@pytest.mark.parametrize(("words", "name"), [(["plot", "--probe", "P2"], "a.png"), (["movie"], "a.gif")])
+def test_a_picture_that_cannot_be_written_leaves_the_old_one(folder, capsys, words, name):
+    """A real refusal by the kernel, as on a full disk."""
+    path = folder / name
+    path.write_bytes(b"old")
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, hard))
+    try:
+        assert main([words[0], str(folder), *words[1:], "-o", str(path)]) == 5
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert f"{path}: File too large" in capsys.readouterr().err
+    assert path.read_bytes() == b"old" and not [path for path in folder.iterdir() if path.name.startswith(".")]
+
+
+@pytest.mark.parametrize(("words", "ending"), [(["plot", "--probe", "P2"], "png"), (["movie"], "gif")])
+@pytest.mark.parametrize(("make", "says"), [(os.mkfifo, "it is not a regular file"), (os.mkdir, "it is a folder")])
+def test_a_picture_replaces_no_pipe_and_no_folder(folder, capsys, words, ending, make, says):
+    path = folder / f"there.{ending}"
+    make(path)
+    before = path.lstat()
+    assert main([words[0], str(folder), *words[1:], "-o", str(path)]) == 5
+    assert f"{path}: {says}" in capsys.readouterr().err and path.lstat().st_ino == before.st_ino
 
 
 @pytest.mark.parametrize(("time", "shown"), [("99", 0.9), ("-1", 0.1), ("1.01", 0.9), ("0.99", None), ("0.9", None), ("0.24", None)])
