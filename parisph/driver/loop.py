@@ -104,7 +104,7 @@ def _restarted(signals, path, comm, until, out, petsc_options, progress, force):
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
             series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
             store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),
-                                 case.output.fields, lock, name, series)
+                                 case.output.fields, lock, name, series, saved.state.get("checkpoints", [found.name]) if saved else ())
             account = Account.resumed(saved.state) if saved else Account.new()
             run = _Run(simulation, samplers, store, account, progress, saved.state.get("peaks") if saved else None,
                        folder if saved and elsewhere else None)

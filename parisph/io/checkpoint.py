@@ -7,6 +7,7 @@ file gets its final name only when it is complete.
 """
 
 import json
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from parisph.io.rows import Slab
 
 FORMAT, VERSION = "parisph checkpoint", 2
 KEEP = 2  # the last and, in case a disk loses it, the one before
+_NAME = re.compile(r"([0-9]{8}|[1-9][0-9]{8,})\.h5")    # as `write` names them; other names are those of copies
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,11 @@ class Checkpoint:
     total: int
 
 
-def write(comm, folder, particles, time, step, dt, case, state, attributes):
-    """Write folder/NNNNNNNN.h5 (the step's number), keep the last two, return the path. Collective.
+def write(comm, folder, particles, time, step, dt, case, state, attributes, earlier=()):
+    """Write folder/NNNNNNNN.h5 (the step's number), and return the path. Collective.
+
+    Of the run's checkpoints the last two are kept. The state lists them, so that a restart knows which of the
+    files in the folder are the run's: no other file is removed.
 
     Parameters
     ----------
@@ -59,12 +64,15 @@ def write(comm, folder, particles, time, step, dt, case, state, attributes):
     case : JSON text
     state : dict that JSON can hold; rank 0's is written
     attributes : further dict of str, int or float for the root of the file
+    earlier : file names of the run's checkpoints so far, oldest first; all but the last are removed
 
     Raises
     ------
     StoreError on every rank; earlier checkpoints are then unchanged.
     """
     path = Path(folder) / f"{step:08d}.h5"
+    earlier = [name for name in earlier if name != path.name]
+    state = {**state, "checkpoints": [*earlier, path.name]}
     start, total = particles.offset, particles.n_global
     names = [name for name, field in FIELDS.items() if field.migrates]
     slabs = [
@@ -80,7 +88,7 @@ def write(comm, folder, particles, time, step, dt, case, state, attributes):
         })
 
     rows.write(comm, path, slabs, decorate)
-    on_first(comm, f"remove old checkpoints from {folder}", lambda: _remove_old(folder, path))
+    on_first(comm, f"remove old checkpoints from {folder}", lambda: _remove(folder, earlier[: 1 - KEEP]))
     return path
 
 
@@ -110,7 +118,7 @@ def _read(comm, path):
 
 def paths(folder):
     """Return the checkpoint files in a folder, oldest first; empty if there is no such folder."""
-    return sorted(path for path in Path(folder).glob("*.h5") if path.stem.isdigit())
+    return sorted((path for path in Path(folder).glob("*.h5") if _NAME.fullmatch(path.name)), key=lambda path: int(path.stem))
 
 
 def _advice(comm, damaged):
@@ -174,7 +182,7 @@ def _share(total, rank, size):
 
 def _check_place(path, loaded):
     """Raise StoreError if a sound checkpoint has the name of another step, or is in the folder of another run."""
-    if path.stem.isdigit() and int(path.stem) != loaded.step:
+    if _NAME.fullmatch(path.name) and int(path.stem) != loaded.step:
         raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, or another one copied over it")
     beside = path.resolve().parent.parent / "case.json"
     try:
@@ -185,9 +193,10 @@ def _check_place(path, loaded):
         raise StoreError(f"{path} is of another run than its folder: it has been copied there")
 
 
-def _remove_old(folder, newest):
-    for path in [path for path in paths(folder) if path != newest][: -(KEEP - 1)]:
-        path.unlink()
+def _remove(folder, names):
+    for name in names:
+        if _NAME.fullmatch(name):    # the list comes from a file
+            (Path(folder) / name).unlink(missing_ok=True)
 
 
 def _plain_number(value):

@@ -12,10 +12,8 @@ from pathlib import Path
 
 from parisph.base.errors import StoreError
 from parisph.io.files import digest, read_json, write_json
-from parisph.io.layout import BEFORE, FOLDERS, PEAKS, REPLACED
+from parisph.io.layout import BEFORE, FILES, FOLDERS, PEAKS, REPLACED
 
-# Files that a killed process leaves: temporary names, perhaps with a suffix of a library.
-_HALF_WRITTEN = re.compile(r"\.(\d{8}\.h5|[\w.-]+\.(vtkhdf|csv|json|series))\.tmp.*|\.run\.lock\.[0-9a-f]{16}")
 
 
 def make(folder: Path) -> list[Path]:
@@ -46,16 +44,36 @@ def unmake(made: Sequence[Path]) -> bool:
     return bool(made)
 
 
-def prepare(folder: Path) -> None:
-    """Make the folders of a run, and remove the incomplete files of a killed process."""
+def prepare(folder: Path, series: Iterable[str] = ()) -> None:
+    """Make the folders of a run, and remove the incomplete files of a killed process.
+
+    series : names of the time series of the run, for the names of its incomplete files
+    """
     folder.mkdir(parents=True, exist_ok=True)
     for place in (folder / name for name in FOLDERS):
         make_inside(place)
-    for place in (folder, *(folder / name for name in (*FOLDERS, PEAKS, BEFORE))):
-        _refuse_link(place, place != folder)
+    for place in (folder / name for name in (PEAKS, BEFORE)):
+        _refuse_link(place)
+    for name, own in _half_written(series).items():
+        place = folder / name
         for path in place.iterdir() if place.is_dir() else ():
-            if _HALF_WRITTEN.fullmatch(path.name) and not path.is_dir():
+            if own.fullmatch(path.name) and not path.is_dir():
                 path.unlink()
+
+
+def _half_written(series):
+    """Return {folder inside that of a run: pattern of the temporary names that a killed process leaves there}; no other file matches."""
+    probes = [name.removeprefix("probes/") for name in series if name.startswith("probes/")]
+    own = {
+        "": [*(re.escape(name) for name in FILES), r"summary-[0-9]+\.json"],
+        "probes": [re.escape(f"{name}.csv") for name in probes],
+        "snapshots": [r"[0-9]{6,}\.vtkhdf"],
+        "checkpoints": [r"[0-9]{8,}\.h5"],
+        PEAKS: [re.escape(f"{name}.vtkhdf") for name in probes],
+    }
+    found = {place: rf"\.({'|'.join(names)})\.tmp" for place, names in own.items() if names}
+    found[""] += r"|\.run\.lock\.[0-9a-f]{16}"
+    return {place: re.compile(pattern) for place, pattern in found.items()}
 
 
 def make_inside(place: Path) -> None:

@@ -35,7 +35,7 @@ class Store:
         self.times = []
         snapshot.check_fields(fields)
         self._fields = tuple(fields)
-        self._names, self._series, self._keep_to, self._here = [], {}, None, False
+        self._names, self._checkpoints, self._series, self._keep_to, self._here = [], [], {}, None, False
         self.about = dict(about)
         self._set_run(case, comm.bcast(os.urandom(8).hex() if comm.rank == 0 else None))
 
@@ -61,7 +61,8 @@ class Store:
         return store
 
     @classmethod
-    def resume(cls, comm, folder, case, time, step, about=None, fields=("u", "p", "role"), lock=None, run=None, series=()):
+    def resume(cls, comm, folder, case, time, step, about=None, fields=("u", "p", "role"), lock=None, run=None, series=(),
+               checkpoints=()):
         """Continue to write a run from a checkpoint at `time` [s] and `step`. Collective.
 
         In the folder of the same run, files that it wrote after the checkpoint are moved to replaced/N:
@@ -70,6 +71,7 @@ class Store:
 
         run : identity of the checkpoint's run, by default that in `case`
         series : names of the time series that will be added; they are checked before anything is changed
+        checkpoints : file names of the run's checkpoints, as the state of the last one lists them; ignored in an empty folder
         Other parameters as for `create`.
 
         Raises StoreError on every rank: as for `create`, a file is damaged, or the folder holds another run.
@@ -79,6 +81,7 @@ class Store:
         run = json.loads(case).get("run", "") if run is None else run
         on_first(comm, f"resume a run in {folder}", lambda: store._continue(run, time, step, series))
         store._set_run(case, comm.bcast(store.run))
+        store._checkpoints = comm.bcast(list(checkpoints) if store._here else [])
         on_first(comm, f"write {folder}/case.json", lambda: folders.write_case(store.folder, store._case, store.run))
         return store
 
@@ -137,7 +140,10 @@ class Store:
 
     def checkpoint(self, particles, time, step, dt, state):
         """Write a checkpoint and return its path; the last two are kept. See checkpoint.write."""
-        return checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case, state, self.about)
+        path = checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case, state, self.about,
+                                self._checkpoints)
+        self._checkpoints = [*(name for name in self._checkpoints if name != path.name), path.name][-checkpoint.KEEP:]
+        return path
 
     def summary(self, content):
         """Write summary.json from rank 0's dict (numpy numbers become plain, NaN null), with the digests of the time series."""
@@ -179,7 +185,7 @@ class Store:
         summary = folders.summary(self.folder)
         for name in series:
             folders.check_unchanged(self.folder / f"{name}.csv", summary, f"{name}.csv")
-        folders.prepare(self.folder)
+        folders.prepare(self.folder, series)
         late = [*self._take_stock(time), *self._late_peaks(time)]
         late += [path for path in checkpoint.paths(self.folder / "checkpoints") if int(path.stem) > step]
         late.append(self.folder / "summary.json")
@@ -222,7 +228,7 @@ class Store:
         """Return the name of the next snapshot: a new one, or that of this run's snapshot of the same time."""
         if self.times[-1:] == [time]:
             return self._names[-1]
-        numbers = [int(path.stem) for path in (self.folder / "snapshots").glob("*.vtkhdf") if path.stem.isdigit()]
+        numbers = [int(path.stem) for path in (self.folder / "snapshots").glob("*.vtkhdf") if path.stem.isdecimal()]
         return f"snapshots/{max(numbers, default=-1) + 1:06d}.vtkhdf"
 
     def _missing(self, path):

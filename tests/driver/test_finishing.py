@@ -118,7 +118,8 @@ def test_snapshots_are_found_without_the_index(run, damage):
 def test_files_of_others_are_never_touched(run, tmp_path):
     checkpoint.paths(run / "checkpoints")[-1].unlink()
     mine = {"notes.txt": b"mine", "snapshots/000009.vtkhdf": b"not HDF5", "snapshots/picture.png": b"png", "snapshots/.hidden.tmp": b"x",
-            "probes/other.csv": b"a,b", "checkpoints/readme.tmp": b"y"}
+            "probes/other.csv": b"a,b", "checkpoints/readme.tmp": b"y", ".a.csv.tmp_backup": b"z", ".steps.csv.tmp.old": b"z",
+            "probes/.energy.csv.tmp.2024": b"z", "probes/.mine.csv.tmp": b"z", "checkpoints/.mine.h5.tmp": b"z"}
     for name, content in mine.items():
         (run / name).write_bytes(content)
     foreign = run / "snapshots" / "000007.vtkhdf"
@@ -131,6 +132,18 @@ def test_files_of_others_are_never_touched(run, tmp_path):
     found = reader.open_run(run)
     assert len(found) == 6 and found.summary["status"] == "completed"
     assert [found.snapshot(k)["step"] for k in range(6)] == [0, 2, 4, 6, 8, 10]
+
+
+def test_copies_of_checkpoints_are_neither_removed_nor_taken_for_the_last(run):
+    last = checkpoint.paths(run / "checkpoints")[-1]
+    copies = [run / "checkpoints" / name for name in ("00000003.h5", "1.h5", "9.h5", "\u00b2.h5", "000000011.h5", "mine.h5")]
+    for path in copies:
+        shutil.copy(last, path)
+    assert restart("--until", "0.044") == 0
+    check_whole(run, 22)
+    assert all(path.read_bytes() == copies[0].read_bytes() for path in copies)
+    # and of its own the run keeps the last two, those of the restart and those from before it
+    assert {path.name for path in checkpoint.paths(run / "checkpoints")} == {"00000003.h5", "00000020.h5", "00000022.h5"}
 
 
 @pytest.mark.parametrize("name", ["snapshots", "checkpoints", "probes", "replaced"])

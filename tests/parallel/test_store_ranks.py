@@ -78,7 +78,7 @@ def test_checkpoint_is_read_on_any_number_of_ranks(folder, way):
                 share = np.array_split(np.arange(11), readers)[comm.rank]
                 assert found.offset == share[0] and found.total == 11 and found.dim == 2
                 assert (found.time, found.step, found.dt, found.case) == (1.5, writers, 0.001, CASE)
-                assert found.state == {"last": 0.1}
+                assert found.state == {"last": 0.1, "checkpoints": [f"{writers:08d}.h5"]}
                 assert set(found.arrays) == {name for name, field in FIELDS.items() if field.migrates}
                 for name, data in found.arrays.items():
                     np.testing.assert_array_equal(data, truth[name][share], err_msg=name)
