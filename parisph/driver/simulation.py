@@ -147,7 +147,7 @@ class Simulation:
         if self._chosen is None:
             self.choose_step(until)
         (limit, dt, after), self._chosen = self._chosen, None
-        report = self.method.step(self.time, dt)
+        report = self.method.step(self.time, dt, limit)
         self.time = after
         self.steps += 1
         self.dt = limit     # not a shorter one that meets a time: who goes on from there shall not notice

@@ -76,8 +76,11 @@ class Projection:
         self.needs_alpha = (numerics.surface_rule in ("gap", "auxiliary", "density")
                             or numerics.gamma > 0.0 or numerics.kappa > 0.0)
 
-    def step(self, time, dt):
-        """Advance one projection step of dt [s]: predict, solve for pressure, correct. Collective."""
+    def step(self, time, dt, usual=None):
+        """Advance one projection step of dt [s]: predict, solve for pressure, correct. Collective.
+
+        usual : float, the step [s] that would be taken if none were shortened to meet a time; default dt
+        """
         p, timers = self.particles, self.timers
         with timers("predict"):
             self._predict(dt)
@@ -92,6 +95,7 @@ class Projection:
         with timers("assemble"):
             matrix, right, isolated = self._assemble(force, dt)
         with timers("solve"):
+            earlier = p.p.copy()
             p.p[:], solve = self.solver.solve(*matrix, right, p.p, renumbered=renumbered)
             self.domain.update("p")
         with timers("correct"):
@@ -103,6 +107,8 @@ class Projection:
         if self.numerics.kappa > 0.0 or self.numerics.shift > 0.0:
             with timers("regularise"):
                 positions = regularise.positions(self, force)
+        if usual is not None and dt < 0.5 * usual:
+            self._average_pressure(earlier, dt / usual)
         with timers("record"):
             divergence = self._divergence() * dt
         return self._report(dt, solve, divergence, isolated, collisions, positions)
@@ -290,6 +296,17 @@ class Projection:
         grad = self.pressure_gradient(p.p_all)
         fluid = p.kind == FLUID
         p.u[fluid] += dt * (force[:p.n_owned][fluid] - grad[fluid] / self.density)
+
+    def _average_pressure(self, earlier, share):
+        """Leave a mean over time as the pressure after a short step, of which this step has the given share. Collective.
+
+        A pressure solve also removes the divergence that regularisation leaves, in one step of any length. The
+        velocity needs the whole impulse of that, but as a pressure it would grow without bound as dt -> 0.
+        """
+        p = self.particles
+        solved = (p.role == INNER) | (p.role == WET)
+        p.p[solved] = earlier[solved] + share * (p.p[solved] - earlier[solved])
+        self.domain.update("p")
 
     def pressure_gradient(self, f):
         """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.

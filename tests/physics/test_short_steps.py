@@ -1,0 +1,25 @@
+"""The pressure after steps that are shortened to meet a time."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.case.schema import Output
+from parisph.driver import run
+from parisph.io import reader
+from tests.scenes import scene
+
+ASKED = 0.3
+
+
+@pytest.mark.parametrize("time_step", ["none", 0.004])
+@pytest.mark.parametrize("later", [1e-7, 1e-4, 1e-3])
+def test_pressure_at_two_times_close_together(tmp_path, later, time_step):
+    """A step of 1e-7 s must not show the divergence that regularisation leaves as a pressure of 20 MPa."""
+    case = scene("dam_break", spacing=0.05, end_time=1.0, time_step=time_step).changed(output=Output(times=(ASKED, ASKED + later)))
+    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    found = reader.open_run(tmp_path / "run")
+    first, second = (found.snapshot(time) for time in (ASKED, ASKED + later))
+    p, q = (seen["p"][np.argsort(seen["id"])] for seen in (first, second))
+    assert second["time"] - first["time"] == pytest.approx(later)
+    assert np.linalg.norm(q - p) < 0.05 * np.linalg.norm(p)
