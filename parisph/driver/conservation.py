@@ -14,6 +14,8 @@ from parisph.io.sampling import Scene, View
 EVERY = 10             # steps between two looks at the volume, which take as long as a twelfth of a step
 VOLUME_LIMIT = 0.02    # change of the volume that is worth a warning
 ENERGY_LIMIT = 2e-3    # rise of the energy above its start, of a flow on which no work is done
+# why they may be no number
+REASONS = {"energy": "a velocity or position is out of range", "volume": "nothing was 2.1 spacings inside the fluid"}
 
 
 @dataclass
@@ -62,7 +64,9 @@ class Conservation:
     """Follows volume and energy through a run, and over restarts.
 
     The energy is computed in each step, the volume (mean Voronoi cell inside the fluid) once in EVERY
-    steps. Fluid that has left the tank counts with the energy that it had then. The energy in motion is
+    steps. Fluid that has left the tank counts with the energy that it had then. The potential energy is
+    relative to the lowest corner of the tank, in the direction of gravity: so the energy is positive, and
+    its change relative to the start has the right sign. The energy in motion is
     the kinetic energy plus the potential energy above that of the fluid at rest: the energy of the waves,
     which is small compared with the potential energy of all the water.
 
@@ -79,7 +83,7 @@ class Conservation:
         self._energy, = probes.build(case.model_copy(update={"probes": (Energy(name="energy"),)}), simulation.comm)
         volume = (Volume(name="volume"),) if case.dim == 2 else ()
         self._volume = probes.build(case.model_copy(update={"probes": volume}), simulation.comm)
-        self._driven, self._at_rest = case.driven, _rest(case, self._scene)
+        self._driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
         state, start = state or {}, start or {}
         self.energy, self.motion, self.volume = (
             Range(**state[name]) if name in state else Range(start=start.get(name)) for name in ("energy", "motion", "volume"))
@@ -107,6 +111,7 @@ class Conservation:
             change = (energy.now - energy.start) / motion.start
         return {
             "volume_drift": volume.relative(volume.now), "volume_range": volume.extremes(),
+            "volume_unknown": REASONS["volume"] if volume.missing and volume.low is None else None,
             "energy_drift": energy.relative(energy.now), "energy_range": energy.extremes(),
             "energy_in_motion": None if motion.low is None else {
                 "start": motion.start, "end": motion.now, "high": motion.high, "high_time": motion.high_time, "drift": change,
@@ -125,10 +130,9 @@ class Conservation:
         if energy and not self._driven and energy["high"] > ENERGY_LIMIT:
             found.append(f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, though nothing "
                          "does work on the fluid: use a smaller spacing or time step")
-        reasons = {"energy": "a velocity or position is out of range", "volume": "nothing was 2.1 spacings inside the fluid"}
-        for name, reason in reasons.items():
+        for name, reason in REASONS.items():
             gaps = getattr(self, name)
-            if gaps.missing and gaps.start is not None:
+            if gaps.missing and gaps.low is not None:
                 found.append(f"the {name} was not a number {gaps.missing} time{'s' * (gaps.missing > 1)}, "
                              f"first at t = {gaps.missing_since:.4g} s: {reason}")
         return found
@@ -138,7 +142,7 @@ class Conservation:
         sums = np.array([*self._energy.sums(View(p, s.domain)), p.volume.sum()])
         s.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
         kinetic, potential, total = self._energy.values(sums[:2], None)
-        self.energy.add(s.time, total + s.left.energy)
+        self.energy.add(s.time, total + s.left.energy - self._lowest * (sums[2] + s.left.volume))
         if self._at_rest is not None:
             self.motion.add(s.time, kinetic + potential - self._at_rest(sums[2]))
 
@@ -147,6 +151,11 @@ class Conservation:
         if self._volume:
             found = probes.sample_all(self._volume, s.particles, s.domain, s.time)
             self.volume.add(s.time, found["volume"][0])
+
+
+def _lowest(scene):
+    """Return the least potential energy of a volume of fluid in the scene's box [J/m^3], with the datum of the probe Energy."""
+    return scene.density * float(np.minimum(0.0, scene.gravity * (scene.lower - scene.upper)).sum())
 
 
 def _rest(case, scene):

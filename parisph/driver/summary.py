@@ -16,7 +16,8 @@ from parisph.io.files import on_first
 from parisph.study import truth
 
 
-FEW, SHARE = 4, 1e-3    # isolated particles, and their share of all, that are not worth a word
+FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, that are not worth a word
+BODY = 0.05             # share of isolated particles, later, that is more than spray
 
 
 class Account:
@@ -32,6 +33,8 @@ class Account:
         self.divergence = None
         self.conservation = None
         self._notes = list(before.get("notes", ()))
+        self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
+        self._fluid = 0
 
     @classmethod
     def new(cls):
@@ -49,7 +52,7 @@ class Account:
         isolated : particles that no free surface anchors in the first solve (Simulation.solve_start)
         """
         p = simulation.particles
-        fluid = p.comm.allreduce(int(np.count_nonzero(p.kind == FLUID)))
+        self._fluid = fluid = p.comm.allreduce(int(np.count_nonzero(p.kind == FLUID)))
         if isolated > max(FEW, SHARE * fluid):
             self._notes.append(f"{isolated} particles had no contact with a free surface at the start (of {fluid} fluid particles and the walls): "
                                "p = 0 was set only at the highest of them")
@@ -66,11 +69,17 @@ class Account:
         """Count a step that was made. Collective."""
         self.fallbacks += (report.fallback != "") + (report.position_fallback != "")
         self.divergence = report.divergence
+        if report.isolated > self._isolated[0]:
+            self._isolated = [report.isolated, simulation.time]
         self.conservation.step(simulation)
 
     def warnings(self):
         """Return one line for each warning of the whole run. Not collective."""
-        return self._notes + (self.conservation.warnings() if self.conservation else [])
+        found, (most, time) = list(self._notes), self._isolated
+        if most > BODY * self._fluid > 0.0:
+            found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} fluid particles "
+                         "and the walls): their pressure has no level of its own")
+        return found + (self.conservation.warnings() if self.conservation else [])
 
     def state(self, simulation, comm=None):
         """Return the data that a checkpoint needs to continue the account. Collective.
@@ -84,7 +93,7 @@ class Account:
             "cpu": self.before["cpu"] + comm.allreduce(process_time() - self.cpu),
             "phases": _sums(self.before["phases"], wall),
             "cpu_phases": _sums(self.before["cpu_phases"], timers.reduce_cpu(comm)),
-            "fallbacks": self.before["fallbacks"] + self.fallbacks, "notes": self._notes,
+            "fallbacks": self.before["fallbacks"] + self.fallbacks, "notes": self._notes, "isolated": self._isolated,
             "conservation": self.conservation.state() if self.conservation else self.before.get("conservation", {}),
         }}
 

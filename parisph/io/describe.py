@@ -58,7 +58,8 @@ def _entries(summary):
     left = get("left") or {}
     if left.get("particles"):
         yield "left the tank", f"{left['particles']:,d} particles over the rim, {left['volume']:.4g} m2 of water"
-    yield "volume drift", _drift(get("volume_drift"), get("volume_range"))
+    unknown = get("volume_unknown")
+    yield "volume drift", f"not measured: {unknown}" if unknown else _drift(get("volume_drift"), get("volume_range"))
     # where work is done on the fluid a change of its energy is no error
     yield "energy change" if get("driven") else "energy drift", _drift(get("energy_drift"), get("energy_range"))
     yield "in motion", _motion(get("energy_in_motion"))

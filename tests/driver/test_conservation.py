@@ -1,6 +1,7 @@
 """What a run says of volume and energy: at the end, at their worst, and when that is worth a warning."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -84,6 +85,44 @@ def test_what_is_no_number_is_named(field):
     (line,) = kept.warnings()
     assert "energy was not a number 1 time, first at t = 0 s" in line
     assert kept.content()["energy_drift"] is None and kept.content()["energy_range"]["high"] == 0.0
+    s.destroy()
+
+
+@pytest.mark.parametrize("gravity", [(0.0, -9.81), (9.81, 0.0), (0.0, 9.81), (-6.0, 6.0)])
+def test_change_of_energy_has_its_sign_in_every_direction_of_gravity(gravity):
+    """Where water lies is 0 or more above the lowest corner; .1 m/s of 500 kg/m is a rise, in per cent of the start."""
+    s, kept = started(Case(title="any way down", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
+                           gravity=gravity, numerics=Numerics(spacing=0.1), end_time=1.0))
+    start = kept.energy.start
+    s.particles.u[s.particles.kind == 0] = (0.1, 0.0)
+    kept.step(s)
+    assert start > 0.0 and kept.energy.now - start == pytest.approx(2.5, rel=0.01)
+    assert kept.content()["energy_range"]["high"] == kept.content()["energy_drift"] == pytest.approx(2.5 / start, rel=0.01)
+    s.destroy()
+
+
+def test_volume_of_a_thin_layer_is_said_to_be_unknown():
+    s, kept = started(Case(title="a puddle", fluid=Fluid(Box(width=1.0, height=0.15), density=1000.0), walls=Tank(width=1.0, height=1.0),
+                           gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05), end_time=1.0))
+    lines = words.table(kept.content())
+    assert any(line.startswith("volume drift ") and "not measured: nothing was 2.1 spacings inside" in line for line in lines)
+    s.destroy()
+
+
+def test_a_body_that_loses_its_surface_on_the_way_is_named():
+    s = Simulation(scene("dam_break", spacing=0.05), MPI.COMM_SELF)
+    s.solve_start()
+    account = Account.new()
+    account.start(s)
+    report = s.advance()
+    account.step(s, replace(report, isolated=2))
+    assert not account.warnings()
+    account.step(s, replace(report, isolated=20))
+    resumed = Account.resumed(json.loads(json.dumps(account.state(s))))
+    resumed.start(s)
+    for known in (account, resumed):
+        (line,) = known.warnings()
+        assert "20 particles had no contact with a free surface at t = " in line
     s.destroy()
 
 
