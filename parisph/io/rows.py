@@ -7,7 +7,7 @@ ranks open a file, some are refused and the others wait for them for ever. Here 
 inside a call, and an error on any of them is raised on all.
 
 HDF5 itself must never run into a full disk: HDF5 1.10 ends the process if it cannot write the last
-blocks of a file when it closes the file. The space is therefore reserved before.
+blocks of a file when it closes the file. The space for the rows and for everything else in the file is therefore reserved before.
 """
 
 import errno
@@ -22,7 +22,7 @@ import numpy as np
 from parisph.io import digest
 from parisph.io.files import create, on_first, publish, temporary, together
 
-METADATA = 1 << 20  # bytes for groups and attributes; a case with a tabulated motion has many
+METADATA = 1 << 20  # bytes for what HDF5 adds to the rows and to what `decorate` writes
 
 
 @dataclass
@@ -84,7 +84,7 @@ def _laid_out(path, slabs, decorate):
 def _lay_out(path, slabs, decorate):
     """Make the file without the rows, and return the offset of the rows of each slab in it [bytes]."""
     with open(create(path), "wb") as file:
-        os.posix_fallocate(file.fileno(), 0, _size(slabs))
+        os.posix_fallocate(file.fileno(), 0, _size(slabs, decorate))
     with h5py.File(path, "w") as file:
         decorate(file)
         places = []
@@ -102,9 +102,13 @@ def _lay_out(path, slabs, decorate):
     return places
 
 
-def _size(slabs):
-    """Return the bytes of the rows of all ranks, plus a generous estimate for metadata."""
-    return METADATA + sum(slab.total * slab.data.itemsize * math.prod(slab.data.shape[1:]) for slab in slabs)
+def _size(slabs, decorate):
+    """Return the bytes of the rows of all ranks and of what `decorate` writes (a long case may have many), with room."""
+    with h5py.File("in memory", "w", driver="core", backing_store=False) as file:
+        decorate(file)
+        file.flush()
+        about = file.id.get_filesize()
+    return METADATA + about + sum(slab.total * slab.data.itemsize * math.prod(slab.data.shape[1:]) for slab in slabs)
 
 
 def _allocate(file, slab):
