@@ -328,7 +328,7 @@ def _folder(args):
     """Return the folder for a new run, never one that holds a run already (unless asked to overwrite)."""
     if args.out is not None:
         if os.path.exists(Path(args.out) / "case.json") and not args.overwrite:
-            raise CaseError(f"{args.out} holds a run already: give another folder with -o, or move it aside with --overwrite")
+            raise CaseError(f"{args.out} holds a run already: give another folder with -o, or move the whole folder aside with --overwrite")
         return args.out
     case = Path(args.case)
     name = case.resolve().parent.name if case.name == "case.json" else case.stem

@@ -15,7 +15,7 @@ from parisph.case.stored import from_json
 from parisph.io import checkpoint
 from parisph.io.checkpoint import Checkpoint
 from parisph.io.files import create, on_first, read_json
-from parisph.io.folder import identity, make, move_run_aside, unmake
+from parisph.io.folder import check_free, content, identity, make, move_run_aside, unmake
 from parisph.io.lock import Lock
 
 
@@ -49,16 +49,17 @@ def locked(comm: MPI.Comm, folder: Path, force: bool) -> Iterator[Lock | None]:
             lock.release()
 
 
-def new_folder(folder: Path, overwrite: bool = False, force: bool = False) -> tuple[list[Path], Path | None]:
+def new_folder(folder: Path, overwrite: bool | None = None, force: bool = False) -> tuple[list[Path], Path | None]:
     """Make the folder for a new run, before any work.
 
+    overwrite : whether to move an earlier run aside; None if the command has no such option
     Returns the folders that were made, the innermost first, and the folder that an earlier run was moved to, else None.
     Raises CaseError, StoreError, OSError.
     """
     given, folder, old = folder, folder.resolve(), None
-    if (folder / "case.json").exists():
-        if not overwrite:
-            raise CaseError(f"{given} holds a run already: give another folder with -o, or move it aside with --overwrite")
+    if not overwrite:
+        check_free(folder, given, movable=overwrite is not None)
+    elif content(folder):
         Lock(folder, force).release()    # it must not be in use
         old = move_run_aside(folder)
     with left_only_if_used(made := make(folder), old):

@@ -10,10 +10,33 @@ import shutil
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from parisph.base.errors import StoreError
+from parisph.base.errors import CaseError, StoreError
 from parisph.io.files import digest, read_json, write_json
 from parisph.io.layout import BEFORE, FILES, FOLDERS, PEAKS, REPLACED
 
+
+
+def content(folder: Path) -> list[str]:
+    """Return the names in a folder that a run would write to: files, links, and folders that are not empty."""
+    return [name for name in (*FILES, *FOLDERS, PEAKS) if _is_used(folder / name)]
+
+
+def _is_used(path):
+    return path.is_symlink() or (any(path.iterdir()) if path.is_dir() else path.exists())
+
+
+def check_free(folder: Path, given: str | os.PathLike | None = None, movable: bool = True) -> None:
+    """Raise CaseError if a folder holds a run, or anything else that a new run would write to.
+
+    given : the folder as the user named it; movable : whether the command has --overwrite; both for the message
+    """
+    names = content(folder)
+    if not names:
+        return
+    fault = "holds a run already" if "case.json" in names else \
+        f"has no case.json, but it holds {', '.join(names)}, which a run would overwrite"
+    raise CaseError(f"{given or folder} {fault}: give another folder with -o"
+                    f"{', or move the whole folder aside with --overwrite' * movable}")
 
 
 def make(folder: Path) -> list[Path]:
@@ -139,9 +162,15 @@ def move_aside(folder: Path, moved: Iterable[Path], copied: Iterable[Path] = ())
 
 
 def move_run_aside(folder: Path) -> Path | None:
-    """Rename the folder of an earlier run to FOLDER.old, FOLDER.old-2, ...; return the new name, None if it holds no run."""
-    if not (folder / "case.json").exists():
+    """Rename a folder to FOLDER.old, FOLDER.old-2, ...; return the new name, None if it holds nothing that a run would write to.
+
+    Raises CaseError if the current folder is in it.
+    """
+    if not content(folder):
         return None
+    if Path.cwd().is_relative_to(folder):
+        raise CaseError(f"{folder} contains the current folder, and cannot be moved aside: give another folder with -o, "
+                        "or repeat the command in another folder")
     old = folder.with_name(f"{folder.name}.old")
     place = _free(old, lambda number: folder.with_name(f"{folder.name}.old-{number}"))
     os.rename(folder, place)

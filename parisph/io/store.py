@@ -8,7 +8,7 @@ from pathlib import Path
 import h5py
 
 import parisph
-from parisph.base.errors import StoreError
+from parisph.base.errors import CaseError, StoreError
 from parisph.base.log import logger
 from parisph.io import checkpoint, snapshot
 from parisph.io import folder as folders
@@ -166,8 +166,10 @@ class Store:
         self.about.update(case=self._case, run=run)
 
     def _start(self):
-        if (self.folder / "case.json").exists():
-            raise StoreError(f"{self.folder} holds a run already: choose another folder, or ask to overwrite it")
+        try:
+            folders.check_free(self.folder)
+        except CaseError as error:
+            raise StoreError(str(error)) from None
         folders.prepare(self.folder)
         folders.write_case(self.folder, self._case, self.run)
 

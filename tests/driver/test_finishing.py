@@ -221,6 +221,54 @@ def test_overwrite_moves_the_old_run_aside(run, capfd):
     assert reader.open_run(run).summary["status"] == "completed" and not (run.parent / "run.old-3").exists()
 
 
+OCCUPIED = ["steps.csv", "probes/energy.csv", "summary.json", "run.log", "flow.hdf.series", "checkpoints/00000020.h5", "snapshots/a.png",
+            "peaks/a.vtkhdf"]
+
+
+@pytest.mark.parametrize("name", OCCUPIED)
+def test_what_lies_in_a_folder_without_a_run_is_never_overwritten(run, name, capfd):
+    (run.parent / "small.py").write_text(CASE)
+    theirs = run.parent / "theirs" / name
+    theirs.parent.mkdir(parents=True)
+    theirs.write_text("theirs")
+    for words in (["run", "small.py"], ["restart", "run", "--until", "0.024"]):
+        assert entry.main([*words, "-q", "-o", "theirs"]) == 2
+        said = capfd.readouterr().err
+        assert f"theirs has no case.json, but it holds {name.partition('/')[0]}, which" in said and said.count("parisph: error: ") == 1
+        assert ("--overwrite" in said) == (words[0] == "run")    # which restart does not have
+        assert [path for path in (run.parent / "theirs").rglob("*") if path.is_file()] == [theirs] and theirs.read_text() == "theirs"
+    assert entry.main(["run", "small.py", "-q", "-o", "theirs", "--overwrite"]) == 0
+    assert (run.parent / "theirs.old" / name).read_text() == "theirs"
+    check_whole(run.parent / "theirs")
+
+
+def test_a_link_and_a_run_without_its_case_are_in_the_way_too_but_empty_folders_are_not(run, capfd):
+    (run.parent / "small.py").write_text(CASE)
+    (run / "case.json").unlink()
+    (run.parent / "linked").mkdir()
+    (run.parent / "linked" / "steps.csv").symlink_to("nowhere")
+    for name in ("run", "linked"):
+        assert entry.main(["run", "small.py", "-q", "-o", name]) == 2
+        assert f"{name} has no case.json, but it holds " in capfd.readouterr().err
+    for name in ("probes", "snapshots", "checkpoints"):    # what a kill at the start leaves
+        (run.parent / "begun" / name).mkdir(parents=True)
+    assert entry.main(["run", "small.py", "-q", "-o", "begun"]) == 0
+    assert entry.main(["run", "small.py", "-q", "-o", "run", "--overwrite"]) == 0
+    check_whole(run)
+
+
+def test_the_current_folder_is_not_moved_aside(run, monkeypatch, capfd):
+    (run.parent / "small.py").write_text(CASE)
+    monkeypatch.chdir(run / "probes")
+    before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
+    for out in (".", ".."):
+        (run / "probes" / "steps.csv").write_text("mine")
+        assert entry.main(["run", "../../small.py", "-q", "-o", out, "--overwrite"]) == 2
+        assert "contains the current folder, and cannot be moved aside" in capfd.readouterr().err
+        (run / "probes" / "steps.csv").unlink()
+        assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
+
+
 def test_a_folder_in_use_is_refused(run, capfd):
     from parisph.io.lock import Lock
 
