@@ -1,5 +1,6 @@
 """The table at the end of a run, and the text of `parisph info`. Not collective."""
 
+from parisph.base.errors import StoreError
 from parisph.base.text import plain_lines
 from parisph.io.layout import INDEX, PEAKS
 
@@ -10,9 +11,9 @@ def table(summary):
 
 
 def describe(run):
-    """Return the description of a Run (io.reader): its content and its results."""
+    """Return the description of a Run (io.reader): its content and its results. Raises StoreError."""
     lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
-    lines += ["", *(table(run.summary) if run.summary else ["no summary.json: the run goes on, or was killed"])]
+    lines += ["", *(_results(run) if run.summary else ["no summary.json: the run goes on, or was killed"])]
     if len(run):
         lines += ["", f"{'snapshots':<16}{len(run)}, t = {run.times[0]:.6g} to {run.times[-1]:.6g} s ({run.folder / INDEX})"]
     checkpoints = sorted((run.folder / "checkpoints").glob("*.h5"))
@@ -29,6 +30,14 @@ def describe(run):
 def provenance(run):
     """Return the versions and options of a Run as text, "" if it has no snapshot. Raises StoreError if the first one is damaged."""
     return "\n".join(_plain(f"{name:<16}{value}" for name, value in sorted(run.about.items())))
+
+
+def _results(run):
+    """Return the table of the summary of a Run. Raises StoreError if an entry is not of the kind that parisph writes."""
+    try:
+        return table(run.summary)
+    except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
+        raise StoreError(f"{run.folder / 'summary.json'} is damaged: its entries are not those of a summary") from None
 
 
 def _plain(entries):

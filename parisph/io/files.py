@@ -14,7 +14,7 @@ from pathlib import Path
 
 from parisph.base.errors import StoreError, agree
 from parisph.base.reading import check_regular
-from parisph.base.seal import opened, sealed
+from parisph.base.seal import KEY, opened, sealed
 
 
 def together(comm, doing, action):
@@ -104,8 +104,11 @@ def write_json(path, content):
     write_text(path, json.dumps(sealed(plain(content)), indent=2) + "\n")
 
 
-def read_json(path: Path) -> dict:
-    """Return the JSON object in a file of a run after a check of its digest. Not collective. Raises StoreError."""
+def read_json(path: Path, must_be_sealed: bool = False) -> dict:
+    """Return the JSON object in a file of a run after a check of its digest. Not collective. Raises StoreError.
+
+    must_be_sealed : whether a file without a digest is refused, as only parisph writes it; users may edit others
+    """
     try:
         check_regular(os.stat(path))
         content = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -117,6 +120,8 @@ def read_json(path: Path) -> dict:
         raise StoreError(f"{path} is damaged: it is not JSON ({str(error)[:80]})") from None
     if not isinstance(content, dict):
         raise StoreError(f"{path} is damaged: it holds a {type(content).__name__}, not an object")
+    if must_be_sealed and content.get(KEY) is None:
+        raise StoreError(f"{path} is damaged: it has no digest. Move it away to read the rest of the run")
     content, sound = opened(content)
     if not sound:
         raise StoreError(f"{path} is damaged: it does not match its digest")

@@ -47,11 +47,12 @@ class Run:
     @property
     def summary(self) -> dict | None:
         """The content of summary.json; None while the run goes on, or if it was killed."""
-        if not (self.folder / "summary.json").exists():
+        path, sealed = self.folder / "summary.json", "schema" in self.case    # early runs have neither schema nor digest
+        if not path.exists():
             return None
-        content = read_json(self.folder / "summary.json")
-        if content.pop("run", self.identity) != self.identity:
-            raise StoreError(f"{self.folder / 'summary.json'} is of another run")
+        content = read_json(path, must_be_sealed=sealed)
+        if content.pop("run", None if sealed else self.identity) != self.identity:
+            raise StoreError(f"{path} is of another run")
         content.pop("files", None)    # digests, for reading the time series
         return content
 

@@ -12,8 +12,9 @@ from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, PressureTap, Tank, Volume
 from parisph.__main__ import main
+from parisph.base import seal
 from parisph.case import geometry
-from parisph.io import describe
+from parisph.io import describe, reader
 from parisph.io.store import Store, provenance
 from parisph.parallel.particles import Particles
 from tests.launch import run
@@ -98,6 +99,18 @@ def test_info_and_plot_name_a_damaged_snapshot(folder, capsys):
     assert main(["plot", str(folder), "--time", "0.1", "-o", str(folder / "a.png")]) == 5
     assert said == capsys.readouterr().err
     assert not (folder / "a.png").exists()
+
+
+@pytest.mark.parametrize("entry", [
+    {"time": "x"}, {"steps": [1]}, {"left": [1]}, {"iterations": {"median": "x"}}, {"warnings": 5}, {"volume_drift": 10**400},
+    {"energy_in_motion": {"start": 1.0}}, {"volume_range": {"low": "x"}}, {"errors": [0.1]}, {"errors": {"P2": {"relative_l2": "x"}}},
+])
+@pytest.mark.parametrize("sealed", [True, False])
+def test_info_of_a_summary_with_entries_of_the_wrong_kind(folder, capsys, entry, sealed):
+    content = {**SUMMARY, **entry, "run": reader.open_run(folder).identity}
+    (folder / "summary.json").write_text(json.dumps(seal.sealed(content) if sealed else content))
+    assert main(["info", str(folder)]) == 5
+    assert capsys.readouterr().err == f"parisph: error: {folder}/summary.json is damaged: its entries are not those of a summary\n"
 
 
 def test_info_as_json_and_of_an_unfinished_run(folder, capsys):

@@ -8,6 +8,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.seal import sealed
 from parisph.case.stored import to_json
 from parisph.io import checkpoint, snapshot
 from parisph.io.reader import open_run
@@ -138,7 +139,8 @@ def test_an_unknown_field_is_refused_before_anything_is_touched(tmp_path):
 
 
 @pytest.mark.parametrize("damage", [lambda path: path.unlink(), lambda path: path.write_text("{"), lambda path: path.write_text("[]"),
-                                    lambda path: path.write_text(path.read_text().replace('"run": "', '"run": "f'))])
+                                    lambda path: path.write_text(path.read_text().replace('"run": "', '"run": "f')),
+                                    lambda path: path.write_text(path.read_text().replace('"digest"', '"digesu"').replace("1.0", "1.1"))])
 def test_without_its_index_a_run_finds_its_snapshots(folder, damage):
     """The files themselves say which they are and of what time; a foreign or damaged one is no part of the run."""
     damage(folder / "flow.hdf.series")
@@ -158,7 +160,10 @@ def test_without_its_index_a_run_finds_its_snapshots(folder, damage):
     ("case.json", '{"title": "only"}', "case.json is damaged, or is not the case of a run: Case.fluid is missing"),
     ("case.json", "\xff\x00", "case.json is damaged"),
     ("summary.json", "", "summary.json is damaged: it is not JSON"),
-    ("summary.json", '{"run": "other"}', "summary.json is of another run"),
+    ("summary.json", '{"run": "other"}', "summary.json is damaged: it has no digest"),
+    ("summary.json", '{"a": 1}', "summary.json is damaged: it has no digest"),
+    ("summary.json", json.dumps(sealed({"run": "other"})), "summary.json is of another run"),
+    ("summary.json", json.dumps(sealed({"steps": 4})), "summary.json is of another run"),
     ("steps.csv", "", "steps.csv is damaged: it has no columns"),
     ("steps.csv", "time,step,dt\n0,0\n", "steps.csv is damaged: line 2 does not hold 3 values"),
     ("steps.csv", "time,step,dt\n0,0,1\n0.1,1,1\n0.3,3,1\n", "line 4 step 3 at 0.3 s follows step 1"),
@@ -196,6 +201,23 @@ def test_a_summary_that_was_changed_is_refused(folder):
     path.write_text(path.read_text().replace('"steps": 4', '"steps": 5'))
     with pytest.raises(StoreError, match="summary.json is damaged: it does not match its digest"):
         open_run(folder).summary
+
+
+@pytest.mark.parametrize("change", [
+    lambda text: text.replace('"digest"', '"digesu"'), lambda text: json.dumps({**json.loads(text), "digest": None}),
+])
+def test_a_summary_that_has_lost_its_digest_is_refused(folder, change):
+    path = folder / "summary.json"
+    path.write_text(change(path.read_text()).replace('"steps": 4', '"steps": 5'))
+    with pytest.raises(StoreError, match="summary.json is damaged: it has no digest"):
+        open_run(folder).summary
+
+
+def test_a_summary_of_a_run_from_before_schemas_needs_no_digest(folder):
+    text = (folder / "case.json").read_text()
+    (folder / "case.json").write_text(json.dumps({name: value for name, value in json.loads(text).items() if name not in ("schema", "digest")}))
+    (folder / "summary.json").write_text('{"steps": 4}')
+    assert open_run(folder).summary == {"steps": 4}
 
 
 def test_a_case_of_another_run_is_noticed(folder):
