@@ -212,7 +212,7 @@ def _add_progress(verb):
 
 
 def _add_looking(verbs):
-    verb = _verb(verbs, "info", _info, "Show the content, the results and the versions of a run")
+    verb = _verb(verbs, "info", _info, "Show the content, the results and the versions of a run, and check its snapshots")
     _add_run(verb)
     verb.add_argument("--json", action="store_true", help="Print summary.json instead")
     verb = _verb(verbs, "plot", _plot, "Draw the flow, the probes, or the whole run on one page")
@@ -348,10 +348,16 @@ def _tell(comm, summary, folder):
 def _info(args):
     from parisph.io import describe, reader
 
-    run = reader.open_run(args.run)
-    print(json.dumps(run.summary, indent=2) if args.json else describe.describe(run))
-    if not args.json and len(run):    # last, because it opens a snapshot, which may be damaged
-        print(f"\n{describe.provenance(run)}")
+    run = reader.Run(args.run)
+    if args.json:
+        print(json.dumps(run.summary, indent=2))
+        return
+    print(describe.describe(run))
+    try:    # last, because the snapshots may be damaged
+        if len(run):
+            print(f"\n{describe.provenance(run)}")
+    finally:
+        run.check()
 
 
 def _compare(args):

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.log import logger
 from parisph.base.text import named, shown
 from parisph.case import stored
 from parisph.io import series, snapshot
@@ -15,6 +16,8 @@ from parisph.io.files import read_json
 from parisph.io.folder import check_unchanged
 from parisph.io.folder import summary as summary_of
 from parisph.io.layout import INDEX, PEAKS
+
+FEW = 5    # damaged files that an error names
 
 
 class Run:
@@ -67,7 +70,7 @@ class Run:
         id, ..., sorted by id; and `time` [s], `step`.
         """
         number = self.number(which)
-        return snapshot.read(self.folder / self._files[number], self.times[number], str(self.case.get("run", "")))
+        return snapshot.read(self.folder / self._files[number], self.times[number], self.identity)
 
     def peak(self, name: str) -> dict[str, Any] | None:
         """Return the particles at the greatest value of a probe, as from `snapshot`, with that value as `peak`.
@@ -78,10 +81,27 @@ class Run:
         path = self.folder / PEAKS / f"{name}.vtkhdf"
         if not path.exists():
             return None
-        found, about = snapshot.read(path, run=self.identity), snapshot.read_attributes(path)
-        if about.get("probe") != name:
-            raise StoreError(f"{path} is not the flow at the peak of {name}: another file has been copied over it")
-        return {**found, "peak": float(about["peak"])}
+        return {**snapshot.read(path, run=self.identity), "peak": self._value_at_peak(path)}
+
+    @property
+    def missing(self) -> list[Path]:
+        """The files of snapshots that the index lists and that are not there."""
+        return [path for path in self._paths if not path.exists()]
+
+    def check(self) -> None:
+        """Read every snapshot and peak once and raise StoreError, which names a few of them, if any is damaged, missing or of another run."""
+        checks = [lambda path=path, time=time: snapshot.read_attributes(path, time, self.identity)
+                  for path, time in zip(self._paths, self.times)]
+        peaks = [self.folder / PEAKS / f"{name}.vtkhdf" for name in self.probe_names]
+        checks += [lambda path=path: self._value_at_peak(path) for path in peaks if path.exists()]
+        faults = []
+        for one in checks:
+            try:
+                one()
+            except StoreError as error:
+                faults.append(str(error))
+        if faults:
+            raise StoreError(_some(faults))
 
     def number(self, which: int | float) -> int:
         """Return the number of a snapshot given by number (int) or time (float)."""
@@ -118,6 +138,17 @@ class Run:
         found = snapshot.read_attributes(self.folder / self._files[0])
         return {name: value for name, value in found.items() if name not in ("case", "time", "step", "dim")}
 
+    @property
+    def _paths(self):
+        return [self.folder / name for name in self._files]
+
+    def _value_at_peak(self, path):
+        """Return the value of the probe at whose peak a file was written."""
+        about = snapshot.read_attributes(path, run=self.identity)
+        if about.get("probe") != path.stem:
+            raise StoreError(f"{path} is not the flow at the peak of {path.stem}: another file has been copied over it")
+        return float(about["peak"])
+
     def _series(self, path, each_step=False):
         found = series.table(*series.read_own(path, self.identity, each_step))
         check_unchanged(path, summary_of(self.folder), str(path.relative_to(self.folder)))    # last, as it says less
@@ -140,5 +171,13 @@ def _case(path):
 
 
 def open_run(folder: str | os.PathLike) -> Run:
-    """Return the Run in `folder`, for notebooks and pictures. Raises StoreError if there is none."""
-    return Run(folder)
+    """Return the Run in `folder`, for notebooks and pictures. Warns of missing snapshots. Raises StoreError if there is none."""
+    run = Run(folder)
+    if run.missing:
+        logger.warning(f"{run.folder} lacks {len(run.missing)} of its {len(run)} snapshots; the first is {run.missing[0]}")
+    return run
+
+
+def _some(faults):
+    """Return a few messages, one a line, and the number of the others."""
+    return "\n".join([*faults[:FEW], *([f"and {len(faults) - FEW} more files"] if len(faults) > FEW else [])])

@@ -69,12 +69,8 @@ def read(path, time=None, run=""):
     StoreError : the file does not match its digest, is not a snapshot, or not the expected one.
     """
     registry = {NAMES.get(name, name): name for name in FIELDS}
-    with _opened(path) as file:
+    with _opened(path, time, run) as file:
         found, step, dim = float(file.attrs["time"]), int(file.attrs["step"]), int(file.attrs["dim"])
-        if run and file.attrs.get("run", "") != run:
-            raise StoreError(f"{path} is of another run than its folder: it has been copied there")
-        if time is not None and found != time:
-            raise StoreError(f"{path} is the snapshot of {found:.12g} s, not of {time:.12g} s: another snapshot has been copied over it")
         group = file["VTKHDF"]
         arrays = {registry.get(name, name): data[()] for name, data in group["PointData"].items()}
         arrays["x"] = group["Points"][()]
@@ -83,21 +79,30 @@ def read(path, time=None, run=""):
     return {"time": found, "step": step, **arrays}
 
 
-def read_attributes(path):
-    """Return the attributes at the root of a snapshot or checkpoint as a dict. Raises StoreError as `read`."""
-    with _opened(path) as file:
+def read_attributes(path, time=None, run=""):
+    """Return the attributes at the root of a snapshot or checkpoint as a dict. Parameters and errors as of `read`."""
+    with _opened(path, time, run) as file:
         return {name: value.item() if hasattr(value, "item") else value for name, value in file.attrs.items()}
 
 
 @contextmanager
-def _opened(path):
+def _opened(path, time=None, run=""):
     """Open a snapshot as h5py.File after a check of its digest. Raises StoreError, also if the body finds something missing."""
     digest.check(path)
     try:
         with h5py.File(path, "r") as file:
+            _check_expected(path, file.attrs, time, run)
             yield file
     except (OSError, KeyError, ValueError) as error:
         raise StoreError(f"{path} is not a snapshot of parisph: {error}") from None
+
+
+def _check_expected(path, attributes, time, run):
+    """Raise StoreError if a sound file is not of the expected time and run; KeyError if it has no time."""
+    if run and attributes.get("run", "") != run:
+        raise StoreError(f"{path} is of another run than its folder: it has been copied there")
+    if time is not None and (found := float(attributes["time"])) != time:
+        raise StoreError(f"{path} is the snapshot of {found:.12g} s, not of {time:.12g} s: another snapshot has been copied over it")
 
 
 def write_index(path, files, times, run=""):

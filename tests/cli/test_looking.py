@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import resource
 import shutil
 import sys
@@ -32,7 +33,7 @@ def folder(tmp_path):
     return written(tmp_path / "run")
 
 
-def written(folder, peak=5):
+def written(folder, peak=5, keep_peak=False):
     """Write a run of 11 steps of .1 s and return its folder.
 
     p = 0 but for the tap, which rises to its peak in step `peak` and falls again; a snapshot every other step.
@@ -47,6 +48,8 @@ def written(folder, peak=5):
         store.append(0.1 * step, step, {"steps": (0.1, 9), "probes/P2": (100.0 - 20 * abs(step - peak),), "probes/volume": (0.5,)})
         if step % 2:
             store.snapshot(particles, 0.1 * step, step)
+        if keep_peak and step == peak:
+            store.peak(particles, 0.1 * step, step, "P2", 100.0, keep=False)
     store.summary(SUMMARY)
     store.close()
     return folder
@@ -99,6 +102,39 @@ def test_info_and_plot_name_a_damaged_snapshot(folder, capsys):
     assert main(["plot", str(folder), "--time", "0.1", "-o", str(folder / "a.png")]) == 5
     assert said == capsys.readouterr().err
     assert not (folder / "a.png").exists()
+
+
+def flipped(path):
+    content = path.read_bytes()
+    path.write_bytes(content[:3000] + bytes([content[3000] ^ 1]) + content[3001:])
+
+
+@pytest.mark.parametrize(("change", "says"), [
+    (lambda run: flipped(run / "snapshots/000003.vtkhdf"), "snapshots/000003.vtkhdf is damaged"),
+    (lambda run: (run / "snapshots/000004.vtkhdf").unlink(), "there is no file .*snapshots/000004.vtkhdf"),
+    (lambda run: shutil.copy(run / "snapshots/000001.vtkhdf", run / "snapshots/000002.vtkhdf"), "000002.vtkhdf is the snapshot of 0.3 s"),
+    (lambda run: shutil.copy(written(run / "other") / "snapshots/000002.vtkhdf", run / "snapshots"), "000002.vtkhdf is of another run"),
+    (lambda run: flipped(run / "peaks/P2.vtkhdf"), "peaks/P2.vtkhdf is damaged"),
+    (lambda run: shutil.copy(run / "peaks/P2.vtkhdf", run / "peaks/volume.vtkhdf"), "volume.vtkhdf is not the flow at the peak of volume"),
+])
+def test_info_checks_every_snapshot_and_peak(tmp_path, capsys, change, says):
+    folder = written(tmp_path / "run", keep_peak=True)
+    assert main(["info", str(folder)]) == 0 and capsys.readouterr().err == ""
+    change(folder)
+    assert main(["info", str(folder)]) == 5
+    out, said = capsys.readouterr()
+    assert "snapshots       5" in out and "petsc_options" in out    # what can be known is still shown
+    assert re.fullmatch(f"parisph: error: .*{says}.*\n", said)
+
+
+def test_info_names_several_damaged_snapshots(folder, capsys, monkeypatch):
+    monkeypatch.setattr(reader, "FEW", 3)
+    for path in sorted(folder.glob("snapshots/*")):
+        flipped(path)
+    assert main(["info", str(folder)]) == 5
+    said = capsys.readouterr().err.splitlines()
+    assert said[0].startswith("parisph: error: ") and said[3:] == ["and 2 more files"]
+    assert all(f"00000{number}.vtkhdf is damaged" in said[number] for number in range(3))
 
 
 @pytest.mark.parametrize("entry", [

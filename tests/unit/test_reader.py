@@ -125,6 +125,18 @@ def test_the_rest_of_a_run_can_be_read_beside_a_damaged_snapshot(folder):
         run.about
 
 
+def test_missing_snapshots_are_said_when_a_run_is_opened(folder, caplog):
+    """Their numbers stay, so that no other snapshot is taken for a missing one."""
+    with caplog.at_level("WARNING", "parisph"):
+        assert open_run(folder).missing == [] and caplog.text == ""
+        (folder / "snapshots/000002.vtkhdf").unlink()
+        run = open_run(folder)
+    assert f"{folder} lacks 1 of its 4 snapshots; the first is {folder}/snapshots/000002.vtkhdf" in caplog.text
+    assert run.missing == [folder / "snapshots/000002.vtkhdf"] and run.snapshot(3)["step"] == 3
+    with pytest.raises(StoreError, match="there is no file .*000002.vtkhdf"):
+        run.snapshot(2)
+
+
 def test_an_earlier_run_is_never_written_over(folder):
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     with pytest.raises(StoreError, match="holds a run already"):
