@@ -13,6 +13,7 @@ import traceback
 import weakref
 from contextlib import contextmanager, nullcontext, suppress
 
+import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import exit_code
@@ -30,7 +31,8 @@ class Guard:
     would wait for ever in this call or the next one. A rank that ends without an error tells others
     how many calls it has made. A rank that waits for it in a later call ends all ranks; a rank that does
     not, because it still makes pictures, for example, is left alone. An uncaught exception also ends all
-    ranks, unless they end too.
+    ranks, unless they end too. On the first call on the communicator of `watch`, ranks that have ended before
+    it are found too.
 
     No messages are sent as long as there is no error. To detect ranks that have ended, the MPI library
     must support calls from several threads (MPI_THREAD_MULTIPLE, which mpi4py requests).
@@ -39,20 +41,39 @@ class Guard:
     _key = None
     _all = weakref.WeakSet()
     _failed = False    # this process ends by an uncaught exception
+    _watched = False   # the end of this process has its hooks
+    _world = None      # communicator of all ranks
+    _used = False      # `of` has returned before, for any communicator
+    _met = False       # all ranks of `_world` have been in `of`
 
     @classmethod
     def of(cls, comm):
         """Return the Guard of a communicator, None if it has one rank only. Collective the first time."""
-        if comm.size == 1:
-            return None
+        guard = None if comm.size == 1 else cls._found(comm)
+        cls._used = True
+        return guard
+
+    @classmethod
+    def _found(cls, comm):
+        cls.watch()
         if cls._key is None:
             cls._key = MPI.Comm.Create_keyval(delete_fn=lambda comm, key, guard: guard.close())
-            cls._watch_the_end()
         guard = comm.Get_attr(cls._key)
         if guard is None:
+            if comm == cls._world and not cls._met:
+                cls._meet(comm)
             guard = cls(comm)
             comm.Set_attr(cls._key, guard)
         return guard
+
+    @classmethod
+    def _meet(cls, comm):
+        """Wait until all ranks are here; end all ranks if one of them has ended instead. Collective."""
+        meeting = _Meeting(comm, ends=False)
+        meeting.wait(np.inf)
+        if meeting.ended is not None:
+            _abort(comm, f"rank {meeting.ended} has ended, and rank {comm.rank} waits for it in its first call", 1)
+        cls._met = True
 
     def __init__(self, comm):
         self.comm = comm.Dup()
@@ -79,7 +100,7 @@ class Guard:
             if not self.on_all():
                 with suppress(OSError):
                     traceback.print_exception(error)
-                self._abort(f"an error on rank {self.comm.rank} alone, in {name}", exit_code(error))
+                _abort(self.comm, f"an error on rank {self.comm.rank} alone, in {name}", exit_code(error))
             raise
         finally:
             self._call = None
@@ -95,12 +116,6 @@ class Guard:
         self._all.discard(self)
         self.comm.Free()
 
-    def _abort(self, text, code):
-        with suppress(OSError):    # nobody reads it any more
-            sys.stdout.flush()
-            print(f"parisph: {text}: stopping all {self.comm.size} ranks", file=sys.stderr, flush=True)
-        self.comm.Abort(code)
-
     # -- ranks that end ----------------------------------------------------------------------
 
     def _look(self):
@@ -115,7 +130,7 @@ class Guard:
             self._receive()
             for rank, calls in self._left.items():
                 if calls < now:
-                    self._abort(f"rank {rank} has ended, and rank {self.comm.rank} waits for it in {self._call}", 1)
+                    _abort(self.comm, f"rank {rank} has ended, and rank {self.comm.rank} waits for it in {self._call}", 1)
 
     def _stop_looking(self):
         self._ended.set()
@@ -140,7 +155,7 @@ class Guard:
             self._receive()
             time.sleep(0.01)
         if len(self._left) < due:
-            self._abort(f"rank {self.comm.rank} ends with an error, while others continue", 1)
+            _abort(self.comm, f"rank {self.comm.rank} ends with an error, while others continue", 1)
 
     def _partners(self, sign):
         """Return the ranks that hear from this one (1), or that it hears from (-1): few, and where all but one wait, one of them."""
@@ -148,31 +163,78 @@ class Guard:
         return {(self.comm.rank + sign * 2**k) % size for k in range(size.bit_length())} - {self.comm.rank}
 
     @classmethod
-    def _watch_the_end(cls):
-        """Call the guards when this process ends: atexit runs after an exception is shown and before MPI_Finalize."""
+    def watch(cls, world=None):
+        """Call the guards when this process ends: atexit runs after an exception is shown and before MPI_Finalize. Not collective.
+
+        world : communicator of all ranks, on which ranks may end before their first call; None to leave it
+        """
+        cls._world = cls._world if world is None else world
+        if cls._watched:
+            return
+        cls._watched = True
+
         def hook(kind, error, trace, before=sys.excepthook):
             before(kind, error, trace)
             cls._failed = True
 
         def leave():
-            if not MPI.Is_finalized():
+            if MPI.Is_initialized() and not MPI.Is_finalized():
                 for guard in list(cls._all):
                     guard._leave()
+                if cls._world is not None:
+                    cls._leave_world(cls._world)
 
         sys.excepthook = hook
         atexit.register(leave)
 
+    @classmethod
+    def _leave_world(cls, comm):
+        """Tell ranks that are yet to make their first call on `comm` that this rank has ended.
+
+        If it ends with an exception before its own first call, on any communicator, all ranks end within
+        PATIENCE. After that call it may work apart from other ranks, which are left alone.
+        """
+        if comm.size == 1 or cls._met:
+            return
+        alone = cls._failed and not cls._used
+        if not _Meeting(comm, ends=True).wait(PATIENCE if alone else BRIEF) and alone:
+            _abort(comm, f"rank {comm.rank} ends with an error, while others continue", 1)
+
+
+class _Meeting:
+    """A collective operation on `comm` in which ranks say whether they end. It cannot be mistaken for a user's messages."""
+
+    def __init__(self, comm, ends):
+        self.size = comm.size
+        self._mine, self._least = np.array([comm.rank if ends else comm.size]), np.array([comm.size])
+        self._request = comm.Iallreduce(self._mine, self._least, MPI.MIN)
+
+    @property
+    def ended(self):
+        """The lowest rank that ends, None if there is none. Known when all have come."""
+        return None if self._least[0] == self.size else int(self._least[0])
+
+    def wait(self, patience):
+        """Return whether all ranks come within `patience` [s]."""
+        deadline, pause = time.monotonic() + patience, 1e-5
+        while not self._request.Test():
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(pause)
+            pause = min(2.0 * pause, 0.01)
+        return True
+
 
 def all_come(comm):
     """Return whether all ranks of `comm` arrive here within PATIENCE. Collective on those that do."""
-    request, wait = comm.Ibarrier(), 1e-5
-    deadline = time.monotonic() + PATIENCE
-    while not request.Test():
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(wait)
-        wait = min(2.0 * wait, 0.01)
-    return True
+    return _Meeting(comm, ends=True).wait(PATIENCE)
+
+
+def _abort(comm, text, code):
+    with suppress(OSError):    # nobody reads it any more
+        sys.stdout.flush()
+        print(f"parisph: {text}: stopping all {comm.size} ranks", file=sys.stderr, flush=True)
+    comm.Abort(code)
 
 
 def guarded(comm, name):

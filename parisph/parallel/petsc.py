@@ -17,6 +17,8 @@ from pathlib import Path
 import petsc4py
 from mpi4py import MPI
 
+from parisph.parallel.guard import Guard
+
 VARIABLE = "PETSC_OPTIONS"
 
 petsc4py_version = petsc4py.__version__
@@ -61,5 +63,7 @@ if "petsc4py.PETSc" not in sys.modules:
     # one rank looks: PETSc reads the file on all of them together, or on none
     with _pipes_left_alone(), _read_first(MPI.COMM_WORLD.bcast(_file_of_the_user())):
         petsc4py.init(["-skip_petscrc"])
+
+Guard.watch(MPI.COMM_WORLD)    # all ranks are here, and one may end before its first call
 
 from petsc4py import PETSc  # noqa: E402, F401

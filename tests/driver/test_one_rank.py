@@ -87,11 +87,61 @@ def test_error_on_all_ranks_is_left_to_the_user(tmp_path, caught):
     script = SCRIPT.replace("    s.advance()\n", "    try: s.advance()\n    except ParisphError: break\n") if caught else SCRIPT
     (tmp_path / "script.py").write_text(script.format(what=what, inside=[0, 1], between=[], after="print('end', comm.rank)"))
     done = mpirun(2, ["script.py"], cwd=tmp_path)
-    assert done.returncode == (0 if caught else 1) and "are ended" not in done.stderr
+    assert done.returncode == (0 if caught else 1) and "stopping all" not in done.stderr
     assert done.stdout.count("end") == (2 if caught else 0)
 
 
 def test_script_on_one_rank_raises_as_ever(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT.format(what="raise ValueError('alone')", inside=[0], between=[], after=""))
     done = mpirun(1, ["script.py"], cwd=tmp_path)
-    assert done.returncode == 1 and "ValueError: alone" in done.stderr and "are ended" not in done.stderr
+    assert done.returncode == 1 and "ValueError: alone" in done.stderr and "stopping all" not in done.stderr
+
+
+EARLY = """
+import sys, time
+from mpi4py import MPI
+from parisph.driver import Simulation
+from tests.scenes import scene
+comm = MPI.COMM_WORLD
+if comm.rank == 1:
+    {what}
+time.sleep({late})
+Simulation(scene("dam_break", spacing=0.1), comm)
+"""
+
+
+@pytest.mark.parametrize(("what", "ranks", "late", "says"), [
+    ("raise ValueError('too early')", 2, 0, "ValueError: too early"),
+    ("raise ValueError('too early')", 3, 0, "ValueError: too early"),
+    ("sys.exit(3)", 2, 0, "rank 1 has ended, and rank 0 waits for it in its first call"),
+    ("sys.exit(3)", 3, 3, "rank 1 has ended, and rank"),
+])
+def test_rank_that_ends_before_its_first_call(tmp_path, what, ranks, late, says):
+    (tmp_path / "script.py").write_text(EARLY.format(what=what, late=late))
+    began = time.monotonic()
+    done = mpirun(ranks, ["script.py"], cwd=tmp_path, timeout=40)
+    assert done.returncode != 0 and says in done.stderr and f"stopping all {ranks} ranks" in done.stderr
+    assert time.monotonic() - began < 20 + late    # with the start of Python and the load of parisph
+
+
+@pytest.mark.parametrize("own", [False, True])
+def test_ranks_that_work_apart_are_left_alone(tmp_path, own):
+    """One rank ends early, or fails in a job of its own, while another takes any message that comes."""
+    (tmp_path / "script.py").write_text(f"""
+import time
+from mpi4py import MPI
+from parisph.driver import Simulation
+from tests.scenes import scene
+comm = MPI.COMM_WORLD
+if {own}:
+    Simulation(scene("dam_break", spacing=0.1), MPI.COMM_SELF)
+if comm.rank == 1:
+    time.sleep(7)
+    assert not comm.Iprobe(MPI.ANY_SOURCE, MPI.ANY_TAG)
+    print("worked on", flush=True)
+elif {own}:
+    raise ValueError("my own")
+""")
+    done = mpirun(2, ["script.py"], cwd=tmp_path)
+    assert "worked on" in done.stdout and "stopping all" not in done.stderr
+    assert (done.returncode != 0) == own
