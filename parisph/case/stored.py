@@ -5,6 +5,8 @@ import json
 from parisph.base.errors import CaseError
 from parisph.base.seal import opened
 from parisph.base.text import shown
+from parisph.case.numerics import Numerics
+from parisph.case.presets import PRESETS
 from parisph.case.schema import READ_ONLY, Case
 
 # Version of the fields of a case. Raise it when a field is renamed, removed or changes its meaning;
@@ -22,7 +24,7 @@ def from_json(text: str, read_only: bool = False) -> Case:
 
     read_only : whether the run is only looked at; a case that this release cannot run is then no error
 
-    Raises CaseError: the text is not JSON, not a case, or of a newer version.
+    Raises CaseError: the text is not JSON, not a case, or of a newer version; or its numerics differ from those asked for.
     """
     try:
         content = json.loads(text, object_pairs_hook=_each_once)
@@ -37,11 +39,37 @@ def from_json(text: str, read_only: bool = False) -> Case:
         raise CaseError(f"schema = {version}: was written by a newer parisph; this one reads up to schema {SCHEMA}, so update parisph")
     content, sound = opened(content)
     if not sound:
-        raise CaseError('it does not match its digest: it is damaged, or was edited. After an edit take the line "digest" out')
+        raise CaseError('it does not match its digest: it is damaged or was edited. If you edited it, remove the line "digest"')
     content.pop("schema", None)
     content.pop("run", None)    # which run it is of (io.store); the case is the same in every run
     # through the text again: JSON has no tuples, and pydantic takes lists for them only from JSON
-    return Case.model_validate_json(json.dumps(content), context=READ_ONLY if read_only else None)
+    case = Case.model_validate_json(json.dumps(content), context=READ_ONLY if read_only else None)
+    if case.asked is None:
+        return case if version else _with_asked(case)
+    if not read_only:
+        _check_asked(case)
+    return case
+
+
+def _check_asked(case: Case) -> None:
+    """Raise CaseError if a value that the user gave differs from the one that is used, as after an edit of only one of them."""
+    given = case.asked.model_dump()
+    for name, value in case.numerics.model_dump().items():
+        if given[name] != value and (given[name] is not None or name not in PRESETS[case.asked.preset]):
+            remedy = "edit both alike"
+            if name == "preset":    # the other values would stay those of the old preset
+                remedy = 'change it in "asked", remove "numerics" and rename "asked" to "numerics"'
+            raise CaseError(f"numerics.{name} = {shown(value)}, but asked.{name} = {shown(given[name])}: {remedy}")
+
+
+def _with_asked(case: Case) -> Case:
+    """Return a case from before `asked` was stored with it: resolved values that are the preset's were not given by the user."""
+    numerics = case.numerics
+    if numerics.resolved() != numerics:
+        return case    # not resolved: these are the values that the user gave
+    preset = {**PRESETS[numerics.preset], **({"surface_rule": "none"} if case.closed else {})}
+    same = [name for name, value in preset.items() if getattr(numerics, name) == value]
+    return case.model_copy(update={"asked": Numerics(**numerics.model_dump(exclude=set(same)))})
 
 
 def _each_once(pairs: list) -> dict:

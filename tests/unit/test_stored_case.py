@@ -54,6 +54,39 @@ def test_other_changes_keep_what_was_resolved(monkeypatch):
     assert case.changed(**{"numerics.kappa": 0.1}).asked.kappa == 0.1
 
 
+@pytest.mark.parametrize("name, value, says", [
+    ("preset", "gentle", "numerics.preset = 'gentle', but asked.preset = 'violent': change it in \"asked\""),
+    ("kappa", 0.1, "numerics.kappa = 0.1, but asked.kappa = 0.4: edit both alike"),
+    ("spacing", 0.0125, "numerics.spacing = 0.0125, but asked.spacing = 0.025: edit both alike"),
+    ("max_time_step", 0.01, "numerics.max_time_step = 0.01, but asked.max_time_step = None: edit both alike"),
+])
+def test_an_edit_of_one_of_two_values_is_refused(name, value, says):
+    content = json.loads(to_json(stored(preset="violent", kappa=0.4, spacing=0.025, time_step=None)))
+    content["numerics"][name] = value
+    with pytest.raises(CaseError, match=says):
+        from_json(json.dumps(content))
+    assert from_json(json.dumps(content), read_only=True)    # the results of the run can still be looked at
+    content["asked"][name] = value
+    content["numerics"] = content.pop("asked")    # as the message says for a preset
+    found = from_json(json.dumps(content)).numerics
+    assert getattr(found, name) == value and (name == "kappa" or found.resolved().kappa == 0.4)
+    assert found.resolved().collision_distance == PRESETS[found.preset]["collision_distance"]
+
+
+def test_a_value_of_the_preset_may_be_edited():
+    content = json.loads(to_json(stored()))
+    content["numerics"]["shift"] = 0.1
+    assert from_json(json.dumps(content)).numerics.shift == 0.1
+
+
+def test_another_preset_for_a_case_from_before_asked_values_were_stored():
+    content = json.loads(to_json(stored(kappa=0.4)))
+    del content["schema"], content["asked"]
+    found = from_json(json.dumps(content)).changed(**{"numerics.preset": "gentle"}).numerics.resolved()
+    due = {**PRESETS["gentle"], "kappa": 0.4}
+    assert {name: getattr(found, name) for name in due} == due
+
+
 def test_the_weight_of_the_divergence_and_its_time_replace_each_other():
     case = stored()
     assert case.numerics.zeta == 1.0 and case.numerics.zeta_time == 0.0
