@@ -14,6 +14,7 @@ from parisph.io.sampling import Scene, View
 EVERY = 10             # steps between two looks at the volume, which take as long as a twelfth of a step
 VOLUME_LIMIT = 0.02    # change of the volume that is worth a warning
 ENERGY_LIMIT = 2e-3    # rise of the energy above its start, of a flow on which no work is done
+ROUNDING = 1e-12       # of the whole energy: a smaller energy in motion is taken for zero
 # why they may be no number
 REASONS = {"energy": "a velocity or position is out of range", "volume": "nothing was 2.1 spacings inside the fluid"}
 
@@ -106,18 +107,23 @@ class Conservation:
     def content(self):
         """Return the entries of summary.json. Not collective."""
         energy, volume, motion = self.energy, self.volume, self.motion
+        start, end, high = (self._without_rounding(value) for value in (motion.start, motion.now, motion.high))
         change = None
-        if not self._driven and motion.start and energy.now is not None and motion.start > 1e-12 * abs(energy.start):
-            change = (energy.now - energy.start) / motion.start
+        if not self._driven and energy.now is not None and (start or 0.0) > 0.0:
+            change = (energy.now - energy.start) / start
         return {
             "volume_drift": volume.relative(volume.now), "volume_range": volume.extremes(),
             "volume_unknown": REASONS["volume"] if volume.missing and volume.low is None else None,
             "energy_drift": energy.relative(energy.now), "energy_range": energy.extremes(),
             "energy_in_motion": None if motion.low is None else {
-                "start": motion.start, "end": motion.now, "high": motion.high, "high_time": motion.high_time, "drift": change,
+                "start": start, "end": end, "high": high, "high_time": motion.high_time, "drift": change,
                 "unit": self._energy.columns["total"]},
             "driven": self._driven,
         }
+
+    def _without_rounding(self, motion):
+        """Return an energy in motion, 0 if it is only what rounding leaves of the whole energy; None stays None."""
+        return 0.0 if motion is not None and abs(motion) <= ROUNDING * abs(self.energy.start or 0.0) else motion
 
     def warnings(self):
         """Return one line for each warning. Not collective."""

@@ -20,6 +20,8 @@ COLUMNS = {("volume", "count"): "cells counted"}  # where one column is somethin
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity"}
 TALL = 4        # panels below each other; more of them stand two a row
 BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside
+HIGH = 12       # lines in a column of such a legend: as many as a panel is high
+LETTER = 0.06   # [inch] width of a letter in a legend
 MARKS = 60      # samples of a reference that are drawn as marks; more of them are a line
 
 
@@ -73,6 +75,7 @@ def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
         if number < columns:
             _second_time_axis(axes, runs, normalise)
         time_label(axes, normalise, number + columns >= len(panels))
+    picture.set_figwidth(picture.get_figwidth() + columns * max(map(_further_columns, picture.axes)))
     picture.suptitle(style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in runs))), x=0.01, ha="left", fontsize=11)
     style.save(picture, path)
     return picture
@@ -179,7 +182,18 @@ def draw_curves(axes, curves, unit, normalise=False, truth=None):
     if len(axes.lines) <= BESIDE:
         axes.legend(loc="best", fontsize=8, framealpha=0.8)
     else:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), fontsize=8, frameon=False, handlelength=3.0)
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), fontsize=8, frameon=False, handlelength=3.0,
+                    ncols=_legend_columns(axes))
+
+
+def _legend_columns(axes):
+    return -(-len(axes.lines) // HIGH)
+
+
+def _further_columns(axes):
+    """Return the width [inch] of the columns of a legend after the first one, for which the picture must be wider."""
+    longest = max((len(str(line.get_label())) for line in axes.lines), default=0)
+    return (max(_legend_columns(axes), 1) - 1) * (LETTER * longest + 0.7)
 
 
 def own_scales(run, normalise):

@@ -41,7 +41,7 @@ def _results(run):
 
 
 def _plain(entries):
-    """Return texts of which none looks like two: the files of a run may come from anybody."""
+    """Return texts whose control characters are escaped and whose further lines are indented: a run's files may come from anybody."""
     return [plain_lines(entry, indent=4 * " ") for entry in entries]
 
 
@@ -102,5 +102,5 @@ def _motion(energy):
     text = f"{energy['start']:.4g} {unit} at the start, "
     text += "not known at the end" if energy["end"] is None else f"{energy['end']:.4g} {unit} at the end"
     if energy.get("drift") is not None:
-        text += f" ({energy['drift']:+.2%} by drift)"
+        text += f" (drift {energy['drift']:+.2%} of it)"
     return f"{text}, highest {energy['high']:.4g} {unit} at {energy['high_time']:.4g} s"

@@ -28,7 +28,8 @@ class StepReport:
     the pressure solve; divergence: rms of div u after the step times dt; surface: number of fluid
     particles with p = 0; isolated: particles in groups without contact with a free surface; collisions:
     pairs that collided; position_iterations, position_residual, position_fallback: of the second
-    solve, for the position projection; 0, 0 and "" without one.
+    solve, for the position projection; 0, 0 and "" without one; left: particles that have left an
+    open tank over its rim since the start of the run.
     """
 
     dt: float

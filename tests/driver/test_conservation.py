@@ -153,6 +153,17 @@ def test_energy_in_motion_of_water_at_rest_and_of_a_column():
     assert column == pytest.approx(9810.0 * (0.25 - 0.0625), rel=0.01)
 
 
+def test_energy_in_motion_shows_no_rounding():
+    s, kept = started(scene("hydrostatic", spacing=0.1))
+    s.destroy()
+    whole = kept.energy.start
+    for motion, shown in ((-2e-16 * whole, 0.0), (9e-13 * whole, 0.0), (1e-11 * whole, 1e-11 * whole), (None, None)):
+        kept.motion = Range(start=motion, now=motion, low=0.0, low_time=0.0, high=motion, high_time=0.0)
+        found = kept.content()["energy_in_motion"]
+        assert [found[name] for name in ("start", "end", "high")] == 3 * [shown]
+        assert (found["drift"] is None) == (not shown)
+
+
 def test_energy_in_motion_where_nothing_pulls_is_the_kinetic_one():
     found = in_motion(scene("rotating_patch", spacing=0.1))
     assert found["start"] == pytest.approx(1000.0 / 12.0, rel=0.03) and found["drift"] == 0.0

@@ -90,6 +90,19 @@ def test_of_several_runs_the_colour_says_which_and_the_kind_of_line_what(tmp_pat
     assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == 8
 
 
+def test_a_long_legend_is_as_high_as_its_panel(tmp_path):
+    runs = [recorded(tmp_path / f"spacing_{number}", ("energy", "P1")) for number in range(14)]
+    picture = curves.plot_probe(runs)
+    picture.draw_without_rendering()
+    boxes, legends = ([part.get_window_extent().transformed(picture.dpi_scale_trans.inverted()) for part in parts]
+                      for parts in (picture.axes, [axes.get_legend() for axes in picture.axes]))
+    assert [len(axes.lines) for axes in picture.axes] == [14, 28]
+    for box, legend in zip(boxes, legends):
+        assert legend.height < 1.1 * box.height
+        assert 5.0 < box.width < 7.5 and legend.x1 < picture.get_figwidth() + 0.05
+    assert 0.0 < boxes[0].y0 - boxes[1].y1 < 0.5    # no blank between the panels
+
+
 # Linear RGB as those see it who lack one kind of cone (Machado, Oliveira & Fernandes 2009, severity 1).
 SIGHT = {
     "all": np.eye(3),
