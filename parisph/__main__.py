@@ -7,7 +7,7 @@ import traceback
 from contextlib import ExitStack, suppress
 
 from parisph.base import environment, output
-from parisph.base.errors import ParisphError, exit_code, unforeseen
+from parisph.base.errors import ParisphError, StoreError, exit_code, unforeseen
 from parisph.base.signals import Signals
 from parisph.base.text import clipped, of_error, plain_lines
 
@@ -18,6 +18,7 @@ WIDEST = 380       # characters of a line of a message
 def main(words=None):
     """Execute a command line (default: that of this process) and return the exit code."""
     environment.prepare()
+    output.open_closed()
     own, words = words is None, sys.argv[1:] if words is None else words
     with ExitStack() as stack:
         if words and words[0] in STOPPABLE:
@@ -36,6 +37,8 @@ def main(words=None):
                 raise
             if isinstance(error, BrokenPipeError) and environment.launched()[1] == 1:
                 return 0
+            if output.is_unwritable(error):
+                error = StoreError(f"cannot write the output: {error.strerror}; send it elsewhere (files of a run are not affected)")
             return _fail(error, words)
         finally:
             output.silence(sys.stdout, sys.stderr)
@@ -73,8 +76,8 @@ def _fail(error, words):
 
 
 def _say(error, trace):
-    """Say what went wrong, to whoever still reads it."""
-    with suppress(BrokenPipeError):
+    """Print an error; do nothing if standard error cannot be written."""
+    with suppress(OSError):
         _print(error, trace)
 
 

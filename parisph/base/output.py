@@ -1,7 +1,25 @@
-"""Output to a reader that may close the pipe early, such as `head`."""
+"""Output to a reader that may close the pipe early, such as `head`, to a full disk, or to nowhere."""
 
+import errno
 import os
 import sys
+
+
+# What a write to a file, a terminal or a socket fails with; a pipe without a reader is BrokenPipeError.
+_UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
+
+
+def open_closed():
+    """Send output to nowhere if the shell has closed the stream, as in `parisph run CASE >&-`. Not collective."""
+    for number, name in ((1, "stdout"), (2, "stderr")):
+        if getattr(sys, name) is None:
+            nowhere = os.open(os.devnull, os.O_WRONLY)    # usually `number` itself, which the next file would get
+            setattr(sys, name, open(nowhere, "w"))
+
+
+def is_unwritable(error):
+    """Return whether an exception says that standard output cannot be written. Files of a run have errors of their own."""
+    return isinstance(error, OSError) and error.filename is None and error.errno in _UNWRITABLE
 
 
 def show(text):

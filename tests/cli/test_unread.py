@@ -68,3 +68,17 @@ def test_petsc_leaves_the_signal_to_the_program(tmp_path):
             f"assert not caught and signal.getsignal(signal.SIGPIPE) == signal.{chosen}\n")
         done = run([sys.executable, "program.py"], 60, tmp_path)
         assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(("to", "code"), [(">&-", 0), ("2>&-", 0), (">&- 2>&-", 0), ("2>/dev/full", 0), (">/dev/full", 5)])
+def test_output_that_is_closed_or_full(folder, to, code):
+    """The run is complete in any case; what cannot be printed is one line, if there is where to print it."""
+    done = run(["bash", "-c", f'"$@" {to}', "-", *PARISPH, "run", "case.py", "-o", "run"], 120, folder)
+    assert done.returncode == code and "Traceback" not in done.stderr
+    assert ("parisph: error: cannot write the output: No space left on device" in done.stderr) == (code == 5)
+    assert json.loads((folder / "run" / "summary.json").read_text())["status"] == "completed"
+
+
+@pytest.mark.parametrize("to", ["2>&-", "2>/dev/full"])
+def test_an_error_that_cannot_be_printed_keeps_its_code(folder, to):
+    assert run(["bash", "-c", f'"$@" {to}', "-", *PARISPH, "check", "none.py"], 120, folder).returncode == 2
