@@ -42,13 +42,21 @@ def clipped(text, limit=LIMIT):
 def shown(value, limit=LIMIT):
     """Return any value for a message: its repr on one line, of at most `limit` characters.
 
-    Never raises, although the repr of a user's own object may.
+    Never raises, although the repr of a user's own object may, except for Ctrl-C.
     """
+    is_text = issubclass(type(value), str)    # unlike isinstance it asks nothing of the value
     try:
-        text = repr(value) if isinstance(value, str) and len(value) <= limit else _short.repr(value)
-    except Exception:
-        text = f"<{type(value).__name__}>"
-    return clipped(plain(" ".join(text.split())) if not isinstance(value, str) else plain(text), limit)
+        text = repr(value) if is_text and len(value) <= limit else _short.repr(value)
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
+        text = f"<{class_name(value)}>"
+    return clipped(plain(" ".join(text.split())) if not is_text else plain(text), limit)
+
+
+def class_name(value):
+    """Return the name of a value's class for a message. Executes no code of that class or its metaclass."""
+    return named(type.__dict__["__name__"].__get__(type(value)))
 
 
 def named(text, limit=LONGEST):
@@ -57,9 +65,11 @@ def named(text, limit=LONGEST):
 
 
 def of_error(error, limit=300):
-    """Return the message of an exception on one line, of at most `limit` characters; never raises."""
+    """Return the message of an exception on one line, of at most `limit` characters; never raises, except for Ctrl-C."""
     try:
         text = str(error)
-    except Exception:
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
         text = "its message cannot be shown"
     return clipped(plain(" ".join(text.split("\n"))), limit)

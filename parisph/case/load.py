@@ -14,7 +14,7 @@ from typing import Any
 
 from parisph.base import paths, reading
 from parisph.base.errors import CaseError
-from parisph.base.text import clipped, named, of_error, plain, shown
+from parisph.base.text import class_name, clipped, named, of_error, plain, shown
 from parisph.case import stored
 from parisph.case.expressions import number
 from parisph.case.model import first_lines
@@ -49,7 +49,7 @@ def load(path: str | os.PathLike, sets: Mapping[str, Any] | Sequence[str] = ()) 
     given = {name: _value(function, name, value, path) for name, value in sets.items()}
     case = _users_code(lambda: function(**given), file, path)
     if not _users_code(lambda: isinstance(case, Case), file, path):
-        raise CaseError(f"{named(path)}: case(...) returned a {type(case).__name__}; it must return a Case")
+        raise CaseError(f"{named(path)}: case(...) returned a {class_name(case)}; it must return a Case")
     return _with_truths(case, file.parent)
 
 
@@ -118,8 +118,8 @@ def _function(file, path):
         with suppress(ValueError):    # the case file may have taken it out
             sys.path.remove(str(file.parent))
     function = vars(module).get("case")
-    if not callable(function) or inspect.iscoroutinefunction(function):
-        there = "has no function case(...)" if function is None else f"`case` is a {type(function).__name__}, not a plain function"
+    if not callable(function) or _users_code(lambda: inspect.iscoroutinefunction(function), file, path):
+        there = "has no function case(...)" if function is None else f"`case` is a {class_name(function)}, not a plain function"
         raise CaseError(f"{named(path)}: {there}; write: def case(...) -> Case")
     _check_parameters(function, path)
     return function
@@ -128,11 +128,14 @@ def _function(file, path):
 def _check_parameters(function, path):
     try:
         known = inspect.signature(function).parameters.items()
-    except (TypeError, ValueError):
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
         raise CaseError(f"{named(path)}: `case` is {shown(function)}, whose parameters cannot be found; write: def case(...) -> Case") from None
     for name, parameter in known:
         if parameter.kind not in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY):
-            raise CaseError(f"{named(path)}: the parameter {parameter} of case(...) cannot be set by name; write it as {name}: float = 1.0")
+            stars = {parameter.VAR_POSITIONAL: "*", parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
+            raise CaseError(f"{named(path)}: the parameter {stars}{name} of case(...) cannot be set by name; write it as {name}: float = 1.0")
         if parameter.default is MISSING:
             raise CaseError(f"{named(path)}: the parameter {name!r} of case(...) needs a default, as in {name}: float = 1.0")
 
@@ -161,7 +164,7 @@ def _what(error):
         return lines[0] if len(lines) == 1 else "\n  " + first_lines(lines).replace("\n", "\n  ")
     if isinstance(error, SyntaxError):
         return f"syntax error: {clipped(plain(str(error.msg)), LONGEST)}"
-    return f"{type(error).__name__}: {of_error(error)}".removesuffix(": ")
+    return f"{class_name(error)}: {of_error(error)}".removesuffix(": ")
 
 
 def _as_dict(sets):
@@ -203,7 +206,9 @@ def _hints(function):
         function = function.func
     try:
         return typing.get_type_hints(function)
-    except Exception:
+    except KeyboardInterrupt:
+        raise
+    except BaseException:    # annotations in quotes are the user's code
         return {}
 
 

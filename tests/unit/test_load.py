@@ -105,6 +105,15 @@ def test_bad_values_name_the_type(write, kind, text):
     ("def case():\n    raise MemoryError\n", "line 2: MemoryError$"),
     ("def __getattr__(name):\n    raise SystemExit\n", "has no function case"),
     ("class Liar:\n    @property\n    def __class__(self):\n        raise SystemExit(3)\ndef case():\n    return Liar()\n", "line 4: SystemExit|returned a Liar"),
+    ("class Own(type):\n    @property\n    def __name__(cls):\n        raise SystemExit\nclass It(metaclass=Own):\n    pass\n"
+     "def case():\n    return It()\n", "returned a It; it must"),
+    ("class Own(type):\n    @property\n    def __name__(cls):\n        raise SystemExit\nclass It(Exception, metaclass=Own):\n    pass\n"
+     "raise It('mine')\n", "line 7: It: mine"),
+    ("class End(Exception):\n    def __str__(self):\n        raise SystemExit\nraise End\n", "line 4: End: its message cannot be shown"),
+    ("class End:\n    def __repr__(self):\n        raise SystemExit\ndef case(*, a=End(), **b):\n    pass\n", r"the parameter \*\*b of"),
+    ("class End:\n    @property\n    def __signature__(self):\n        raise SystemExit\n    def __call__(self):\n        pass\n"
+     "case = End()\n", "line 4: SystemExit|whose parameters cannot be found"),
+    ("def case(a: 'exit()' = 1):\n    return a\n", "returned a int"),
     ("import sys\ndel sys.path[0]\n", "has no function case"),
     ("x = '\0'\n", "it is not text: see character 5"),
     ("(" * 5000, "syntax error|MemoryError|RecursionError"),

@@ -42,3 +42,14 @@ def test_control_characters_become_escapes():
 def test_the_message_of_an_error_is_one_line():
     assert of_error(ValueError("a\nb")) == "a b" and len(of_error(ValueError("x" * 9999))) == 300
     assert of_error(Mute()) == "its message cannot be shown"
+
+
+class Ending(Exception):
+    def __repr__(self):
+        raise SystemExit
+
+    __str__ = __repr__
+
+
+def test_an_object_that_ends_the_program_does_not_when_it_is_shown():
+    assert shown(Ending()) == "<Ending>" and of_error(Ending()) == "its message cannot be shown"
