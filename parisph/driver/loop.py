@@ -183,6 +183,8 @@ class _Run:
             self.store.add_series(f"probes/{sampler.name}", sampler.columns, self.watch.title(sampler))
         log.logger.info(f"{self.case.title}: {s.particles.n_global} particles on {self.comm.size} "
                         f"rank{'s' * (self.comm.size > 1)}, {'into' if first else 'continuing in'} {self.store.folder}")
+        for kind, line in self.store.notes:
+            log.logger.log(kind, line)
         isolated = 0
         if first:
             isolated = s.solve_start()

@@ -73,6 +73,7 @@ def prepare(folder: Path, series: Iterable[str] = ()) -> None:
     series : names of the time series of the run, for the names of its incomplete files
     """
     folder.mkdir(parents=True, exist_ok=True)
+    _check_log(folder / "run.log")
     for place in (folder / name for name in FOLDERS):
         make_inside(place)
     for place in (folder / name for name in (PEAKS, BEFORE)):
@@ -82,6 +83,13 @@ def prepare(folder: Path, series: Iterable[str] = ()) -> None:
         for path in place.iterdir() if place.is_dir() else ():
             if own.fullmatch(path.name) and not path.is_dir():
                 path.unlink()
+
+
+def _check_log(path):
+    """Raise StoreError if the log cannot be continued: it is a link, or no file."""
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        what = "a symbolic link" if path.is_symlink() else "not a regular file"
+        raise StoreError(f"{path} is {what}, and parisph writes only to files of its own in the folder of the run: move it away")
 
 
 def _half_written(series):

@@ -1,6 +1,7 @@
 """The writer of a run's folder (parisph.io.layout lists its files)."""
 
 import json
+import logging
 import os
 from importlib import metadata
 from pathlib import Path
@@ -28,11 +29,12 @@ class Store:
     run : str, identity of the run, which is written to all its files
     about : dict of str -> str or number, how the run is made; written to all later files
     times : times [s] of the snapshots written so far (on rank 0 only)
+    notes : list of (level of the log, str), what `resume` has done to the folder (on rank 0 only)
     """
 
     def __init__(self, comm, folder, case, about, fields, lock=None):
         self.comm, self.folder, self.lock = comm, Path(folder), lock
-        self.times = []
+        self.times, self.notes = [], []
         snapshot.check_fields(fields)
         self._fields = tuple(fields)
         self._names, self._checkpoints, self._series, self._keep_to, self._here = [], [], {}, None, False
@@ -67,7 +69,8 @@ class Store:
 
         In the folder of the same run, files that it wrote after the checkpoint are moved to replaced/N:
         snapshots, peaks, checkpoints, the summary, and copies of the time series, which are cut back to `step` (when
-        `add_series` opens them). Nothing else is changed. In an empty folder a new run begins at the checkpoint.
+        `add_series` opens them). A missing case.json is written again. Nothing else is changed. In an empty folder a
+        new run begins at the checkpoint.
 
         run : identity of the checkpoint's run, by default that in `case`
         series : names of the time series that will be added; they are checked before anything is changed
@@ -176,10 +179,10 @@ class Store:
     def _continue(self, run, time, step, series):
         """Continue in the folder of the run, or begin in an empty one."""
         there = folders.identity(self.folder)
-        if there is None:
+        if there is None and not folders.content(self.folder):
             self._start()
             return
-        if there != run:
+        if there not in (None, run):
             raise StoreError(f"{self.folder} holds another run: choose another folder with -o")
         self.run, self._here = run, True
         cut = [path for path in (self.folder / f"{name}.csv" for name in series)
@@ -192,8 +195,18 @@ class Store:
         late += [path for path in checkpoint.paths(self.folder / "checkpoints") if int(path.stem) > step]
         late.append(self.folder / "summary.json")
         snapshot.write_index(self.folder / INDEX, self._names, self.times, run)    # it must never name a missing file
-        folders.move_aside(self.folder, late, copied=cut)
+        aside = folders.move_aside(self.folder, late, copied=cut)
         self._put_peaks_back(time)
+        self._note(there is None, step, aside)
+
+    def _note(self, without_case, step, aside):
+        """Note what was found missing, and the folder that earlier results were moved to."""
+        if without_case:
+            self.notes.append((logging.WARNING, f"{self.folder / 'case.json'} is missing: it is written again from the checkpoint"))
+        if step < 0:
+            self.notes.append((logging.WARNING, f"no checkpoint found in {self.folder / 'checkpoints'}: the run begins again at t = 0 s"))
+        if aside is not None:
+            self.notes.append((logging.INFO, f"results that are computed again were moved to {aside}"))
 
     def _take_stock(self, time):
         """Find the run's snapshots up to `time` [s], and return those that it wrote later.

@@ -197,6 +197,58 @@ def test_damaged_files_are_named_before_anything_is_touched(run, capfd, name, da
     assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file() and path.name != "run.log"} == before
 
 
+def test_a_missing_case_is_written_again(run, capfd):
+    before = (run / "case.json").read_text()
+    (run / "case.json").unlink()
+    assert restart("--until", "0.024") == 0
+    assert "run/case.json is missing: it is written again from the checkpoint" in capfd.readouterr().err
+    check_whole(run, 12)
+    after, due = json.loads((run / "case.json").read_text()), json.loads(before)
+    assert (after.pop("end_time"), due.pop("end_time")) == (0.024, 0.02)
+    assert after.pop("digest") and due.pop("digest") and after == due
+    assert restart("--until", "0.028") == 0
+    check_whole(run, 14)
+
+
+def test_a_missing_case_is_not_written_to_the_files_of_another_run(run, capfd):
+    (run / "case.json").unlink()
+    (run / "steps.csv").write_text((run / "steps.csv").read_text().replace("# run ", "# run f"))
+    before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
+    for _ in range(2):
+        assert restart("--until", "0.024") == 5
+        assert "steps.csv is of another run" in capfd.readouterr().err
+    assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
+
+
+def test_a_restart_says_what_it_moved_and_where_it_begins(run):
+    shutil.rmtree(run / "checkpoints")
+    assert restart() == 0
+    check_whole(run)
+    log = (run / "run.log").read_text().split("continuing in", 1)[-1]
+    assert "no checkpoint found in run/checkpoints: the run begins again at t = 0 s" in log
+    assert "were moved to run/replaced/1\n" in log and (run / "replaced/1/summary.json").exists()
+    checkpoint.paths(run / "checkpoints")[-1].unlink()
+    assert restart() == 0
+    log = (run / "run.log").read_text().split("replaced/1\n")[-1]
+    assert "were moved to run/replaced/2\n" in log and "no checkpoint" not in log
+
+
+@pytest.mark.parametrize("make, says", [(lambda path: path.symlink_to("mine"), "is a symbolic link"), (os.mkfifo, "is not a regular file"),
+                                        (os.mkdir, "is not a regular file")])
+def test_a_log_that_cannot_be_continued_is_named_before_anything_is_touched(run, capfd, make, says):
+    checkpoint.paths(run / "checkpoints")[-1].unlink()
+    (run / "run.log").unlink()
+    make(run / "run.log")
+    before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
+    assert restart() == 5
+    said = capfd.readouterr().err
+    assert f"run.log {says}" in said and "move it away" in said
+    assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
+    (run / "run.log").rmdir() if make is os.mkdir else (run / "run.log").unlink()
+    assert restart() == 0
+    check_whole(run)
+
+
 def test_a_case_of_a_newer_release_is_refused_in_plain_words(run, capfd):
     content = json.loads((run / "case.json").read_text())
     (run / "case.json").write_text(json.dumps({**content, "schema": 99, "digest": None}))
