@@ -6,7 +6,7 @@ import numpy as np
 
 # Values of the field `kind`.
 FLUID, WALL = 0, 1
-ABSENT = 2     # for a kernel that shall not see a particle; never in the field itself
+ABSENT = 2     # marks particles that a kernel must ignore; never in the field itself
 
 # Values of the field `role`: the part a particle plays in the pressure equation.
 INNER = 0      # fluid, an equation of its own

@@ -39,7 +39,7 @@ def start(comm, path=None, level=logging.INFO, stream=None):
 
 
 class _LogFile(logging.StreamHandler):
-    """Appends to a file, but not through a symbolic link; a disk that refuses a line costs that line and no more.
+    """Appends to a file, but not through a symbolic link. If the disk refuses a line, only that line is lost.
 
     Raises OSError where the file cannot be opened.
     """
@@ -73,7 +73,7 @@ def _add(handler, level, form):
 
 
 class _Plain(logging.Formatter):
-    """A record never looks like two: further lines are indented, control characters are escapes."""
+    """Indents the further lines of a record and escapes control characters, so that one record never looks like two."""
 
     def format(self, record):
         return plain_lines(super().format(record), indent="    ")

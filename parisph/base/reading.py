@@ -70,7 +70,7 @@ def listed(names):
 
 
 def check_regular(status, most=math.inf):
-    """Raise OSError unless the os.stat of a path is that of a regular file of at most `most` bytes: to open others may wait for ever."""
+    """Raise OSError unless the os.stat of a path is that of a regular file of at most `most` bytes: to open others may wait forever."""
     if stat.S_ISDIR(status.st_mode):
         raise OSError(errno.EISDIR, "it is a folder")
     if not stat.S_ISREG(status.st_mode):

@@ -1,8 +1,8 @@
 """What a step costs on this machine, for the estimate of `parisph check`.
 
-The cost of a step has a known shape, measured on one machine (COSTS). How fast another machine is
-follows from the runs that it has done, of which a file in the user's cache folder keeps the cost,
-or, before the first of them, from a short timing of numpy.
+The cost of a step has a known shape, measured on one machine (COSTS). The speed of another machine
+is taken from its earlier runs, whose cost is kept in a file in the user's cache folder. Before the
+first run it is taken from a short timing of numpy.
 """
 
 import json

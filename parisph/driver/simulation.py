@@ -150,7 +150,7 @@ class Simulation:
         report = self.method.step(self.time, dt, limit)
         self.time = after
         self.steps += 1
-        self.dt = limit     # not a shorter one that meets a time: who goes on from there shall not notice
+        self.dt = limit     # not a step shortened to reach a given time: later steps must not depend on it
         if self._open_tank is None:
             return report
         self._open_tank.let_leave(self.domain)

@@ -1,6 +1,6 @@
 """Digests: a line at the end of an HDF5 file, with which any change to the file is found.
 
-HDF5 trusts the bytes that it reads: a few damaged ones may make HDF5 1.10 loop for ever, end the
+HDF5 trusts the bytes that it reads: a few damaged ones may make HDF5 1.10 loop forever, end the
 process, or be read as data. Every file is therefore checked against its digest before HDF5 opens it.
 The digest is a line of text of fixed length, behind the last byte that HDF5 uses, which readers ignore:
 

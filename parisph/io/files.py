@@ -23,7 +23,7 @@ def together(comm, doing, action):
     Raises
     ------
     StoreError on every rank if the disk or HDF5 failed on any: "cannot <doing>: <cause>".
-    Any other exception is also raised on all ranks (errors.agree), so that no rank waits for ever.
+    Any other exception is also raised on all ranks (errors.agree), so that no rank waits forever.
     """
     result, problem = None, None
     try:

@@ -20,8 +20,8 @@ def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **l
     Parameters
     ----------
     runs : list of io.reader.Run
-    time : [s], the flow at the nearest snapshot, with a warning on standard error if it is farther before the
-        first, or after the last, than any time inside is from its snapshot; the last one if only `field` is given
+    time : [s], the flow at the nearest snapshot; the last one if only `field` is given. A time before the first or
+        after the last snapshot, by more than half the longest time between two snapshots, gives a warning on standard error
     peak : name of a probe: the flow when its first column is greatest, instead of `time`, as the run has kept it
         (Run.peak), else at the nearest snapshot, and standard error says how far from it that is
     probes : list of probe names: their series in one picture

@@ -3,11 +3,12 @@
 Rank 0 creates the file alone: groups, attributes, and datasets with their full size on the disk.
 Then every rank writes its rows to their place in the file with plain system calls; a rank without
 rows writes nothing. HDF5's own parallel writing is not used: if a folder disappears while the
-ranks open a file, some are refused and the others wait for them for ever. Here no rank waits
+ranks open a file, some are refused and the others wait for them forever. Here no rank waits
 inside a call, and an error on any of them is raised on all.
 
 HDF5 itself must never run into a full disk: HDF5 1.10 ends the process if it cannot write the last
-blocks of a file when it closes the file. The space for the rows and for everything else in the file is therefore reserved before.
+blocks of a file when it closes the file. The space for the rows and for everything else in the file
+is therefore reserved before.
 """
 
 import errno

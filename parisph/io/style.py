@@ -53,11 +53,11 @@ ROLES = {
     WET: ("wet wall", "#4d4d4d"), DRY: ("dry wall", "#cfcfcf"), CONTACT: ("contact line", "#111111"),
 }
 WALL_COLOUR = "#333333"
-# Of lines: the colours of Okabe & Ito but for black and yellow, and three dark ones. Those who do not tell
-# some hues still tell all of them.
+# Of lines: the colours of Okabe & Ito without black and yellow, and three dark ones. Readers with colour
+# blindness can distinguish all of them.
 LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#332288", "#882255", "#5b3a00")
 STYLES = ("-", (0, (6, 2)), (0, (6, 2, 1, 2)), (0, (2, 1.5)))  # full, dashed, dash-dotted, dotted
-FEW = 6     # lines that are told by their colours alone
+FEW = 6     # lines that differ in colour only; more of them also differ in line style
 
 
 def line_looks(groups, members=1):

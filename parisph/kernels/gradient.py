@@ -66,7 +66,7 @@ def regain_role(role, start_role, x, radius, power, floor, indptr, indices, axes
     """Give owned fluid in free flight its role of the start, once its neighbours would support a gradient again.
 
     For a surface that keeps its particles: nothing else would end their flight. A `floor` above that of
-    least_squares_gradient keeps a particle from going to and fro between the two.
+    least_squares_gradient keeps a particle from switching back and forth between the two roles.
 
     role : (n_all,), changed; start_role : (n_owned,); others as of least_squares_gradient
     """

@@ -1,4 +1,4 @@
-"""A guard against ranks that wait for ever for one that has failed or ended.
+"""A guard against ranks that wait forever for one that has failed or ended.
 
 Expected errors in collective calls are raised on all ranks (base.errors.agree). Other errors on one
 rank, such as sys.exit or a MemoryError in a user's own code, leave the other ranks waiting. A Guard
@@ -28,7 +28,7 @@ class Guard:
     """Watches the collective calls on a communicator, on all ranks. `Guard.of(comm)` makes or finds it.
 
     If a call raises an exception on some ranks only, all ranks end within PATIENCE, because the others
-    would wait for ever in this call or the next one. A rank that ends without an error tells others
+    would wait forever in this call or the next one. A rank that ends without an error tells others
     how many calls it has made. A rank that waits for it in a later call ends all ranks; a rank that does
     not, because it still makes pictures, for example, is left alone. An uncaught exception also ends all
     ranks, unless they end too. On the first call on the communicator of `watch`, ranks that have ended before

@@ -163,7 +163,7 @@ class Domain:
         return old if np.array_equal(new.splitters, old.splitters) else new
 
     def _is_uneven(self, moving):
-        """Return whether work is to be spread anew, if it is time to look; it is whenever particles move anyway."""
+        """Return whether the work is too uneven. Measured only in every `balance_every`-th call and whenever particles move."""
         comm = self.particles.comm
         if comm.size == 1 or not (moving or self._calls - self._looked >= self.balance_every):
             return False

@@ -99,7 +99,7 @@ def _inserted_bytes(content, others, random):
 
 
 def _broken_strings(content, others, random):
-    """Zero a block of HDF5's heaps of strings, in which HDF5 1.10 may look for ever."""
+    """Zero a block of HDF5's heaps of strings, in which HDF5 1.10 may look forever."""
     places = [place for place in range(0, len(content), 8) if content[place:place + 4] in (b"GCOL", b"HEAP", b"FRHP", b"OHDR", b"SNOD", b"TREE")]
     place = places[random.integers(len(places))] + 16 * int(random.integers(0, 16))
     content[place:place + BLOCK] = bytes(len(content[place:place + BLOCK]))

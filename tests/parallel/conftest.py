@@ -1,7 +1,7 @@
 """Tests in this folder run on every rank at once: `mpirun -n 2 python -m pytest tests/parallel`.
 
 The ranks agree on the outcome of each test, and one that hangs is ended with a traceback from
-each rank: a collective that one rank misses would otherwise wait for ever, and say nothing.
+each rank: a collective that one rank misses would otherwise wait forever, and say nothing.
 """
 
 import faulthandler

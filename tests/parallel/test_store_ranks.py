@@ -157,7 +157,7 @@ def in_case(path):
 
 
 def in_attributes_heap(path):
-    """Zero a block of the strings, which HDF5 1.10 then reads for ever."""
+    """Zero a block of the strings, which HDF5 1.10 then reads forever."""
     content = path.read_bytes()
     place = content.index(b"GCOL")
     path.write_bytes(content[:place] + bytes(512) + content[place + 512:])

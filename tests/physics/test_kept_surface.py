@@ -1,4 +1,4 @@
-"""A surface that keeps its particles: one that flies off comes back to what it was."""
+"""A surface that keeps its particles: a particle that flies off has its old role again when it returns."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Waves below a lid: it is nothing to them until they touch it."""
+"""Waves below a lid: the lid has no effect until they touch it."""
 
 import numpy as np
 import pytest
