@@ -15,6 +15,8 @@ MOST = 16 * 10**6    # bytes of a file that is read
 def read_text(path, most=MOST):
     """Return the text of a UTF-8 file, without a byte order mark.
 
+    most : number of bytes that the file may have, math.inf for any (a file that parisph itself wrote)
+
     Raises
     ------
     OSError, whose strerror is one line: the file does not exist, is a folder, a pipe or a device (which is not
@@ -24,7 +26,7 @@ def read_text(path, most=MOST):
         check_regular(os.stat(path), most)
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
             check_regular(os.fstat(file.fileno()), most)    # it may be another one by now
-            data = file.read(most + 1)
+            data = file.read() if most == math.inf else file.read(most + 1)
         if len(data) > most:
             raise OSError(errno.EFBIG, f"it has more than {amount(most)}")
         text = data.decode("utf-8-sig")

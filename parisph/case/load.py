@@ -23,6 +23,7 @@ from parisph.case.schema import Case
 
 MISSING = inspect.Parameter.empty
 LONGEST = 400    # characters of a line of a message
+MOST_STORED = 128 * 10**6    # bytes of a stored case: each of its fields may have 10**6 numbers, each up to 32 bytes
 
 
 def load(path: str | os.PathLike, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
@@ -89,16 +90,17 @@ def _find(path):
     raise CaseError(f"{named(path)}: {problem}{hint}")
 
 
-def _read(file, path):
+def _read(file, path, most=reading.MOST):
     try:
-        return reading.read_text(file)
+        return reading.read_text(file, most)
     except OSError as error:
         raise CaseError(f"{named(path)}: cannot be read: {error.strerror}") from None
 
 
 def _stored(file, path):
+    text = _read(file, path, MOST_STORED)
     try:
-        return stored.from_json(_read(file, path))
+        return stored.from_json(text)
     except CaseError as error:
         raise CaseError(f"{named(path)}: {_what(error)}") from error
 

@@ -1,6 +1,7 @@
 """Preparation of a run: its folder, the folder's lock, and for a restart the checkpoint and the case."""
 
 import json
+import math
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -98,7 +99,7 @@ def find(path: Path, folder: Path, comm: MPI.Comm) -> Path | None:
 
 def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: float | None) -> tuple[Case, str]:
     """Return the case of the restart, and the identity of its run."""
-    text = saved.case if saved else read_text(folder / "case.json")
+    text = saved.case if saved else read_text(folder / "case.json", math.inf)
     try:
         case = from_json(text)
     except CaseError as error:

@@ -7,6 +7,7 @@ file gets its final name only when it is complete.
 """
 
 import json
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -186,7 +187,7 @@ def _check_place(path, loaded):
         raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, or another one copied over it")
     beside = path.resolve().parent.parent / "case.json"
     try:
-        run = json.loads(read_text(beside))["run"]
+        run = json.loads(read_text(beside, math.inf))["run"]
     except (OSError, ValueError, KeyError, TypeError):    # what is wrong with case.json is said by those who read it
         return
     if path.parent.name == "checkpoints" and json.loads(loaded.case).get("run", "") != run:

@@ -249,6 +249,34 @@ def test_a_log_that_cannot_be_continued_is_named_before_anything_is_touched(run,
     check_whole(run)
 
 
+def lengthen(path):
+    """Make a JSON file as large as that of a case with a motion of many samples."""
+    path.write_text(path.read_text() + 17_000_000 * " ")
+
+
+def test_a_run_with_a_long_case_is_restarted_before_its_first_checkpoint_and_repeated(run):
+    shutil.rmtree(run / "checkpoints")
+    lengthen(run / "case.json")
+    assert entry.main(["run", "run/case.json", "-o", "again", "-q"]) == 0
+    check_whole(run.parent / "again")
+    assert restart() == 0
+    check_whole(run)
+
+
+def test_a_checkpoint_of_another_run_is_refused_beside_a_long_case(run, capfd):
+    case = json.loads((run / "case.json").read_text())
+    (run / "case.json").write_text(json.dumps({**case, "run": "another", "digest": None}))
+    lengthen(run / "case.json")
+    assert restart("--until", "0.024") == 5
+    assert "00000010.h5 is of another run than its folder: it has been copied there" in capfd.readouterr().err
+
+
+def test_a_stored_case_that_no_run_writes_is_refused_unread(run, capfd):
+    os.truncate(run / "case.json", 10**9)
+    assert entry.main(["check", "run/case.json"]) == 2
+    assert capfd.readouterr().err == "parisph: error: run/case.json: cannot be read: it has 1 GB, at most 128 MB are read\n"
+
+
 def test_a_case_of_a_newer_release_is_refused_in_plain_words(run, capfd):
     content = json.loads((run / "case.json").read_text())
     (run / "case.json").write_text(json.dumps({**content, "schema": 99, "digest": None}))
