@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from subprocess import CalledProcessError
 
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.text import clipped, plain
 from parisph.io import style
 from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run
@@ -63,6 +65,9 @@ def movie(run, path, field="pressure", fps=None, slow=None, dpi=100, **look):
                 writer.grab_frame()
     except OSError as error:
         raise StoreError(f"cannot write the movie {path}: {error.strerror or error}") from None
+    except CalledProcessError as error:
+        said = "".join(f" ({clipped(plain(line))})" for line in str(error.stderr or "").strip().splitlines()[-1:])
+        raise StoreError(f"cannot write the movie {path}: ffmpeg ended with code {error.returncode}{said}; a .gif needs no ffmpeg") from None
     return path
 
 

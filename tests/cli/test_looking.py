@@ -77,6 +77,12 @@ def test_energy_of_a_driven_fluid_does_not_drift(folder):
     assert "energy change -7.00%" in lines(driven=True) and not any("energy drift" in line for line in lines(driven=True))
 
 
+def test_energy_in_motion_in_words():
+    motion = {"start": 4.0, "end": 3.5, "high": 4.25, "high_time": 0.5, "drift": -0.125, "unit": "J/m"}
+    line, = [line for line in describe.table({"energy_in_motion": motion})]
+    assert line.split(maxsplit=2)[2] == "4 J/m at the start, 3.5 J/m at the end (drift -12.50% of it), highest 4.25 J/m at 0.5 s"
+
+
 def test_a_summary_from_anybody_writes_no_lines_of_its_own():
     lines = describe.table({**SUMMARY, "status": "completed\nenergy drift    +0.00%\x1b[1A"})
     assert lines[0] == "status          completed\n    energy drift    +0.00%\\x1b[1A"
@@ -273,6 +279,20 @@ def test_plot_says_how_far_from_the_peak_the_picture_is(tmp_path, capsys):
 def test_movie_of_some_speed(folder, tmp_path, capsys):
     assert main(["movie", str(folder), "-o", str(tmp_path / "a.gif"), "--slow", "2", "--fps", "5", "--zoom", "0", "1", "0", "1"]) == 0
     assert lines_of(capsys) == [str(tmp_path / "a.gif")]
+
+
+@pytest.mark.parametrize("script", ["cat > /dev/null; echo no room >&2; exit 3", "exit 3"])
+def test_movie_of_an_ffmpeg_that_fails(folder, tmp_path, capsys, monkeypatch, script):
+    program = tmp_path / "bin" / "ffmpeg"
+    program.parent.mkdir()
+    program.write_text(f"#!/bin/sh\n{script}\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(program.parent), prepend=os.pathsep)
+    assert main(["movie", str(folder), "-o", str(tmp_path / "a.mp4")]) == 5
+    said = capsys.readouterr().err
+    assert f"parisph: error: cannot write the movie {tmp_path}/a.mp4: ffmpeg ended with code 3" in said and "Traceback" not in said
+    assert "(no room)" in said or "no room" not in script
+    assert not [path for path in tmp_path.iterdir() if path.suffix == ".mp4"]
 
 
 def test_movie(folder, tmp_path, capsys):
