@@ -129,6 +129,12 @@ def _size(case):
             f"fluid.shape: the rectangle around it has {size.search(case):.3g} lattice points, at most {size.MOST:.2g} are searched "
             "for fluid; use a larger spacing, or a body that fills more of its rectangle"
         )
+    elif size.mostly_empty(case):
+        yield (
+            f"fluid.shape: fills {100.0 * n['fluid'] / size.search(case):.2g} % of the rectangle around it, which has {size.search(case):.3g} "
+            f"lattice points: must fill at least {100.0 * size.LEAST_FILLED:g} % if lattice points times corners are more than "
+            f"{size.SEARCHED:.2g}; use a larger spacing, or turn the body along an axis"
+        )
     elif n["exact"] and n["fluid"] < LEAST:
         yield f"numerics.spacing = {s:g}: leaves {n['fluid']} fluid particles, at least {LEAST} are needed; use a smaller spacing"
     else:

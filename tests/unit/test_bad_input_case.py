@@ -126,6 +126,8 @@ def test_parts(make, message):
     ({"walls": Tank(1e30, 1e30)}, r"makes about 3e.31 particles"),
     ({"fluid": fluid(shape=Disc(1e6)), "walls": None}, r"makes about 3.14e.14 particles, 0 of them on walls"),
     ({"fluid": fluid(shape=Polygon(((0, 0), (1e6, 1e6), (1e6, 1e6 + 1)))), "walls": None}, "the rectangle around it has 1e.14 lattice points"),
+    ({"fluid": fluid(shape=Polygon(((0, 0), (900, 900), (900, 900.1)))), "walls": None, "numerics": numerics(spacing=0.05)},
+     "fluid.shape: fills 0.0056 % of the rectangle around it, which has 3.24e.08 lattice points: must fill at least 10 %"),
     ({"fluid": fluid(shape=Box(1.0, 1.0, (1e17, 0.0))), "walls": None}, r"fluid.shape: reaches 1e.17 m from the origin, at most 1e.09 spacings"),
     ({"walls": Tank(2.0, 2.0, at=(-1e12, 0.0)), "fluid": fluid(shape=Box(1.0, 1.0, (-1e12, 0.0)))}, "walls: reaches 1e.12 m from the origin"),
     # remedies are right: what is proposed fits, and what is said not to fit does not
@@ -222,6 +224,13 @@ def test_sizes_without_a_limit_are_refused_at_once_and_without_warnings():
                     with pytest.raises(CaseError, match="makes about .* particles|must divide|reaches"):
                         scene(fluid=fluid(shape=shape), walls=walls, numerics=numerics(spacing=spacing))
     assert time.monotonic() - begun < 5.0
+
+
+@pytest.mark.parametrize("shape", [
+    Polygon(((0, 0), (900, 0), (900, 900))), Box(900.0, 900.0), Disc(450.0, (450.0, 450.0)), Polygon(((0, 0), (300, 300), (300, 300.1))),
+])
+def test_large_bodies_that_fill_their_rectangle_and_small_ones_are_let_through(shape):
+    scene(fluid=fluid(shape=shape), walls=None, numerics=numerics(spacing=0.05))
 
 
 def test_good_edges_are_let_through():
