@@ -81,9 +81,8 @@ def _ask_numpy():
 
 
 def _ask_numba():
-    import numba
-
     from parisph.kernels import selfcheck
+    from parisph.kernels.processor import numba
 
     return {"version": numba.__version__, "works": selfcheck.stores_hold()}
 

@@ -3,6 +3,8 @@
 Checking a case and looking at a run need neither MPI nor PETSc, so a laptop can do without them.
 """
 
+import os
+from contextlib import contextmanager
 from importlib import import_module
 
 from parisph.base.errors import MissingLibrary
@@ -18,6 +20,26 @@ _REMEDIES = {
     ("shtab",): "to complete commands in a shell, pip install 'parisph[completion]'",
 }
 
+# Files that a library would read from the current folder, and which can make it execute programs.
+_CONFIGURATION = {"matplotlib": "matplotlibrc", "numba": ".numba_config.yaml"}
+
+
+@contextmanager
+def unconfigured(library):
+    """Context in which to import a library without its configuration file in the current folder. Not collective.
+
+    The library may not look elsewhere first, so the current folder changes meanwhile if it contains such a file.
+    """
+    if not os.path.lexists(_CONFIGURATION[library]):
+        yield
+        return
+    here = os.getcwd()
+    os.chdir(os.path.dirname(os.__file__))
+    try:
+        yield
+    finally:
+        os.chdir(here)
+
 
 def require(*names: str) -> None:
     """Import libraries, given by the names of modules. Not collective.
@@ -32,7 +54,7 @@ def require(*names: str) -> None:
     for name in names:
         library = name.partition(".")[0]
         try:
-            import_module(name)
+            _import(name)
         except (ImportError, RuntimeError) as error:    # RuntimeError: mpi4py finds no MPI library
             if isinstance(error, ModuleNotFoundError) and (error.name or library).partition(".")[0] == library:
                 absent.append(library)
@@ -42,3 +64,13 @@ def require(*names: str) -> None:
         broken.insert(0, f"{' and '.join(absent)} {'are' if len(absent) > 1 else 'is'} not installed")
     if broken:
         raise MissingLibrary(f"{', '.join(broken)}: {_REMEDIES[names]}")
+
+
+def _import(name):
+    if name not in _CONFIGURATION:
+        import_module(name)
+        return
+    if "MATPLOTLIBRC" in os.environ:    # the user's own file, relative to the current folder
+        os.environ["MATPLOTLIBRC"] = os.path.abspath(os.environ["MATPLOTLIBRC"])
+    with unconfigured(name):
+        import_module(name)

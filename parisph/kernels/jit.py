@@ -1,8 +1,7 @@
 """Compilation of kernels, and the compile-time axes that make one source work in 2D and 3D."""
 
-import numba
-
 from parisph.kernels import cache, processor
+from parisph.kernels.processor import numba
 
 processor.leave_out_avx512()
 

@@ -1,7 +1,19 @@
-"""The processor instructions that kernels may use."""
+"""numba, without configuration files of the current folder, and the processor instructions that kernels may use."""
+
+import os
+import sys
 
 import llvmlite.binding as llvm
-import numba
+
+from parisph.base import libraries
+
+_first = "numba" not in sys.modules
+
+with libraries.unconfigured("numba"):
+    import numba
+
+if _first:    # it looks again before each compilation; a program that has loaded numba itself keeps what it has
+    numba.config._config_fname = os.devnull
 
 
 def leave_out_avx512():

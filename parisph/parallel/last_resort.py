@@ -9,13 +9,15 @@ import socket
 import threading
 
 import numpy as np
-from numba import types
 
 from parisph.base.signals import CODE, NUMBERS
 from parisph.kernels.jit import unlocked
+from parisph.kernels.processor import numba
 
 PATIENCE = 6.0    # [s] that a second signal may stay unread: more than base.signals.PATIENCE
 SLICE = 0.1       # [s] between two looks
+
+types = numba.types
 
 _recv = types.ExternalFunction("recv", types.intp(types.int32, types.intp, types.uintp, types.int32))
 _write = types.ExternalFunction("write", types.intp(types.int32, types.intp, types.uintp))

@@ -1,4 +1,4 @@
-"""PETSc's option files: the user's own is read, one that lies in the current folder never."""
+"""Option files of libraries: the user's own are read, those that lie in the current folder never."""
 
 import sys
 
@@ -80,3 +80,35 @@ def test_program_that_has_started_petsc_keeps_what_it_has(folder):
     (folder / "work" / ".petscrc").write_text("-here 1\n")
     found = options(folder, "import petsc4py\npetsc4py.init(['-mine', '2'])")
     assert "'mine': '2'" in found and "'here': '1'" in found and "skip_petscrc" not in found
+
+
+def test_matplotlib_executes_nothing_that_the_current_folder_names(folder):
+    work = folder / "work"
+    (work / "evil").write_text("#!/bin/sh\ntouch executed\n")
+    (work / "evil").chmod(0o755)
+    (work / "matplotlibrc").write_text("animation.ffmpeg_path: ./evil\n")
+    assert parisph("run", "tank.py", "-o", "run", "-q", cwd=work, timeout=COMPILING).returncode == 0
+    done = parisph("movie", "run", "-o", "flow.mp4", cwd=work)
+    assert not (work / "executed").exists() and "Traceback" not in done.stderr
+    assert parisph("plot", "run", cwd=work).returncode == 0
+
+
+@pytest.mark.parametrize("name, width", [(None, 1.5), ("../mine", 7.0)])
+def test_the_users_own_file_for_matplotlib_is_read(folder, name, width):
+    """It may be named relative to the current folder; 1.5 is matplotlib's own value."""
+    (folder / "work" / "matplotlibrc").write_text("lines.linewidth: 9\n")
+    (folder / "mine").write_text("lines.linewidth: 7\n")
+    script = "from parisph.io import style; style.drawing(); import matplotlib, os; print(matplotlib.rcParams['lines.linewidth'], os.getcwd())"
+    settings = {} if name is None else {"MATPLOTLIBRC": name}
+    done = run([sys.executable, "-c", script], cwd=folder / "work", HOME=str(folder / "my home"), **settings)
+    assert done.stdout.split() == [str(width), str(folder / "work")], done.stderr
+
+
+@pytest.mark.parametrize("before, read", [("", 0), ("import numba", 1)])
+def test_numba_does_not_read_the_current_folder(folder, before, read):
+    """Neither when it is loaded nor when it compiles; but a program that has loaded numba itself keeps what it has."""
+    pytest.importorskip("yaml")    # without it numba reads no file
+    (folder / "work" / ".numba_config.yaml").write_text("developer_mode: 1\n")
+    script = f"{before}\nimport parisph.parallel.last_resort, numba\nnumba.njit(lambda x: x)(1)\nprint(numba.config.DEVELOPER_MODE)"
+    done = run([sys.executable, "-c", script], cwd=folder / "work", timeout=COMPILING)
+    assert done.stdout.split() == [str(read)], done.stderr
