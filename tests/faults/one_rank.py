@@ -45,7 +45,7 @@ def also(original):
         original(*args)
         begun = True
     return begin
-warmup.on_one_rank_first = also(warmup.on_one_rank_first)    # whose own scene shall not fail
+warmup.on_one_rank_first = also(warmup.on_one_rank_first)    # whose own scene must not fail
 
 def failing(original):
     calls = 0
