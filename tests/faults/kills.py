@@ -4,6 +4,7 @@ import os
 import shutil
 import signal
 import time
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -51,22 +52,37 @@ def _attempt(folder, random, due, whole):
     what = f"{ranks} ranks, {victim} killed after {moment:.2f} s"
     with running(folder, ranks, "-q", case=CASE) as run:
         time.sleep(moment)
-        _kill(run, victim, ranks)
-        try:
-            run.process.wait(GONE)
-        except Exception:
+        pids = run.ranks() if ranks > 1 else [run.process.pid]
+        _kill(run, victim, pids)
+        if not _gone(run, pids):
             return f"{what}: processes are left after {GONE:g} s"
     return _finish(folder, int(random.integers(1, 4)), due, what)
 
 
-def _kill(run, victim, ranks):
-    pids = run.ranks() if ranks > 1 else [run.process.pid]
+def _kill(run, victim, pids):
     chosen = {"all": pids, "mpirun": [run.process.pid], "first": pids[:1], "last": pids[-1:]}[victim]
     for pid in chosen:
         try:
             os.kill(pid, signal.SIGKILL)
         except ProcessLookupError:    # it had ended by itself
             pass
+
+
+def _gone(run, pids):
+    """Wait for the end of all processes; return whether they have ended. Without mpirun, ranks go on for a moment."""
+    deadline = time.monotonic() + GONE
+    while time.monotonic() < deadline:
+        if run.process.poll() is not None and not any(map(_lives, pids)):
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def _lives(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except OSError:
+        return False
 
 
 def _finish(folder, ranks, due, what):
