@@ -32,7 +32,7 @@ def make(count, random, folder):
     due = folder / "due"
     due.mkdir()
     (due / "case.py").write_text(CASE)
-    for out in ("compiled", "run"):    # the first run on a machine also compiles, which is not to be killed at
+    for out in ("compiled", "run"):    # the first run on a machine also compiles: its time does not count
         begun = time.monotonic()
         done = parisph("run", "case.py", "-o", out, "-q", cwd=due, timeout=COMPILE)
         whole = time.monotonic() - begun
