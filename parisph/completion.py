@@ -1,4 +1,4 @@
-"""Completion of `parisph` in a shell: verbs, options, case files, folders of runs. Needs shtab, the extra [completion]."""
+"""Completion of `parisph` in a shell: verbs, options, case files, folders of runs. Needs shtab."""
 
 import argparse
 

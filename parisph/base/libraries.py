@@ -17,7 +17,7 @@ _REMEDIES = {
     ENGINE: f"to run cases, use {_SETUP}",
     ("h5py",): f"to look at runs, pip install 'parisph[look]'; to run cases too, use {_SETUP}",
     ("matplotlib",): "to make pictures, pip install 'parisph[plot]'",
-    ("shtab",): "to complete commands in a shell, pip install 'parisph[completion]'",
+    ("shtab",): "to complete commands in a shell, pip install shtab",
 }
 
 # Files that a library would read from the current folder, and which can make it execute programs.

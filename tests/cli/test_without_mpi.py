@@ -91,7 +91,7 @@ def test_a_script_is_told_what_is_missing(laptop, name):
 
 @pytest.mark.parametrize(("missing", "words", "says"), [
     ("h5py", ["info", "RUN"], "h5py is not installed: to look at runs, pip install 'parisph[look]'"),
-    ("shtab", ["completion", "bash"], "shtab is not installed: to complete commands in a shell, pip install 'parisph[completion]'"),
+    ("shtab", ["completion", "bash"], "shtab is not installed: to complete commands in a shell, pip install shtab"),
     ("matplotlib", ["plot", "RUN"], "matplotlib is not installed: to make pictures, pip install 'parisph[plot]'"),
 ])
 def test_looking_says_what_is_missing(stored, hide, missing, words, says):
