@@ -185,7 +185,7 @@ def _add_running(verbs):
     _add_case(verb)
     verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
                       help="Write the run to this folder (default: runs/NAME, named after the case, or the first free runs/NAME-2, ...)")
-    verb.add_argument("--overwrite", action="store_true", help="If DIR holds a run, move it to DIR.old first")
+    verb.add_argument("--overwrite", action="store_true", help="If DIR holds a run, move it to DIR.old, DIR.old-2, ... first")
     _add_progress(verb)
     verb = _verb(verbs, "restart", _restart, "Continue a run from a checkpoint, on any number of ranks",
                  "mpirun -n 2 parisph restart DIR [options] [-- PETSc options]")

@@ -62,10 +62,16 @@ def new_folder(folder: Path, overwrite: bool | None = None, force: bool = False)
         check_free(folder, given, movable=overwrite is not None)
     elif content(folder):
         Lock(folder, force).release()    # it must not be in use
-        old = move_run_aside(folder)
+        old = _as_given(move_run_aside(folder), given)
     with left_only_if_used(made := make(folder), old):
         _check_writable(folder)
     return made, old
+
+
+def _as_given(path, given):
+    """Return a path beside a folder as the user would write it, who named the folder `given`: relative, if that leads there."""
+    near = given.parent / path.name
+    return near if near.resolve() == path else path
 
 
 def _check_writable(folder):

@@ -50,7 +50,7 @@ def run(case: Case, comm: MPI.Comm, out: str | os.PathLike, petsc_options: list[
     ----------
     case : Case; comm : mpi4py communicator; out : folder, without an earlier run
     petsc_options : list of str; progress : whether rank 0 shows progress
-    overwrite : whether to move an earlier run in `out` to `out`.old; nothing is ever removed
+    overwrite : whether to move an earlier run in `out` to `out`.old, `out`.old-2, ...; nothing is ever removed
     force : whether to use a folder that is locked by a process which may or may not still run
 
     Raises
@@ -63,6 +63,8 @@ def run(case: Case, comm: MPI.Comm, out: str | os.PathLike, petsc_options: list[
         with begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock, _built(case, comm, petsc_options) as simulation:
             samplers = probes.build(case, simulation.comm)
             store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation), case.output.fields, lock)
+            if old is not None:
+                store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} was moved to {old}"))
             return _Run(simulation, samplers, store, Account.new(), progress).go(signals, first=True)
 
 
@@ -105,6 +107,9 @@ def _restarted(signals, path, comm, until, out, petsc_options, progress, force):
             series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
             store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),
                                  case.output.fields, lock, name, series, saved.state.get("checkpoints", [found.name]) if saved else ())
+            if saved:
+                store.notes.insert(0, (logging.INFO, f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
+                                                     f"{f'; earlier results are in {folder}' * elsewhere}"))
             account = Account.resumed(saved.state) if saved else Account.new()
             run = _Run(simulation, samplers, store, account, progress, saved.state.get("peaks") if saved else None,
                        folder if saved and elsewhere else None)

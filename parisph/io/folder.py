@@ -36,7 +36,7 @@ def check_free(folder: Path, given: str | os.PathLike | None = None, movable: bo
     fault = "holds a run already" if "case.json" in names else \
         f"has no case.json, but it holds {', '.join(names)}, which a run would overwrite"
     raise CaseError(f"{given or folder} {fault}: give another folder with -o"
-                    f"{', or move the whole folder aside with --overwrite' * movable}")
+                    f"{', or move the whole folder aside with --overwrite (in Python: overwrite=True)' * movable}")
 
 
 def make(folder: Path) -> list[Path]:

@@ -29,7 +29,7 @@ class Store:
     run : str, identity of the run, which is written to all its files
     about : dict of str -> str or number, how the run is made; written to all later files
     times : times [s] of the snapshots written so far (on rank 0 only)
-    notes : list of (level of the log, str), what `resume` has done to the folder (on rank 0 only)
+    notes : list of (level of the log, str), what was done to the folder before the run goes on; rank 0 logs its own
     """
 
     def __init__(self, comm, folder, case, about, fields, lock=None):
@@ -194,19 +194,21 @@ class Store:
         late = [*self._take_stock(time), *self._late_peaks(time)]
         late += [path for path in checkpoint.paths(self.folder / "checkpoints") if int(path.stem) > step]
         late.append(self.folder / "summary.json")
+        results = [path for path in (*late[:-1], *cut) if path.exists()]
         snapshot.write_index(self.folder / INDEX, self._names, self.times, run)    # it must never name a missing file
         aside = folders.move_aside(self.folder, late, copied=cut)
         self._put_peaks_back(time)
-        self._note(there is None, step, aside)
+        self._note(there is None, step, aside, bool(results))
 
-    def _note(self, without_case, step, aside):
-        """Note what was found missing, and the folder that earlier results were moved to."""
+    def _note(self, without_case, step, aside, results):
+        """Note what was found missing, and the folder that earlier results were moved to, or the summary alone."""
         if without_case:
             self.notes.append((logging.WARNING, f"{self.folder / 'case.json'} is missing: it is written again from the checkpoint"))
         if step < 0:
             self.notes.append((logging.WARNING, f"no checkpoint found in {self.folder / 'checkpoints'}: the run begins again at t = 0 s"))
         if aside is not None:
-            self.notes.append((logging.INFO, f"results that are computed again were moved to {aside}"))
+            self.notes.append((logging.INFO, f"results that are computed again were moved to {aside}" if results else
+                               f"only the earlier summary was moved to {aside}; no other result is replaced"))
 
     def _take_stock(self, time):
         """Find the run's snapshots up to `time` [s], and return those that it wrote later.

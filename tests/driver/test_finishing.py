@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph import CaseError, driver, load
 from parisph import __main__ as entry
 from parisph.io import checkpoint, reader, snapshot
 from tests.owned_rows import OwnedRows
@@ -233,6 +234,24 @@ def test_a_restart_says_what_it_moved_and_where_it_begins(run):
     assert "were moved to run/replaced/2\n" in log and "no checkpoint" not in log
 
 
+def test_after_an_interruption_only_the_summary_is_replaced(run):
+    for name, until in (("replaced/1", "0.024"), ("replaced/2", "0.028")):
+        assert restart("--until", until) == 0
+        log = (run / "run.log").read_text().split("continuing in")[-1]
+        assert f"only the earlier summary was moved to run/{name}; no other result is replaced\n" in log and "computed again" not in log
+        assert [path.name for path in (run / name).rglob("*")] == ["summary.json"]
+
+
+def test_a_restart_says_what_is_continued_where(run):
+    assert restart("--until", "0.024") == 0
+    assert "the checkpoint run/checkpoints/00000010.h5, t = 0.02 s, is continued in run\n" in (run / "run.log").read_text()
+    assert restart("--until", "0.028", "-o", "longer") == 0
+    log = (run.parent / "longer" / "run.log").read_text()
+    assert "the checkpoint run/checkpoints/00000012.h5, t = 0.024 s, is continued in longer; earlier results are in run\n" in log
+    np.testing.assert_array_equal(reader.open_run("longer").steps["step"], [13, 14])
+    assert reader.open_run("longer").summary["steps"] == 14    # from t = 0
+
+
 @pytest.mark.parametrize("make, says", [(lambda path: path.symlink_to("mine"), "is a symbolic link"), (os.mkfifo, "is not a regular file"),
                                         (os.mkdir, "is not a regular file")])
 def test_a_log_that_cannot_be_continued_is_named_before_anything_is_touched(run, capfd, make, says):
@@ -291,14 +310,31 @@ def test_overwrite_moves_the_old_run_aside(run, capfd):
     before = {path.relative_to(run): path.read_bytes() for path in run.rglob("*") if path.is_file()}
     words = ["run", "small.py", "-o", "run", "-q", "--set", "end_time=0.004"]
     assert entry.main(words) == 2
+    assert "--overwrite" in capfd.readouterr().err
     for name in ("run.old", "run.old-2"):
-        assert entry.main([*words, "--overwrite"]) == 0
+        assert entry.main([word for word in (*words, "--overwrite") if word != "-q"]) == 0
+        assert f"the earlier run was moved to {name}\n" in capfd.readouterr().err
+        assert f" INFO the earlier run was moved to {name}\n" in (run / "run.log").read_text()
         assert (run.parent / name / "summary.json").exists()
     old = run.parent / "run.old"
     assert {path.relative_to(old): path.read_bytes() for path in old.rglob("*") if path.is_file()} == before
     # and back again where the new run does not begin
     assert entry.main([*words, "--overwrite", "--", "-pressure_ksp_type", "nonsense"]) == 2
     assert reader.open_run(run).summary["status"] == "completed" and not (run.parent / "run.old-3").exists()
+
+
+def test_a_folder_behind_a_link_is_moved_aside_under_its_own_name(run):
+    (run.parent / "small.py").write_text(CASE)
+    (run.parent / "links").mkdir()
+    (run.parent / "links" / "here").symlink_to(run)
+    assert entry.main(["run", "small.py", "-o", "links/here", "-q", "--overwrite"]) == 0
+    assert f"the earlier run was moved to {run.resolve()}.old\n" in (run / "run.log").read_text()
+
+
+def test_a_script_is_told_how_to_move_the_old_run_aside(run):
+    (run.parent / "small.py").write_text(CASE)
+    with pytest.raises(CaseError, match=r"run holds a run already: give another folder .* \(in Python: overwrite=True\)"):
+        driver.run(load("small.py"), MPI.COMM_SELF, "run", progress=False)
 
 
 OCCUPIED = ["steps.csv", "probes/energy.csv", "summary.json", "run.log", "flow.hdf.series", "checkpoints/00000020.h5", "snapshots/a.png",
@@ -319,6 +355,7 @@ def test_what_lies_in_a_folder_without_a_run_is_never_overwritten(run, name, cap
         assert [path for path in (run.parent / "theirs").rglob("*") if path.is_file()] == [theirs] and theirs.read_text() == "theirs"
     assert entry.main(["run", "small.py", "-q", "-o", "theirs", "--overwrite"]) == 0
     assert (run.parent / "theirs.old" / name).read_text() == "theirs"
+    assert " INFO the earlier content was moved to theirs.old\n" in (run.parent / "theirs/run.log").read_text()
     check_whole(run.parent / "theirs")
 
 
