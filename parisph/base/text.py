@@ -39,6 +39,16 @@ def clipped(text, limit=LIMIT):
     return f"{text[:limit - 3 - end]}...{text[len(text) - end:]}"
 
 
+def listed(texts, limit=LONGEST):
+    """Return texts with commas between them. Those that would make it longer than `limit` characters are left out whole, and counted."""
+    texts = list(texts)
+    for kept in range(min(len(texts), limit), 0, -1):
+        more = f" and {len(texts) - kept} more" if kept < len(texts) else ""
+        if len(found := ", ".join(texts[:kept]) + more) <= limit:
+            return found
+    return clipped(", ".join(texts), limit)
+
+
 def shown(value, limit=LIMIT):
     """Return any value for a message: its repr on one line, of at most `limit` characters.
 

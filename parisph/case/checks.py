@@ -71,7 +71,7 @@ def _spacing(case):
     listed = ", ".join(f"{name} = {_digits(length, lambda value: not fits(s, [value]))}" for name, length in bad.items())
     fitting = [value for value in nearest_spacings(list(lengths.values()), s) if fits(value)]
     if fitting:
-        remedy = "the nearest that fit are " + " and ".join(_digits(value, fits, 10) for value in fitting)
+        remedy = "the nearest that fit are " + " and ".join(_digits(value, fits, 10) + _fraction(value) for value in fitting)
     else:
         name, length = next(iter(bad.items()))
         near = max(round(length / s), 1) * s
@@ -86,6 +86,12 @@ def _digits(value, holds, least=6):
         if holds(float(text)):
             return text
     return repr(float(value))
+
+
+def _fraction(length):
+    """Return ' (1/n)' for a length [m] that is 1/n of a metre and has no short decimal, else ''."""
+    n = round(1.0 / length)
+    return f" (1/{n})" if abs(n * length - 1.0) < 1e-9 and float(f"{length:.6g}") != 1.0 / n else ""
 
 
 def _lengths(case):

@@ -165,6 +165,8 @@ def _check_call(node, text):
 
 
 def _unknown_name(name, names, text):
+    if not names:
+        return f"{shown(name)} is not a number; write one such as 0.02, 1/40 or 2*pi"
     known = ", ".join([*names, *CONSTANTS])
     return f"unknown name {shown(name)} in {shown(text)}; known are {known} and the functions {', '.join(FUNCTIONS)}"
 

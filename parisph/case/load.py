@@ -14,7 +14,7 @@ from typing import Any
 
 from parisph.base import paths, reading
 from parisph.base.errors import CaseError
-from parisph.base.text import class_name, clipped, named, of_error, plain, shown
+from parisph.base.text import class_name, clipped, listed, named, of_error, plain, shown
 from parisph.case import stored
 from parisph.case.expressions import number
 from parisph.case.model import first_lines
@@ -86,7 +86,7 @@ def _find(path):
         problem = "is a folder; give a case file"
     else:
         problem = "is not a regular file; give a case file" if file.exists() else "there is no such case file"
-    hint = f"; {named(folder)} has {named(', '.join(near), 300)}" if near else ""
+    hint = f"; {named(folder)} has {listed(map(named, near), 300)}" if near else ""
     raise CaseError(f"{named(path)}: {problem}{hint}")
 
 
@@ -189,8 +189,8 @@ def _value(function, name, value, path):
     if name not in known:
         close = difflib.get_close_matches(name, known, n=1)
         hint = f"; did you mean {close[0]!r}?" if close else "."
-        listed = ", ".join(f"{key}={shown(item.default, 40)}" for key, item in known.items()) or "none"
-        raise CaseError(f"{named(path)} has no parameter {shown(name)}{hint} Its parameters and their defaults: {clipped(listed, LONGEST)}")
+        defaults = listed((f"{key}={shown(item.default, 40)}" for key, item in known.items()), LONGEST) or "none"
+        raise CaseError(f"{named(path)} has no parameter {shown(name)}{hint} Its parameters and their defaults: {defaults}")
     if not isinstance(value, str):
         return value
     hint = _hints(function).get(name)
@@ -199,8 +199,9 @@ def _value(function, name, value, path):
     try:
         return _convert(value, wanted)
     except (ValueError, TypeError) as error:
+        reason = "none is not allowed here" if value.lower() == "none" else of_error(error)
         raise CaseError(f"--set {named(name)}={named(value)}: must be {_type_name(wanted)}, as the default {shown(default, 40)} is "
-                        f"({of_error(error, 100)})") from None
+                        f"({reason})") from None
 
 
 def _hints(function):

@@ -107,7 +107,7 @@ def _resolution(case, expected):
     if case.walls is not None and case.walls.width != width:
         found.append(f"tank {case.walls.width / s:.3g} wide")
     if expected.wave is not None:
-        found.append(f"wave amplitude {expected.wave / s:.2g} (about {expected.wave:.2g} m by linear theory)")
+        found.append(f"wave amplitude {expected.wave / s:.2g} spacings (about {expected.wave:.2g} m by linear theory)")
     return ", ".join(found)
 
 

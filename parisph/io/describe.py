@@ -28,8 +28,12 @@ def describe(run):
 
 
 def provenance(run):
-    """Return the versions and options of a Run as text, "" if it has no snapshot. Raises StoreError if the first one is damaged."""
-    return "\n".join(_plain(f"{name:<16}{value}" for name, value in sorted(run.about.items())))
+    """Return the versions and options of a Run as text, "" if it has no snapshot. Raises StoreError if the first one is damaged.
+
+    What the summary says too, and `describe` has told, is left out.
+    """
+    told = {name: str((run.summary or {}).get(name)) for name in ("method", "ranks")}
+    return "\n".join(_plain(f"{name:<16}{value}" for name, value in sorted(run.about.items()) if told.get(name) != str(value)))
 
 
 def _results(run):

@@ -114,8 +114,8 @@ def _at_peak(run, probe):
         return kept
     late = run.times[run.number(time)] - time
     if late:
-        print(f"parisph: note: there is no snapshot at the peak of {probe}, t = {time:.6g} s: the picture is of {abs(late):.3g} s "
-              f"{'later' if late > 0.0 else 'earlier'}; a probe with peak=True keeps the flow at its peak", file=sys.stderr)
+        print(f"parisph: note: there is no snapshot at the peak of {probe}, t = {time:.6g} s: the nearest one is drawn, which is "
+              f"{abs(late):.3g} s {'later' if late > 0.0 else 'earlier'}; a probe with peak=True keeps the flow at its peak", file=sys.stderr)
     return time
 
 

@@ -69,6 +69,15 @@ def test_info_says_how_it_went(folder, capsys):
     assert any(word == "petsc_options -ksp_type gmres" for word in words)
 
 
+def test_info_says_method_and_ranks_once(folder, capsys):
+    assert main(["info", str(folder)]) == 0
+    text = capsys.readouterr().out
+    assert text.count("\nmethod ") == text.count("\nparisph_version ") == 1
+    (folder / "summary.json").unlink()    # then the snapshots tell it
+    assert main(["info", str(folder)]) == 0
+    assert capsys.readouterr().out.count("\nmethod ") == 1
+
+
 def test_energy_of_a_driven_fluid_does_not_drift(folder):
     def lines(**more):
         return [" ".join(line.split()) for line in describe.table({**SUMMARY, **more})]
@@ -273,7 +282,7 @@ def test_plot_of_a_part_in_other_colours(folder, capsys):
 
 def test_plot_says_how_far_from_the_peak_the_picture_is(tmp_path, capsys):
     assert main(["plot", str(written(tmp_path / "run", peak=6)), "--peak", "P2"]) == 0
-    assert "no snapshot at the peak of P2, t = 0.6 s: the picture is of 0.1 s " in capsys.readouterr().err
+    assert "no snapshot at the peak of P2, t = 0.6 s: the nearest one is drawn, which is 0.1 s " in capsys.readouterr().err
 
 
 def test_movie_of_some_speed(folder, tmp_path, capsys):

@@ -64,10 +64,12 @@ def test_equals_sign_in_a_value(write):
     (["spacin=1"], r"no parameter 'spacin'; did you mean 'spacing'\? Its parameters and their defaults: spacing=0.1"),
     (["spacing"], "must be name=value"),
     (["=1"], "must be name=value"),
-    (["spacing=abc"], r"--set spacing=abc: must be a number, as the default 0.1 is"),
+    (["spacing=abc"], r"--set spacing=abc: must be a number, as the default 0.1 is \('abc' is not a number; write one such as 0.02, 1/40 or 2\*pi\)$"),
+    (["spacing=none"], r"--set spacing=none: must be a number, as the default 0.1 is \(none is not allowed here\)$"),
+    (["spacing=sine(1)"], r"unknown function in 'sine\(1\)'; known are sin, cos, tan, sinh, cosh, tanh, exp, log, sqrt, abs, minimum, maximum, where\)$"),
     (["spacing=nan"], "must be a number"),
     (["spacing=-1"], r"my_case.py, line 8: Numerics.spacing = -1.0: must be greater than 0"),
-    (["spacing=0.3"], r"my_case.py, line 6: numerics.spacing = 0.3: must divide .* nearest that fit are 0.25 and 0.3333"),
+    (["spacing=0.3"], r"my_case.py, line 6: numerics.spacing = 0.3: must divide .* nearest that fit are 0.25 and 0.3333333333 \(1/3\)$"),
 ])
 def test_bad_sets(write, sets, message):
     with pytest.raises(CaseError, match=message):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from parisph.base.text import clipped, is_plain, named, of_error, plain, shown
+from parisph.base.text import clipped, is_plain, listed, named, of_error, plain, shown
 
 
 class Rude:
@@ -53,3 +53,10 @@ class Ending(Exception):
 
 def test_an_object_that_ends_the_program_does_not_when_it_is_shown():
     assert shown(Ending()) == "<Ending>" and of_error(Ending()) == "its message cannot be shown"
+
+
+def test_a_list_is_never_cut_in_the_middle_of_a_name():
+    names = ["alpha", "beta", "gamma"]
+    assert listed(names, 18) == "alpha, beta, gamma" and listed(names, 17) == "alpha and 2 more" and listed([], 9) == ""
+    assert listed(names * 2, 24) == "alpha, beta and 4 more"
+    assert len(listed(["x" * 1000], 80)) == 80
