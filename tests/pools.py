@@ -7,6 +7,7 @@ import numpy as np
 from parisph.base.fields import CONTACT, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
+from parisph.kernels.moments import second_moment
 
 
 @dataclass
@@ -57,6 +58,14 @@ class Pool:
     @property
     def csr(self):
         return self.indptr, self.indices, self.axes
+
+    def quality(self, radius, power):
+        """Return det/(trace/dim)^dim of the moment of each particle's neighbours, as least squares weigh them: (n,)."""
+        m, found = np.empty((self.dim, self.dim)), np.empty(self.n)
+        for i in range(self.n):
+            second_moment(m, i, self.x, self.role, radius**2, power, *self.csr)
+            found[i] = np.linalg.det(m) / max(np.trace(m) / self.dim, 1e-300) ** self.dim
+        return found
 
     def far_inside(self, layers):
         """Return which particles are at least so many lattice layers away from the rim of the lattice, (n,) bool."""

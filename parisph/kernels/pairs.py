@@ -1,0 +1,160 @@
+"""Displacements of close pairs: turning where the fluid is strained, parting where it has no pressure."""
+
+import math
+
+import numpy as np
+
+from parisph.base.fields import FLUID, INNER
+from parisph.kernels.jit import inlined, kernel
+
+TILT = math.pi / 6.0    # between the line of a pair and the direction in which it parts
+
+
+@inlined
+def _hash(first, second):
+    """Return 32 bits that depend on two ids, in either order, and on nothing else."""
+    low, high = np.uint64(min(first, second)), np.uint64(max(first, second))
+    h = (low * np.uint64(2654435761) + high * np.uint64(40503)) & np.uint64(0xFFFFFFFF)
+    h = (((h >> np.uint64(13)) ^ h) * np.uint64(1274126177)) & np.uint64(0xFFFFFFFF)
+    return h ^ (h >> np.uint64(16))
+
+
+@kernel
+def across(side, d, first, second, axes):
+    """Write a vector across d, of its length (3D: at most), to one side or the other by the ids of the pair.
+
+    It changes its sign with d, so that the sum over a pair is zero.
+    """
+    h = _hash(first, second)
+    sign = 1.0 if h & np.uint64(1) else -1.0
+    if len(axes) == 2:
+        side[0], side[1] = -sign * d[1], sign * d[0]
+        return
+    # an axis that is uniform on the sphere, by the bits that are left
+    z = 2.0 * ((h >> np.uint64(1)) & np.uint64(0x7FFF)) / 0x7FFF - 1.0
+    angle = 2.0 * math.pi * ((h >> np.uint64(16)) & np.uint64(0xFFFF)) / 0x10000
+    rest = math.sqrt(max(0.0, 1.0 - z * z))
+    ax, ay = rest * math.cos(angle), rest * math.sin(angle)
+    side[0], side[1], side[2] = ay * d[2] - z * d[1], z * d[0] - ax * d[2], ax * d[1] - ay * d[0]
+
+
+@kernel
+def turn_pairs(shift, x, kind, role, ident, distance, strength, indptr, indices, axes):
+    """Add a turn of close pairs of inner particles: a lattice that is compressed has no gradient of concentration.
+
+    Each pair moves apart across its line, by (1 - r/distance) times the mean of its strengths.
+
+    shift : (n_owned, dim), changed [m]; strength : (n_all,) [m]; distance [m]
+    """
+    dim = len(axes)
+    d, side = np.empty(dim), np.empty(dim)
+    for i in range(len(indptr) - 1):
+        if role[i] != INNER:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if role[j] != INNER or kind[j] != FLUID:
+                continue
+            r = _distance(d, i, j, x, axes)
+            if not 0.0 < r < distance:
+                continue
+            across(side, d, ident[i], ident[j], axes)
+            move = 0.5 * (strength[i] + strength[j]) * (1.0 - r / distance) / r
+            for a in range(dim):
+                shift[i, a] -= move * side[a]
+
+
+@kernel
+def count_close(number, x, kind, role, distance, indptr, indices, axes):
+    """Number of fluid neighbours nearer than the distance, of pairs that are not both inner: (n_owned,)."""
+    d = np.empty(len(axes))
+    for i in range(len(indptr) - 1):
+        number[i] = 0
+        if kind[i] != FLUID:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] == FLUID and (role[i] != INNER or role[j] != INNER):
+                number[i] += 0.0 < _distance(d, i, j, x, axes) < distance
+
+
+@kernel
+def part_pairs(shift, number, x, kind, role, ident, distance, strength, indptr, indices, axes):
+    """Part fluid pairs nearer than the distance of which at least one has no pressure equation (jets, drops, films).
+
+    A pair parts by strength (distance - r), divided by the larger number of such pairs of the two,
+    so that no sum of moves exceeds it. It parts along its line turned by TILT to one side or the other:
+    particles in one line then form a column again, and not a point.
+
+    shift : (n_owned, dim) output [m]; number : (n_all,) of `count_close`
+    """
+    dim = len(axes)
+    d, side = np.empty(dim), np.empty(dim)
+    cosine, sine = math.cos(TILT), math.sin(TILT)
+    for i in range(len(indptr) - 1):
+        shift[i, :] = 0.0
+        if kind[i] != FLUID or number[i] == 0:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != FLUID or (role[i] == INNER and role[j] == INNER):
+                continue
+            r = _distance(d, i, j, x, axes)
+            if not 0.0 < r < distance:
+                continue
+            across(side, d, ident[i], ident[j], axes)
+            move = 0.5 * strength * (distance - r) / (r * max(number[i], number[j]))
+            for a in range(dim):
+                shift[i, a] -= move * (cosine * d[a] + sine * side[a])
+
+
+@kernel
+def keep_apart(move, near, x, kind, ident, distance, longest, indptr, indices, axes):
+    """Sum of the moves that bring each fluid pair to the distance, half each, along its line turned by TILT.
+
+    For repeated sweeps: the sum is right for a pair of its own, and limited in a crowd.
+
+    move : (n_owned, dim) output, at most `longest` [m]
+    near : (n_owned,) bool, the particles to look at, all in the first sweep; those stay that have a
+        neighbour which the next sweep may bring too near
+    Returns the number of owned particles with a neighbour nearer than the distance.
+    """
+    dim = len(axes)
+    d, side = np.empty(dim), np.empty(dim)
+    cosine, sine = math.cos(TILT), math.sin(TILT)
+    crowded, reach = 0, distance + longest
+    for i in range(len(indptr) - 1):
+        move[i, :] = 0.0
+        if kind[i] != FLUID or not near[i]:
+            continue
+        close, near[i] = False, False
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != FLUID:
+                continue
+            r = _distance(d, i, j, x, axes)
+            near[i] |= r < reach
+            if not 0.0 < r < distance:
+                continue
+            close = True
+            across(side, d, ident[i], ident[j], axes)
+            for a in range(dim):
+                move[i, a] -= 0.5 * (distance - r) / r * (cosine * d[a] + sine * side[a])
+        crowded += close
+        length = 0.0
+        for a in range(dim):
+            length += move[i, a] ** 2
+        if length > longest**2:
+            for a in range(dim):
+                move[i, a] *= longest / math.sqrt(length)
+    return crowded
+
+
+@inlined
+def _distance(d, i, j, x, axes):
+    """Write x_j - x_i, and return its length."""
+    r2 = 0.0
+    for a in range(len(axes)):
+        d[a] = x[j, a] - x[i, a]
+        r2 += d[a] ** 2
+    return math.sqrt(r2)

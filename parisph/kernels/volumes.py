@@ -1,0 +1,159 @@
+"""The volume that each fluid particle represents now (2D): its Voronoi cell, inside walls and the free surface.
+
+The cells are those of the fluid particles alone, cut off at the walls: a particle one spacing in front of
+a wall has 3/2 cells. The free surface passes through the particles on it. What lies inside is decided for each
+corner of the cells, which belongs to a triangle of particles (Delaunay), or at a wall to two particles and
+their feet on it. A triangle that is too large to be fluid is left out by all its particles, and so is what
+lies at a wall that is not wet. A corner counts with the kite between the particle, its feet on the two sides, and
+itself. Kites have signs, so that those of a triangle add up to its area also if its corner lies outside. The
+sum over all particles is then exactly the area of all triangles.
+"""
+
+import numpy as np
+
+from parisph.base.fields import FLUID, WET
+from parisph.kernels.jit import inlined, kernel
+
+MOST = 256       # sides of a cell that are looked at, and wet wall particles; further ones are ignored
+GAP = 1.0        # spacings: circumradius of the largest triangle that is fluid; stretched jets have larger ones
+NEAR_WALL = 0.75 # spacings: a corner on a wall is wet if a wet wall particle is as near
+NEAR_SIDE = 1.6  # spacings: neighbours that bound most of a cell
+BOX = -1         # side of the box from which cells are cut: there the cell is open
+
+
+@kernel
+def current_volumes(out, x, kind, role, lower, upper, spacing, reach, indptr, indices):
+    """Write the volume out (n_owned,) [m^2] that owned fluid particles represent now, 0 for walls.
+
+    A particle in no triangle, such as a drop, represents one cell of the lattice.
+
+    x : (n_all, 2) [m]; kind, role : (n_all,); lower, upper : (2,) where walls are [m], infinite where there is none
+    spacing, reach : [m]; the lists contain all neighbours within `reach`, at least 2.6 spacings
+    """
+    nx, ny, limit, member = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST, np.int64)
+    px, py, edge = np.empty(MOST), np.empty(MOST), np.empty(MOST, np.int64)
+    qx, qy, qedge = np.empty(MOST), np.empty(MOST), np.empty(MOST, np.int64)
+    wet = np.empty((MOST, 2))
+    near_side = 0.5 * (NEAR_SIDE * spacing) ** 2
+    gap2, near2 = (GAP * spacing) ** 2, (NEAR_WALL * spacing) ** 2
+    for i in range(len(indptr) - 1):
+        out[i] = 0.0
+        if kind[i] != FLUID:
+            continue
+        out[i] = spacing * spacing
+        sides, walls = _sides(nx, ny, limit, member, wet, i, x, kind, role, lower, upper, reach, indptr, indices)
+        corners, far2 = _box(px, py, edge, reach), 2.0 * reach * reach
+        for far in (False, True):    # near sides first: far ones do not reach the cell then
+            for k in range(sides):
+                if (limit[k] > near_side) == far and (member[k] < 0 or limit[k] < 2.0 * far2):
+                    corners = _cut(px, py, edge, corners, qx, qy, qedge, nx[k], ny[k], limit[k], k)
+                    far2 = _farthest(px, py, corners)
+        area, kept = 0.0, 0
+        for m in range(corners):
+            a, b = edge[m - 1 if m else corners - 1], edge[m]
+            if a == BOX or b == BOX:
+                continue
+            if _is_fluid(px[m], py[m], a, b, member, wet, walls, gap2, near2):
+                area += _kite(px[m], py[m], a, b, nx, ny, limit)
+                kept += 1
+        if kept:
+            out[i] = area
+
+
+@kernel
+def _sides(nx, ny, limit, member, wet, i, x, kind, role, lower, upper, reach, indptr, indices):
+    """Write the sides that may bound the cell of i, { p : n . p <= limit }, and the places `wet` of wet wall particles.
+
+    member : the neighbour across the side, or -1 for a wall, whose n has length 1. Everything is relative to
+    i. Returns the numbers of sides and places.
+    """
+    n, w = 0, 0
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
+        d2 = dx * dx + dy * dy
+        if n == MOST - 4 or w == MOST or not d2 < reach * reach:
+            continue
+        if kind[j] == FLUID and d2 > 0.0:
+            nx[n], ny[n], limit[n], member[n] = dx, dy, 0.5 * d2, j
+            n += 1
+        elif role[j] == WET:
+            wet[w, 0], wet[w, 1] = dx, dy
+            w += 1
+    for a in range(2):
+        for sign in (-1.0, 1.0):
+            away = x[i, a] - lower[a] if sign < 0.0 else upper[a] - x[i, a]
+            if away < reach:
+                nx[n], ny[n] = (sign, 0.0) if a == 0 else (0.0, sign)
+                limit[n], member[n] = away, -1
+                n += 1
+    return n, w
+
+
+@inlined
+def _box(px, py, edge, reach):
+    """Write the corners of a square around the particle, anticlockwise; return their number."""
+    for m in range(4):
+        px[m] = reach if m == 0 or m == 3 else -reach
+        py[m] = reach if m < 2 else -reach
+        edge[m] = BOX
+    return 4
+
+
+@inlined
+def _farthest(px, py, count):
+    """Return the largest square of a corner's distance."""
+    far2 = 0.0
+    for m in range(count):
+        far2 = max(far2, px[m] * px[m] + py[m] * py[m])
+    return far2
+
+
+@inlined
+def _cut(px, py, edge, count, qx, qy, qedge, nx, ny, limit, side):
+    """Cut a convex polygon with a half plane { p : n . p <= limit }; return the number of its corners.
+
+    edge : the side from each corner to the next
+    """
+    outside = False
+    for m in range(count):
+        outside = outside or nx * px[m] + ny * py[m] > limit
+    if not outside or count > MOST - 2:
+        return count
+    n = 0
+    for m in range(count):
+        k = m + 1 if m + 1 < count else 0
+        a, b = nx * px[m] + ny * py[m] - limit, nx * px[k] + ny * py[k] - limit
+        if a <= 0.0:
+            qx[n], qy[n], qedge[n] = px[m], py[m], edge[m]
+            n += 1
+        if (a <= 0.0) != (b <= 0.0):
+            t = a / (a - b)
+            qx[n], qy[n] = px[m] + t * (px[k] - px[m]), py[m] + t * (py[k] - py[m])
+            qedge[n] = side if a <= 0.0 else edge[m]
+            n += 1
+    for m in range(n):
+        px[m], py[m], edge[m] = qx[m], qy[m], qedge[m]
+    return n
+
+
+@inlined
+def _kite(vx, vy, a, b, nx, ny, limit):
+    """Return the signed area between the particle, its feet on the sides a and b, and their corner v."""
+    ta = limit[a] / (nx[a] * nx[a] + ny[a] * ny[a])
+    tb = limit[b] / (nx[b] * nx[b] + ny[b] * ny[b])
+    return 0.5 * (ta * (nx[a] * vy - ny[a] * vx) + tb * (vx * ny[b] - vy * nx[b]))
+
+
+@inlined
+def _is_fluid(vx, vy, a, b, member, wet, walls, gap2, near2):
+    """Return whether the corner v of the sides a and b belongs to fluid.
+
+    All particles of a triangle come to the same decision, on any rank.
+    """
+    if member[a] >= 0 and member[b] >= 0:
+        return vx * vx + vy * vy <= gap2
+    for w in range(walls):
+        if (wet[w, 0] - vx) ** 2 + (wet[w, 1] - vy) ** 2 <= near2:
+            return True
+    return False

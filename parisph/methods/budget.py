@@ -1,0 +1,66 @@
+"""The energy budget of a step: what the fluid gains by each of its parts."""
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph.kernels.energy import energy
+from parisph.kernels.jit import axes_of
+from parisph.parallel.particles import Particles
+
+# pressure: prediction, pressure and movement, with the exchange of kinetic and potential energy between them
+CAUSES = ("pressure", "filter", "collisions", "guard", "projection", "parting", "shift")
+
+
+class Budget:
+    """Measures the energy of the fluid between the parts of a step.
+
+    The energy is that of the probe Energy: kinetic and potential in a uniform, constant body force, with the
+    volume that each particle represents at the start. Only differences count, so the potential has no datum.
+
+    Parameters
+    ----------
+    density : float [kg/m^3]
+    gravity : (dim,) [m/s^2], zero for a force without a potential
+    """
+
+    def __init__(self, density: float, gravity: np.ndarray):
+        self._density, self._gravity = density, gravity
+        self._gains, self._last = np.zeros(len(CAUSES)), 0.0
+
+    def begin(self, particles: Particles) -> None:
+        """Begin a step. Not collective."""
+        self._gains[:] = 0.0
+        self._last = self._energy(particles)
+
+    def mark(self, particles: Particles, cause: str) -> None:
+        """Attribute to `cause` what the energy has changed by since the last mark. Not collective.
+
+        Particles may have changed their ranks: only the sum over the ranks has a meaning.
+        """
+        now = self._energy(particles)
+        self._gains[CAUSES.index(cause)] += now - self._last
+        self._last = now
+
+    def works(self, comm: MPI.Comm) -> dict[str, float]:
+        """Return {"work_" + cause: energy gained in the step [J, in 2D J/m]}, the same on all ranks. Collective."""
+        gains = self._gains.copy()
+        if comm.size > 1:
+            comm.Allreduce(MPI.IN_PLACE, gains, op=MPI.SUM)
+        return {f"work_{cause}": float(gain) for cause, gain in zip(CAUSES, gains)}
+
+    def _energy(self, p):
+        """Return the energy of owned fluid [J, in 2D J/m]; walls have no volume."""
+        return self._density * energy(p.volume, p.x, p.u, self._gravity, axes_of(p.dim))
+
+
+class NoBudget:
+    """Stands for a Budget that nobody asked for: does nothing."""
+
+    def begin(self, particles: Particles) -> None:
+        """Do nothing."""
+
+    def mark(self, particles: Particles, cause: str) -> None:
+        """Do nothing."""
+
+    def works(self, comm: MPI.Comm) -> None:
+        """Return None."""
