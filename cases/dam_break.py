@@ -15,8 +15,8 @@ def case(
     method: str = "ISPH_R",
     preset: str = "violent",
     end_time: float = 10.0,             # t sqrt(g/H)
-    time_step: float | None = 0.004,    # dt sqrt(g/H) at spacing = 0.0125, in proportion to it; none to adapt it
-    cfl: float = 0.4,
+    time_step: float | None = 0.002,    # dt sqrt(g/H) at spacing = 0.0125, in proportion to it; none to adapt it
+    cfl: float | None = None,
     gradient: str | None = None,        # this and the next five, if given, replace the preset's
     surface_rule: str | None = None,
     zeta_time: float | None = None,     # in sqrt(H/g)
@@ -26,6 +26,7 @@ def case(
     jitter: float = 0.0,
     seed: int = 0,
     snapshot_every: float = 0.1,        # in sqrt(H/g)
+    budget: bool = False,               # whether energy is also followed by cause, and by current volumes
 ) -> Case:
     g = 9.81                            # [m/s2]
     L = 0.5                             # width of the column [m]
@@ -43,13 +44,13 @@ def case(
             zeta_time=None if zeta_time is None else zeta_time * unit,
             time_step=None if time_step is None else time_step * spacing / 0.0125 * unit,
         ),
-        output=Output(every=snapshot_every * unit, checkpoint_every=unit),
+        output=Output(every=snapshot_every * unit, checkpoint_every=unit, budget=budget),
         probes=[
             PressureTap("P1", at=(0.0, 0.1 * H)),
             PressureTap("P2", at=(D, 0.05 * H), peak=True),     # the flow at the impact is kept
             WaterFront("front"),
             ColumnHeight("column", at=0.0),
-            Energy("energy"),
+            Energy("energy", current=budget),
             Volume("volume"),
             Momentum("momentum"),
         ],

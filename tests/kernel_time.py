@@ -6,8 +6,8 @@ from parisph.methods import projection, regularise
 from parisph.parallel import neighbours
 from parisph.pressure import rows
 
-_CALLED_FROM = {projection: ("gradients", "surfaces"), regularise: ("collisions", "shifting", "surfaces"),
-                rows: ("laplacian", "rankine", "walls", "compress"), neighbours: ("neighbour_lists",)}
+_CALLED_FROM = {projection: ("gradients", "surfaces"), regularise: ("collisions", "pairs", "shifting", "strain", "surfaces"),
+                rows: ("laplacian", "rankine", "surface_rows", "walls", "compress"), neighbours: ("neighbour_lists",)}
 
 
 class KernelTime:

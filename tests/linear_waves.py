@@ -66,7 +66,7 @@ class StillTank:
     def _fill(self):
         """Make the matrices; pressures are in the order inner, wet, surface, velocities (particle, axis) in rows."""
         p, d, rows = self.particles, self.domain, self.method.rows
-        rows.fill(np.zeros((self.n, 2)), p.x, p.role, p.normal, d.indptr, d.indices)
+        rows.fill(np.zeros((self.n, 2)), p.x, p.kind, p.role, p.volume, p.normal, d.indptr, d.indices)
         self.pressures = np.concatenate([self.inner, self.wet, self.surface])
         self.gradient = np.stack([self.method.pressure_gradient(e)[self.fluid].ravel()
                                   for e in self._units(self.pressures)], axis=1)
@@ -79,7 +79,7 @@ class StillTank:
             rows.divergence(div, both, p.role)
             self.divergence.append(div[self.inner])
             for u, columns in ((e, self.smoothing), (both - e, self.smoothing_of_walls)):
-                collisions.smooth_velocity(change, u, p.x, p.kind, p.role, self.numerics.filter,
+                collisions.smooth_velocity(change, u, p.x, p.kind, p.role, np.full(self.n, self.numerics.filter),
                                            schemes.MLS * self.numerics.spacing, d.indptr, d.indices, self.method.axes)
                 columns.append(change[self.fluid].ravel())
         for name in ("divergence", "smoothing", "smoothing_of_walls"):

@@ -48,8 +48,8 @@ def poisson_error(method, spacing, jitter, field=wave, seed=1, dim=2):
     n = len(x)
     role = np.where(inner, INNER, SURFACE).astype(np.int8)
     indptr, indices = neighbour_lists(x, n, scheme.reach * spacing)
-    rows = PressureRows(dim, scheme, "sfdi", spacing, RADII)
-    rows.fill(np.zeros_like(x), x, role, np.zeros_like(x), indptr, indices)
+    rows = PressureRows(dim, scheme, "sfdi", 0.0, spacing, RADII)
+    rows.fill(np.zeros_like(x), x, np.zeros(n, np.int8), role, np.zeros(n), np.zeros_like(x), indptr, indices)
     f, laplacian = field(x)
     right = np.where(inner, rows.right_hand_side(laplacian), 0.0) + known_part(rows, n, np.where(inner, 0.0, f))
     right[~inner] = 0.0  # the solver's p is zero there; f has gone to the other side

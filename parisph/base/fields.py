@@ -16,6 +16,8 @@ DRY = 3        # wall without fluid, in no stencil
 CONTACT = 4    # wall node at the contact line, in no stencil either
 BALLISTIC = 5  # fluid with too few neighbours for any stencil, p = 0 and free flight
 
+ORDER = {"scalar": 0, "vector": 1, "tensor": 2}    # indices of a value
+
 
 @dataclass(frozen=True)
 class Field:
@@ -23,7 +25,7 @@ class Field:
 
     Attributes
     ----------
-    shape : "scalar" for (n,), "vector" for (n, dim)
+    shape : "scalar" for (n,), "vector" for (n, dim), "tensor" for (n, dim, dim)
     unit, meaning : for people and for file attributes
     exchanged : part of the first message that fills a new ghost
     migrates : moves with its particle to another rank, and is in checkpoints
@@ -41,7 +43,7 @@ class Field:
 
     def empty(self, n, dim):
         """Return a zeroed array for n particles in dim dimensions."""
-        return np.zeros((n, dim) if self.shape == "vector" else n, dtype=self.dtype)
+        return np.zeros((n, *(dim,) * ORDER[self.shape]), dtype=self.dtype)
 
 
 FIELDS = {
@@ -61,6 +63,10 @@ FIELDS = {
               written=False),
         Field("phi", "scalar", np.float64, "m^2", "potential of the position projection", exchanged=False, written=False),
         Field("grad_alpha", "vector", np.float64, "1/m", "gradient of alpha", exchanged=False, migrates=False, written=False),
+        Field("grad_u", "tensor", np.float64, "1/s", "velocity gradient, du_a/dx_b", exchanged=False, migrates=False, written=False),
+        Field("strain_rate", "scalar", np.float64, "1/s", "rate of strain sqrt(2 S:S)", exchanged=False, migrates=False, written=False),
+        Field("turn", "scalar", np.float64, "m", "displacement by which close pairs turn", exchanged=False, migrates=False, written=False),
+        Field("pairs", "scalar", np.int32, "", "close pairs that share a correction", exchanged=False, migrates=False, written=False),
         Field("closing", "scalar", np.int8, "", "of a wall particle: 0 apart from fluid in front of it, 1 free, 2 closing fluid off (kernels.wetness)",
               exchanged=False, migrates=False, written=False),
         Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value"),

@@ -264,7 +264,7 @@ def _steps(case):
 
 def _time_steps(case):
     """Yield the time steps [s] that a case requires, each with the field that requires it and the reason."""
-    n, frame = case.numerics, case.frame
+    n, frame = case.numerics.resolved(), case.frame
     if n.time_step is not None:
         yield n.time_step, f"numerics.time_step = {n.time_step:g} s"
         return
@@ -306,7 +306,8 @@ def stable_time_step(case):
     if case.numerics.preset == "violent":
         speed += np.sqrt(2.0 * g * (upper - lower)[-1])
     by_waves = np.sqrt(s / g) if g > 0.0 else np.inf
-    by_speed = case.numerics.cfl * s / speed if speed > 0.0 else np.inf
+    cfl = case.numerics.resolved().cfl
+    by_speed = cfl * s / speed if speed > 0.0 else np.inf
     if by_speed < by_waves:
-        return by_speed, f"moves the fastest fluid by {case.numerics.cfl:g} spacings"
+        return by_speed, f"moves the fastest fluid by {cfl:g} spacings"
     return by_waves, "resolves the shortest waves on the lattice"

@@ -20,16 +20,20 @@ class Numerics(Model):
     ----------
     spacing : particle spacing s [m]
     method, preset : names, see METHODS and PRESETS
-    time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s),
+    time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s) and to
+        `fall` (over sqrt(s/a), with four times the acceleration of the fluid for a, at most the body force),
         of at most a fiftieth of the period of a Sway
     max_time_step : upper limit of an adaptive step [s]
     zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)
     strain : weight of the strain source, which conserves volume in a finite step; 0 or 1
-    kappa, shift : weights of the position projection and of the Fick shift
-    filter : fraction of the velocity's roughness that is removed in a step
+    kappa, shift : greatest weights of the position projection and of the Fick shift
+    filter : greatest fraction of the velocity's roughness that is removed in a step
+    kappa_strain, shift_strain, filter_strain : these weights in proportion to the strain of a step, dt sqrt(2 S:S), up to
+        the greatest; 0 for the greatest in every step
     collision_distance, wall_guard : [s]; restitution : of pair collisions; 0 switches them off
     surface_rule, wall_rows, gradient, surface_gradient, stepping : names of the parts of a step
+    surface_offset : distance from a surface particle that stands for a full cell out to p = 0 [s]; 0 for p = 0 at particles
     rtol : relative tolerance of the pressure solve
     jitter : k of a start displacement s k (Rn - 1/2) in each direction, Rn uniform in [0, 1) (Z17
         Sec. 4), of fluid particles inside; of those on the free surface too if jitter_surface
@@ -40,7 +44,8 @@ class Numerics(Model):
     method: str = Field("ISPH_R", description="name of the method")
     preset: str = Field("violent", description="name of the preset")
     time_step: Optional[float] = Field(None, gt=0, description="fixed time step [s], or None to adapt it")
-    cfl: float = Field(0.4, gt=0, le=2, description="largest move of a particle in one adaptive step, in spacings")
+    cfl: Optional[float] = Field(None, gt=0, le=2, description="largest move of a particle in one adaptive step, in spacings")
+    fall: Optional[float] = Field(None, ge=0, le=2, description="largest adaptive step of moving fluid over sqrt(spacing/g), 0 for no limit")
     max_time_step: Optional[float] = Field(None, gt=0, description="upper limit of an adaptive step [s]")
     zeta_time: Optional[float] = Field(None, ge=0, description="relaxation time of the divergence [s], 0 for none")
     zeta: Optional[float] = Field(None, gt=0, le=2, description="weight of the divergence in the source")
@@ -48,11 +53,15 @@ class Numerics(Model):
     strain: Fraction = None
     kappa: Optional[float] = Field(None, ge=0, le=2, description="weight of the position projection")
     shift: Optional[float] = Field(None, ge=0, le=2, description="weight C of the Fick shift")
+    kappa_strain: Optional[float] = Field(None, ge=0, le=1000, description="weight of the position projection over the strain of a step")
+    shift_strain: Optional[float] = Field(None, ge=0, le=1000, description="weight C of the Fick shift over the strain of a step")
     filter: Fraction = None
+    filter_strain: Optional[float] = Field(None, ge=0, le=1000, description="fraction of roughness removed over the strain of a step")
     collision_distance: Distance = None
     restitution: Fraction = None
     wall_guard: Distance = None
     surface_rule: Optional[Literal["gap", "auxiliary", "density", "frozen", "none"]] = None
+    surface_offset: Optional[float] = Field(None, ge=0, le=1, description="distance of p = 0 from full surface particles, in spacings")
     wall_rows: Optional[Literal["sfdi", "harmonic"]] = None
     gradient: Optional[Literal["sfdi", "symmetric", "mixed"]] = None
     surface_gradient: Optional[Literal["same", "harmonic"]] = None
@@ -106,6 +115,7 @@ class Output(Model):
     probe_every : steps between samples of the probes
     probe_interval : time between samples of the probes [s], instead of `probe_every`; samples have exactly these
         times, interpolated linearly in time between steps, and no step is shortened for them
+    budget : whether steps.csv also has the energy that the fluid gained by each part of the step
     """
 
     every: Optional[float] = Field(None, gt=0, description="time between snapshots [s]")
@@ -114,6 +124,7 @@ class Output(Model):
     checkpoint_every: Optional[float] = Field(None, gt=0, description="simulated time between checkpoints [s]")
     probe_every: int = Field(1, ge=1, description="steps between samples of the probes")
     probe_interval: Optional[float] = Field(None, gt=0, description="time between samples of the probes [s]")
+    budget: bool = Field(False, description="whether the energy gained by each part of a step is written")
 
     @field_validator("fields")
     @classmethod

@@ -93,11 +93,15 @@ class ColumnHeight(Probe):
 
 
 class Energy(Probe):
-    """Kinetic and potential energy of the fluid [J/m]."""
+    """Kinetic and potential energy of the fluid [J/m].
+
+    current : whether also by the volumes that particles represent now, not only by those at the start
+    """
 
     kind: Literal["energy"] = "energy"
     truth: Union[Truth, None] = None
     peak: Peak = False
+    current: bool = Field(False, description="whether also by the volumes that particles represent now")
 
 
 class Volume(Probe):

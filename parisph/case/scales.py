@@ -25,12 +25,14 @@ class Scales:
     wave : amplitude of the waves [m], by linear theory; None unless the scene is level water with waves
     times : (n,) [s], from 0 to the end of the run
     speeds : (n,) largest speed of a particle at these times [m/s]
+    accelerations : (n,) largest acceleration of a particle at these times [m/s^2]
     force : largest body force per unit mass at the start [m/s^2]
     """
 
     wave: float | None
     times: np.ndarray
     speeds: np.ndarray
+    accelerations: np.ndarray
     force: float
 
 
@@ -41,20 +43,24 @@ def expected(case) -> Scales:
     initial elevation, and the first mode, an oscillator driven by the horizontal body force (which
     includes the motion of the tank). Because waves break, their amplitude is at most the depth, and
     their speed that of a fall from this height. All other fluid gains the energy of a fall from its
-    top to the tank's bed (Z14 Sec. 3.1.2).
+    top to the tank's bed (Z14 Sec. 3.1.2). The acceleration of level water is the frequency of its motion times
+    the speed, that of other fluid the body force. Fluid without a surface or a force is accelerated by its own flow.
     """
     times = np.linspace(0.0, case.end_time, SAMPLES)
     force, down = _gravity(case)
     speeds = np.full(SAMPLES, _start_speed(case))
     wave = None
+    lower, upper = case.fluid.shape.bounds
+    accelerations = np.pi / float(np.min(upper - lower)) * speeds**2    # of cells of flow as wide as the fluid
     if case.closed or force == 0.0:
-        return Scales(wave, times, speeds, force)
+        return Scales(wave, times, speeds, accelerations, force)
     if _is_level(case, down):
-        wave, moving = _waves(case, force, times)
+        wave, moving, accelerations = _waves(case, force, times, speeds)
         speeds += moving
     else:
+        accelerations = np.full(SAMPLES, force)
         speeds = np.hypot(speeds, np.minimum(force * times, np.sqrt(2.0 * force * _fall(case, down))))
-    return Scales(wave, times, speeds, force)
+    return Scales(wave, times, speeds, accelerations, force)
 
 
 def _sample(case):
@@ -99,18 +105,25 @@ def _fall(case, down):
     return float(top - np.where(down > 0.0, high, low) @ -down)
 
 
-def _waves(case, g, times):
-    """Return the largest amplitude of waves on level water [m], None without any, and the speed of its particles [m/s]."""
+def _waves(case, g, times, start):
+    """Return the largest amplitude of waves on level water [m], None without any, and speed [m/s] and acceleration [m/s^2]
+    of its particles, (n,) each.
+
+    start : (n,) the speed of the start [m/s], which is not part of the speed that is returned
+    """
     (length, depth), (lower, upper) = case.fluid.shape.size[[0, -1]], case.fluid.shape.bounds
     eta, speed = _sloshing(case, g, np.pi / length, depth, times)
+    acceleration = angular_frequency(np.pi / length, depth, g) * speed
     x = np.linspace(lower[0], upper[0], SAMPLES)
     amplitude, k = _harmonic(x, _elevation(case, x))
     omega = angular_frequency(k, depth, g)
     speed = speed + amplitude * omega / np.tanh(k * depth)
+    acceleration = acceleration + amplitude * omega**2 / np.tanh(k * depth)
     surface = np.column_stack([x, np.full((SAMPLES, case.dim - 1), upper[1:])])
     rise, k = _harmonic(x, vector_field(case.fluid.velocity, with_time=False)(surface)[:, -1])
+    acceleration = acceleration + angular_frequency(k, depth, g) * start
     amplitude = min(eta + np.hypot(amplitude, rise / angular_frequency(k, depth, g)), depth)
-    return (amplitude if amplitude > 0.0 else None), np.minimum(speed, np.sqrt(2.0 * g * depth))
+    return (amplitude if amplitude > 0.0 else None), np.minimum(speed, np.sqrt(2.0 * g * depth)), acceleration
 
 
 def _sloshing(case, g, k, depth, times):

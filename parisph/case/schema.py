@@ -12,7 +12,7 @@ from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.model import Model, first_lines
 from parisph.case.motion import AtRest, Frame, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
-from parisph.case.presets import METHODS, PRESETS
+from parisph.case.presets import CLOSED, METHODS, PRESETS
 from parisph.case.probes import (
     AnyProbe, ColumnHeight, Energy, Momentum, PressureTap, SurfaceGauge, Truth, Volume, WaterFront,
 )
@@ -148,6 +148,6 @@ def _put_asked(data, values):
     else:
         again = {other for name, other in (("zeta", "zeta_time"), ("zeta_time", "zeta")) if name in names}
         if any(name.partition(".")[0] in ("fluid", "walls") for name in values):
-            again.add("surface_rule")    # a full tank with a lid has none
+            again |= set(CLOSED)    # a full tank with a lid has values of its own
         for name in again - names:
             data["numerics"][name] = data["asked"][name]

@@ -6,12 +6,13 @@ from parisph.base.errors import CaseError
 from parisph.base.seal import opened
 from parisph.base.text import shown
 from parisph.case.numerics import Numerics
-from parisph.case.presets import PRESETS
+from parisph.case.presets import PRESETS, preset_values
 from parisph.case.schema import READ_ONLY, Case
 
 # Version of the fields of a case. Raise it when a field is renamed, removed or changes its meaning;
 # a new field with a default needs no new version. Texts without a version are from before 1 and have the same fields.
-SCHEMA = 1
+# 2: regularisation in proportion to the strain of a step.
+SCHEMA = 2
 
 
 def to_json(case: Case) -> str:
@@ -42,6 +43,8 @@ def from_json(text: str, read_only: bool = False) -> Case:
         raise CaseError('it does not match its digest: it is damaged or was edited. If you edited it, remove the line "digest"')
     content.pop("schema", None)
     content.pop("run", None)    # which run it is of (io.store); the case is the same in every run
+    if version < 2:
+        _keep_strengths(content.get("numerics"))
     # through the text again: JSON has no tuples, and pydantic takes lists for them only from JSON
     case = Case.model_validate_json(json.dumps(content), context=READ_ONLY if read_only else None)
     if case.asked is None:
@@ -49,6 +52,13 @@ def from_json(text: str, read_only: bool = False) -> Case:
     if not read_only:
         _check_asked(case)
     return case
+
+
+def _keep_strengths(numerics) -> None:
+    """Give the numerics of a stored text from before schema 2 the strengths and time-step limits of that time."""
+    if isinstance(numerics, dict) and numerics.get("kappa") is not None:    # resolved, not as the user gave them
+        for name in ("kappa_strain", "shift_strain", "filter_strain", "fall", "surface_offset"):
+            numerics.setdefault(name, 0.0)
 
 
 def _check_asked(case: Case) -> None:
@@ -67,7 +77,7 @@ def _with_asked(case: Case) -> Case:
     numerics = case.numerics
     if numerics.resolved() != numerics:
         return case    # not resolved: these are the values that the user gave
-    preset = {**PRESETS[numerics.preset], **({"surface_rule": "none"} if case.closed else {})}
+    preset = preset_values(numerics.preset, case.closed)
     same = [name for name, value in preset.items() if getattr(numerics, name) == value]
     return case.model_copy(update={"asked": Numerics(**numerics.model_dump(exclude=set(same)))})
 

@@ -145,9 +145,9 @@ class Conservation:
 
     def _look_at_energy(self, simulation):
         s, p = simulation, simulation.particles
-        sums = np.array([*self._energy.sums(View(p, s.domain)), p.volume.sum()])
+        sums = self._energy.sums(View(p, s.domain))
         s.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
-        kinetic, potential, total = self._energy.values(sums[:2], None)
+        kinetic, potential, total = self._energy.values(sums, None)
         self.energy.add(s.time, total + s.left.energy - self._lowest * (sums[2] + s.left.volume))
         if self._at_rest is not None:
             self.motion.add(s.time, kinetic + potential - self._at_rest(sums[2]))

@@ -8,6 +8,8 @@ from parisph.base import memory
 from parisph.case import geometry, scales, size
 from parisph.driver import cost
 
+BRISK = 4.0    # as methods.timestep.BRISK, whose module needs MPI
+
 
 def describe(case, parameters=None):
     """Return the description as text. Needs neither MPI nor compiled kernels.
@@ -83,10 +85,15 @@ def estimated_steps(case, numerics, expected):
         return round(case.end_time / numerics.time_step)
     move = numerics.cfl * numerics.spacing
     longest = min(_longest_step(case, numerics), math.sqrt(2.0 * move / expected.force) if expected.force else math.inf, case.end_time)
-    return math.ceil(case.end_time * np.mean(np.maximum(expected.speeds / move, 1.0 / longest)))
+    brisk = np.minimum(BRISK * expected.accelerations, expected.force)    # see methods.timestep.next_step
+    rates = [expected.speeds / move, np.full(len(expected.times), 1.0 / longest)]
+    if numerics.fall:
+        rates.append(np.sqrt(brisk / numerics.spacing) / numerics.fall)
+    return math.ceil(case.end_time * np.mean(np.max(rates, axis=0)))
 
 
 def _longest_step(case, n):
+    """Return the longest step [s] that the case allows, whatever the flow."""
     return min(case.frame.longest_step, n.max_time_step or math.inf)
 
 

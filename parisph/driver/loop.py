@@ -4,7 +4,7 @@ import logging
 import os
 import signal
 from contextlib import contextmanager
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -31,6 +31,7 @@ from parisph.io import checkpoint, probes
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
 from parisph.io.store import Store, provenance
+from parisph.methods.budget import CAUSES
 from parisph.methods.projection import StepReport
 from parisph.parallel import last_resort
 from parisph.parallel.guard import guarded
@@ -182,8 +183,7 @@ class _Run:
         s, path = self.simulation, self.store.folder / "run.log"
         level = logging.INFO if self.progress.wanted else logging.WARNING
         together(self.comm, f"write {path}", lambda: log.start(self.comm, path, level))
-        self.store.add_series("steps", {f.name: UNITS.get(f.name, "") for f in fields(StepReport)},
-                              "one line per step")
+        self.store.add_series("steps", _columns(self.case), "one line per step")
         for sampler in self.watch.samplers:
             self.store.add_series(f"probes/{sampler.name}", sampler.columns, self.watch.title(sampler))
         log.logger.info(f"{self.case.title}: {s.particles.n_global} particles on {self.comm.size} "
@@ -212,7 +212,7 @@ class _Run:
         report = s.advance()
         lines = self.watch.after_step()
         with s.timers("store"):
-            self.store.append(s.time, s.steps, {"steps": tuple(asdict(report).values())})
+            self.store.append(s.time, s.steps, {"steps": tuple(report.line().values())})
             self._write(lines)
             if self.snapshots.due(s.reached) or s.finished():    # and before the checkpoint, which follows
                 self._snapshot()
@@ -256,7 +256,8 @@ class _Run:
             self.account.measure(s)
         with s.timers("store"):
             self.peaks.write(self.store, all_of_them=True)
-            state = {**self.account.state(s), "peaks": self.peaks.state(), "left": vars(s.left)}
+            state = {**self.account.state(s), "peaks": self.peaks.state(), "left": vars(s.left),
+                     "acceleration": s.method.top_acceleration}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
         self.signals.left = f"the last checkpoint is {self.last_checkpoint}; continue with: parisph restart {self.store.folder}"
@@ -311,6 +312,13 @@ class _Run:
         if self.comm.rank == 0:
             self.clock.remember(self.simulation.numerics, self.simulation.particles.n_global, self.comm.size)
         return summary
+
+
+def _columns(case):
+    """Return the columns of steps.csv with their units."""
+    found = {field.name: UNITS.get(field.name, "") for field in fields(StepReport) if field.name != "works"}
+    works = CAUSES if case.output.budget else ()
+    return found | {f"work_{cause}": "J/m" if case.dim == 2 else "J" for cause in works}
 
 
 def _about(simulation):

@@ -12,14 +12,17 @@ from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID
 from parisph.case import geometry
 from parisph.case.checks import stable_time_step
+from parisph.case.presets import CLOSED, preset_values
 from parisph.case.schema import Case
 from parisph.driver import room, warmup
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.io.checkpoint import Checkpoint
+from parisph.io.sampling import Scene
 from parisph.kernels import selfcheck
 from parisph.methods import schemes
+from parisph.methods.budget import Budget
 from parisph.methods.projection import Projection, StepReport
 from parisph.methods.timestep import first_step, next_step, rest_step
 from parisph.parallel.guard import Guard
@@ -104,7 +107,9 @@ class Simulation:
                              SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.lid)
         self.solver = PressureSolver(self.comm, petsc_options, self.numerics.rtol, closed=case.closed)
         self.method = Projection(self.numerics, case.fluid.density, self._force, self.particles, self.domain,
-                                 self.solver, self.timers, closed=case.closed)
+                                 self.solver, self.timers, closed=case.closed, budget=_budget(case))
+        if start is not None:
+            self.method.top_acceleration = start.state.get("acceleration", 0.0)
         self.bad_force = None
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
@@ -196,7 +201,8 @@ class Simulation:
 
     def _limit(self):
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
-        dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt, self._shortest)
+        dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt, self._shortest,
+                       self.method.top_acceleration)
         if self.numerics.time_step is not None:
             return dt
         dt = min(dt, self.case.frame.longest_step)    # a small force between two turns says nothing of what comes
@@ -210,7 +216,7 @@ class Simulation:
         fluid = p.x[p.kind == FLUID]
 
         def force_at(after):
-            return float(np.linalg.norm(self.case.body_force(fluid, self.time + after), axis=1).max(initial=0.0))
+            return _largest(self.case.body_force(fluid, self.time + after))
         return first_step(self.comm, p, self.numerics, self.method.acceleration_now(self.time), dt, force_at)
 
     def _target(self, until):
@@ -233,8 +239,13 @@ class Simulation:
     def _strongest_force(self):
         """Return the largest body force on this rank's fluid, for the time step [m/s^2]."""
         p = self.particles
-        force = np.linalg.norm(self._force(p.x[p.kind == FLUID], self.time), axis=1)
-        return float(force.max(initial=0.0))
+        return _largest(self._force(p.x[p.kind == FLUID], self.time))
+
+
+def _largest(force):
+    """Return the largest finite size of forces (n, dim), 0 if there is none: what is no number sets no step, the step says so."""
+    size = np.linalg.norm(force, axis=1)
+    return float(size.max(initial=0.0, where=np.isfinite(size)))
 
 
 def finished(case, time):
@@ -264,10 +275,14 @@ def _other_than_first(comm, case, petsc_options):
 
 def _numerics(case):
     """Return the resolved numerics; a closed case has no free surface."""
-    numerics = case.numerics.resolved()
-    if case.closed and case.numerics.surface_rule is None:
-        return numerics.model_copy(update={"surface_rule": "none"})
-    return numerics
+    values = preset_values(case.numerics.preset, case.closed)
+    own = {name: values[name] for name in CLOSED if getattr(case.numerics, name) is None}
+    return case.numerics.resolved().model_copy(update=own)
+
+
+def _budget(case):
+    """Return the Budget of the case, None if it has none."""
+    return Budget(case.fluid.density, Scene.of(case).gravity) if case.output.budget else None
 
 
 def _arrays(case, comm):

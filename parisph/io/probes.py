@@ -10,6 +10,7 @@ from parisph.base.errors import CaseError, agree
 from parisph.io.sampling import WIDTH, Sampler, Scene, sample_all
 from parisph.io.surface import COLUMN, bodies, surface_height
 from parisph.kernels.interior import interior_cells
+from parisph.kernels.volumes import current_volumes
 
 __all__ = ["SAMPLERS", "build", "sample_all"]
 
@@ -20,6 +21,7 @@ BED = 2.0           # water on the bed is as near to it as this
 BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradients do
 NODES = 4.0         # surface particles that may serve a gauge
 INSIDE = 2.1        # cells inside the fluid are farther from the surface
+CELL = 2.6          # neighbours that bound the cell of a particle; the lists of every method have them
 
 ROUNDING = 1.0 + 1e-9
 HEIGHT, BODY = 0.0, 1.0  # what a row is: a surface particle (x, y), or a body (lower end, upper end, particles)
@@ -179,6 +181,9 @@ class Energy(Sampler):
 
     The potential energy is that of a uniform, constant body force, relative to the tank's lower corner
     (without a tank, the lower corner of the initial fluid); it is 0 for any other force.
+
+    With current=True also with the volumes that particles represent now (kernels.volumes), and the sum of
+    these: what a particle represents changes when it comes to a wall or to the surface, or leaves it.
     """
 
     def __init__(self, probe, scene):
@@ -186,15 +191,39 @@ class Energy(Sampler):
         unit = "J/m" if scene.dim == 2 else "J"
         self.columns = {"kinetic": unit, "potential": unit, "total": unit}
         self.title = "Energy of the fluid"
+        if probe.current:
+            self._two_dimensional(scene)
+            self.columns |= {"kinetic_now": unit, "potential_now": unit, "total_now": unit, "volume_now": "m^2"}
+            self.title += ", by the volumes at the start and by those now"
+            self.ghosts = ("x", "role")
+
+    def _two_dimensional(self, scene):
+        if scene.dim != 2:
+            raise CaseError(f"probe {self.name!r}: current volumes exist in 2D only; leave out current=True")
 
     def sums(self, view):
-        x, u, volume = view.particles.x, view.particles.u, view.particles.volume
-        height = self.scene.gravity @ (volume.sum() * self.scene.lower - volume @ x)
-        return 0.5 * (volume @ (u * u)).sum(), height
+        volumes = [view.particles.volume]
+        if self.probe.current:
+            volumes.append(self._current_volumes(view))
+        return np.concatenate([self._sums(view.particles, volume) for volume in volumes])
+
+    def _sums(self, p, volume):
+        """Return kinetic and potential energy over density, and the volume, by `volume` (n_owned,) [m^dim]."""
+        total = volume.sum()
+        return 0.5 * (volume @ (p.u * p.u)).sum(), self.scene.gravity @ (total * self.scene.lower - volume @ p.x), total
+
+    def _current_volumes(self, view):
+        p, d, s = view.particles, view.domain, self.scene
+        volume, reach = np.empty(p.n_owned), min(d.radius, CELL * s.spacing)
+        current_volumes(volume, p.x_all, p.kind_all, p.role_all, *s.walls, s.spacing, reach, d.indptr, d.indices)
+        return volume
 
     def values(self, sums, rows):
-        kinetic, potential = self.scene.density * sums
-        return kinetic, potential, kinetic + potential
+        found = ()
+        for kinetic, potential, volume in np.reshape(sums, (-1, 3)):
+            kinetic, potential = self.scene.density * kinetic, self.scene.density * potential
+            found += kinetic, potential, kinetic + potential, volume
+        return found[:3] + found[4:]    # the volumes at the start add up to a constant
 
 
 class Momentum(Sampler):

@@ -69,7 +69,7 @@ class Scene:
 
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
     the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2],
-    zero unless the body force is uniform and constant.
+    zero unless the body force is uniform and constant; lid : whether the tank is closed above.
     """
 
     dim: int
@@ -80,13 +80,24 @@ class Scene:
     upper: np.ndarray
     tank: bool
     gravity: np.ndarray
+    lid: bool = False
 
     @classmethod
     def of(cls, case):
         """Return the Scene of a Case."""
         s = case.numerics.spacing
         return cls(case.dim, s, geometry.lattice(case).step, case.fluid.density,
-                   *geometry.domain(case), case.walls is not None, _uniform(case.gravity))
+                   *geometry.domain(case), case.walls is not None, _uniform(case.gravity),
+                   case.walls is not None and case.walls.lid)
+
+    @property
+    def walls(self):
+        """Where the walls are: lower, upper (dim,) [m], infinite where there is none."""
+        if not self.tank:
+            return np.full(self.dim, -np.inf), np.full(self.dim, np.inf)
+        upper = self.upper.copy()
+        upper[-1] = upper[-1] if self.lid else np.inf
+        return self.lower, upper
 
     @property
     def bed(self):

@@ -3,45 +3,75 @@
 import numpy as np
 
 from parisph.base.fields import FLUID
-from parisph.kernels.jit import kernel
+from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mirrors import height, near_planes
 from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.near import dot, fill_up, gather, room_for, sum_moments, weigh
 
+ROUNDING = 1e-9    # of the approach by a linear velocity: what differs from it by less is linear
+
 
 @kernel
-def pair_collisions(change, u, x, kind, volume, distance, restitution, indptr, indices, axes):
+def count_collisions(number, u, x, g, kind, distance, indptr, indices, axes):
+    """Number of fluid neighbours that each owned particle collides with: (n_owned,). See pair_collisions."""
+    for i in range(len(indptr) - 1):
+        number[i] = 0
+        if kind[i] != FLUID:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] == FLUID:
+                r2, approach = _approach(i, j, x, u, g, axes)
+                number[i] += 0.0 < r2 < distance * distance and approach > 0.0
+
+
+@kernel
+def pair_collisions(change, number, u, x, g, kind, volume, distance, restitution, indptr, indices, axes):
     """Velocity change by collisions of fluid pairs that are closer than the distance and approach.
 
-    Each particle sums the impulses of its pairs, computed from the velocities before the collisions:
-    the result depends neither on the order of the pairs nor on the rank that owns a particle.
-    Momentum is conserved, with masses in proportion to the volumes.
+    What counts is the approach beyond that of a linear velocity, d . (u_i - u_j) + d . (g_i + g_j) d/2
+    with d = x_j - x_i, or all of it if that is less: smooth strain never collides. Each impulse is
+    divided by the larger number of collisions of the two. Momentum is then conserved (with masses in
+    proportion to the volumes), and energy does not rise as long as no mass is more than 1/(1 +
+    restitution) of the two. Impulses are computed from the velocities before the collisions: the
+    result depends neither on the order of the pairs nor on the rank that owns a particle.
 
-    change : (n_owned, dim) output [m/s]; volume : (n_all,) [m^dim], > 0 for fluid. Returns the
-    number of colliding pairs (each counted once per particle).
+    change : (n_owned, dim) output [m/s]; number : (n_all,) of count_collisions
+    g : (n_all, dim, dim), velocity gradient [1/s]; volume : (n_all,) [m^dim], > 0 for fluid
+    Returns the number of colliding pairs (each counted once per particle).
     """
     dim = len(axes)
-    d2 = distance * distance
     pairs = 0
     for i in range(len(indptr) - 1):
         change[i, :] = 0.0
-        if kind[i] != FLUID:
+        if kind[i] != FLUID or number[i] == 0:
             continue
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             if kind[j] != FLUID:
                 continue
-            r2, approach = 0.0, 0.0
-            for a in range(dim):
-                r2 += (x[j, a] - x[i, a]) ** 2
-                approach += (x[j, a] - x[i, a]) * (u[i, a] - u[j, a])
-            if not 0.0 < r2 < d2 or approach <= 0.0:
+            r2, approach = _approach(i, j, x, u, g, axes)
+            if not 0.0 < r2 < distance * distance or approach <= 0.0:
                 continue
             pairs += 1
-            share = volume[j] / (volume[i] + volume[j])
+            share = volume[j] / (volume[i] + volume[j]) / max(number[i], number[j])
             for a in range(dim):
                 change[i, a] -= share * (1.0 + restitution) * approach / r2 * (x[j, a] - x[i, a])
     return pairs
+
+
+@kernel
+def _approach(i, j, x, u, g, axes):
+    """Return r^2, and d . (u_i - u_j) or that beyond a linear velocity, whichever is less."""
+    r2, full, smooth = 0.0, 0.0, 0.0
+    for a in range(len(axes)):
+        d = x[j, a] - x[i, a]
+        r2 += d * d
+        full += d * (u[i, a] - u[j, a])
+        for b in range(len(axes)):
+            smooth -= 0.5 * d * (g[i, a, b] + g[j, a, b]) * (x[j, b] - x[i, b])
+    beyond = full - smooth
+    return r2, min(full, beyond) if beyond > ROUNDING * abs(smooth) else 0.0
 
 
 @kernel
@@ -83,7 +113,7 @@ def keep_off_walls(move, x, kind, corner, normal, distance, indptr, indices, axe
     dim = len(axes)
     member = np.empty(dim, np.int64)
     for i in range(len(indptr) - 1):
-        if kind[i] != FLUID:
+        if kind[i] != FLUID or not _any(move, i, axes):
             continue
         for p in range(near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)):
             wall = member[p]
@@ -96,13 +126,24 @@ def keep_off_walls(move, x, kind, corner, normal, distance, indptr, indices, axe
                     move[i, a] += (allowed - outward) * normal[wall, a]
 
 
+@inlined
+def _any(move, i, axes):
+    """Return whether particle i moves at all."""
+    for a in range(len(axes)):
+        if move[i, a] != 0.0:
+            return True
+    return False
+
+
 @kernel
 def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices, axes):
-    """Velocity change -strength (u - linear MLS of u) at fluid particles; the fit includes the particle.
+    """Velocity change -strength_i (u - linear MLS of u) at fluid particles; the fit includes the particle.
 
     A harmonic velocity has no Laplacian, so a wave is almost unchanged. Where the neighbours do not
     span a plane (jets, drops) the change is zero, because an extrapolation from two neighbours is
     unbounded.
+
+    strength : (n_owned,); where it is 0 nothing is computed
     """
     dim, room = len(axes), room_for(indptr)
     near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((dim, room))
@@ -110,7 +151,7 @@ def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices,
     moments, fit, here = np.empty((moment_count(axes), 1)), np.empty((dim + 1, 1)), np.zeros((dim, 1))
     for i in range(len(indptr) - 1):
         change[i, :] = 0.0
-        if kind[i] != FLUID:
+        if kind[i] != FLUID or strength[i] == 0.0:
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         for a in range(dim):
@@ -129,4 +170,4 @@ def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices,
             for k in range(m):
                 difference[a, k] = u[member[k], a] - u[i, a]
             for r in range(dim + 1):
-                change[i, a] += strength * fit[r, 0] * dot(weighted, r, difference, a, m)
+                change[i, a] += strength[i] * fit[r, 0] * dot(weighted, r, difference, a, m)

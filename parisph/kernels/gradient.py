@@ -12,6 +12,9 @@ from parisph.kernels.near import dot, fill_up, gather, room_for, weigh
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline_slope
 
+TOO_FEW = -1.0      # the quality of a moment of fewer than dim + 1 neighbours
+SOFTENING = 0.25    # of the moment's mean, times what its quality lacks
+
 
 @kernel
 def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indices, axes):
@@ -21,8 +24,9 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
     (Eq. 28, with the printed volumes cancelled). Exact for linear f on any set.
 
     out : (n_owned, dim) [unit of f per m]; zero for walls, and for particles with fewer than
-        dim + 1 neighbours or det/(trace/dim)^dim of the moment < floor
-    role : such particles become BALLISTIC
+        dim + 1 neighbours; where det/(trace/dim)^dim of the moment < floor, the slope across the
+        line of the neighbours (3D: their line or plane) is damped
+    role : particles with fewer than dim + 1 neighbours, or with all in one place, become BALLISTIC
     f, x, role : owned and ghost
     """
     dim, room = len(axes), room_for(indptr)
@@ -35,8 +39,12 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
-        if _support(m, inverse, weighted, near, power, n, columns, axes) < floor:
+        quality = _support(m, inverse, weighted, near, power, n, columns, axes)
+        if quality == TOO_FEW:
             role[i] = BALLISTIC
+            continue
+        if quality < floor and not _soften(m, inverse, floor - quality, axes):
+            role[i] = BALLISTIC     # all in one place
             continue
         for k in range(columns):
             difference[0, k] = (f[member[k]] - f[i]) / radius if k < n else 0.0
@@ -48,7 +56,7 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
 
 @inlined
 def _support(m, inverse, weighted, near, power, n, columns, axes):
-    """Weigh the neighbours and invert their moment; return its det/(trace/dim)^dim, 0 if they are too few for a gradient."""
+    """Weigh the neighbours and invert their moment; return its det/(trace/dim)^dim, or TOO_FEW: not more than dim."""
     dim = len(axes)
     weigh(weighted, near, power, columns, axes)
     for a in range(dim):
@@ -58,7 +66,21 @@ def _support(m, inverse, weighted, near, power, n, columns, axes):
     for k in range(n):
         found += weighted[0, k] > 0.0
     quality = invert(m, inverse, axes)
-    return quality if found > dim else 0.0
+    return quality if found > dim else TOO_FEW
+
+
+@inlined
+def _soften(m, inverse, lack, axes):
+    """Invert the moment with the same in every direction added: neighbours in a line give no slope across it, but one along it.
+
+    Returns False if there is nothing to add to.
+    """
+    dim, trace = len(axes), 0.0
+    for a in range(dim):
+        trace += m[a, a]
+    for a in range(dim):
+        m[a, a] += SOFTENING * lack * trace / dim
+    return invert(m, inverse, axes) > 0.0
 
 
 @kernel

@@ -66,7 +66,7 @@ def fick_shift(shift, gradient, role, x, kind, strength, cap, reach, indptr, ind
     reach of a surface particle the part along the surface normal is removed, the normal being
     the mean of the surface particles' grad alpha weighted by 1/r^2.
 
-    shift : (n_owned, dim) output [m]; gradient : (n_all, dim); strength : C h^2 [m^2]
+    shift : (n_owned, dim) output [m]; gradient : (n_all, dim); strength : (n_owned,), C h^2 [m^2]
     """
     dim = len(axes)
     reach2 = reach * reach
@@ -76,7 +76,7 @@ def fick_shift(shift, gradient, role, x, kind, strength, cap, reach, indptr, ind
         if role[i] != INNER:
             continue
         for a in range(dim):
-            shift[i, a] = -strength * gradient[i, a]
+            shift[i, a] = -strength[i] * gradient[i, a]
         direction[:] = 0.0
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]

@@ -1,8 +1,10 @@
 """One time step of the projection methods, ISPH and ISPH_R."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
 from parisph.base.fields import ABSENT, BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels import gradient as gradients
@@ -10,6 +12,7 @@ from parisph.kernels import surface as surfaces
 from parisph.kernels import wetness
 from parisph.kernels.jit import axes_of
 from parisph.methods import regularise, schemes
+from parisph.methods.budget import NoBudget
 from parisph.pressure import groups
 from parisph.pressure.rows import PressureRows
 
@@ -29,7 +32,8 @@ class StepReport:
     particles with p = 0; isolated: particles in groups without contact with a free surface; collisions:
     pairs that collided; position_iterations, position_residual, position_fallback: of the second
     solve, for the position projection; 0, 0 and "" without one; left: particles that have left an
-    open tank over its rim since the start of the run.
+    open tank over its rim since the start of the run; works: None, or the energy that the fluid gained by each
+    part of the step, {column: J, in 2D J/m} (methods.budget).
     """
 
     dt: float
@@ -48,6 +52,12 @@ class StepReport:
     position_residual: float = 0.0
     position_fallback: str = ""
     left: int = 0
+    works: dict[str, float] | None = None
+
+    def line(self) -> dict[str, Any]:
+        """Return {column: value} of its line in steps.csv."""
+        found = {field.name: getattr(self, field.name) for field in fields(self)}
+        return found | (found.pop("works") or {})
 
 
 class Projection:
@@ -62,17 +72,22 @@ class Projection:
     particles, domain, solver, timers : the state of this run
     closed : bool
         Whether the fluid fills a closed tank: no free surface.
+    budget : Budget or None
+        Measures the energy that the fluid gains by each part of a step.
     """
 
-    def __init__(self, numerics, density, acceleration, particles, domain, solver, timers, closed=False):
+    def __init__(self, numerics, density, acceleration, particles, domain, solver, timers, closed=False, budget=None):
         self.numerics, self.density, self.acceleration = numerics, density, acceleration
         self.particles, self.domain, self.solver, self.timers = particles, domain, solver, timers
-        self.closed = closed
+        self.closed, self.budget = closed, budget or NoBudget()
         self.spacing = numerics.spacing
         self.axes = axes_of(particles.dim)
         scheme = schemes.SCHEMES[numerics.method]
         radii = {"circle": schemes.CIRCLE, "mls": schemes.MLS, "wall": schemes.WALL, "sph": schemes.SPH}
-        self.rows = PressureRows(particles.dim, scheme, numerics.wall_rows, self.spacing, radii)
+        self.top_acceleration = 0.0     # of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
+        self.by_pressure = 0.0          # acceleration of owned particles by pressure alone, in this step [m/s^2]
+        self.rows = PressureRows(particles.dim, scheme, numerics.wall_rows, numerics.surface_offset,
+                                 self.spacing, radii)
         self.full = surfaces.lattice_sum(self.spacing, schemes.DENSITY * self.spacing, self.axes)
         self.needs_alpha = (numerics.surface_rule in ("gap", "auxiliary", "density")
                             or numerics.gamma > 0.0 or numerics.kappa > 0.0)
@@ -82,7 +97,8 @@ class Projection:
 
         usual : float, the step [s] that would be taken if none were shortened to meet a time; default dt
         """
-        p, timers = self.particles, self.timers
+        p, timers, budget = self.particles, self.timers, self.budget
+        budget.begin(p)
         with timers("predict"):
             self._predict(dt)
         with timers("redistribute"):
@@ -102,12 +118,15 @@ class Projection:
         with timers("correct"):
             start = p.u.copy()
             self._correct_velocity(force, dt)
-            collisions = regularise.velocity(self, dt)
+            budget.mark(p, "pressure")
+            strained = regularise.strain_of_step(self, dt)
+            collisions = regularise.velocity(self, dt, strained)
             self._move(start, dt)
+            budget.mark(p, "pressure")
         positions = None
         if self.numerics.kappa > 0.0 or self.numerics.shift > 0.0:
             with timers("regularise"):
-                positions = regularise.positions(self, force)
+                positions = regularise.positions(self, strained)
         if usual is not None and dt < 0.5 * usual:
             self._average_pressure(earlier, dt / usual)
         with timers("record"):
@@ -232,7 +251,7 @@ class Projection:
     def _fill(self, velocity):
         """Fill the rows, and the flux divergence of a velocity or body force (n_all, dim)."""
         p, d = self.particles, self.domain
-        self.rows.fill(velocity, p.x_all, p.role_all, p.normal_all, d.indptr, d.indices)
+        self.rows.fill(velocity, p.x_all, p.kind_all, p.role_all, p.volume_all, p.normal_all, d.indptr, d.indices)
 
     def _equation(self, target, force):
         """Return (CSR matrix, right-hand side, isolated) for lap p = target (n_owned,) [Pa/m^2]. Collective.
@@ -276,6 +295,7 @@ class Projection:
                 break
             top = groups.highest(p.comm, alone & (p.kind == FLUID), p.x, force[:p.n_owned], p.id, ROUNDING * self.spacing)
             p.role[top] = SURFACE
+            self.rows.pin(top)
             d.update("role")
             matrix, alone, left = self._anchored()
         if left:
@@ -296,7 +316,12 @@ class Projection:
         p = self.particles
         grad = self.pressure_gradient(p.p_all)
         fluid = p.kind == FLUID
-        p.u[fluid] += dt * (force[:p.n_owned][fluid] - grad[fluid] / self.density)
+        acceleration = force[:p.n_owned][fluid] - grad[fluid] / self.density
+        self.by_pressure = np.linalg.norm(grad, axis=1) / self.density
+        p.u[fluid] += dt * acceleration
+        if self.numerics.time_step is None:
+            mine = float(np.sqrt((acceleration**2).sum(axis=1).max(initial=0.0)))
+            self.top_acceleration = p.comm.allreduce(mine, op=MPI.MAX)
 
     def _average_pressure(self, earlier, share):
         """Leave a mean over time as the pressure after a short step, of which this step has the given share. Collective.
@@ -337,7 +362,7 @@ class Projection:
         """Move particles by the trapezoid of Eq. 16, or by u^{n+1} for symplectic Euler."""
         p = self.particles
         fluid = p.kind == FLUID
-        u = p.u if self.numerics.stepping == "symplectic" else 0.5 * (start + p.u)
+        u = p.u if self.numerics.stepping == "symplectic" else regularise.keep_in_tank(self, 0.5 * (start + p.u), dt)
         p.x[fluid] = p.x0[fluid] + dt * u[fluid]
 
     def _divergence(self):
@@ -356,4 +381,4 @@ class Projection:
         second = (positions.iterations, positions.residual, positions.fallback) if positions else ()
         return StepReport(dt, solve.iterations, solve.residual, solve.reason, solve.fallback, solve.rebuilt,
                           solve.setup_seconds, solve.solve_seconds, divergence, int(counts[0]), isolated,
-                          int(counts[1]), *second)
+                          int(counts[1]), *second, works=self.budget.works(p.comm))

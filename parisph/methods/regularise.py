@@ -3,17 +3,49 @@
 import numpy as np
 
 from parisph.base.fields import FLUID
-from parisph.kernels import collisions, shifting, wetness
+from parisph.kernels import collisions, pairs, shifting, strain, wetness
 from parisph.kernels import surface as surfaces
 from parisph.methods import schemes
 
-WORK = 0.1  # largest share of the kinetic energy that the work of one displacement may change
 SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
-CAP = 0.1  # longest move of the position projection and of the shift, in spacings
+CAP = 0.1    # longest move of the position projection and of the shift, in spacings
+SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
+REST = 0.02  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
+
+# Close pairs; lengths in spacings.
+TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
+PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the fraction of what is missing
+APART, SWEEPS, SWEEP = 0.45, 8, 0.15    # distance that all pairs are brought to, sweeps at most, and longest move in one
 
 
-def velocity(method, dt):
+def strain_of_step(method, dt):
+    """Return the strain of the fluid in a step, dt sqrt(2 S:S), as the mean around each particle: (n_owned,). Collective.
+
+    Regularisation is in proportion to it: fluid at rest or in rigid motion is left alone, and the effect over
+    a time does not depend on the number of steps in it. A rate far below REST sqrt(a/s), with the
+    acceleration a by pressure alone, counts for less, with its square: in still water of disordered particles,
+    moves in proportion to a small velocity would make it grow. Also computes the velocity gradient, for pair
+    collisions. None if nothing in the case needs it.
+    """
+    p, d, n = method.particles, method.domain, method.numerics
+    if not (n.filter_strain or n.collision_distance or n.kappa or n.shift):
+        return None
+    d.update("u")
+    radius = schemes.MLS * method.spacing
+    strain.velocity_gradient(p.grad_u, p.strain_rate, p.u_all, p.x_all, p.kind_all, p.role_all, radius, SPAN,
+                             d.indptr, d.indices, method.axes)
+    d.update("grad_u", "strain_rate")
+    out = np.empty(p.n_owned)
+    strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, radius, d.indptr, d.indices, method.axes)
+    # a full closed tank does not notice a uniform force, which only its pressure balances
+    small = 0.0 if method.closed else REST * np.sqrt(method.by_pressure / method.spacing)
+    return dt * out * out / np.maximum(out + small, np.finfo(float).tiny)
+
+
+def velocity(method, dt, strained):
     """Apply the filter, pair collisions and the wall guard, if the case uses them. Collective.
+
+    strained : (n_owned,) or None, of `strain_of_step`
 
     Returns the number of collisions of owned particles.
     """
@@ -22,26 +54,60 @@ def velocity(method, dt):
     if n.filter > 0.0:
         d.update("u")
         change = np.empty_like(p.u)
-        collisions.smooth_velocity(change, p.u_all, p.x_all, p.kind_all, p.role_all, n.filter,
+        collisions.smooth_velocity(change, p.u_all, p.x_all, p.kind_all, p.role_all, _strength(n.filter, n.filter_strain, strained, p.n_owned),
                                    schemes.MLS * method.spacing, d.indptr, d.indices, method.axes)
         p.u[:] += change
+        method.budget.mark(p, "filter")
     if n.collision_distance > 0.0:
-        d.update("u")
-        change = np.empty_like(p.u)
-        hits = collisions.pair_collisions(change, p.u_all, p.x_all, p.kind_all, p.volume_all,
-                                          n.collision_distance * method.spacing, n.restitution,
-                                          d.indptr, d.indices, method.axes)
-        p.u[:] += change
+        hits = _collide(method)
+        method.budget.mark(p, "collisions")
     if n.wall_guard > 0.0:
         collisions.wall_guard(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all,
                               n.wall_guard * method.spacing, dt, d.indptr, d.indices, method.axes)
+        method.budget.mark(p, "guard")
     return hits
 
 
-def positions(method, force):
-    """Apply the position projection, then the Fick shift; neither changes the energy. Collective.
+def keep_in_tank(method, u, dt):
+    """Limit a velocity (n_owned, dim) of the fluid, by which it will be moved, with the wall guard. Collective in nothing.
 
-    force : (n_all, dim), body force per unit mass [m/s^2]
+    Particles move by the mean of two velocities. The guard of the new one alone would let a particle that is
+    stopped in this step pass the wall, and stop one that is only slowed down.
+    """
+    p, d, n = method.particles, method.domain, method.numerics
+    if not n.wall_guard:
+        return u
+    both = p.u_all.copy()    # walls keep theirs
+    fluid = p.kind == FLUID
+    both[:p.n_owned][fluid] = u[fluid]
+    collisions.wall_guard(both, p.x_all, p.kind_all, p.corner_all, p.normal_all, n.wall_guard * method.spacing, dt,
+                          d.indptr, d.indices, method.axes)
+    return both[:p.n_owned]
+
+
+def _strength(most, per_strain, strained, n):
+    """Return a strength in proportion to the strain of the step, at most `most`; `most` itself if per_strain is 0: (n,)."""
+    return np.minimum(most, per_strain * strained) if per_strain else np.full(n, most)
+
+
+def _collide(method):
+    """Let close pairs collide; return the number of collisions of owned particles. Collective."""
+    p, d, n = method.particles, method.domain, method.numerics
+    distance = n.collision_distance * method.spacing
+    d.update("u")
+    collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.grad_u_all, p.kind_all, distance, d.indptr, d.indices, method.axes)
+    d.update("pairs")
+    change = np.empty_like(p.u)
+    hits = collisions.pair_collisions(change, p.pairs_all, p.u_all, p.x_all, p.grad_u_all, p.kind_all, p.volume_all,
+                                      distance, n.restitution, d.indptr, d.indices, method.axes)
+    p.u[:] += change
+    return hits
+
+
+def positions(method, strained):
+    """Apply the position projection, part close pairs, then apply the Fick shift. Collective.
+
+    strained : (n_owned,), of `strain_of_step`
 
     Returns the SolveRecord of the position projection, None without one. Uses the lists and the matrix of
     the pressure solve: within half a step, neighbours move relative to each other by far less than a spacing.
@@ -50,15 +116,63 @@ def positions(method, force):
     h = schemes.DENSITY * method.spacing
     d.update("x")
     walls = (p.x_all, method.seen(wetness.FREE), p.corner_all, p.normal_all)
-    solve = _project(method, force, walls, h) if n.kappa > 0.0 else None
+    solve = _project(method, _strength(n.kappa, n.kappa_strain, strained, p.n_owned), walls, h) if n.kappa > 0.0 else None
+    method.budget.mark(p, "projection")
     if n.shift > 0.0:
-        shifting.concentration_gradient(p.grad_alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
-        d.update("grad_alpha")
-        shift = np.empty_like(p.x)
-        shifting.fick_shift(shift, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, n.shift * h * h,
-                            CAP * method.spacing, 2.0 * method.spacing, d.indptr, d.indices, method.axes)
-        _move(method, shift, force)
+        _part(method)
+        method.budget.mark(p, "parting")
+        _shift(method, _strength(n.shift, n.shift_strain, strained, p.n_owned), walls, h)
+        method.budget.mark(p, "shift")
+        _keep_apart(method)
+        method.budget.mark(p, "parting")
     return solve
+
+
+def _keep_apart(method):
+    """Bring all pairs of fluid to a least distance, as far as a few sweeps can. Collective.
+
+    Columns and jets one or two particles wide have no pressure. When they fall on something, their particles would end
+    in one place.
+    """
+    p, d = method.particles, method.domain
+    move, near = np.empty_like(p.x), np.ones(p.n_owned, bool)
+    for _ in range(SWEEPS):
+        d.update("x")
+        crowded = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * method.spacing, SWEEP * method.spacing,
+                                   d.indptr, d.indices, method.axes)
+        if not p.comm.allreduce(crowded):
+            break
+        _move(method, move)
+
+
+def _part(method):
+    """Part close pairs that have no pressure. Collective."""
+    p, d = method.particles, method.domain
+    distance = PART_WITHIN * method.spacing
+    pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, distance, d.indptr, d.indices, method.axes)
+    d.update("pairs")
+    move = np.empty_like(p.x)
+    pairs.part_pairs(move, p.pairs_all, p.x_all, p.kind_all, p.role_all, p.id_all, distance, PART, d.indptr, d.indices, method.axes)
+    _move(method, move)
+    d.update("x")
+
+
+def _shift(method, strength, walls, h):
+    """Shift by C_i h^2 along -grad alpha, and turn close pairs. Collective.
+
+    strength : (n_owned,), C_i
+    """
+    p, d, n = method.particles, method.domain, method.numerics
+    shifting.concentration_gradient(p.grad_alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
+    d.update("grad_alpha")
+    move = np.empty_like(p.x)
+    shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, strength * h * h,
+                        CAP * method.spacing, 2.0 * method.spacing, d.indptr, d.indices, method.axes)
+    p.turn[:] = TURN * method.spacing / n.shift * strength
+    d.update("turn")
+    pairs.turn_pairs(move, p.x_all, p.kind_all, p.role_all, p.id_all, TURN_WITHIN * method.spacing, p.turn_all,
+                     d.indptr, d.indices, method.axes)
+    _move(method, move)
 
 
 def compression(method):
@@ -70,44 +184,28 @@ def compression(method):
     return e
 
 
-def _project(method, force, walls, h):
-    """Solve A phi = kappa e with the pressure matrix, move by -grad phi, return the SolveRecord."""
-    p, d, n = method.particles, method.domain, method.numerics
+def _project(method, strength, walls, h):
+    """Solve A phi = kappa_i e with the pressure matrix, move by -grad phi, return the SolveRecord. Collective.
+
+    strength : (n_owned,), kappa_i
+    """
+    p, d = method.particles, method.domain
     surfaces.density_ratio(p.alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
-    e = compression(method)
-    p.phi[:], solve = method.solver.solve_again(method.rows.right_hand_side(-n.kappa * e), p.phi, slack=SLACK)
+    e = strength * compression(method)
+    p.phi[:], solve = method.solver.solve_again(method.rows.right_hand_side(-e), p.phi, slack=SLACK)
     d.update("phi")
     move = -method.pressure_gradient(p.phi_all)
     shifting.limit_lengths(move, p.n_owned, CAP * method.spacing, method.axes)
-    _move(method, move, force)
+    _move(method, move)
     d.update("x")
     return solve
 
 
-def _move(method, move, force):
-    """Displace the owned fluid, but not into a wall, and keep the total energy of the fluid. Collective."""
+def _move(method, move):
+    """Displace the owned fluid, but not into a wall."""
     p, d, n = method.particles, method.domain, method.numerics
     if n.wall_guard > 0.0:
         collisions.keep_off_walls(move, p.x_all, p.kind_all, p.corner_all, p.normal_all,
                                   n.wall_guard * method.spacing, d.indptr, d.indices, method.axes)
-    share, scale = _paid(p, move, force)
     fluid = p.kind == FLUID
-    p.x[fluid] += share * move[fluid]
-    p.u[fluid] *= scale
-
-
-def _paid(p, move, force):
-    """Return the fraction of the displacements to apply, and the factor for all velocities. Collective.
-
-    Lifted particles gain potential energy, which a regularisation must not add: without the factor, the
-    falling column gains .3 % before the impact, and a shaken tank a quarter of its wave. All
-    velocities are scaled equally, by some 1e-5 per step, so that the velocity stays free of divergence.
-    If each particle paid for itself, the pressure would be rough, and slow fluid would tear off walls. To
-    leave fluid at rest alone, the work is at most the fraction WORK of the kinetic energy.
-    """
-    own = [np.einsum("i,ia,ia", p.volume, force[:p.n_owned], move), 0.5 * np.einsum("i,ia,ia", p.volume, p.u, p.u)]
-    work, kinetic = p.comm.allreduce(np.array(own))
-    if work == 0.0 or not np.isfinite(work + kinetic):    # what is wrong is said where particles are looked for
-        return 1.0, 1.0
-    share = min(1.0, WORK * kinetic / abs(work))
-    return share, np.sqrt(1.0 + share * work / kinetic) if kinetic > 0.0 else 1.0
+    p.x[fluid] += move[fluid]

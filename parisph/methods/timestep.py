@@ -7,15 +7,18 @@ from parisph.base.errors import SolverDiverged
 from parisph.base.fields import FLUID
 
 GROWTH = 1.1    # from one step to the next, at most
+BRISK = 4.0     # times the acceleration of the fluid: the acceleration that limits the step, if less than the body force
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 
 
-def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0):
+def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0, acceleration=0.0):
     """Return the time step [s]: fixed, or limited by velocity and body force. Collective.
 
     No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor
-    from rest (g dt^2/2). A step is at most a tenth longer than the last one, so that a single calm
+    from rest (g dt^2/2). Nor is a step longer than `numerics.fall` sqrt(s/a) with a four times the
+    acceleration of the fluid, at most that of the body force: in waves and in water that is set in motion, a
+    longer one costs accuracy long before it moves a particle far. A step is at most a tenth longer than the last one, so that a single calm
     step during an impact does not undo the reduction. Infinite if nothing limits it.
 
     Parameters
@@ -23,6 +26,7 @@ def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0):
     gravity : float, the largest body force on this rank's fluid [m/s^2], 0 if there is none
     previous : float or None, the last step [s]
     shortest : float, a step [s] below which the run has diverged
+    acceleration : float, the largest acceleration of fluid in the last step, on all ranks [m/s^2]
 
     Raises
     ------
@@ -38,7 +42,7 @@ def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0):
     if dt < shortest:
         raise SolverDiverged(f"a particle has reached {fastest:.3g} m/s, for which the time step would have to be {dt:.3g} s: "
                              "the flow is far too fast for this scene")
-    dt = min(dt, _fall(move, gravity))
+    dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * acceleration, gravity)))
     if numerics.max_time_step is not None:
         dt = min(dt, numerics.max_time_step)
     if previous is not None:
@@ -64,9 +68,12 @@ def first_step(comm, particles, numerics, acceleration, dt, force_at):
     move, fluid = _longest_move(numerics), particles.kind == FLUID
     u, a = (np.sqrt((v[fluid] ** 2).sum(axis=1)) for v in (particles.u, acceleration))
     inverse = ((u + np.sqrt(u * u + 4.0 * move / GENTLE * a)) / (2.0 * move)).max(initial=0.0)
-    inverse = comm.allreduce(float(inverse), op=MPI.MAX)
+    mine = np.array([inverse, a.max(initial=0.0), force_at(0.0)])
+    comm.Allreduce(MPI.IN_PLACE, mine, op=MPI.MAX)
+    inverse, strongest, force = mine
+    dt = min(dt, _accurate(numerics, min(BRISK * strongest, force)))
     if inverse > 0.0:
-        dt = min(dt, 1.0 / inverse)
+        dt = min(dt, 1.0 / float(inverse))
     if dt == np.inf:
         dt = _fall(move, REST)
     while True:
@@ -88,6 +95,13 @@ def _longest_move(numerics):
 def _fall(move, gravity):
     """Return the time [s] of a fall from rest over `move` [m]; infinite without a force."""
     return np.sqrt(2.0 * move / gravity) if gravity > 0.0 else np.inf
+
+
+def _accurate(numerics, acceleration):
+    """Return the longest step [s] of which the scheme's error in time is small; infinite without acceleration."""
+    if not (numerics.fall and acceleration > 0.0):
+        return np.inf
+    return numerics.fall * np.sqrt(numerics.spacing / acceleration)
 
 
 def _fastest(particles):

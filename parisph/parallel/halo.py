@@ -4,7 +4,7 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import ParisphError
-from parisph.base.fields import FIELDS
+from parisph.base.fields import FIELDS, ORDER
 from parisph.kernels.jit import kernel
 from parisph.parallel.hilbert import key_of, machine
 from parisph.parallel.messages import exchange, pack, unpack
@@ -99,7 +99,7 @@ def _width(name, dim):
     """Number of doubles that a field takes in a message."""
     if name not in FIELDS:
         raise ParisphError(f"no such particle field: {name} (there are {', '.join(FIELDS)})")
-    return dim if FIELDS[name].shape == "vector" else 1
+    return dim ** ORDER[FIELDS[name].shape]
 
 
 def _as_doubles(values):

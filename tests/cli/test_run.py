@@ -13,10 +13,10 @@ from tests.launch import clean_environment, mpirun, parisph
 
 CASE = '''
 from parisph import Box, Case, Fluid, Numerics, Output, PressureTap, Tank
-def case(end_time: float = 0.2) -> Case:
+def case(end_time: float = 0.1) -> Case:
     return Case(title="small dam", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0), gravity=(0.0, -9.81),
-                walls=Tank(width=1.0, height=1.5), numerics=Numerics(spacing=0.1, time_step=0.01), end_time=end_time,
-                output=Output(every=0.05, checkpoint_every=0.1), probes=[PressureTap("corner", at=(0.0, 0.1))])
+                walls=Tank(width=1.0, height=1.5), numerics=Numerics(spacing=0.05, time_step=0.005), end_time=end_time,
+                output=Output(every=0.025, checkpoint_every=0.05), probes=[PressureTap("corner", at=(0.0, 0.1))])
 '''
 
 
@@ -37,17 +37,17 @@ def test_run_on_two_ranks_and_go_on_with_three(place):
     folder = place / "runs" / "dam"
     first = summary(folder)
     assert (first["status"], first["ranks"], first["steps"]) == ("completed", 2, 20)
-    assert first["time"] == pytest.approx(0.2)
+    assert first["time"] == pytest.approx(0.1)
     for name in ("case.json", "steps.csv", "probes/corner.csv", "flow.hdf.series", "snapshots/000004.vtkhdf", "run.log"):
         assert (folder / name).stat().st_size > 0, name
 
-    done = mpirun(3, ["-m", "parisph", "restart", "runs/dam", "--until", "0.3", "-q"], timeout=200, cwd=place)
+    done = mpirun(3, ["-m", "parisph", "restart", "runs/dam", "--until", "0.15", "-q"], timeout=200, cwd=place)
     assert done.returncode == 0, done.stderr
     second = summary(folder)
     assert (second["ranks"], second["steps"], second["particles"]) == (3, 30, first["particles"])
 
     done = parisph("info", "runs/dam", cwd=place)
-    assert done.returncode == 0 and "small dam" in done.stdout and "t = 0 to 0.3 s" in done.stdout
+    assert done.returncode == 0 and "small dam" in done.stdout and "t = 0 to 0.15 s" in done.stdout
 
 
 def test_petsc_options_reach_the_solver(place):
@@ -77,7 +77,7 @@ def test_an_interrupted_run_leaves_a_checkpoint_to_go_on_from(place, sent):
     assert "parisph: error: " in err and "parisph restart runs/dam" in err and "Traceback" not in err
     stopped = summary(place / "runs/dam")
     assert stopped["status"] == "interrupted" and stopped["steps"] > 20
-    until = (stopped["steps"] + 3) * 0.01
+    until = (stopped["steps"] + 3) * 0.005
     done = parisph("restart", "runs/dam", "--until", str(until), "-q", timeout=200, cwd=place)
     assert done.returncode == 0, done.stderr
     assert summary(place / "runs/dam")["steps"] == stopped["steps"] + 3
@@ -133,8 +133,8 @@ def test_a_fault_of_the_warm_up_is_told_by_all_with_its_traceback(place):
 def test_check_says_what_it_takes(place):
     done = parisph("check", "dam.py", cwd=place, timeout=120)
     assert done.returncode == 0, done.stderr
-    assert "--set       end_time=0.2\n" in done.stdout
-    for words in ("small dam", "particles", "stages", "steps       20 of 0.01 s", "memory"):
+    assert "--set       end_time=0.1\n" in done.stdout
+    for words in ("small dam", "particles", "stages", "steps       20 of 0.005 s", "memory"):
         assert words in done.stdout
     assert os.listdir(place) == ["dam.py"]
 

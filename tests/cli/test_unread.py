@@ -11,7 +11,7 @@ from tests.launch import run
 CASE = """
 from tests.scenes import scene
 def case(end_time: float = 0.3):
-    return scene("dam_break", spacing=0.1, end_time=end_time)
+    return scene("dam_break", spacing=0.05, end_time=end_time)
 """
 PARISPH = (sys.executable, "-m", "parisph")
 ONE, TWO = (), (shutil.which("mpirun") or "mpiexec", "-n", "2")

@@ -49,13 +49,15 @@ def gradient_errors(name, jitter, where="inside"):
         s = 1.0 / cells
         pool = block(2, cells + 1, jitter, s, reach=3.6)
         f, exact = exponential(pool.x)
-        out = np.empty_like(pool.x)
+        out, sound = np.empty_like(pool.x), True
         if name == "symmetric":
             gradient.symmetric_gradient(out, f, pool.x, pool.role, SPH * s, s * s, *pool.csr)
         else:
             power, floor = (2, 0.2) if name == "sfdi" else (0, 0.05)
             gradient.least_squares_gradient(out, f, pool.x, pool.role, GRADIENT[name] * s, power, floor, *pool.csr)
-        chosen = (middle(pool.x) if where == "inside" else ~pool.far_inside(1)) & (pool.role == INNER)
+            if jitter > 1.0:    # below the floor the slope is damped: no order
+                sound = pool.quality(GRADIENT[name] * s, power) >= floor
+        chosen = (middle(pool.x) if where == "inside" else ~pool.far_inside(1)) & (pool.role == INNER) & sound
         found.append(rms(out[chosen] - exact[chosen]) / rms(exact[chosen]))
     return np.array(found)
 

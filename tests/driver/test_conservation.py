@@ -41,8 +41,8 @@ def test_range_without_a_start_compares_nothing():
 
 
 def test_volume_that_was_off_on_the_way_is_named(tmp_path):
-    """The drop on the lattice is 2.9 % off at .7 s, and .2 % at its end."""
-    summary = run(scene("free_drop"), MPI.COMM_SELF, tmp_path / "run", progress=False)
+    """In steps twice as long as usual, the drop on the lattice is 2.9 % off at .67 s, and .9 % at its end."""
+    summary = run(scene("free_drop", time_step=0.02), MPI.COMM_SELF, tmp_path / "run", progress=False)
     assert abs(summary["volume_drift"]) < 0.01 < 0.02 < summary["volume_range"]["high"]
     assert summary["status"] == "completed with warnings" and len(summary["warnings"]) == 1
     assert "volume" in summary["warnings"][0] and f"{summary['volume_range']['high_time']:.4g} s" in summary["warnings"][0]
@@ -178,15 +178,16 @@ def test_energy_in_motion_means_nothing_without_a_level():
 # -- over a restart, and of a run that has no surface ---------------------------------------------------
 
 
-def column(end_time):
+def column(end_time, rtol=None):
     return Case(title="column", fluid=Fluid(Box(width=0.5, height=0.5), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
-                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05, time_step=0.005), output=Output(checkpoint_every=0.1),
+                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05, time_step=0.005, rtol=rtol), output=Output(checkpoint_every=0.1),
                 end_time=end_time)
 
 
 def test_extremes_go_on_over_a_restart(tmp_path):
-    whole = run(column(0.3), MPI.COMM_SELF, tmp_path / "whole", progress=False)
-    first = run(column(0.2), MPI.COMM_SELF, tmp_path / "parts", progress=False)
+    """Solved to round-off, as a restarted solver meets a loose tolerance at another iterate."""
+    whole = run(column(0.3, 1e-13), MPI.COMM_SELF, tmp_path / "whole", progress=False)
+    first = run(column(0.2, 1e-13), MPI.COMM_SELF, tmp_path / "parts", progress=False)
     both = restart(tmp_path / "parts", MPI.COMM_SELF, until=0.3, progress=False)
     for name in ("volume_range", "energy_range", "energy_in_motion"):
         for key, value in whole[name].items():

@@ -11,7 +11,8 @@ from parisph import driver
 from parisph.case import scales, waves
 from parisph.case.schema import Box, Case, Fluid, Numerics, Sway, Tank
 from parisph.driver import cost, describe
-from parisph.driver.describe import estimated_steps
+from parisph.driver.describe import BRISK, estimated_steps
+from parisph.methods import timestep
 from tests.scenes import scene
 
 
@@ -58,9 +59,13 @@ def test_steps_and_seconds_of_real_runs(name):
     assert np.median(taken) / 3.0 < seconds < 3.0 * np.median(taken)
 
 
+def test_the_estimate_knows_the_factor_of_the_real_step():
+    assert BRISK == timestep.BRISK
+
+
 def test_fixed_steps_are_counted():
     case = scene("dam_break", spacing=1 / 80)
-    assert estimated_steps(case, case.numerics.resolved(), scales.expected(case)) == 2500
+    assert estimated_steps(case, case.numerics.resolved(), scales.expected(case)) == 5000
 
 
 @pytest.mark.parametrize("ratio", [0.8, 1.0, 1.3])

@@ -185,7 +185,7 @@ def test_it_is_the_state_that_a_snapshot_of_that_time_holds(whole, tmp_path):
 
 def test_it_is_of_all_steps_however_seldom_samples_are_written(whole, tmp_path):
     found = done(impact(2.0, probe_every=50), tmp_path / "a")
-    assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 5
+    assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
     found = done(impact(2.0, probe_interval=0.1), tmp_path / "b")
     assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
 

@@ -77,7 +77,7 @@ def test_signal_ends_the_run_after_its_step(tmp_path, ranks, number):
     assert summary["energy_drift"] is not None
     unit = (1.0 / 9.81) ** 0.5
     later = restarted(tmp_path, ranks, "--until", repr(summary["time"] + 0.1 * unit))
-    assert later["status"] == "completed" and later["steps"] == pytest.approx(steps + 6, abs=1)
+    assert later["status"] == "completed" and later["steps"] == pytest.approx(steps + 12, abs=1)
     np.testing.assert_array_equal(reader.open_run(tmp_path / "run").steps["step"], np.arange(1, later["steps"] + 1))
 
 

@@ -115,8 +115,8 @@ def _as_text(random):
         "with a null character": lambda text: text.replace(b'"title"', b'"ti\0tle"', 1), "binary": lambda text: bytes(range(256)) * 9,
         "a huge integer": lambda text: text.replace(b'"end_time":', b'"end_time": ' + b"9" * 10_000 + b', "x":', 1),
         "nan": lambda text: text.replace(b'"end_time":', b'"end_time": NaN, "x":', 1), "Python": lambda text: b"def case():\n    pass\n",
-        "of a later release": lambda text: text.replace(b'"schema": 1', b'"schema": 99', 1), "another encoding": lambda text: text.replace(b"title", b"t\xeftle", 1),
-        "schema as text": lambda text: text.replace(b'"schema": 1', b'"schema": "one"', 1),
+        "of a later release": lambda text: text.replace(b'"schema": 2', b'"schema": 99', 1), "another encoding": lambda text: text.replace(b"title", b"t\xeftle", 1),
+        "schema as text": lambda text: text.replace(b'"schema": 2', b'"schema": "one"', 1),
     }
     what = str(random.choice(sorted(makers)))
     return what, ["bad/case.json"], lambda content: makers[what](json.dumps(_unsealed(content)).encode())

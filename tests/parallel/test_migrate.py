@@ -14,8 +14,9 @@ def fill(p):
     for name, field in FIELDS.items():
         if name != "id":
             view = getattr(p, name)
-            key = p.id if view.ndim == 1 else np.outer(p.id, np.arange(1, p.dim + 1))
-            view[...] = (key % 100 if field.dtype == np.int8 else np.sin(key) + len(name)).astype(field.dtype)
+            parts = np.arange(1, view[:1].size + 1).reshape(view.shape[1:]) if p.n_owned else 1
+            key = np.multiply.outer(p.id, parts).reshape(view.shape)
+            view[...] = (key % 100 if field.dtype in (np.int8, np.int32) else np.sin(key) + len(name)).astype(field.dtype)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -21,7 +21,7 @@ ALL = [
     *(SurfaceGauge(name=f"gauge{k}", at=at) for k, at in enumerate((0.0, 0.123, 0.5, 0.72, 1.0))),
     *(PressureTap(name=f"tap{k}", at=at) for k, at in enumerate(((0.0, 0.21), (0.5, 0.0), (1.0, 0.4)))),
     WaterFront(name="front"), ColumnHeight(name="left", at=0.0), ColumnHeight(name="middle", at=0.52),
-    Energy(name="energy"), Volume(name="volume"), Momentum(name="momentum"),
+    Energy(name="energy", current=True), Volume(name="volume"), Momentum(name="momentum"),
 ]
 WAVE = {"spacing": 0.025, "elevation": "0.04*cos(3*pi*x)", "velocity": ("sin(pi*x)", "y"), "jitter": 0.5}
 

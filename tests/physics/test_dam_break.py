@@ -84,8 +84,18 @@ def test_volume_and_energy(fall):
     found, _ = fall
     cell, energy = found.probe("volume")["cell"], found.probe("energy")["total"]
     assert np.abs(cell - 1.0).max() < 0.01
-    assert energy.max() < (1.0 + 1e-5) * energy[0], "nothing feeds it"
-    assert energy[-1] > 0.87 * energy[0], "what an impact takes with so few particles"
+    assert energy.max() < 1.001 * energy[0], "nothing feeds it"
+    assert np.interp(1.45 * UNIT, found.probe("energy")["time"], energy) > 0.985 * energy[0], "nothing takes it before the impact"
+    assert np.interp(2.0 * UNIT, found.probe("energy")["time"], energy) > 0.93 * energy[0], "what an impact takes with so few particles"
+
+
+def test_pressure_of_the_impact_against_volume_of_fluid(fall):
+    """Volume of fluid on a fine grid: relative L2 of P2 from the arrival on, without a shift of time."""
+    path = ROOT / "cases" / "computed" / "dam_break_vof.csv"
+    t, p = read_reference(path, "t_star", "P2_basilisk_256", scale=WEIGHT, time_scale=UNIT)
+    tap = fall[0].probe("P2")
+    known = (t > 1.4 * UNIT) & (t < 2.5 * UNIT)
+    assert errors.judge(tap["time"], tap["pressure"], t[known], p[known])["relative_l2"] < 0.15
 
 
 def test_momentum_is_what_the_walls_give(fall):
@@ -105,7 +115,8 @@ def test_front_against_martin_and_moyce(fall):
     raw = errors.judge(front["time"], front["x"], t, x)["relative_l2"]
     shift = errors.best_shift(front["time"], front["x"], t, x, 0.2 * UNIT)
     shifted = errors.judge(front["time"] + shift, front["x"], t, x)["relative_l2"]
-    assert raw < 0.12 and shifted < 0.03 and 0.05 * UNIT < shift < 0.15 * UNIT
+    # raw, a computed front is ahead by the time that the gate took to open: 3 to 4 m/s times .1 in t* is a tenth of the way
+    assert raw < 0.15 and shifted < 0.03 and 0.05 * UNIT < shift < 0.15 * UNIT
 
 
 def test_column_against_martin_and_moyce(fall):

@@ -10,11 +10,15 @@ from tests.pools import block, free, part, tank
 dims = pytest.mark.parametrize("dim", [2, 3])
 
 
-def collided(pool, u, distance=0.85, restitution=0.2, volume=None):
+def collided(pool, u, distance=0.85, restitution=0.2, volume=None, gradient=None):
     """Return (velocity change (n, dim), number of collisions)."""
     volume = np.ones(pool.n) if volume is None else volume
-    change = np.full((pool.n, pool.dim), np.nan)
-    pairs = collisions.pair_collisions(change, u, pool.x, pool.kind, volume, distance * pool.spacing, restitution, *pool.csr)
+    gradient = np.zeros((pool.n, pool.dim, pool.dim)) if gradient is None else gradient
+    change, number = np.full((pool.n, pool.dim), np.nan), np.full(pool.n, -1, np.int32)
+    collisions.count_collisions(number, u, pool.x, gradient, pool.kind, distance * pool.spacing, *pool.csr)
+    pairs = collisions.pair_collisions(change, number, u, pool.x, gradient, pool.kind, volume, distance * pool.spacing, restitution,
+                                       *pool.csr)
+    assert pairs == number.sum()
     return change, pairs
 
 
@@ -85,8 +89,48 @@ def test_momentum_of_a_crowd_is_conserved_and_energy_lost(dim):
     change, pairs = collided(pool, u, restitution=0.2)
     assert pairs > 20 and pairs % 2 == 0
     np.testing.assert_allclose(change.sum(axis=0), 0.0, atol=1e-12)
-    # a pair of its own loses energy; in a crowd, impulses of one moment add up, in sum still a loss
     assert ((u + change) ** 2).sum() < (u**2).sum()
+
+
+@dims
+@pytest.mark.parametrize("seed", range(5))
+def test_energy_never_rises_however_many_collide_at_once(dim, seed):
+    """Particles in nearly one point, masses within a factor of 1.2: (1 + .2) m/(m + m) < 1, as the limit needs."""
+    random = np.random.default_rng(seed)
+    pool = free(0.3 * random.random((12, dim)))
+    u, volume = random.normal(size=pool.x.shape), random.uniform(1.0, 1.2, size=12)
+    change, pairs = collided(pool, u, volume=volume)
+    assert pairs > 40
+    assert volume @ ((u + change) ** 2).sum(axis=1) < volume @ (u**2).sum(axis=1)
+    np.testing.assert_allclose(volume @ change, 0.0, atol=1e-12)
+
+
+@dims
+def test_smooth_strain_never_collides(dim):
+    """A lattice compressed by 20 % along one axis goes on to be compressed, as in an ideal flow."""
+    pool = block(dim, 8 if dim == 2 else 5)
+    pool.x[:, 0] *= 0.8
+    pool.relist()
+    gradient = np.zeros((dim, dim))
+    gradient[0, 0], gradient[1, 1], gradient[0, 1] = -1.0, 1.0, 3.0
+    u = pool.x @ gradient.T
+    _, without = collided(pool, u)
+    change, pairs = collided(pool, u, gradient=np.tile(gradient, (pool.n, 1, 1)))
+    assert without > 20 and pairs == 0 and np.all(change == 0.0)
+
+
+@dims
+def test_only_what_is_beyond_a_linear_velocity_collides(dim):
+    pool, direction, _ = couple(dim, 3)
+    gradient = -1.5 * np.eye(dim)                  # of the approach at 1 m/s, 1.5 * .8 is more than all of it
+    u = np.vstack([direction, np.zeros(dim)])
+    strained = np.tile(gradient, (2, 1, 1)) / pool.spacing
+    assert collided(pool, u, gradient=strained)[1] == 0
+    change, _ = collided(pool, u, gradient=0.25 * strained / 1.5)   # here .25 * .8 = .2 is smooth
+    assert (change[0] - change[1]) @ direction == pytest.approx(-1.2 * 0.8)
+    # a smooth velocity that recedes takes nothing away from what approaches
+    change, _ = collided(pool, u, gradient=-strained)
+    assert (change[0] - change[1]) @ direction == pytest.approx(-1.2)
 
 
 @dims
@@ -198,7 +242,7 @@ def test_displacements_keep_off_walls(dim):
 
 def smoothed(pool, u, strength=0.03):
     change = np.full((pool.n, pool.dim), np.nan)
-    collisions.smooth_velocity(change, u, pool.x, pool.kind, pool.role, strength, 2.1 * pool.spacing, *pool.csr)
+    collisions.smooth_velocity(change, u, pool.x, pool.kind, pool.role, np.full(pool.n, strength), 2.1 * pool.spacing, *pool.csr)
     return change
 
 

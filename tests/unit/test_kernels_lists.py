@@ -6,7 +6,7 @@ Lists are longer than the stencils while their skin lasts, and their order diffe
 import numpy as np
 import pytest
 
-from parisph.kernels import collisions, gradient, laplacian, rankine, shifting, surface, walls
+from parisph.kernels import collisions, gradient, laplacian, pairs, rankine, shifting, strain, surface, walls
 from tests.pools import Rows, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -43,13 +43,41 @@ def wall_velocity(pool):
 def filtered(pool):
     out = np.empty_like(pool.x)
     u = U[: pool.n, : pool.dim].copy()
-    collisions.smooth_velocity(out, u, pool.x, pool.kind, pool.role, 1.0, 2.1 * S, *pool.csr)
+    collisions.smooth_velocity(out, u, pool.x, pool.kind, pool.role, np.ones(pool.n), 2.1 * S, *pool.csr)
     return out
 
 
 def collided(pool):
-    out = np.empty_like(pool.x)
-    collisions.pair_collisions(out, U[: pool.n, : pool.dim].copy(), pool.x, pool.kind, np.ones(pool.n), 0.9 * S, 0.2, *pool.csr)
+    out, number, u = np.empty_like(pool.x), np.empty(pool.n, np.int32), U[: pool.n, : pool.dim].copy()
+    arguments = (u, pool.x, velocity_gradient(pool), pool.kind)
+    collisions.count_collisions(number, *arguments, 0.9 * S, *pool.csr)
+    collisions.pair_collisions(out, number, *arguments, np.ones(pool.n), 0.9 * S, 0.2, *pool.csr)
+    return out
+
+
+def velocity_gradient(pool):
+    out, rate = np.empty((pool.n, pool.dim, pool.dim)), np.empty(pool.n)
+    strain.velocity_gradient(out, rate, U[: pool.n, : pool.dim].copy(), pool.x, pool.kind, pool.role, 2.1 * S, 0.05, *pool.csr)
+    return out
+
+
+def mean_rate(pool):
+    out = np.empty(pool.n)
+    strain.mean_over_fluid(out, P[: pool.n], pool.x, pool.kind, 2.1 * S, *pool.csr)
+    return out
+
+
+def turned(pool):
+    out = np.zeros_like(pool.x)
+    pairs.turn_pairs(out, pool.x, pool.kind, pool.role, np.arange(pool.n), 0.9 * S, np.full(pool.n, 0.1 * S), *pool.csr)
+    return out
+
+
+def parted(pool):
+    out, number, role = np.empty_like(pool.x), np.empty(pool.n, np.int32), np.where(P[: pool.n] > 0.0, np.int8(1), pool.role)
+    where = (pool.x, pool.kind, role)
+    pairs.count_close(number, *where, 0.9 * S, *pool.csr)
+    pairs.part_pairs(out, number, *where, np.arange(pool.n), 0.9 * S, 0.5, *pool.csr)
     return out
 
 
@@ -74,7 +102,7 @@ def concentration(pool):
 def shifted(pool):
     out = np.empty_like(pool.x)
     slope = U[: pool.n, : pool.dim].copy()
-    shifting.fick_shift(out, slope, pool.role, pool.x, pool.kind, 0.01, 0.1 * S, 2.0 * S, *pool.csr)
+    shifting.fick_shift(out, slope, pool.role, pool.x, pool.kind, np.full(pool.n, 0.01), 0.1 * S, 2.0 * S, *pool.csr)
     return out
 
 
@@ -124,7 +152,7 @@ def by_gap(pool):
     return role
 
 
-EVERY = (least_squares, harmonic, symmetric, wall_velocity, filtered, collided, guarded, density, concentration,
+EVERY = (least_squares, harmonic, symmetric, wall_velocity, velocity_gradient, mean_rate, filtered, collided, turned, parted, guarded, density, concentration,
          shifted, divergence, printed_rows, sph_rows, wall_rows, harmonic_wall_rows, by_gap)
 each = pytest.mark.parametrize("kernel", EVERY, ids=lambda kernel: kernel.__name__)
 

@@ -12,9 +12,10 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 RADII = {"circle": CIRCLE, "mls": MLS, "wall": WALL, "sph": SPH}
 
 
-def rows_of(pool, method="ISPH_R", wall_rows="sfdi", u=None, made=None):
-    rows = made or PressureRows(pool.dim, SCHEMES[method], wall_rows, pool.spacing, RADII)
-    rows.fill(np.zeros_like(pool.x) if u is None else u, pool.x, pool.role, pool.normal, pool.indptr, pool.indices)
+def rows_of(pool, method="ISPH_R", wall_rows="sfdi", u=None, made=None, offset=0.0):
+    rows = made or PressureRows(pool.dim, SCHEMES[method], wall_rows, offset, pool.spacing, RADII)
+    volume = np.where(pool.fluid, pool.spacing**pool.dim, 0.0)
+    rows.fill(np.zeros_like(pool.x) if u is None else u, pool.x, pool.kind, pool.role, volume, pool.normal, pool.indptr, pool.indices)
     return rows
 
 
@@ -121,9 +122,28 @@ def test_buffers_grow_and_are_used_again():
 
 def test_no_particles():
     pool = block(2, 5)
-    rows = PressureRows(2, SCHEMES["ISPH_R"], "harmonic", 0.1, RADII)
-    none = np.empty((0, 2))
-    rows.fill(none, none, np.empty(0, np.int8), none, np.zeros(1, np.int32), np.empty(0, np.int32))
+    rows = PressureRows(2, SCHEMES["ISPH_R"], "harmonic", 0.5, 0.1, RADII)
+    none, kinds = np.empty((0, 2)), np.empty(0, np.int8)
+    rows.fill(none, none, kinds, kinds, np.empty(0), none, np.zeros(1, np.int32), np.empty(0, np.int32))
     indptr, columns, values, anchored = rows.csr(np.empty(0, np.int8), np.empty(0, np.int32))
     assert indptr.tolist() == [0] and len(columns) == len(values) == len(anchored) == 0
     assert rows.right_hand_side(np.empty(0)).shape == (0,) and pool.n == 25
+
+
+def test_with_an_offset_surface_particles_are_unknowns():
+    pool = block(2, 9)
+    pool.role[pool.index[:, 1] == pool.top[1]] = SURFACE
+    pinned = np.flatnonzero(pool.role == SURFACE)[4]
+    rows = rows_of(pool, offset=0.5)
+    rows.pin([pinned])
+    numbers = np.arange(pool.n, dtype=np.int32)
+    indptr, columns, values, anchored = rows.csr(pool.role, numbers)
+    matrix = dense(pool, indptr, columns, values)
+    surface = pool.role == SURFACE
+    assert np.all(anchored[surface]) and np.all(matrix.diagonal() == 1.0)
+    off = matrix[surface] - np.eye(pool.n)[surface]
+    assert off.max() <= 0.0 and np.all(off.sum(axis=1)[pool.index[surface, 0] != 4] < 0.0)
+    assert np.all(off.sum(axis=1) > -0.6) and np.all(off[:, surface] == 0.0)     # less than the diagonal: p = 0 outside
+    assert np.count_nonzero(matrix[pinned]) == 1
+    below = np.flatnonzero((pool.index[:, 1] == pool.top[1] - 1) & (pool.index[:, 0] == 4))
+    assert np.all(anchored[below]) and np.any(matrix[below][:, surface] != 0.0)

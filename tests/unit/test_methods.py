@@ -43,8 +43,9 @@ def test_every_choice_makes_a_column_fall_freely_at_its_side(numerics):
         report = simulation.advance()
     fluid = p.kind == FLUID
     assert report.reason >= 0 and report.fallback == ""
-    assert 0.0 < p.x[fluid, 0].max() - 0.5 < 9.81 * simulation.time**2
-    assert p.x[fluid, 1].min() > 0.02
+    # symplectic Euler goes a dt^2 n (n + 1)/2 in n steps
+    assert 0.0 < p.x[fluid, 0].max() - 0.5 < 9.81 * simulation.time * (simulation.time + simulation.dt)
+    assert p.x[fluid, 1].min() > 0.0125 - 1e-12     # the wall guard of the preset, .25 s
     after = 0.5 * (p.u[fluid] ** 2).sum() + 9.81 * p.x[fluid, 1].sum()
     assert abs(after / energy - 1.0) < 0.01
     assert np.nanmax(p.p) < 1.05 * 9810.0 * 0.5
@@ -81,7 +82,7 @@ def test_position_projection_spreads_what_is_too_dense():
     before = p.alpha.copy()
     simulation.method._assemble(np.zeros_like(p.x_all), 0.001)
     simulation.method.pressure_now(0.0)
-    regularise.positions(simulation.method, np.zeros_like(p.x_all))
+    regularise.positions(simulation.method, np.ones(p.n_owned))
     simulation.domain.refresh()
     simulation.method._classify(np.zeros_like(p.x_all), 0.001)
     inner = middle & (before > 1.02)

@@ -242,6 +242,39 @@ def test_only_a_uniform_constant_force_has_a_potential(gravity, factor):
     assert found[1] == pytest.approx(factor * DENSITY * 0.5 * G * 0.25 * ROWS)
 
 
+@pytest.mark.parametrize("options", [
+    {}, {"width": 0.5, "depth": 0.9}, {"lid": True, "depth": 1.0}, {"lid": True, "depth": 0.95}, {"tank": None},
+    {"depth": 0.1},
+])
+def test_on_the_lattice_current_volumes_are_those_of_the_start(options):
+    """Water on a dry bed, up to a lid and one spacing below it, and without a tank."""
+    watch = Watch(scene([Energy(name="e", current=True)], velocity=("1 + x", "y"), **options), MPI.COMM_SELF)
+    found = watch.sample()["e"]
+    assert list(watch.samplers[0].columns.items())[3:] == [
+        ("kinetic_now", "J/m"), ("potential_now", "J/m"), ("total_now", "J/m"), ("volume_now", "m^2")]
+    width, depth = options.get("width", 1.0), options.get("depth", 0.5)
+    assert found[3:6] == pytest.approx(found[:3], rel=1e-13)
+    assert found[6] == pytest.approx(width * depth, rel=1e-14)
+
+
+def test_energy_by_current_volumes_converges_on_a_disordered_wave():
+    """To that of the water below the surface, with the second order of cells that are represented by points."""
+    truth = DENSITY * G * 0.5 * (0.5**2 + 0.5 * 0.1**2)
+    errors = []
+    for spacing in (0.05, 0.025, 0.0125):
+        found = Watch(scene([Energy(name="e", current=True)], spacing=spacing, jitter=0.4, elevation="0.1*cos(pi*x)"),
+                      MPI.COMM_SELF).sample()["e"]
+        errors.append(abs(found[4] / truth - 1.0))
+        assert found[6] == pytest.approx(0.5, rel=0.1 * spacing)
+    assert errors[0] < 0.011 and errors[2] < 0.0012
+    assert np.log2(errors[0] / errors[2]) / 2 > 1.7, errors
+
+
+def test_current_volumes_are_refused_in_3d():
+    with pytest.raises(CaseError, match="'e': current volumes exist in 2D only"):
+        probes.SAMPLERS["energy"](Energy(name="e", current=True), SimpleNamespace(dim=3))
+
+
 # -- volume -------------------------------------------------------------------------------
 
 def cell_by_clipping(i, x):

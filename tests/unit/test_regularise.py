@@ -1,21 +1,13 @@
-"""Regularisation of positions makes and takes no energy, and does not stir what is at rest."""
-
-from types import SimpleNamespace
+"""Regularisation is in proportion to the strain of a step, and leaves what is not strained alone."""
 
 import numpy as np
 import pytest
 from mpi4py import MPI
 
 from parisph import Simulation
-from parisph.base.fields import FLUID
+from parisph.base.fields import FLUID, SURFACE
 from parisph.methods import regularise
 from tests.scenes import scene
-
-G = 9.81
-
-
-def energy(p):
-    return 0.5 * p.volume @ (p.u**2).sum(axis=1) + G * p.volume @ p.x[:, 1]
 
 
 @pytest.fixture
@@ -28,27 +20,64 @@ def falling():
     s.destroy()
 
 
-def test_energy_of_all_fluid_stays(falling):
-    p = falling.particles
-    before, x, u = energy(p), p.x.copy(), p.u.copy()
-    regularise.positions(falling.method, np.tile([0.0, -G], (p.n_all, 1)))
-    moved = np.linalg.norm(p.x - x, axis=1) / falling.numerics.spacing
-    assert moved.max() > 1e-3 and moved[p.kind != FLUID].max() == 0.0
-    assert energy(p) == pytest.approx(before, rel=1e-13)
-    factor = p.u[p.kind == FLUID] / u[p.kind == FLUID]
-    assert np.ptp(factor) < 1e-12 and factor[0, 0] != 1.0, "all motion pays alike"
+def moved(s, strained):
+    """Return how far `positions` moves the particles, in spacings: (n_owned,)."""
+    p = s.particles
+    x = p.x.copy()
+    regularise.positions(s.method, strained)
+    lengths = np.linalg.norm(p.x - x, axis=1) / s.numerics.spacing
+    p.x[:] = x
+    s.domain.update("x")
+    return lengths
 
 
-@pytest.mark.parametrize(("speed", "share"), [(0.0, 0.0), (0.01, 0.1 * 0.5 * 0.01**2 / (G * 1e-3)), (10.0, 1.0)])
-def test_moves_wait_for_the_motion_that_pays(speed, share):
-    p = SimpleNamespace(comm=MPI.COMM_SELF, n_owned=3, volume=np.array([1.0, 0.5, 0.0]), u=np.full((3, 2), [speed, 0.0]))
-    move, force = np.tile([5e-4, 1e-3], (3, 1)), np.tile([0.0, -G], (4, 1))
-    done, scale = regularise._paid(p, move, force)
-    assert done == pytest.approx(share)
-    lifted, paid = G * done * 1e-3, 0.5 * speed**2 * (1.0 - scale**2)
-    assert paid == pytest.approx(lifted, abs=1e-12)
+def test_moves_are_in_proportion_to_the_strain_and_bounded(falling):
+    s, p = falling, falling.particles
+    strained = regularise.strain_of_step(s.method, 1e-3)
+    strained *= 1e-3 / strained.max()    # far from the greatest strengths
+    small, twice = moved(s, strained), moved(s, 2.0 * strained)
+    assert small.max() > 1e-5 and small[p.kind != FLUID].max() == 0.0
+    inside = (p.role == 0) & (p.kind == FLUID)
+    assert np.linalg.norm(twice[inside]) == pytest.approx(2.0 * np.linalg.norm(small[inside]), rel=0.01)
+    large = moved(s, 1e6 * strained)
+    assert large.max() < 0.3
 
 
-def test_without_a_force_everything_moves():
-    p = SimpleNamespace(comm=MPI.COMM_SELF, n_owned=2, volume=np.ones(2), u=np.zeros((2, 2)))
-    assert regularise._paid(p, np.ones((2, 2)), np.zeros((2, 2))) == (1.0, 1.0)
+def test_strain_far_below_that_of_a_fall_counts_with_its_square(falling):
+    p, method = falling.particles, falling.method
+    u, method.by_pressure = p.u.copy(), np.full(p.n_owned, 9.81)
+    once = {}
+    for factor in (1e-7, 2e-7, 1e4, 2e4):
+        p.u[:] = factor * u
+        once[factor] = regularise.strain_of_step(method, 0.01)
+    assert once[1e-7].max() > 0.0
+    np.testing.assert_allclose(once[2e-7], 4.0 * once[1e-7], rtol=1e-3)
+    fast = once[1e4] > 1.0
+    np.testing.assert_allclose(once[2e4][fast], 2.0 * once[1e4][fast], rtol=1e-2)
+    method.by_pressure = np.zeros(p.n_owned)    # in free fall everything counts
+    p.u[:] = 1e-7 * u
+    np.testing.assert_allclose(regularise.strain_of_step(method, 0.01), 1e-11 * once[1e4], rtol=1e-2)
+
+
+def test_velocities_do_not_pay_for_moves(falling):
+    u = falling.particles.u.copy()
+    regularise.positions(falling.method, regularise.strain_of_step(falling.method, 0.01))
+    np.testing.assert_array_equal(falling.particles.u, u)
+
+
+def test_fluid_at_rest_and_in_rigid_motion_is_left_alone(falling):
+    s, p = falling, falling.particles
+    still = (p.kind != FLUID)
+    for velocity in (np.zeros_like(p.x), np.tile([3.0, -2.0], (p.n_owned, 1)), p.x[:, ::-1] * [1.0, -1.0]):
+        p.u[:] = velocity
+        strained = regularise.strain_of_step(s.method, 0.01)
+        assert strained.max() < 1e-12 and np.all(strained[still] == 0.0)
+    close = p.role == SURFACE
+    assert moved(s, np.zeros(p.n_owned))[~close].max() == 0.0
+
+
+def test_what_nothing_needs_is_not_computed(falling):
+    method = falling.method
+    method.numerics = method.numerics.model_copy(update={"filter_strain": 0.0, "collision_distance": 0.0, "kappa": 0.0, "shift": 0.0})
+    assert regularise.strain_of_step(method, 0.01) is None
+    regularise.velocity(method, 0.01, None)     # the filter with a fixed strength needs no strain

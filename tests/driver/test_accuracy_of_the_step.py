@@ -1,0 +1,63 @@
+"""An adaptive step of moving fluid is limited for accuracy, by the acceleration."""
+
+from math import sqrt
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph import Box, Case, Fluid, Numerics, Simulation, Tank
+from tests.scenes import scene
+
+SPACING, G = 0.05, 9.81
+
+
+def column(**numerics):
+    return Case(title="column", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0), walls=Tank(width=2.0, height=2.0),
+                gravity=(0.0, -G), numerics=Numerics(spacing=SPACING, **numerics), end_time=1.0)
+
+
+def largest(case, count):
+    """Return the largest of the first steps of a case [s]."""
+    return max(steps(case, count))
+
+
+def steps(case, count):
+    s = Simulation(case, MPI.COMM_SELF)
+    found = [s.advance().dt for _ in range(count)]
+    s.destroy()
+    return found
+
+
+def test_water_that_is_set_in_motion_has_short_steps():
+    limit = 0.1 * sqrt(SPACING / G)
+    assert largest(column(), 25) == pytest.approx(limit)
+    assert largest(column(fall=0.05), 25) == pytest.approx(0.5 * limit)
+    assert largest(column(fall=0.0), 25) > 1.5 * limit
+
+
+def test_waves_are_limited_by_four_times_their_acceleration():
+    case = scene("standing_wave", spacing=SPACING, preset="violent", amplitude=0.01, time_step=0.05)
+    case = case.changed(**{"numerics.time_step": None})
+    acceleration = 0.01 * np.pi * G    # a k g, in deep water
+    shortest = min(steps(case, 40))     # more than a quarter of a period, that is, to the greatest acceleration
+    assert shortest == pytest.approx(0.1 * sqrt(SPACING / (4.0 * acceleration)), rel=0.1)
+
+
+def test_still_water_is_not_limited():
+    case = scene("hydrostatic", spacing=SPACING).changed(**{"numerics.preset": "violent", "numerics.time_step": None})
+    assert largest(case, 25) > 4.0 * 0.1 * sqrt(SPACING / G)
+
+
+@pytest.mark.parametrize("closed", [True, False])
+def test_a_full_closed_tank_has_numbers_of_its_own(closed):
+    height = 1.0 if closed else 0.5
+    case = Case(title="box", fluid=Fluid(Box(width=1.0, height=height), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
+                gravity=(0.0, 0.0), numerics=Numerics(spacing=0.1, filter=0.02), end_time=1.0)
+    s = Simulation(case, MPI.COMM_SELF)
+    n = s.numerics
+    s.destroy()
+    assert n.filter == 0.02     # the user's own
+    assert (n.surface_rule, n.shift, n.kappa_strain) == (("none", 0.06, 70.0) if closed else ("gap", 0.2, 56.0))
+    opened = s.case.changed(walls=Tank(width=1.0, height=2.0))
+    assert opened.numerics.resolved().shift == 0.2 and opened.numerics.filter == 0.02
