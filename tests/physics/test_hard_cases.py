@@ -1,0 +1,13 @@
+"""The quick selection of the hard cases; `python -m tests.hard` computes all of them."""
+
+import pytest
+
+from tests.hard.one import outcome
+from tests.hard.scenes import QUICK
+from tests.hard.table import text
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_quick_selection(name):
+    found = outcome(name, QUICK[name])
+    assert found.lines and found.met, text([found])
