@@ -5,6 +5,8 @@ import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import numpy as np
+
 from parisph.io.files import write_json
 from parisph.io.reader import open_run
 from tests.launch import mpirun, parisph
@@ -17,7 +19,8 @@ class Row:
     """One line of the table.
 
     what : the scene and the quantity; measured : number; asked : the limit, None for a report only;
-    least : whether the limit is a lower one; cost : CPU seconds of the run, None where it had several
+    least : whether the limits are lower ones; cost : CPU seconds of the run, None where it had several;
+    aim : a limit that is tried for, None without one; starts : values of all starts, of which `measured` is the worst
     """
 
     what: str
@@ -25,29 +28,50 @@ class Row:
     asked: float = None
     least: bool = False
     cost: float = None
+    aim: float = None
+    starts: tuple = ()
+
+    @classmethod
+    def of_starts(cls, what, values, asked=None, aim=None, least=False, cost=None):
+        """Return the row of runs that differ by their start: the worst of them counts, nan if one is no number."""
+        worst = (np.min if least else np.max)(values)
+        return cls(what, float(worst), asked, least, cost, aim, tuple(float(value) for value in values))
 
     @property
     def met(self):
         """True, False, or None where nothing is asked. A number that is not one meets nothing."""
-        if self.asked is None:
-            return None
-        return bool(self.measured >= self.asked if self.least else self.measured <= self.asked)
+        return None if self.asked is None else self._within(self.asked)
+
+    @property
+    def reached(self):
+        """Whether the aim is reached, None where there is none."""
+        return None if self.aim is None else self._within(self.aim)
+
+    def _within(self, limit):
+        return bool(self.measured >= limit if self.least else self.measured <= limit)
 
 
 def table(rows):
-    """Return the rows as a Markdown table."""
-    lines = ["| | measured | asked | | CPU s |", "|---|---|---|---|---|"]
-    for row in rows:
-        asked = "" if row.asked is None else f"{'>=' if row.least else '<='} {row.asked:g}"
-        verdict = {None: "", True: "yes", False: "NO"}[row.met]
-        cost = "" if row.cost is None else f"{row.cost:.1f}"
-        lines.append(f"| {row.what} | {row.measured:.4g} | {asked} | {verdict} | {cost} |")
-    return "\n".join(lines)
+    """Return the rows as a Markdown table; of several starts their range is given, and the worst decides."""
+    return "\n".join(["| | measured | asked | aim | | CPU s |", "|---|---|---|---|---|---|", *(_line(row) for row in rows)])
+
+
+def _line(row):
+    asked, aim = ("" if limit is None else f"{'>=' if row.least else '<='} {limit:.4g}" for limit in (row.asked, row.aim))
+    verdict = {None: "", True: "yes", False: "NO"}[row.met] + {None: "", True: " (aim)", False: ""}[row.reached]
+    cost = "" if row.cost is None else f"{row.cost:.1f}"
+    return f"| {row.what} | {_range(row.starts or (row.measured,))} | {asked} | {aim} | {verdict.strip()} | {cost} |"
+
+
+def _range(values):
+    if np.isnan(values).any():
+        return "nan"
+    return " to ".join(dict.fromkeys(f"{value:.4g}" for value in (min(values), max(values))))
 
 
 def save(rows, path):
     """Write the rows as JSON."""
-    write_json(Path(path), [{**asdict(row), "met": row.met} for row in rows])
+    write_json(Path(path), {"rows": [{**asdict(row), "met": row.met, "reached": row.reached} for row in rows]})
 
 
 class Bench:
