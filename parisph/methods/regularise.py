@@ -10,7 +10,7 @@ from parisph.methods import schemes
 SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
 SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
-REST = 0.02  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
+REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
 
 # Close pairs; lengths in spacings.
 TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
