@@ -330,7 +330,7 @@ class Projection:
         velocity needs the whole impulse of that, but as a pressure it would grow without bound as dt -> 0.
         """
         p = self.particles
-        solved = (p.role == INNER) | (p.role == WET)
+        solved = (p.role == INNER) | (p.role == WET) | (p.role == SURFACE)
         p.p[solved] = earlier[solved] + share * (p.p[solved] - earlier[solved])
         self.domain.update("p")
 
