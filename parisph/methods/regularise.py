@@ -69,7 +69,7 @@ def velocity(method, dt, strained):
 
 
 def keep_in_tank(method, u, dt):
-    """Limit a velocity (n_owned, dim) of the fluid, by which it will be moved, with the wall guard. Collective in nothing.
+    """Limit a velocity (n_owned, dim) of the fluid, by which it will be moved, with the wall guard. Not collective.
 
     Particles move by the mean of two velocities. The guard of the new one alone would let a particle that is
     stopped in this step pass the wall, and stop one that is only slowed down.
