@@ -34,6 +34,8 @@ class Numerics(Model):
     collision_distance, wall_guard : [s]; restitution : of pair collisions; 0 switches them off
     surface_rule, wall_rows, gradient, surface_gradient, stepping : names of the parts of a step
     surface_offset : distance from a surface particle that stands for a full cell out to p = 0 [s]; 0 for p = 0 at particles
+    pressure_mean : over how many times the shortest time that particles resolve (methods.timestep) pressure is averaged,
+        if steps are shorter than that; 0 for the pressure of each step
     rtol : relative tolerance of the pressure solve
     jitter : k of a start displacement s k (Rn - 1/2) in each direction, Rn uniform in [0, 1) (Z17
         Sec. 4), of fluid particles inside; of those on the free surface too if jitter_surface
@@ -62,6 +64,7 @@ class Numerics(Model):
     wall_guard: Distance = None
     surface_rule: Optional[Literal["gap", "auxiliary", "density", "frozen", "none"]] = None
     surface_offset: Optional[float] = Field(None, ge=0, le=1, description="distance of p = 0 from full surface particles, in spacings")
+    pressure_mean: Optional[float] = Field(None, ge=0, le=100, description="mean of pressure in short steps, in times that particles resolve")
     wall_rows: Optional[Literal["sfdi", "harmonic"]] = None
     gradient: Optional[Literal["sfdi", "symmetric", "mixed"]] = None
     surface_gradient: Optional[Literal["same", "harmonic"]] = None

@@ -7,8 +7,8 @@ METHODS = ("ISPH_R", "ISPH", "ISPH_R_printed")
 PRESETS = {
     # Breaking waves and impacts: a moving free surface, regularised particles.
     "violent": {
-        "cfl": 0.25,
-        "fall": 0.1,
+        "cfl": 0.35,
+        "fall": 0.05,
         "zeta": 1.0,
         "zeta_time": 0.0,
         "gamma": 0.0,
@@ -24,6 +24,7 @@ PRESETS = {
         "wall_guard": 0.25,
         "surface_rule": "gap",
         "surface_offset": 0.5,
+        "pressure_mean": 1.0,
         "wall_rows": "sfdi",
         "gradient": "mixed",
         "surface_gradient": "harmonic",
@@ -49,6 +50,7 @@ PRESETS = {
         "wall_guard": 0.0,
         "surface_rule": "frozen",
         "surface_offset": 0.0,
+        "pressure_mean": 0.0,
         "wall_rows": "harmonic",
         "gradient": "mixed",
         "surface_gradient": "harmonic",

@@ -13,6 +13,7 @@ from parisph.kernels import wetness
 from parisph.kernels.jit import axes_of
 from parisph.methods import regularise, schemes
 from parisph.methods.budget import NoBudget
+from parisph.methods.timestep import resolved_time
 from parisph.pressure import groups
 from parisph.pressure.rows import PressureRows
 
@@ -127,8 +128,9 @@ class Projection:
         if self.numerics.kappa > 0.0 or self.numerics.shift > 0.0:
             with timers("regularise"):
                 positions = regularise.positions(self, strained)
-        if usual is not None and dt < 0.5 * usual:
-            self._average_pressure(earlier, dt / usual)
+        over = self._mean_time(force, dt, usual)
+        if dt < over:
+            self._average_pressure(earlier, dt / over)
         with timers("record"):
             divergence = self._divergence() * dt
         return self._report(dt, solve, divergence, isolated, collisions, positions)
@@ -322,6 +324,14 @@ class Projection:
         if self.numerics.time_step is None:
             mine = float(np.sqrt((acceleration**2).sum(axis=1).max(initial=0.0)))
             self.top_acceleration = p.comm.allreduce(mine, op=MPI.MAX)
+
+    def _mean_time(self, force, dt, usual):
+        """Return the time [s] over which the pressure of a step of dt is averaged; 0 for its own pressure. Collective."""
+        p, n = self.particles, self.numerics
+        shortened = usual if usual is not None and dt < 0.5 * usual else 0.0
+        if not n.pressure_mean:
+            return shortened
+        return max(shortened, n.pressure_mean * resolved_time(p.comm, p, self.spacing, force[:p.n_owned][p.kind == FLUID]))
 
     def _average_pressure(self, earlier, share):
         """Leave a mean over time as the pressure after a short step, of which this step has the given share. Collective.

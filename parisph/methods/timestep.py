@@ -10,6 +10,7 @@ GROWTH = 1.1    # from one step to the next, at most
 BRISK = 4.0     # times the acceleration of the fluid: the acceleration that limits the step, if less than the body force
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
+TOLD_MOVE, TOLD_FALL = 0.35, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
 
 
 def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0, acceleration=0.0):
@@ -81,6 +82,19 @@ def first_step(comm, particles, numerics, acceleration, dt, force_at):
         if not dt > allowed:    # also where the force is no number, which the step itself will say
             return float(dt)
         dt = min(allowed, 0.5 * dt)
+
+
+def resolved_time(comm, particles, spacing, force):
+    """Return the shortest time [s] in which particles can tell how the pressure changes. Collective.
+
+    It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/g); 0 if nothing moves or pulls.
+    Within it, pressure consists of the pulses of single particles that come to a wall or to the surface.
+
+    force : (n, dim), body force per unit mass on this rank's fluid [m/s^2]
+    """
+    fastest, strongest, _ = _largest_of_all(comm, _fastest(particles), float(np.sqrt((force**2).sum(axis=1).max(initial=0.0))))
+    rate = max(fastest / (TOLD_MOVE * spacing), np.sqrt(strongest / spacing) / TOLD_FALL)
+    return 1.0 / rate if 0.0 < rate < np.inf else 0.0
 
 
 def rest_step(numerics):

@@ -182,17 +182,45 @@ def hydrostatic(arrays):
 
 @pytest.mark.parametrize("at, depth", [
     ((0.0, 0.25), 0.25), ((0.0, 0.263), 0.237), ((1.0, 0.111), 0.389), ((0.0, 0.0), 0.5), ((1.0, 0.02), 0.48),
-    ((0.0, 0.49), 0.01), ((0.37, 0.0), 0.5), ((0.02, 0.0), 0.5),
+    ((0.0, 0.34), 0.16), ((0.37, 0.0), 0.5), ((0.02, 0.0), 0.5),
 ])
 def test_a_tap_is_exact_where_pressure_is_linear(at, depth):
     assert value(PressureTap(name="p", at=at), hydrostatic) == pytest.approx(DENSITY * G * depth, rel=1e-12)
 
 
-def test_a_tap_takes_the_two_wall_particles_beside_it_and_no_other():
+def one_particle_at(y):
     def change(arrays):
-        arrays["p"][(arrays["kind"] == WALL) & np.all(np.abs(arrays["x"] - (0.0, 0.25)) < 1e-9, axis=1)] = 100.0
+        arrays["p"][(arrays["kind"] == WALL) & np.all(np.abs(arrays["x"] - (0.0, y)) < 1e-9, axis=1)] = 100.0
+    return change
+
+
+def test_a_tap_of_one_spacing_takes_the_two_wall_particles_beside_it_and_no_other():
     for y, weight in ((0.25, 1.0), (0.26, 0.8), (0.2, 0.0), (0.24, 0.8), (0.3, 0.0)):
-        assert value(PressureTap(name="p", at=(0.0, y)), change) == pytest.approx(100.0 * weight, abs=1e-9)
+        for radius in (S, 0.1 * S):
+            tap = PressureTap(name="p", at=(0.0, y), radius=radius)
+            assert value(tap, one_particle_at(0.25)) == pytest.approx(100.0 * weight, abs=1e-9)
+
+
+@pytest.mark.parametrize("radius, given", [(3 * S, None), (3 * S, 3 * S), (4.5 * S, 4.5 * S)])
+def test_a_tap_weighs_the_wall_within_its_radius(radius, given):
+    def weight(y):
+        return max(0.0, 1.0 - (y / radius) ** 2) ** 2
+    total = sum(weight(k * S) for k in range(-6, 7))
+    for away in range(6):
+        found = value(PressureTap(name="p", at=(0.0, 0.5 + away * S), radius=given), one_particle_at(0.5))
+        assert found == pytest.approx(100.0 * weight(away * S) / total, abs=1e-9)
+
+
+def test_a_tap_in_a_corner_takes_the_particle_of_both_walls():
+    assert value(PressureTap(name="p", at=(0.0, 0.0)), one_particle_at(0.0)) == 100.0
+    assert value(PressureTap(name="p", at=(0.0, 0.0)), one_particle_at(S)) == 0.0
+
+
+def test_a_tap_does_not_see_the_wall_across_the_corner():
+    """The bed beside the corner is within the radius of a tap on the left wall."""
+    def change(arrays):
+        arrays["p"][(arrays["kind"] == WALL) & (arrays["x"][:, 0] > 0.5 * S)] = 1e9
+    assert value(PressureTap(name="p", at=(0.0, S)), change) == 0.0
 
 
 def test_a_dry_wall_has_no_pressure():
@@ -201,7 +229,7 @@ def test_a_dry_wall_has_no_pressure():
     def dry(arrays):
         hydrostatic(arrays)
         arrays["role"][(arrays["kind"] == WALL) & (arrays["x"][:, 1] > 0.27)] = DRY
-    assert value(PressureTap(name="p", at=(0.0, 0.275)), dry) == pytest.approx(0.5 * DENSITY * G * 0.25)
+    assert value(PressureTap(name="p", at=(0.0, 0.275), radius=S), dry) == pytest.approx(0.5 * DENSITY * G * 0.25)
 
 
 # -- energy and momentum ------------------------------------------------------------------
