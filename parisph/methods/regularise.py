@@ -11,7 +11,7 @@ SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
 SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
 DOUBT = 0.03  # density error near the surface that is no more than disorder in calm fluid
-BRISK = 0.2   # rate of strain, over sqrt(a/s), at which the doubt is half of that
+BRISK = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
 
 # Close pairs; lengths in spacings.
