@@ -5,18 +5,22 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER
-from parisph.kernels.jit import kernel
+from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mirrors import gather_around
 from parisph.kernels.near import dot, room_for
 from parisph.kernels.smoothing import cubic_spline_slope
 
 
 @kernel
-def compression(e, alpha, role, x, kind, limit, reach, indptr, indices, axes):
+def compression(e, alpha, role, x, kind, limit, doubt, reach, indptr, indices, axes):
     """Relative density error that the position projection removes.
 
-    e = alpha - 1 at inner particles, clipped to +-limit. Negative values are set to zero if a surface
-    particle lies within the reach [m]: there alpha < 1 because of the surface, not because of a void.
+    e = alpha - 1 at inner particles, clipped to +-limit. If a surface particle lies within the reach [m], only
+    what alpha - 1 is above the doubt counts: there alpha < 1 because of the surface, not because of a void. Of
+    disorder, which makes alpha too large here and too small there, one side alone would be left, and its mean
+    pushes the surface outwards: a wave gains the energy to which its crests are lifted.
+
+    e : (n_owned,) output; doubt : (n_owned,)
     """
     reach2 = reach * reach
     for i in range(len(indptr) - 1):
@@ -24,17 +28,22 @@ def compression(e, alpha, role, x, kind, limit, reach, indptr, indices, axes):
         if role[i] != INNER:
             continue
         e[i] = min(max(alpha[i] - 1.0, -limit), limit)
-        if e[i] >= 0.0:
-            continue
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if kind[j] == FLUID and role[j] != INNER:
-                r2 = 0.0
-                for a in range(len(axes)):
-                    r2 += (x[j, a] - x[i, a]) ** 2
-                if r2 < reach2:
-                    e[i] = 0.0
-                    break
+        if e[i] != 0.0 and _near_surface(i, x, kind, role, reach2, indptr, indices, axes):
+            e[i] = max(e[i] - doubt[i], 0.0)
+
+
+@inlined
+def _near_surface(i, x, kind, role, reach2, indptr, indices, axes):
+    """Return whether fluid without a pressure equation lies within the reach of particle i."""
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        if kind[j] == FLUID and role[j] != INNER:
+            r2 = 0.0
+            for a in range(len(axes)):
+                r2 += (x[j, a] - x[i, a]) ** 2
+            if r2 < reach2:
+                return True
+    return False
 
 
 @kernel

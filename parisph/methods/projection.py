@@ -87,6 +87,7 @@ class Projection:
         radii = {"circle": schemes.CIRCLE, "mls": schemes.MLS, "wall": schemes.WALL, "sph": schemes.SPH}
         self.top_acceleration = 0.0     # of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
         self.by_pressure = 0.0          # acceleration of owned particles by pressure alone, in this step [m/s^2]
+        self.doubt = None               # of owned particles in their density error near the surface, in this step
         self.rows = PressureRows(particles.dim, scheme, numerics.wall_rows, numerics.surface_offset,
                                  self.spacing, radii)
         self.full = surfaces.lattice_sum(self.spacing, schemes.DENSITY * self.spacing, self.axes)

@@ -10,6 +10,8 @@ from parisph.methods import schemes
 SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
 SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
+DOUBT = 0.03  # density error near the surface that is no more than disorder in calm fluid
+BRISK = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
 
 # Close pairs; lengths in spacings.
@@ -25,7 +27,7 @@ def strain_of_step(method, dt):
     a time does not depend on the number of steps in it. A rate far below REST sqrt(a/s), with the
     acceleration a by pressure alone, counts for less, with its square: in still water of disordered particles,
     moves in proportion to a small velocity would make it grow. Also computes the velocity gradient, for pair
-    collisions. None if nothing in the case needs it.
+    collisions, and the doubt in the density error. None if nothing in the case needs it.
     """
     p, d, n = method.particles, method.domain, method.numerics
     if not (n.filter_strain or n.collision_distance or n.kappa or n.shift):
@@ -39,7 +41,19 @@ def strain_of_step(method, dt):
     strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, radius, d.indptr, d.indices, method.axes)
     # a full closed tank does not notice a uniform force, which only its pressure balances
     small = 0.0 if method.closed else REST * np.sqrt(method.by_pressure / method.spacing)
+    method.doubt = _doubt(out, method.by_pressure / method.spacing)
     return dt * out * out / np.maximum(out + small, np.finfo(float).tiny)
+
+
+def _doubt(rate, square):
+    """Return the density error near the surface that may be disorder: DOUBT, and less where strain is rapid: (n,).
+
+    Rapid strain packs particles faster than disorder does, and all of that is compression.
+
+    rate : (n,) of strain [1/s]; square : (n,), a/s of the acceleration a by pressure alone [1/s^2]
+    """
+    calm = BRISK**2 * square
+    return DOUBT * calm / np.maximum(calm + rate**2, np.finfo(float).tiny)
 
 
 def velocity(method, dt, strained):
@@ -175,11 +189,15 @@ def _shift(method, strength, walls, h):
     _move(method, move)
 
 
-def compression(method):
-    """Return alpha - 1 of owned inner particles, within +-.1 and one-sided by the surface: (n_owned,)."""
+def compression(method, doubt=None):
+    """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
+
+    doubt : (n_owned,), default DOUBT
+    """
     p, d = method.particles, method.domain
     e = np.empty(p.n_owned)
-    shifting.compression(e, p.alpha, p.role_all, p.x_all, p.kind_all, 0.1, schemes.WALL * method.spacing,
+    doubt = np.full(p.n_owned, DOUBT) if doubt is None else doubt
+    shifting.compression(e, p.alpha, p.role_all, p.x_all, p.kind_all, 0.1, doubt, schemes.WALL * method.spacing,
                          d.indptr, d.indices, method.axes)
     return e
 
@@ -191,7 +209,7 @@ def _project(method, strength, walls, h):
     """
     p, d = method.particles, method.domain
     surfaces.density_ratio(p.alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
-    e = strength * compression(method)
+    e = strength * compression(method, method.doubt)
     p.phi[:], solve = method.solver.solve_again(method.rows.right_hand_side(-e), p.phi, slack=SLACK)
     d.update("phi")
     move = -method.pressure_gradient(p.phi_all)

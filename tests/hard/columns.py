@@ -39,14 +39,45 @@ def _shape(width, where):
 
 def collapse(bench: Bench, width: int, where: str, most: int | None = None) -> list[Line]:
     """The fall of a column: its energy and the distances of its particles."""
-    energy, apart, watch = [], [], Measured()
+    energy, apart, continuous, watch, rows = [], [], [], Measured(), None
     for s in bench.flow(column(width, where, seed=bench.seed), most=most):
         energy.append(watch(s)[2])
         apart.append(nearest(s))
-    return [Line("largest rise of the energy above its start", max(energy) / energy[0] - 1.0, RISE),
+        if where == "wall" and width > 1:
+            rows = rows_of(s, width) if rows is None else rows
+            continuous.append(energy_between(s, rows))
+    found = [Line("largest rise of the energy above its start", max(energy) / energy[0] - 1.0, RISE)]
+    if continuous:
+        found.append(Line("the same with a velocity that is linear between neighbours", max(continuous) / continuous[0] - 1.0, RISE))
+    return [*found,
             Line("least distance of two particles / s", min(apart), APART, least=True),
             Line("share of the steps with a distance below that", float(np.mean(np.array(apart) < APART))),
             Line("energy at the end over its start", energy[-1] / energy[0])]
+
+
+def rows_of(s, width: int) -> np.ndarray:
+    """Return the ids of a column at a wall at its start, row by row from the wall outwards: (rows, width)."""
+    p, mine = s.particles, flow.fluid(s)
+    cell = np.round(p.x[mine] / S).astype(int)
+    return p.id[mine][np.lexsort((cell[:, 0], cell[:, 1]))].reshape(-1, width)
+
+
+def energy_between(s, rows: np.ndarray) -> float:
+    """Return the energy over the density of a column at a wall, with a velocity that is linear between neighbours in a row.
+
+    One velocity for each particle's volume overrates a velocity that grows from zero at the wall: the first
+    particle stands for 3/2 cells, and the last one, on the surface, for the half cell on its slow side. Of a column
+    of two, that is 31 % of the kinetic energy of spreading, and 12 % and 5 % for three and four. Fluid keeps its
+    place between its neighbours of the start as long as it does not mix, until long after the highest energy.
+    """
+    p = s.particles
+    at = np.argsort(p.id)[np.searchsorted(np.sort(p.id), rows)]
+    u, volume = p.u[at], p.volume[at]
+    height = volume[:, -1] / (0.5 * S)
+    nodes = np.concatenate([u[:, :1] * (0.0, 1.0), u], axis=1)    # the wall has no velocity into it
+    a, b = nodes[:, :-1], nodes[:, 1:]
+    kinetic = height @ (a * a + a * b + b * b).sum(axis=(1, 2)) * S / 6.0
+    return float(kinetic - GRAVITY[1] * (volume * p.x[at][..., 1]).sum())
 
 
 def layer(bench: Bench) -> list[Line]:

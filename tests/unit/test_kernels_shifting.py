@@ -99,9 +99,10 @@ def own_images(pool, i, a):
 # -- what the position projection corrects ------------------------------------------------------------
 
 
-def error(pool, alpha):
+def error(pool, alpha, doubt=0.0):
     e = np.full(pool.n, np.nan)
-    shifting.compression(e, alpha, pool.role, pool.x, pool.kind, LIMIT, REACH * pool.spacing, *pool.csr)
+    shifting.compression(e, alpha, pool.role, pool.x, pool.kind, LIMIT, np.full(pool.n, doubt),
+                         REACH * pool.spacing, *pool.csr)
     return e
 
 
@@ -122,6 +123,17 @@ def test_density_error_near_the_surface_is_one_sided(dim):
     np.testing.assert_allclose(thin[inner & ~near], -0.04, rtol=1e-12)
     np.testing.assert_allclose(thick[inner], 0.04, rtol=1e-12)
     assert np.all(thin[~inner] == 0.0) and np.all(thick[~inner] == 0.0)
+
+
+@dims
+def test_near_the_surface_only_what_exceeds_the_doubt_is_compression(dim):
+    pool = tank((9, 9) if dim == 2 else (6, 6, 8))
+    inner = pool.role == INNER
+    near = inner & (pool.index[:, -1] > pool.top[-1] - REACH)
+    for alpha, expected in ((0.96, 0.0), (1.02, 0.0), (1.05, 0.02), (1.7, 0.07)):
+        e = error(pool, np.full(pool.n, alpha), doubt=0.03)
+        np.testing.assert_allclose(e[near], expected, atol=1e-12)
+        np.testing.assert_allclose(e[inner & ~near], np.clip(alpha - 1.0, -LIMIT, LIMIT), rtol=1e-12)
 
 
 def test_free_flying_particles_count_as_surface():
