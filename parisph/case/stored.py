@@ -57,7 +57,7 @@ def from_json(text: str, read_only: bool = False) -> Case:
 def _keep_strengths(numerics) -> None:
     """Give the numerics of a stored text from before schema 2 the strengths and time-step limits of that time."""
     if isinstance(numerics, dict) and numerics.get("kappa") is not None:    # resolved, not as the user gave them
-        for name in ("kappa_strain", "shift_strain", "filter_strain", "fall", "surface_offset"):
+        for name in ("kappa_strain", "shift_strain", "filter_strain", "residual_strain", "fall", "surface_offset"):
             numerics.setdefault(name, 0.0)
 
 
