@@ -26,6 +26,8 @@ class Numerics(Model):
     max_time_step : upper limit of an adaptive step [s]
     zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)
+    residual_strain : part of the divergence left by earlier steps that a step removes, over dt sqrt(2 G:G) with G = grad u, or
+        over dt sqrt(g/s) if that is more; at most all of it; 0 for all in every step
     strain : weight of the strain source, which conserves volume in a finite step; 0 or 1
     kappa, shift : greatest weights of the position projection and of the Fick shift
     filter : greatest fraction of the velocity's roughness that is removed in a step
@@ -51,6 +53,7 @@ class Numerics(Model):
     max_time_step: Optional[float] = Field(None, gt=0, description="upper limit of an adaptive step [s]")
     zeta_time: Optional[float] = Field(None, ge=0, description="relaxation time of the divergence [s], 0 for none")
     zeta: Optional[float] = Field(None, gt=0, le=2, description="weight of the divergence in the source")
+    residual_strain: Optional[float] = Field(None, ge=0, le=1000, description="part of the residual divergence removed over the strain of a step")
     gamma: Fraction = None
     strain: Fraction = None
     kappa: Optional[float] = Field(None, ge=0, le=2, description="weight of the position projection")

@@ -11,6 +11,7 @@ PRESETS = {
         "fall": 0.05,
         "zeta": 1.0,
         "zeta_time": 0.0,
+        "residual_strain": 100.0,
         "gamma": 0.0,
         "strain": 1.0,
         "kappa": 0.5,
@@ -37,6 +38,7 @@ PRESETS = {
         "fall": 0.0,
         "zeta": 1.0,
         "zeta_time": 0.0,
+        "residual_strain": 0.0,
         "gamma": 0.0,
         "strain": 1.0,
         "kappa": 0.0,
@@ -63,6 +65,7 @@ PRESETS = {
 # regular, and a vortex its energy. These replace the values of the violent preset there.
 CLOSED = {
     "surface_rule": "none",
+    "residual_strain": 0.0,
     "kappa": 0.65,
     "kappa_strain": 70.0,
     "shift": 0.06,

@@ -43,8 +43,7 @@ def from_json(text: str, read_only: bool = False) -> Case:
         raise CaseError('it does not match its digest: it is damaged or was edited. If you edited it, remove the line "digest"')
     content.pop("schema", None)
     content.pop("run", None)    # which run it is of (io.store); the case is the same in every run
-    if version < 2:
-        _keep_strengths(content.get("numerics"))
+    _keep_strengths(content.get("numerics"))
     # through the text again: JSON has no tuples, and pydantic takes lists for them only from JSON
     case = Case.model_validate_json(json.dumps(content), context=READ_ONLY if read_only else None)
     if case.asked is None:
@@ -55,9 +54,9 @@ def from_json(text: str, read_only: bool = False) -> Case:
 
 
 def _keep_strengths(numerics) -> None:
-    """Give the numerics of a stored text from before schema 2 the strengths and time-step limits of that time."""
+    """Give the numerics of an older stored text the strengths and limits that came later: none."""
     if isinstance(numerics, dict) and numerics.get("kappa") is not None:    # resolved, not as the user gave them
-        for name in ("kappa_strain", "shift_strain", "filter_strain", "fall", "surface_offset", "pressure_mean"):
+        for name in ("kappa_strain", "shift_strain", "filter_strain", "residual_strain", "fall", "surface_offset", "pressure_mean"):
             numerics.setdefault(name, 0.0)
 
 

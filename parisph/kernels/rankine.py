@@ -258,12 +258,39 @@ def second_invariant(out, u, role, count, columns, flux, indptr, axes):
         out[i] = 0.0
         if role[i] != INNER:
             continue
-        g[:, :] = 0.0
-        for k in range(indptr[i], indptr[i] + count[i]):
-            j = columns[k]
-            for a in range(dim):
-                for b in range(dim):
-                    g[a, b] += flux[k, a] * (u[j, b] - u[i, b])
+        _gradient(g, i, u, count, columns, flux, indptr, axes)
         for a in range(dim):
             for b in range(dim):
                 out[i] += g[a, b] * g[b, a]
+
+
+@kernel
+def turnover(out, u, role, count, columns, flux, indptr, axes):
+    """sqrt(2 G:G) with G = grad u at inner particles, from the stored flux coefficients [1/s].
+
+    The rate at which neighbours move relative to each other: a shear rate, or twice a rotation's angular velocity.
+    """
+    dim = len(axes)
+    g = np.empty((dim, dim))
+    for i in range(len(indptr) - 1):
+        out[i] = 0.0
+        if role[i] != INNER:
+            continue
+        _gradient(g, i, u, count, columns, flux, indptr, axes)
+        square = 0.0
+        for a in range(dim):
+            for b in range(dim):
+                square += g[a, b] * g[a, b]
+        out[i] = math.sqrt(2.0 * square)
+
+
+@inlined
+def _gradient(g, i, u, count, columns, flux, indptr, axes):
+    """Write g[a, b] = d u_b/dx_a at an inner particle."""
+    dim = len(axes)
+    g[:, :] = 0.0
+    for k in range(indptr[i], indptr[i] + count[i]):
+        j = columns[k]
+        for a in range(dim):
+            for b in range(dim):
+                g[a, b] += flux[k, a] * (u[j, b] - u[i, b])

@@ -16,6 +16,7 @@ REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as 
 
 # Close pairs; lengths in spacings.
 TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
+TURNS = 3.0     # times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
 PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the fraction of what is missing
 APART, SWEEPS, SWEEP = 0.45, 8, 0.15    # distance that all pairs are brought to, sweeps at most, and longest move in one
 
@@ -135,7 +136,7 @@ def positions(method, strained):
     if n.shift > 0.0:
         _part(method)
         method.budget.mark(p, "parting")
-        _shift(method, _strength(n.shift, n.shift_strain, strained, p.n_owned), walls, h)
+        _shift(method, strained, walls, h)
         method.budget.mark(p, "shift")
         _keep_apart(method)
         method.budget.mark(p, "parting")
@@ -171,18 +172,20 @@ def _part(method):
     d.update("x")
 
 
-def _shift(method, strength, walls, h):
+def _shift(method, strained, walls, h):
     """Shift by C_i h^2 along -grad alpha, and turn close pairs. Collective.
 
-    strength : (n_owned,), C_i
+    strained : (n_owned,) or None, of `strain_of_step`
     """
     p, d, n = method.particles, method.domain, method.numerics
     shifting.concentration_gradient(p.grad_alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
     d.update("grad_alpha")
     move = np.empty_like(p.x)
+    strength = _strength(n.shift, n.shift_strain, strained, p.n_owned)
     shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, strength * h * h,
                         CAP * method.spacing, 2.0 * method.spacing, d.indptr, d.indices, method.axes)
-    p.turn[:] = TURN * method.spacing / n.shift * strength
+    turns = TURNS if n.shift_strain else 1.0
+    p.turn[:] = TURN * method.spacing * _strength(turns, n.shift_strain / n.shift, strained, p.n_owned)
     d.update("turn")
     pairs.turn_pairs(move, p.x_all, p.kind_all, p.role_all, p.id_all, TURN_WITHIN * method.spacing, p.turn_all,
                      d.indptr, d.indices, method.axes)

@@ -84,6 +84,10 @@ class PressureRows:
         """Write tr((grad u)^2) of u (n_all, dim) at inner particles to out (n_owned,) [1/s^2]."""
         rankine.second_invariant(out, u, role, self.count, self.columns, self.flux, self.indptr, self.axes)
 
+    def turnover(self, out, u, role):
+        """Write sqrt(2 G:G), G = grad u of u (n_all, dim), at inner particles to out (n_owned,) [1/s]."""
+        rankine.turnover(out, u, role, self.count, self.columns, self.flux, self.indptr, self.axes)
+
     def _reserve(self, n, nnz):
         if nnz > len(self.columns):
             room = nnz + nnz // 8

@@ -167,6 +167,19 @@ def test_second_invariant_of_linear_velocity_is_exact(dim, jitter):
 
 
 @dims
+@jitters
+def test_turnover_of_linear_velocity_is_exact_and_zero_in_translation(dim, jitter):
+    pool, _ = cloud(dim, jitter)
+    slope = np.random.default_rng(8).normal(size=(dim, dim))
+    for matrix in (slope, slope - slope.T, np.zeros((dim, dim))):
+        u = pool.x @ matrix.T + 1.0
+        rows = filled(pool, u)
+        out = np.full(pool.n, np.nan)
+        rankine.turnover(out, u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes)
+        np.testing.assert_allclose(out[pool.far_inside(2)], np.sqrt(2.0 * (matrix**2).sum()), atol=1e-9)
+
+
+@dims
 def test_flux_divergence_is_the_mean_of_the_outflow(dim):
     # (dim/R) mean of n . u over the points, u by moving least squares there
     pool, _ = cloud(dim, 0.8)

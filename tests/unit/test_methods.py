@@ -70,6 +70,44 @@ def test_relaxation_time_weakens_the_source_by_dt_over_it():
     np.testing.assert_allclose(pressures[1], 0.25 * pressures[0], rtol=1e-12)
 
 
+def source(velocity, dt, residual_strain, force=0.0, strain=0.0):
+    """Return the right-hand sides of inner particles over 1/dt, for a velocity (x) -> (n, dim) of the fluid in a column at rest."""
+    simulation = Simulation(dam(strain=strain, residual_strain=residual_strain), MPI.COMM_SELF)
+    p, method = simulation.particles, simulation.method
+    simulation.domain.refresh()
+    p.u[:] = np.where((p.kind == FLUID)[:, None], velocity(p.x), 0.0)
+    method._predict(0.0)
+    simulation.domain.refresh()
+    body = force * p.x_all
+    method._classify(body, dt)
+    _, b, _ = method._assemble(body, dt)
+    deep = (p.role == INNER) & (np.abs(p.x - [0.25, 0.25]).max(axis=1) < 0.13)
+    found = dt * b[deep]
+    simulation.destroy()
+    return found
+
+
+def test_a_short_step_removes_the_residual_divergence_in_proportion_to_its_strain():
+    """u = -x turns over at the rate 2: 1 % of it per step removes all of the residual, a tenth of that a tenth."""
+    whole = source(lambda x: -x, 0.005, 0.0)
+    assert np.abs(whole).min() > 0.0
+    np.testing.assert_allclose(source(lambda x: -x, 0.02, 100.0), whole, rtol=1e-9)
+    short = source(lambda x: -x, 0.0005, 100.0)    # and what the flow has done to its volume since the last step, dt tr(G^2)
+    np.testing.assert_allclose(short, (0.1 + 0.9 * 0.0005) * whole, rtol=1e-9)
+
+
+def test_what_a_force_and_the_flow_itself_do_is_removed_at_once():
+    forced = [source(lambda x: 0.0 * x, 1e-4, most, force=-1.0) for most in (0.0, 10.0)]
+    np.testing.assert_allclose(forced[1], forced[0], rtol=1e-9)
+
+    def strained(x):
+        # at the middle of a step of 1e-3 with straight lines, of a flow that had the divergence of the strain source before
+        g = np.array([[1.0, 0.0], [0.0, -1.0]])
+        return x @ (g - 0.5e-3 * np.eye(2)).T
+    flows = [source(strained, 1e-3, most, strain=1.0) for most in (0.0, 10.0)]
+    np.testing.assert_allclose(flows[1], flows[0], rtol=2e-3)
+
+
 def test_position_projection_spreads_what_is_too_dense():
     simulation = Simulation(dam(kappa=1.0, shift=0.0, wall_guard=0.0, time_step=0.001), MPI.COMM_SELF)
     p = simulation.particles

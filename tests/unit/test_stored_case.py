@@ -46,10 +46,10 @@ def test_a_case_of_the_first_schema_keeps_its_strengths():
     """They did not depend on the strain of a step, which had no names then."""
     content = json.loads(to_json(stored(preset="violent", kappa=0.2)))
     for part in ("numerics", "asked"):
-        for name in ("kappa_strain", "shift_strain", "filter_strain"):
+        for name in ("kappa_strain", "shift_strain", "filter_strain", "residual_strain"):
             del content[part][name]
     found = from_json(json.dumps({**content, "schema": 1})).numerics.resolved()
-    assert (found.kappa, found.kappa_strain, found.shift_strain, found.filter_strain) == (0.2, 0.0, 0.0, 0.0)
+    assert (found.kappa, found.kappa_strain, found.shift_strain, found.filter_strain, found.residual_strain) == (0.2, 0.0, 0.0, 0.0, 0.0)
 
 
 def test_other_changes_keep_what_was_resolved(monkeypatch):
