@@ -21,7 +21,7 @@ class Numerics(Model):
     spacing : particle spacing s [m]
     method, preset : names, see METHODS and PRESETS
     time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s) and to
-        `fall` (over sqrt(s/a), with four times the acceleration of the fluid for a, at most the body force),
+        `fall` (over sqrt(s/a), with 1.5 times the acceleration of the fluid for a, at most the body force),
         of at most a fiftieth of the period of a Sway
     max_time_step : upper limit of an adaptive step [s]
     zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself

@@ -8,7 +8,7 @@ PRESETS = {
     # Breaking waves and impacts: a moving free surface, regularised particles.
     "violent": {
         "cfl": 0.35,
-        "fall": 0.05,
+        "fall": 0.03,
         "zeta": 1.0,
         "zeta_time": 0.0,
         "residual_strain": 100.0,

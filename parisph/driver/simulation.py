@@ -110,6 +110,7 @@ class Simulation:
                                  self.solver, self.timers, closed=case.closed, budget=_budget(case))
         if start is not None:
             self.method.top_acceleration = start.state.get("acceleration", 0.0)
+            self.method.knows_pressure = True
         self.bad_force = None
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))

@@ -88,6 +88,7 @@ class Projection:
         self.top_acceleration = 0.0     # of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
         self.by_pressure = 0.0          # acceleration of owned particles by pressure alone, in this step [m/s^2]
         self.doubt = None               # of owned particles in their density error near the surface, in this step
+        self.knows_pressure = False     # whether particles have the pressure of an earlier step, or of the start
         self.rows = PressureRows(particles.dim, scheme, numerics.wall_rows, numerics.surface_offset,
                                  self.spacing, radii)
         self.full = surfaces.lattice_sum(self.spacing, schemes.DENSITY * self.spacing, self.axes)
@@ -130,8 +131,9 @@ class Projection:
             with timers("regularise"):
                 positions = regularise.positions(self, strained)
         over = self._mean_time(force, dt, usual)
-        if dt < over:
+        if dt < over and self.knows_pressure:
             self._average_pressure(earlier, dt / over)
+        self.knows_pressure = True
         with timers("record"):
             divergence = self._divergence() * dt
         return self._report(dt, solve, divergence, isolated, collisions, positions)
@@ -156,6 +158,7 @@ class Projection:
         target = self.density * (self.rows.div[:p.n_owned] - invariant)
         matrix, right, isolated = self._equation(target, force)
         p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
+        self.knows_pressure = True
         return isolated
 
     def acceleration_now(self, time):

@@ -39,7 +39,7 @@ def free(bench: Bench, jitter: float, cfl: float) -> list[Line]:
             Line("error of the short half axis", worst[1], 0.015, 0.01),
             Line("error of the kinetic energy", worst[2], 0.015, 0.01),
             Line("error of the centre pressure", worst[3], 0.1, 0.05),
-            Line(f"particles {DEEP:g} s inside the ellipse that are not inner ones", worst[4], 0)]
+            Line(f"inner particles of the start, {DEEP:g} s inside the ellipse, that lose their role", worst[4], 0)]
 
 
 def _centre(p, axes):
@@ -58,7 +58,7 @@ def exact_centre(a: float, b: float) -> float:
 
 def _astray(p, axes, depth):
     deep = ((p.x / (axes - depth)) ** 2).sum(axis=1) < 1.0
-    return np.count_nonzero(deep & (p.role != INNER))
+    return np.count_nonzero(deep & (p.start_role == INNER) & (p.role != INNER))
 
 
 def falling(resolution: int, speed: float) -> Case:
