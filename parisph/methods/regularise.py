@@ -10,13 +10,13 @@ from parisph.methods import schemes
 SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
 SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
-DOUBT = 0.03  # density error near the surface that is no more than disorder in calm fluid
+DOUBT = 0.02  # density error near the surface that is no more than disorder in calm fluid
 BRISK = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
 
 # Close pairs; lengths in spacings.
 TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
-TURNS = 3.0     # times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
+TURNS = 2.5     # times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
 PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the fraction of what is missing
 APART, SWEEPS, SWEEP = 0.45, 8, 0.15    # distance that all pairs are brought to, sweeps at most, and longest move in one
 
