@@ -7,8 +7,8 @@ METHODS = ("ISPH_R", "ISPH", "ISPH_R_printed")
 PRESETS = {
     # Breaking waves and impacts: a moving free surface, regularised particles.
     "violent": {
-        "cfl": 0.35,
-        "fall": 0.03,
+        "cfl": 0.3,
+        "fall": 0.05,
         "zeta": 1.0,
         "zeta_time": 0.0,
         "residual_strain": 100.0,

@@ -86,7 +86,7 @@ def test_rotating_patch():
     """The pressure in the middle is negative and the corners move outwards, until t omega = 1.4."""
     s = Simulation(scene("rotating_patch", spacing=0.05), MPI.COMM_SELF)
     turning = spin(s.particles)
-    before, after = steps(s, 57)
+    before, after = steps(s, 66)
     p = s.particles
     assert np.isfinite(p.x).all() and np.isfinite(p.u).all() and len(p.x) == 441
     assert s.time > 1.2
