@@ -8,7 +8,7 @@ from parisph.base import memory
 from parisph.case import geometry, scales, size
 from parisph.driver import cost
 
-BRISK = 4.0    # as methods.timestep.BRISK, whose module needs MPI
+BRISK = 1.5    # as methods.timestep.BRISK, whose module needs MPI
 
 
 def describe(case, parameters=None):

@@ -41,15 +41,15 @@ def test_range_without_a_start_compares_nothing():
 
 
 def test_volume_that_was_off_on_the_way_is_named(tmp_path):
-    """In steps twice as long as usual, the drop on the lattice is 2.9 % off at .67 s, and .9 % at its end."""
-    summary = run(scene("free_drop", time_step=0.02), MPI.COMM_SELF, tmp_path / "run", progress=False)
+    """In steps more than twice as long as usual, the drop on the lattice is 3.1 % off at .75 s, and .9 % at its end."""
+    summary = run(scene("free_drop", time_step=0.025), MPI.COMM_SELF, tmp_path / "run", progress=False)
     assert abs(summary["volume_drift"]) < 0.01 < 0.02 < summary["volume_range"]["high"]
     assert summary["status"] == "completed with warnings" and len(summary["warnings"]) == 1
     assert "volume" in summary["warnings"][0] and f"{summary['volume_range']['high_time']:.4g} s" in summary["warnings"][0]
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["warnings"] == summary["warnings"]
     lines = words.table(summary)
     assert any(line.startswith("warning ") and "volume" in line for line in lines)
-    assert any(line.startswith("volume drift ") and "highest +2." in line for line in lines)
+    assert any(line.startswith("volume drift ") and "highest +3." in line for line in lines)
     assert "volume" in (tmp_path / "run" / "run.log").read_text()
 
 
