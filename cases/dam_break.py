@@ -47,7 +47,7 @@ def case(
         output=Output(every=snapshot_every * unit, checkpoint_every=unit, budget=budget),
         probes=[
             PressureTap("P1", at=(0.0, 0.1 * H)),
-            # a sensor with a face of .075 H; the flow at its peak is kept
+            # a sensor with a face of .075 H, at least two spacings; the flow at its peak is kept
             PressureTap("P2", at=(D, 0.05 * H), radius=0.0375 * H, peak=True),
             WaterFront("front"),
             ColumnHeight("column", at=0.0),

@@ -69,16 +69,16 @@ class SurfaceGauge(Probe):
 class PressureTap(Probe):
     """Pressure [Pa] on a wall at the point `at` [m].
 
-    It is that of a sensor with a face: the weighted mean over the wall within `radius`, exact where the
-    pressure is linear. One wall particle alone is wetted from one step to the next, and tells of an impact too
-    late and too abruptly.
+    It is the value there of a linear pressure fitted to the wall within `radius`, as of a sensor with a face. One wall
+    particle alone is wetted from one step to the next, and tells of an impact too late and too abruptly.
     """
 
     kind: Literal["pressure_tap"] = "pressure_tap"
     at: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) on a wall [m]")]
     truth: Union[Truth, None] = None
     peak: Peak = False
-    radius: Union[float, None] = Field(None, gt=0, description="radius of the face of the tap [m], at least one spacing; default 3 spacings")
+    radius: Union[float, None] = Field(
+        None, gt=0, description="radius of the face of the tap [m]; one spacing if it is less; default 3 spacings")
 
 
 class WaterFront(Probe):

@@ -43,7 +43,7 @@ def from_json(text: str, read_only: bool = False) -> Case:
         raise CaseError('it does not match its digest: it is damaged or was edited. If you edited it, remove the line "digest"')
     content.pop("schema", None)
     content.pop("run", None)    # which run it is of (io.store); the case is the same in every run
-    _keep_strengths(content.get("numerics"))
+    _keep_meaning(content, version)
     # through the text again: JSON has no tuples, and pydantic takes lists for them only from JSON
     case = Case.model_validate_json(json.dumps(content), context=READ_ONLY if read_only else None)
     if case.asked is None:
@@ -53,11 +53,19 @@ def from_json(text: str, read_only: bool = False) -> Case:
     return case
 
 
-def _keep_strengths(numerics) -> None:
-    """Give the numerics of an older stored text the strengths and limits that came later: none."""
-    if isinstance(numerics, dict) and numerics.get("kappa") is not None:    # resolved, not as the user gave them
-        for name in ("kappa_strain", "shift_strain", "filter_strain", "residual_strain", "fall", "surface_offset", "pressure_mean"):
-            numerics.setdefault(name, 0.0)
+def _keep_meaning(content, version) -> None:
+    """Give an older stored text, where it is resolved, what it computed with before later fields existed."""
+    numerics, probes = content.get("numerics"), content.get("probes")
+    if not isinstance(numerics, dict) or numerics.get("kappa") is None:    # as the user gave it, not resolved
+        return
+    later = ["residual_strain", "pressure_mean"]
+    if version < 2:
+        later += ["kappa_strain", "shift_strain", "filter_strain", "fall", "surface_offset"]
+    for name in later:
+        numerics.setdefault(name, 0.0)
+    for probe in probes if isinstance(probes, list) else ():
+        if isinstance(probe, dict) and probe.get("kind") == "pressure_tap":
+            probe.setdefault("radius", numerics.get("spacing"))    # the wall particles beside it
 
 
 def _check_asked(case: Case) -> None:

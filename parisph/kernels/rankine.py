@@ -288,7 +288,9 @@ def turnover(out, u, role, count, columns, flux, indptr, axes):
 def _gradient(g, i, u, count, columns, flux, indptr, axes):
     """Write g[a, b] = d u_b/dx_a at an inner particle."""
     dim = len(axes)
-    g[:, :] = 0.0
+    for a in range(dim):
+        for b in range(dim):
+            g[a, b] = 0.0
     for k in range(indptr[i], indptr[i] + count[i]):
         j = columns[k]
         for a in range(dim):

@@ -247,13 +247,13 @@ class Projection:
         p, n = self.particles, self.numerics
         self._fill(p.u_all + dt * force)
         zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
-        strain = self._strain(dt)
+        strain = self._strain(dt) if n.strain > 0.0 or n.residual_strain > 0.0 else 0.0
         divergence = self.rows.div[:p.n_owned]
         if n.residual_strain > 0.0:
             divergence = divergence - self._put_off(force, dt, strain)
         target = self.density / dt * zeta * divergence
         if n.gamma > 0.0:
-            target -= n.gamma * self.density / dt**2 * regularise.compression(self)
+            target -= n.gamma * self.density / dt**2 * regularise.compression(self, np.zeros(p.n_owned))
         target -= n.strain * self.density * strain
         return self._equation(target, force)
 
@@ -267,7 +267,8 @@ class Projection:
         which a usual step sees nothing: in proportion to what the fluid turns over in a step, by its velocity
         gradient or its body force. Forces and the strain of the flow itself, thus also impacts, act at once.
 
-        strain : (n_owned,) of `_strain`; the step before has aimed at half of it, and the flow since then undoes twice that
+        strain : (n_owned,) of `_strain`; the step before has aimed at a divergence of `numerics.strain` dt times it, which the
+            flow since then has reduced by 2 dt times it. Exact also after a step of another length if strain is 1
         """
         p, n = self.particles, self.numerics
         residual, rate = np.empty(p.n_owned), np.empty(p.n_owned)
@@ -363,11 +364,11 @@ class Projection:
     def _average_pressure(self, earlier, share):
         """Leave a mean over time as the pressure after a short step, of which this step has the given share. Collective.
 
-        A pressure solve also removes the divergence that regularisation leaves, in one step of any length. The
-        velocity needs the whole impulse of that, but as a pressure it would grow without bound as dt -> 0.
+        The pulse of a particle that comes to a wall or to the surface acts in one step of any length. The velocity
+        needs its whole impulse, but as a pressure it would grow without bound as dt -> 0.
         """
         p = self.particles
-        solved = (p.role == INNER) | (p.role == WET) | (p.role == SURFACE)
+        solved = (p.role == INNER) | (p.role == WET) | ((p.role == SURFACE) & (self.numerics.surface_offset > 0.0))
         p.p[solved] = earlier[solved] + share * (p.p[solved] - earlier[solved])
         self.domain.update("p")
 

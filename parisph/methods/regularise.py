@@ -11,7 +11,7 @@ SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
 SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
 DOUBT = 0.02  # density error near the surface that is no more than disorder in calm fluid
-BRISK = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that
+RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
 
 # Close pairs; lengths in spacings.
@@ -53,7 +53,7 @@ def _doubt(rate, square):
 
     rate : (n,) of strain [1/s]; square : (n,), a/s of the acceleration a by pressure alone [1/s^2]
     """
-    calm = BRISK**2 * square
+    calm = RAPID**2 * square
     return DOUBT * calm / np.maximum(calm + rate**2, np.finfo(float).tiny)
 
 
@@ -184,7 +184,7 @@ def _shift(method, strained, walls, h):
     strength = _strength(n.shift, n.shift_strain, strained, p.n_owned)
     shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, strength * h * h,
                         CAP * method.spacing, 2.0 * method.spacing, d.indptr, d.indices, method.axes)
-    turns = TURNS if n.shift_strain else 1.0
+    turns = TURNS if n.shift_strain and not method.closed else 1.0
     p.turn[:] = TURN * method.spacing * _strength(turns, n.shift_strain / n.shift, strained, p.n_owned)
     d.update("turn")
     pairs.turn_pairs(move, p.x_all, p.kind_all, p.role_all, p.id_all, TURN_WITHIN * method.spacing, p.turn_all,
@@ -192,14 +192,13 @@ def _shift(method, strained, walls, h):
     _move(method, move)
 
 
-def compression(method, doubt=None):
+def compression(method, doubt):
     """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
 
-    doubt : (n_owned,), default DOUBT
+    doubt : (n_owned,)
     """
     p, d = method.particles, method.domain
     e = np.empty(p.n_owned)
-    doubt = np.full(p.n_owned, DOUBT) if doubt is None else doubt
     shifting.compression(e, p.alpha, p.role_all, p.x_all, p.kind_all, 0.1, doubt, schemes.WALL * method.spacing,
                          d.indptr, d.indices, method.axes)
     return e

@@ -10,17 +10,17 @@ GROWTH = 1.1    # from one step to the next, at most
 BRISK = 1.5     # times the acceleration of the fluid: the acceleration that limits the step, if less than the body force
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
-TOLD_MOVE, TOLD_FALL = 0.35, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
+TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
 
 
 def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0, acceleration=0.0):
     """Return the time step [s]: fixed, or limited by velocity and body force. Collective.
 
     No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor
-    from rest (g dt^2/2). Nor is a step longer than `numerics.fall` sqrt(s/a) with a 1.5 times the
+    from rest (g dt^2/2). Nor is a step longer than `numerics.fall` sqrt(s/a), where a is 1.5 times the
     acceleration of the fluid, at most that of the body force: in waves and in water that is set in motion, a
-    longer one costs accuracy long before it moves a particle far. A step is at most a tenth longer than the last one, so that a single calm
-    step during an impact does not undo the reduction. Infinite if nothing limits it.
+    longer one costs accuracy long before it moves a particle far. A step is at most a tenth longer than the
+    last one, so that a single calm step during an impact does not undo the reduction. Infinite if nothing limits it.
 
     Parameters
     ----------

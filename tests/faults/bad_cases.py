@@ -15,7 +15,9 @@ def case() -> Case:
         frame={frame},
         numerics=Numerics(spacing={spacing}, method={method}, preset={preset}, time_step={time_step}, cfl={cfl},
                           max_time_step={max_time_step}, gamma={gamma}, kappa={kappa}, shift={shift}, filter={filter},
-                          kappa_strain={kappa_strain}, shift_strain={shift_strain}, filter_strain={filter_strain}, residual_strain={residual_strain},
+                          kappa_strain={kappa_strain}, shift_strain={shift_strain}, filter_strain={filter_strain},
+                          residual_strain={residual_strain}, pressure_mean={pressure_mean}, fall={fall},
+                          surface_offset={surface_offset},
                           collision_distance={collision_distance}, wall_guard={wall_guard}, surface_rule={surface_rule},
                           gradient={gradient}, stepping={stepping}, rtol={rtol}, jitter={jitter},
                           jitter_surface={jitter_surface}, seed={seed}),
@@ -30,7 +32,8 @@ VALUES = {
     "elevation": "None", "tank_width": "2.0", "tank_height": "1.0", "lid": "True", "tank_at": "(0.0, 0.0)", "gravity": "(0.0, -9.81)",
     "frame": "Sway(amplitude=0.01, frequency=2.0)", "spacing": "0.1", "method": "'ISPH_R'", "preset": "'violent'", "time_step": "None",
     "cfl": "0.4", "max_time_step": "0.01", "gamma": "0.0", "kappa": "0.2", "shift": "0.3", "filter": "0.1", "collision_distance": "0.7",
-    "kappa_strain": "56.0", "shift_strain": "28.0", "filter_strain": "1.4", "residual_strain": "100.0", "wall_guard": "0.25", "surface_rule": "'gap'", "gradient": "'sfdi'", "stepping": "'midpoint'", "rtol": "1e-6", "jitter": "0.0",
+    "kappa_strain": "56.0", "shift_strain": "28.0", "filter_strain": "1.4", "residual_strain": "100.0",
+    "pressure_mean": "1.0", "fall": "0.05", "surface_offset": "0.5", "wall_guard": "0.25", "surface_rule": "'gap'", "gradient": "'sfdi'", "stepping": "'midpoint'", "rtol": "1e-6", "jitter": "0.0",
     "jitter_surface": "False", "seed": "0", "every": "0.1", "times": "(0.2,)", "fields": "('u', 'p')", "checkpoint_every": "0.5",
     "probe_every": "1", "probes": "[Energy('energy'), PressureTap('tap', at=(0.0, 0.1))]", "end_time": "1.0",
 }
@@ -54,14 +57,16 @@ FRAME = ("None", "'sway'", "Sway(0.1, 0.0)", "Sway(0.1, -1.0)", "Sway(nan, 1.0)"
          "Tabulated((0, 1e-300, 1, 2), (0, 1, 0, 0))", "Tabulated((0, 1e-12, 1, 2), (0, 1, 0, 0))", "{'kind': 'roll'}", "[]", "True")
 PROBES = ("None", "1", "'energy'", "Energy('a')", "[1]", "['energy']", "[None]", "[Energy('a'), Energy('a')]", "[Energy('../a')]", "[Energy('a\\nb')]",
           "[Energy('')]", "[Energy('x'*9999)]", "[Energy(3)]", "[PressureTap('a', at=(0.5, 0.5))]", "[PressureTap('a', at=(0.0,))]",
-          "[PressureTap('a', at=(0.0, nan))]", "[SurfaceGauge('a', at=9.0)]", "[SurfaceGauge('a', at=True)]", "[{'kind': 'salt', 'name': 'a'}]",
+          "[PressureTap('a', at=(0.0, nan))]",
+          "[PressureTap('a', at=(0.0, 0.1), radius=0.0)]", "[PressureTap('a', at=(0.0, 0.1), radius=nan)]", "[SurfaceGauge('a', at=9.0)]", "[SurfaceGauge('a', at=True)]", "[{'kind': 'salt', 'name': 'a'}]",
           "[Energy('a', truth=Truth('no.csv', 't', 'v'))]", "[Energy('a', truth=Truth('/dev/zero', 't', 'v'))]", "[Energy('a', truth='no.csv')]",
           "[Energy('a', truth=Truth('.', 't', 'v'))]", "[Energy('a', truth=Truth('x'*999, 't', 'v'))]", "[Energy('a', truth=Truth('a\\nb', 't', 'v'))]",
           "[Energy('a')]*100000", "({},)", "[Energy('a', truth=Truth('t.csv', 't', 'v', time_scale=0.0))]")
 OWN = {    # beside those of the kind; what is said then names the field, or what stands behind ->
     "title": ("'x'*201",), "width": ("0.97", "3.0 -> fluid.shape"), "height": ("0.97", "1.1 -> fluid.shape"), "spacing": ("1e-9", "0.13", "7.0", "0.1001"),
     "tank_width": ("2.01", "1e12 -> spacing", "1e8+0.05"), "tank_height": ("1e30 -> spacing", "0.1 -> fluid.shape"), "cfl": ("2.1", "1e-12 -> steps"), "gamma": ("-0.1", "1.1"), "kappa": ("-1", "2.5"),
-    "shift": ("-1", "9.0"), "filter": ("-0.1", "1.5"), "collision_distance": ("-1", "2.1"), "kappa_strain": ("-1",), "shift_strain": ("-1",), "filter_strain": ("-1",), "residual_strain": ("-1",), "wall_guard": ("-0.5", "3.0"), "rtol": ("1.0", "2"),
+    "shift": ("-1", "9.0"), "filter": ("-0.1", "1.5"), "collision_distance": ("-1", "2.1"), "kappa_strain": ("-1",), "shift_strain": ("-1",), "filter_strain": ("-1",), "residual_strain": ("-1",),
+    "pressure_mean": ("-1", "101"), "fall": ("-1", "3"), "surface_offset": ("-1", "2"), "wall_guard": ("-0.5", "3.0"), "rtol": ("1.0", "2"),
     "jitter": ("-0.1", "1.3"), "time_step": ("0.001",), "max_time_step": ("2.0", "1e-12"), "every": ("1e-12",), "checkpoint_every": ("1e-12",),
     "end_time": ("1e20 -> steps", "0.1 -> output.times"), "times": ("(2.0,)", "(-1.0,)", "(True,)", "('1',)", "(nan,)", "(2.0,)*10000", "(0.0,)*1000001", "3.0"),
     "fields": ("('v',)", "(1,)", "None", "('u', 'x'*9999)", "'v'", "7"), "elevation": ("0.7", "'0.6*x'", "'y'", "'1/x'", "''", "'q'", "-0.4"),
@@ -72,7 +77,8 @@ OWN = {    # beside those of the kind; what is said then names the field, or wha
 KINDS = {
     NEEDED: "width height density tank_width tank_height spacing cfl end_time",
     POSITIVE: "rtol every checkpoint_every max_time_step time_step",
-    NUMBER: "gamma kappa shift filter kappa_strain shift_strain filter_strain residual_strain collision_distance wall_guard jitter", TEXT: "title",
+    NUMBER: "gamma kappa shift filter kappa_strain shift_strain filter_strain residual_strain pressure_mean fall surface_offset collision_distance "
+            "wall_guard jitter", TEXT: "title",
     WORD: "method preset surface_rule gradient stepping", FLAG: "lid jitter_surface", WHOLE: "seed probe_every", POINT: "at tank_at",
     VECTOR: "velocity gravity", FRAME: "frame", PROBES: "probes", (*NOTHING, "True"): "times fields elevation",
 }

@@ -14,6 +14,7 @@ from tests.hard.table import Line
 S, HEIGHT, GRAVITY = 0.05, 1.0, (0.0, -9.81)
 WHERE = {"wall": "standing at a wall", "middle": "standing in the middle", "falling": "falling in the middle"}
 RISE = 1e-3     # of the energy, at most
+OVERRATED = {2: 0.04, 3: 0.01, 4: 0.01}     # by width: the same at a wall, where volumes overrate the energy (energy_between)
 APART = 0.3     # spacings, at least
 DEPTH, LENGTH = 3 * S, 40 * S    # of the layer
 
@@ -46,9 +47,11 @@ def collapse(bench: Bench, width: int, where: str, most: int | None = None) -> l
         if where == "wall" and width > 1:
             rows = rows_of(s, width) if rows is None else rows
             continuous.append(energy_between(s, rows))
-    found = [Line("largest rise of the energy above its start", max(energy) / energy[0] - 1.0, None if continuous else RISE)]
+    most_seen = OVERRATED[width] if continuous else RISE
+    found = [Line("largest rise of the energy above its start", max(energy) / energy[0] - 1.0, most_seen)]
     if continuous:
-        found.append(Line("the same with a velocity that is linear between neighbours", max(continuous) / continuous[0] - 1.0, RISE))
+        rise = max(continuous) / continuous[0] - 1.0
+        found.append(Line("the same with a velocity that is linear between neighbours", rise, RISE))
     return [*found,
             Line("least distance of two particles / s", min(apart), APART, least=True),
             Line("share of the steps with a distance below that", float(np.mean(np.array(apart) < APART))),
@@ -67,7 +70,7 @@ def energy_between(s, rows: np.ndarray) -> float:
 
     One velocity for each particle's volume overrates a velocity that grows from zero at the wall: the first
     particle stands for 3/2 cells, and the last one, on the surface, for the half cell on its slow side. Of a column
-    of two, that is 31 % of the kinetic energy of spreading, and 12 % and 5 % for three and four. Fluid keeps its
+    of two, that is 31 % of the kinetic energy of spreading, and 11 % and 5 % for three and four. Fluid keeps its
     place between its neighbours of the start as long as it does not mix, until long after the highest energy.
     """
     p = s.particles

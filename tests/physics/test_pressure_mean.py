@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph.base.fields import FLUID
 from parisph.driver import Simulation
 from parisph.methods.timestep import TOLD_FALL, TOLD_MOVE, resolved_time
 from tests.scenes import scene
@@ -16,11 +17,12 @@ def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_f
     def told(force):
         return resolved_time(p.comm, p, s, np.array([[0.0, force]]))
     assert told(0.0) == 0.0 and told(-9.81) == pytest.approx(TOLD_FALL * np.sqrt(s / 9.81))
-    p.u[np.flatnonzero(p.kind == 0)[3]] = (3.0, -4.0)
+    one = np.flatnonzero(p.kind == FLUID)[3]
+    p.u[one] = (3.0, -4.0)
     assert told(0.0) == pytest.approx(TOLD_MOVE * s / 5.0) and told(-9.81) == pytest.approx(TOLD_FALL * np.sqrt(s / 9.81))
-    p.u[np.flatnonzero(p.kind == 0)[3]] = (30.0, -40.0)
+    p.u[one] = (30.0, -40.0)
     assert told(-9.81) == told(0.0) == pytest.approx(TOLD_MOVE * s / 50.0)
-    p.u[np.flatnonzero(p.kind == 0)[3]] = np.nan
+    p.u[one] = np.nan
     assert np.isfinite(told(-9.81)), "what is no number sets no time: the next step says so"
     simulation.destroy()
 

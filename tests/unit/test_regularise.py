@@ -86,6 +86,6 @@ def test_what_nothing_needs_is_not_computed(falling):
 def test_the_doubt_in_the_density_error_is_for_calm_fluid():
     """Below a wave it is whole; in rapid strain and in free fall everything is compression."""
     square = np.full(4, 9.81 / 0.05)
-    rate = np.sqrt(square) * np.array([0.0, 0.02, regularise.BRISK, 10.0])
+    rate = np.sqrt(square) * np.array([0.0, 0.02, regularise.RAPID, 10.0])
     np.testing.assert_allclose(regularise._doubt(rate, square) / regularise.DOUBT, [1.0, 1.0, 0.5, 0.0], atol=0.02)
     np.testing.assert_array_equal(regularise._doubt(rate, 0.0), 0.0)

@@ -6,7 +6,7 @@ import pytest
 
 from parisph.base.errors import CaseError
 from parisph.case.presets import PRESETS
-from parisph.case.schema import Box, Tank
+from parisph.case.schema import Box, PressureTap, Tank
 from parisph.case.stored import SCHEMA, from_json, to_json
 from tests.scenes import scene
 
@@ -42,14 +42,28 @@ def test_another_preset_replaces_what_the_old_one_gave():
     assert {name: getattr(found, name) for name in due} == due
 
 
-def test_a_case_of_the_first_schema_keeps_its_strengths():
-    """They did not depend on the strain of a step, which had no names then."""
+@pytest.mark.parametrize(("schema", "later"), [
+    (1, ("kappa_strain", "shift_strain", "filter_strain", "fall", "surface_offset", "residual_strain", "pressure_mean")),
+    (2, ("residual_strain", "pressure_mean")),
+])
+def test_an_older_case_keeps_its_strengths(schema, later):
+    """What has a name of its own only since then did not exist."""
     content = json.loads(to_json(stored(preset="violent", kappa=0.2)))
     for part in ("numerics", "asked"):
-        for name in ("kappa_strain", "shift_strain", "filter_strain", "residual_strain"):
+        for name in later:
             del content[part][name]
-    found = from_json(json.dumps({**content, "schema": 1})).numerics.resolved()
-    assert (found.kappa, found.kappa_strain, found.shift_strain, found.filter_strain, found.residual_strain) == (0.2, 0.0, 0.0, 0.0, 0.0)
+    found = from_json(json.dumps({**content, "schema": schema})).numerics.resolved()
+    assert found.kappa == 0.2 and found.kappa_strain == (0.0 if schema == 1 else 56.0)
+    assert {name: getattr(found, name) for name in later} == dict.fromkeys(later, 0.0)
+
+
+def test_an_older_case_keeps_its_taps():
+    """A tap took the wall particles beside it before it had a face."""
+    case = stored(preset="violent").changed(probes=[PressureTap("old", (0.0, 0.1)), PressureTap("own", (0.0, 0.1), radius=0.2)])
+    content = json.loads(to_json(case))
+    assert [probe.radius for probe in from_json(json.dumps(content)).probes] == [None, 0.2]
+    del content["probes"][0]["radius"]
+    assert [probe.radius for probe in from_json(json.dumps(content)).probes] == [case.numerics.spacing, 0.2]
 
 
 def test_other_changes_keep_what_was_resolved(monkeypatch):
