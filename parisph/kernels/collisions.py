@@ -12,7 +12,7 @@ ROUNDING = 1e-9    # of the approach by a linear velocity: what differs from it 
 
 
 @kernel
-def count_collisions(number, u, x, g, kind, distance, indptr, indices, axes):
+def count_collisions(number, u, x, g, kind, distance, indptr, indices, axes) -> None:
     """Number of fluid neighbours that each owned particle collides with: (n_owned,). See pair_collisions."""
     for i in range(len(indptr) - 1):
         number[i] = 0
@@ -26,7 +26,7 @@ def count_collisions(number, u, x, g, kind, distance, indptr, indices, axes):
 
 
 @kernel
-def pair_collisions(change, number, u, x, g, kind, volume, distance, restitution, indptr, indices, axes):
+def pair_collisions(change, number, u, x, g, kind, volume, distance, restitution, indptr, indices, axes) -> int:
     """Velocity change by collisions of fluid pairs that are closer than the distance and approach.
 
     What counts is the approach beyond that of a linear velocity, d . (u_i - u_j) + d . (g_i + g_j) d/2

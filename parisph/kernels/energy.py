@@ -4,7 +4,7 @@ from parisph.kernels.jit import kernel
 
 
 @kernel
-def energy(volume, x, u, gravity, axes):
+def energy(volume, x, u, gravity, axes) -> float:
     """Return the kinetic and potential energy of particles over their density [m^(dim+2)/s^2].
 
     The potential is zero at x = 0. volume : (n,) [m^dim]; x, u : (n, dim) [m], [m/s]; gravity : (dim,) [m/s^2]

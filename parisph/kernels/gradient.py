@@ -39,7 +39,7 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
-        quality = _support(m, inverse, weighted, near, power, n, columns, axes)
+        quality = support(m, inverse, weighted, near, power, n, columns, axes)
         if quality == TOO_FEW:
             role[i] = BALLISTIC
             continue
@@ -55,7 +55,7 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
 
 
 @inlined
-def _support(m, inverse, weighted, near, power, n, columns, axes):
+def support(m, inverse, weighted, near, power, n, columns, axes):
     """Weigh the neighbours and invert their moment; return its det/(trace/dim)^dim, or TOO_FEW: not more than dim."""
     dim = len(axes)
     weigh(weighted, near, power, columns, axes)
@@ -100,7 +100,7 @@ def regain_role(role, start_role, x, radius, power, floor, indptr, indices, axes
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
-        if _support(m, inverse, weighted, near, power, n, columns, axes) >= floor:
+        if support(m, inverse, weighted, near, power, n, columns, axes) >= floor:
             role[i] = start_role[i]
 
 

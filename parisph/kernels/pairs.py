@@ -20,7 +20,7 @@ def _hash(first, second):
 
 
 @kernel
-def across(side, d, first, second, axes):
+def across(side, d, first, second, axes) -> None:
     """Write a vector across d, of its length (3D: at most), to one side or the other by the ids of the pair.
 
     It changes its sign with d, so that the sum over a pair is zero.
@@ -39,7 +39,7 @@ def across(side, d, first, second, axes):
 
 
 @kernel
-def turn_pairs(shift, x, kind, role, ident, distance, strength, indptr, indices, axes):
+def turn_pairs(shift, x, kind, role, ident, distance, strength, indptr, indices, axes) -> None:
     """Add a turn of close pairs of inner particles: a lattice that is compressed has no gradient of concentration.
 
     Each pair moves apart across its line, by (1 - r/distance) times the mean of its strengths.
@@ -65,7 +65,7 @@ def turn_pairs(shift, x, kind, role, ident, distance, strength, indptr, indices,
 
 
 @kernel
-def count_close(number, x, kind, role, distance, indptr, indices, axes):
+def count_close(number, x, kind, role, distance, indptr, indices, axes) -> None:
     """Number of fluid neighbours nearer than the distance, of pairs that are not both inner: (n_owned,)."""
     d = np.empty(len(axes))
     for i in range(len(indptr) - 1):
@@ -79,7 +79,7 @@ def count_close(number, x, kind, role, distance, indptr, indices, axes):
 
 
 @kernel
-def part_pairs(shift, number, x, kind, role, ident, distance, strength, indptr, indices, axes):
+def part_pairs(shift, number, x, kind, role, ident, distance, strength, indptr, indices, axes) -> None:
     """Part fluid pairs nearer than the distance of which at least one has no pressure equation (jets, drops, films).
 
     A pair parts by strength (distance - r), divided by the larger number of such pairs of the two,
@@ -109,7 +109,7 @@ def part_pairs(shift, number, x, kind, role, ident, distance, strength, indptr, 
 
 
 @kernel
-def keep_apart(move, near, x, kind, ident, distance, longest, indptr, indices, axes):
+def keep_apart(move, near, x, kind, ident, distance, longest, indptr, indices, axes) -> int:
     """Sum of the moves that bring each fluid pair to the distance, half each, along its line turned by TILT.
 
     For repeated sweeps: the sum is right for a pair of its own, and limited in a crowd.

@@ -265,7 +265,7 @@ def second_invariant(out, u, role, count, columns, flux, indptr, axes):
 
 
 @kernel
-def turnover(out, u, role, count, columns, flux, indptr, axes):
+def turnover(out, u, role, count, columns, flux, indptr, axes) -> None:
     """sqrt(2 G:G) with G = grad u at inner particles, from the stored flux coefficients [1/s].
 
     The rate at which neighbours move relative to each other: a shear rate, or twice a rotation's angular velocity.

@@ -12,7 +12,7 @@ from parisph.kernels.smoothing import cubic_spline_slope
 
 
 @kernel
-def compression(e, alpha, role, x, kind, limit, doubt, reach, indptr, indices, axes):
+def compression(e, alpha, role, x, kind, limit, doubt, reach, indptr, indices, axes) -> None:
     """Relative density error that the position projection removes.
 
     e = alpha - 1 at inner particles, clipped to +-limit. If a surface particle lies within the reach [m], only

@@ -5,13 +5,13 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID
+from parisph.kernels.gradient import support
 from parisph.kernels.jit import kernel
-from parisph.kernels.moments import invert
-from parisph.kernels.near import dot, fill_up, gather, room_for, weigh
+from parisph.kernels.near import dot, fill_up, gather, room_for
 
 
 @kernel
-def velocity_gradient(g, rate, u, x, kind, role, radius, floor, indptr, indices, axes):
+def velocity_gradient(g, rate, u, x, kind, role, radius, floor, indptr, indices, axes) -> None:
     """Gradient of the velocity at owned fluid particles, by linear least squares with the quartic weight.
 
     It is exact for a linear velocity. It is zero at walls, and where the neighbours do not span the
@@ -32,14 +32,7 @@ def velocity_gradient(g, rate, u, x, kind, role, radius, floor, indptr, indices,
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
-        weigh(weighted, near, 0, columns, axes)
-        for a in range(dim):
-            for b in range(a + 1):
-                m[a, b] = m[b, a] = dot(weighted, 1 + a, near, b, columns)
-        found = 0
-        for k in range(n):
-            found += weighted[0, k] > 0.0
-        if found <= dim or invert(m, inverse, axes) < floor:
+        if support(m, inverse, weighted, near, 0, n, columns, axes) < floor:
             continue
         for c in range(dim):
             for k in range(columns):
@@ -61,7 +54,7 @@ def _strain_rate(g, i, axes):
 
 
 @kernel
-def mean_over_fluid(out, f, x, kind, radius, indptr, indices, axes):
+def mean_over_fluid(out, f, x, kind, radius, indptr, indices, axes) -> None:
     """Mean of a scalar over the fluid within the radius, the particle itself included.
 
     out : (n_owned,) output, zero at walls; f, x, kind : of owned and ghost particles

@@ -14,7 +14,7 @@ LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surf
 
 
 @kernel
-def surface_rows(count, columns, values, x, kind, role, volume, offset, spacing, radius, indptr, indices, axes):
+def surface_rows(count, columns, values, x, kind, role, volume, offset, spacing, radius, indptr, indices, axes) -> None:
     """Fill the rows of surface particles: pressure falls in proportion to the distance to zero on the surface.
 
     With the surface at the distance a outside the particle and the weighted mean of its inner neighbours

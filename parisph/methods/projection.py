@@ -263,9 +263,9 @@ class Projection:
         Rows and gradients do not match exactly: a pressure solve leaves a part of the divergence, near the surface
         most of it, and in some stencils it makes it grow. Regularisation and changes of role add to it. Taken
         out anew in each step, the residual acts per step and not per time: as dt -> 0 its pressure grows as 1/dt,
-        and what is damped in proportion to strain can no longer stop it. So it is removed at a rate in time, of
-        which a usual step sees nothing: in proportion to what the fluid turns over in a step, by its velocity
-        gradient or its body force. Forces and the strain of the flow itself, thus also impacts, act at once.
+        and damping in proportion to strain can no longer stop it. So it is removed at a rate in time, in proportion to
+        the fluid's velocity gradient or to its free fall; a step of usual length still removes all of it. Forces and
+        the strain of the flow itself, thus also impacts, act at once.
 
         strain : (n_owned,) of `_strain`; the step before has aimed at a divergence of `numerics.strain` dt times it, which the
             flow since then has reduced by 2 dt times it. Exact also after a step of another length if strain is 1

@@ -6,6 +6,7 @@ from parisph.base.fields import FLUID
 from parisph.kernels import collisions, pairs, shifting, strain, wetness
 from parisph.kernels import surface as surfaces
 from parisph.methods import schemes
+from parisph.pressure.solver import SolveRecord
 
 SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
@@ -21,7 +22,7 @@ PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the frac
 APART, SWEEPS, SWEEP = 0.45, 8, 0.15    # distance that all pairs are brought to, sweeps at most, and longest move in one
 
 
-def strain_of_step(method, dt):
+def strain_of_step(method, dt) -> np.ndarray | None:
     """Return the strain of the fluid in a step, dt sqrt(2 S:S), as the mean around each particle: (n_owned,). Collective.
 
     Regularisation is in proportion to it: fluid at rest or in rigid motion is left alone, and the effect over
@@ -57,7 +58,7 @@ def _doubt(rate, square):
     return DOUBT * calm / np.maximum(calm + rate**2, np.finfo(float).tiny)
 
 
-def velocity(method, dt, strained):
+def velocity(method, dt, strained) -> int:
     """Apply the filter, pair collisions and the wall guard, if the case uses them. Collective.
 
     strained : (n_owned,) or None, of `strain_of_step`
@@ -83,7 +84,7 @@ def velocity(method, dt, strained):
     return hits
 
 
-def keep_in_tank(method, u, dt):
+def keep_in_tank(method, u, dt) -> np.ndarray:
     """Limit a velocity (n_owned, dim) of the fluid, by which it will be moved, with the wall guard. Not collective.
 
     Particles move by the mean of two velocities. The guard of the new one alone would let a particle that is
@@ -119,7 +120,7 @@ def _collide(method):
     return hits
 
 
-def positions(method, strained):
+def positions(method, strained) -> SolveRecord | None:
     """Apply the position projection, part close pairs, then apply the Fick shift. Collective.
 
     strained : (n_owned,), of `strain_of_step`
@@ -192,7 +193,7 @@ def _shift(method, strained, walls, h):
     _move(method, move)
 
 
-def compression(method, doubt):
+def compression(method, doubt) -> np.ndarray:
     """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
 
     doubt : (n_owned,)

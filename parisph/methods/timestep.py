@@ -13,7 +13,7 @@ REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
 
 
-def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0, acceleration=0.0):
+def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0, acceleration=0.0) -> float:
     """Return the time step [s]: fixed, or limited by velocity and body force. Collective.
 
     No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor
@@ -84,8 +84,8 @@ def first_step(comm, particles, numerics, acceleration, dt, force_at):
         dt = min(allowed, 0.5 * dt)
 
 
-def resolved_time(comm, particles, spacing, force):
-    """Return the shortest time [s] in which particles can tell how the pressure changes. Collective.
+def resolved_time(comm, particles, spacing, force) -> float:
+    """Return the shortest time [s] over which the pressure of particles has a meaning. Collective.
 
     It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/g); 0 if nothing moves or pulls.
     Within it, pressure consists of the pulses of single particles that come to a wall or to the surface.

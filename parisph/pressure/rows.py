@@ -32,7 +32,7 @@ class PressureRows:
         self.values, self.measure, self.div = np.empty(0), np.empty(0), np.empty(0)
         self.flux = np.empty((0, dim))
 
-    def fill(self, u, x, kind, role, volume, normal, indptr, indices):
+    def fill(self, u, x, kind, role, volume, normal, indptr, indices) -> None:
         """Fill the rows of all owned particles, and the flux divergence of u.
 
         u, x, normal : (n_all, dim); kind, role, volume : (n_all,); CSR of the owned particles. Not collective.
@@ -60,7 +60,7 @@ class PressureRows:
             surface_rows.surface_rows(self.count, self.columns, self.values, x, kind, role, volume, self.offset * self.spacing,
                                       self.spacing, r["mls"], indptr, indices, axes)
 
-    def pin(self, which):
+    def pin(self, which) -> None:
         """Make p = 0 at some owned particles, given by a mask or their numbers, whose role becomes SURFACE."""
         self.count[:len(self.indptr) - 1][which] = 0
 
@@ -84,7 +84,7 @@ class PressureRows:
         """Write tr((grad u)^2) of u (n_all, dim) at inner particles to out (n_owned,) [1/s^2]."""
         rankine.second_invariant(out, u, role, self.count, self.columns, self.flux, self.indptr, self.axes)
 
-    def turnover(self, out, u, role):
+    def turnover(self, out, u, role) -> None:
         """Write sqrt(2 G:G), G = grad u of u (n_all, dim), at inner particles to out (n_owned,) [1/s]."""
         rankine.turnover(out, u, role, self.count, self.columns, self.flux, self.indptr, self.axes)
 
