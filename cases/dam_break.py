@@ -6,7 +6,18 @@ mpirun -n 2 parisph run cases/dam_break.py --set spacing=0.025
 from math import sqrt
 
 from parisph import (
-    Box, Case, ColumnHeight, Energy, Fluid, Momentum, Numerics, Output, PressureTap, Tank, Volume, WaterFront,
+    Box,
+    Case,
+    ColumnHeight,
+    Energy,
+    Fluid,
+    Momentum,
+    Numerics,
+    Output,
+    PressureTap,
+    Tank,
+    Volume,
+    WaterFront,
 )
 
 

@@ -339,50 +339,57 @@ def _folder(args):
 
 
 def _tell(comm, summary, folder):
-    from parisph.io import describe
+    from parisph.io import info
 
     if comm.rank == 0:
-        output.show("\n".join([*describe.table(summary), f"{'folder':<16}{folder}"]))
+        output.show("\n".join([*info.table(summary), f"{'folder':<16}{folder}"]))
 
 
 def _info(args):
-    from parisph.io import describe, reader
+    from parisph.io import info, reader
 
     run = reader.Run(args.run)
     if args.json:
         print(json.dumps(run.summary, indent=2))
         return
-    print(describe.describe(run))
+    print(info.describe(run))
     try:    # last, because the snapshots may be damaged
         if len(run):
-            print(f"\n{describe.provenance(run)}")
+            print(f"\n{info.provenance(run)}")
     finally:
         run.check()
 
 
 def _compare(args):
     from parisph.io import reader
-    from parisph.study import compare
+    from parisph.truth import comparison
 
     names = ("probe", "column", "time", "value", "offset", "scale", "time_scale", "shift", "best_shift", "rest")
-    result = compare.compare(reader.open_run(args.run), args.reference, **{name: getattr(args, name) for name in names}, plot=args.plot)
-    print(json.dumps(result, indent=2) if args.json else compare.text(result))
+    run = reader.open_run(args.run)
+    found = comparison.compare(run, args.reference, **{name: getattr(args, name) for name in names})
+    if args.plot is not None:
+        from parisph.pictures import orders
+
+        orders.compare(run, found, args.reference, args.plot)
+    print(json.dumps(found.result, indent=2) if args.json else comparison.text(found.result))
 
 
 def _plot(args):
-    from parisph.io import pictures, reader
+    from parisph.io import reader
+    from parisph.pictures import orders
 
     if args.time is not None and args.peak is not None:
         raise CaseError("--time and --peak both select a snapshot: give only one of them")
     runs = [reader.open_run(folder) for folder in args.runs]
-    for path in pictures.plot(runs, args.time, args.peak, args.probe, args.out, **_look(args)):
+    for path in orders.plot(runs, args.time, args.peak, args.probe, args.out, **_look(args)):
         print(path)
 
 
 def _movie(args):
-    from parisph.io import pictures, reader
+    from parisph.io import reader
+    from parisph.pictures import orders
 
-    print(pictures.animate(reader.open_run(args.run), args.out, args.fps, args.slow, **_look(args)))
+    print(orders.animate(reader.open_run(args.run), args.out, args.fps, args.slow, **_look(args)))
 
 
 def _look(args):

@@ -209,10 +209,10 @@ def _write_together(comm):
     import h5py
     import numpy as np
 
-    from parisph.io import digest, rows
+    from parisph.io import digest, slabs
 
     path = comm.bcast(Path(f"parisph-doctor-{os.getpid()}.h5").absolute())
-    rows.write(comm, path, [rows.Slab("rank", np.array([comm.rank], np.int32), comm.rank, comm.size)], lambda file: None)
+    slabs.write(comm, path, [slabs.Slab("rank", np.array([comm.rank], np.int32), comm.rank, comm.size)], lambda file: None)
     digest.check_together(comm, path)
     with h5py.File(path, "r") as file:
         same = list(file["rank"][:]) == list(range(comm.size))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from parisph.parallel.neighbours import Domain
+from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 
 KINDS = ("lattice", "clusters", "corner")

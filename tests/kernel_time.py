@@ -3,11 +3,11 @@
 from time import thread_time
 
 from parisph.methods import projection, regularise
-from parisph.parallel import neighbours
+from parisph.parallel import domain
 from parisph.pressure import rows
 
 _CALLED_FROM = {projection: ("gradients", "surfaces"), regularise: ("collisions", "pairs", "shifting", "strain", "surfaces"),
-                rows: ("laplacian", "rankine", "surface_rows", "walls", "compress"), neighbours: ("neighbour_lists",)}
+                rows: ("laplacian", "rankine", "surface_rows", "walls", "compress"), domain: ("neighbour_lists",)}
 
 
 class KernelTime:

@@ -20,7 +20,7 @@ from parisph.kernels import collisions
 from parisph.kernels import gradient as gradients
 from parisph.methods import schemes
 from parisph.methods.projection import Projection
-from parisph.parallel.neighbours import Domain
+from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.solver import PressureSolver
 

@@ -11,15 +11,15 @@ import pytest
 from tests.launch import ROOT, clean_environment
 
 # A module imports only from its own part and from those that stand before it.
-ORDER = ("base", "case", "kernels", "parallel", "pressure", "methods", "io", "study", "driver", "doctor", "arguments", "completion", "cli", "__main__")
+ORDER = ("base", "case", "kernels", "parallel", "pressure", "methods", "truth", "watch", "io", "pictures", "driver", "study", "doctor", "arguments", "completion", "cli", "__main__")
 
 # Where these may be imported, as beginnings of module names; nowhere else.
 ONLY_IN = {
     "petsc4py": ("parallel.petsc",),    # which starts PETSc as it should be started
-    "mpi4py": ("parallel", "pressure", "methods", "io", "study", "driver", "doctor", "completion", "cli", "__main__"),
+    "mpi4py": ("parallel", "pressure", "methods", "truth", "watch", "io", "pictures", "driver", "study", "doctor", "completion", "cli", "__main__"),
     "numba": ("kernels", "parallel", "doctor"),
     "h5py": ("io", "doctor"),
-    "matplotlib": ("io", "study"),
+    "matplotlib": ("pictures", "study"),
 }
 WHOLE_WORLD = "COMM_WORLD"
 WHOLE_WORLD_IN = ("cli", "__main__", "parallel.petsc")    # PETSc starts on all ranks together
@@ -176,3 +176,11 @@ def test_cases_describe_and_nothing_else():
     for path in sorted(Path(ROOT, "cases").glob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         assert {name.split(".")[0] for _, name in imports(tree, "parisph", "", False)} <= allowed, path.name
+
+
+def test_no_two_parts_have_a_module_of_the_same_name():
+    places = {}
+    for path in (ROOT / "parisph").rglob("*.py"):
+        if path.stem not in ("__init__", "__main__"):
+            places.setdefault(path.stem, []).append(str(path.relative_to(ROOT)))
+    assert [found for found in places.values() if len(found) > 1] == []

@@ -4,9 +4,9 @@ import numpy as np
 
 from parisph.case import geometry
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
-from parisph.io import probes
-from parisph.parallel.neighbours import Domain
+from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
+from parisph.watch import instruments
 
 G, DENSITY = 9.81, 1000.0
 
@@ -38,11 +38,11 @@ class Watch:
         self.particles.assign(arrays)
         self.domain = Domain(self.particles, *geometry.domain(case), 2.6 * s, 0.4 * s, 0.04 * s)
         self.domain.refresh()
-        self.samplers = probes.build(case, comm)
+        self.samplers = instruments.build(case, comm)
 
     def sample(self, time=0.0):
         """Return {probe name: tuple of values}. Collective."""
-        return probes.sample_all(self.samplers, self.particles, self.domain, time)
+        return instruments.sample_all(self.samplers, self.particles, self.domain, time)
 
     def destroy(self):
         """Free the halo. Collective."""

@@ -4,7 +4,6 @@ import errno
 import os
 import sys
 
-
 # What a write to a file, a terminal or a socket fails with; a pipe without a reader is BrokenPipeError.
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from parisph.base.memory import amount
 from parisph.base.text import shown
-from parisph.case.expressions import compile_expression, vector_field
 from parisph.case import size
+from parisph.case.expressions import compile_expression, vector_field
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.motion import SHARE
 from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge

@@ -13,7 +13,6 @@ from parisph.base.text import shown
 from parisph.case.model import Model
 from parisph.case.values import SMALLEST
 
-
 SHARE = 1 / 50    # of the period of a sway: the longest adaptive time step
 
 

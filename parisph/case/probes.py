@@ -1,4 +1,4 @@
-"""Descriptions of probes; parisph.io.probes computes their values."""
+"""Descriptions of probes; parisph.watch.instruments computes their values."""
 
 import re
 from typing import Annotated, Literal, Union

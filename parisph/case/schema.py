@@ -14,7 +14,15 @@ from parisph.case.motion import AtRest, Frame, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
 from parisph.case.presets import CLOSED, METHODS, PRESETS
 from parisph.case.probes import (
-    AnyProbe, ColumnHeight, Energy, Momentum, PressureTap, SurfaceGauge, Truth, Volume, WaterFront,
+    AnyProbe,
+    ColumnHeight,
+    Energy,
+    Momentum,
+    PressureTap,
+    SurfaceGauge,
+    Truth,
+    Volume,
+    WaterFront,
 )
 from parisph.case.shapes import Box, Disc, Fluid, Polygon, Tank
 

@@ -9,6 +9,7 @@ from parisph.base.text import shown
 from parisph.case.expressions import compile_expression, variable_names
 from parisph.case.model import Model
 
+
 def _in_the_plane(point):
     if len(point) == 3:
         raise ValueError(f"{point} has three components: scenes are 2D so far, give (x, y)")

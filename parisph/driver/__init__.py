@@ -3,7 +3,7 @@
 from importlib import import_module
 
 from parisph.base import libraries
-from parisph.driver.describe import describe
+from parisph.driver.preview import describe
 
 # Loaded when first asked for: describing a case must work where there is no MPI.
 _ENGINE = {"Simulation": "parisph.driver.simulation", "restart": "parisph.driver.loop", "run": "parisph.driver.loop"}

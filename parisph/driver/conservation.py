@@ -8,8 +8,8 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.case.schema import Box, Energy, Volume
-from parisph.io import probes
-from parisph.io.sampling import Scene, View
+from parisph.watch import instruments
+from parisph.watch.sampling import Scene, View
 
 EVERY = 10             # steps between two looks at the volume, which take as long as a twelfth of a step
 VOLUME_LIMIT = 0.02    # change of the volume that is worth a warning
@@ -81,9 +81,9 @@ class Conservation:
     def __init__(self, simulation, state=None, start=None):
         case = simulation.case
         self._scene = Scene.of(case)
-        self._energy, = probes.build(case.model_copy(update={"probes": (Energy(name="energy"),)}), simulation.comm)
+        self._energy, = instruments.build(case.model_copy(update={"probes": (Energy(name="energy"),)}), simulation.comm)
         volume = (Volume(name="volume"),) if case.dim == 2 else ()
-        self._volume = probes.build(case.model_copy(update={"probes": volume}), simulation.comm)
+        self._volume = instruments.build(case.model_copy(update={"probes": volume}), simulation.comm)
         self._driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
         state, start = state or {}, start or {}
         self.energy, self.motion, self.volume = (
@@ -155,7 +155,7 @@ class Conservation:
     def _look_at_volume(self, simulation):
         s = simulation
         if self._volume:
-            found = probes.sample_all(self._volume, s.particles, s.domain, s.time)
+            found = instruments.sample_all(self._volume, s.particles, s.domain, s.time)
             self.volume.add(s.time, found["volume"][0])
 
 

@@ -22,12 +22,12 @@ from parisph.driver import begin
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.peaks import Peaks
+from parisph.driver.probing import Watch
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
 from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
-from parisph.driver.watch import Watch
-from parisph.io import checkpoint, probes
+from parisph.io import checkpoint
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
 from parisph.io.store import Store, provenance
@@ -37,6 +37,7 @@ from parisph.parallel import last_resort
 from parisph.parallel.guard import guarded
 from parisph.pressure.options import as_text
 from parisph.pressure.trial import versions
+from parisph.watch import instruments
 
 WALL_CLOCK = 600.0  # [s] between checkpoints at most, whatever the case says
 SAVE = 1            # request of a rank at the end of a step; above it: the signal to stop
@@ -62,7 +63,7 @@ def run(case: Case, comm: MPI.Comm, out: str | os.PathLike, petsc_options: list[
     with guarded(comm, "run"), _signals(comm) as signals:
         made, old = on_first(comm, f"start a run in {out}", lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None)
         with begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock, _built(case, comm, petsc_options) as simulation:
-            samplers = probes.build(case, simulation.comm)
+            samplers = instruments.build(case, simulation.comm)
             store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation), case.output.fields, lock)
             if old is not None:
                 store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} was moved to {old}"))
@@ -103,7 +104,7 @@ def _restarted(signals, path, comm, until, out, petsc_options, progress, force):
         done = saved is not None and finished(case, saved.time)
         on_first(comm, f"continue the run in {target}", lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
         with _built(case, comm, petsc_options, saved) as simulation:
-            samplers = probes.build(case, simulation.comm)
+            samplers = instruments.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
             series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
             store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),

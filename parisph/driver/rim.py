@@ -8,8 +8,8 @@ from parisph.base.errors import ParticleLost, agree
 from parisph.base.fields import FLUID
 from parisph.base.log import logger
 from parisph.case.schema import Case
-from parisph.io.sampling import Scene
-from parisph.parallel.neighbours import Domain
+from parisph.parallel.domain import Domain
+from parisph.watch.sampling import Scene
 
 OUTSIDE = 0.5    # spacings beyond a side wall, from where on water above the rim has left
 BELOW = 1.0      # spacings below the rim that water may have fallen in the step that took it out

@@ -19,16 +19,16 @@ from parisph.driver.phases import PhaseTimers
 from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.io.checkpoint import Checkpoint
-from parisph.io.sampling import Scene
 from parisph.kernels import selfcheck
 from parisph.methods import schemes
 from parisph.methods.budget import Budget
 from parisph.methods.projection import Projection, StepReport
 from parisph.methods.timestep import first_step, next_step, rest_step
+from parisph.parallel.domain import Domain
 from parisph.parallel.guard import Guard
-from parisph.parallel.neighbours import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.solver import PressureSolver
+from parisph.watch.sampling import Scene
 
 SKIN = 1.0        # spacings a particle moves until particles are redistributed and sorted
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt

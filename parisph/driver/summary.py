@@ -13,8 +13,7 @@ from parisph.base.log import logger
 from parisph.driver.conservation import Conservation
 from parisph.io import reader
 from parisph.io.files import on_first
-from parisph.study import truth
-
+from parisph.truth import verdict
 
 FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, that are not worth a word
 BODY = 0.05             # share of isolated particles, later, that is more than spray
@@ -140,7 +139,7 @@ def _from_files(case, store):
         if len(counts):
             iterations = {"median": float(np.median(counts)), "p99": float(np.percentile(counts, 99)),
                           "max": int(counts.max())}
-        return iterations, truth.errors(case, run)
+        return iterations, verdict.errors(case, run)
     except ParisphError as error:
         return None, {"unavailable": str(error)}
 

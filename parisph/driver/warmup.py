@@ -4,7 +4,7 @@ from mpi4py import MPI
 
 from parisph.base.errors import ParisphError, agree
 from parisph.case.schema import Box, Case, Fluid, Tank, Volume
-from parisph.io import probes
+from parisph.watch import instruments
 
 CELLS = 12     # sides of the small tank, in spacings
 FILLED = 6     # sides of the body of fluid in it
@@ -51,7 +51,7 @@ def small(case, numerics):
 def _step(simulation):
     try:
         simulation.advance()
-        samplers = probes.build(simulation.case, simulation.comm)
-        probes.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
+        samplers = instruments.build(simulation.case, simulation.comm)
+        instruments.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
     finally:
         simulation.destroy()

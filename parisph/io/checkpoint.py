@@ -18,9 +18,9 @@ import numpy as np
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
 from parisph.base.reading import read_text
-from parisph.io import digest, rows
+from parisph.io import digest, slabs
 from parisph.io.files import on_first, together
-from parisph.io.rows import Slab
+from parisph.io.slabs import Slab
 
 FORMAT, VERSION = "parisph checkpoint", 2
 KEEP = 2  # the last and, in case a disk loses it, the one before
@@ -76,7 +76,7 @@ def write(comm, folder, particles, time, step, dt, case, state, attributes, earl
     state = {**state, "checkpoints": [*earlier, path.name]}
     start, total = particles.offset, particles.n_global
     names = [name for name, field in FIELDS.items() if field.migrates]
-    slabs = [
+    arrays = [
         Slab(f"particles/{name}", np.ascontiguousarray(getattr(particles, name)), start, total, {"unit": FIELDS[name].unit})
         for name in names
     ]
@@ -88,7 +88,7 @@ def write(comm, folder, particles, time, step, dt, case, state, attributes, earl
             "case": case, "state": json.dumps(state, default=_plain_number),
         })
 
-    rows.write(comm, path, slabs, decorate)
+    slabs.write(comm, path, arrays, decorate)
     on_first(comm, f"remove old checkpoints from {folder}", lambda: _remove(folder, earlier[: 1 - KEEP]))
     return path
 

@@ -15,7 +15,6 @@ from parisph.io.files import digest, read_json, write_json
 from parisph.io.layout import BEFORE, FILES, FOLDERS, PEAKS, REPLACED
 
 
-
 def content(folder: Path) -> list[str]:
     """Return the names in a folder that a run would write to: files, links, and folders that are not empty."""
     return [name for name in (*FILES, *FOLDERS, PEAKS) if _is_used(folder / name)]

@@ -16,9 +16,9 @@ import numpy as np
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
 from parisph.base.log import logger
-from parisph.io import digest, rows
+from parisph.io import digest, slabs
 from parisph.io.files import read_json, write_json
-from parisph.io.rows import Slab
+from parisph.io.slabs import Slab
 
 # Names in the file, where they differ from those of the registry.
 NAMES = {"u": "velocity", "p": "pressure", "alpha": "density_ratio", "phi": "position_potential"}
@@ -43,14 +43,14 @@ def write(comm, path, particles, time, step, fields, attributes):
     """
     n, start, total = particles.n_owned, particles.offset, particles.n_global
     names = check_fields(fields)
-    slabs = [Slab("VTKHDF/Points", _three(particles.x), start, total, {"unit": "m"}), *_cells(n, start, total)]
+    arrays = [Slab("VTKHDF/Points", _three(particles.x), start, total, {"unit": "m"}), *_cells(n, start, total)]
     for name in names:
         field = FIELDS[name]
         data = getattr(particles, name)
         data = _three(data) if field.shape == "vector" else data
         about = {"unit": field.unit, "meaning": field.meaning}
-        slabs.append(Slab(f"VTKHDF/PointData/{NAMES.get(name, name)}", data, start, total, about))
-    rows.write(comm, path, slabs, lambda file: _decorate(file, total, particles.dim, time, step, comm.size, attributes))
+        arrays.append(Slab(f"VTKHDF/PointData/{NAMES.get(name, name)}", data, start, total, about))
+    slabs.write(comm, path, arrays, lambda file: _decorate(file, total, particles.dim, time, step, comm.size, attributes))
 
 
 def read(path, time=None, run=""):

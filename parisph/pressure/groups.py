@@ -12,7 +12,7 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import ParisphError, agree
-from parisph.kernels import reach
+from parisph.kernels import graph
 
 
 def isolated_rows(comm, offset, indptr, indices, anchored):
@@ -45,7 +45,7 @@ def isolated_rows(comm, offset, indptr, indices, anchored):
         f"{anchored.size} anchored flags do not fit rows with indptr {indptr.shape} and {indices.size} columns"))
     reached = anchored.copy()
     pending = np.flatnonzero(~anchored).astype(np.int32)
-    pending = reach.spread(reached, pending, indptr, indices, offset)
+    pending = graph.spread(reached, pending, indptr, indices, offset)
     if comm.size > 1 and comm.allreduce(pending.size):
         _spread_over_ranks(comm, offset, reached, pending, indptr, indices)
     return ~reached
@@ -81,14 +81,14 @@ def highest(comm, candidates, x, force, ids, rounding):
 
 def _spread_over_ranks(comm, offset, reached, pending, indptr, indices):
     """Fetch marks from other ranks and spread them, until no rank marks another row."""
-    rows, columns = reach.outside(pending, indptr, indices, offset, reached.size)
+    rows, columns = graph.outside(pending, indptr, indices, offset, reached.size)
     remote, slot = np.unique(columns, return_inverse=True)
     lookup = _Lookup(comm, offset, reached.size, remote)
     while True:
         marks = lookup.pull(reached)
         reached[rows[marks[slot]]] = True
         left = pending[~reached[pending]]
-        left = reach.spread(reached, left, indptr, indices, offset)
+        left = graph.spread(reached, left, indptr, indices, offset)
         gained = pending.size - left.size
         pending = left
         if not comm.allreduce(gained):

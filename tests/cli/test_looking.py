@@ -15,7 +15,7 @@ from parisph import Box, Case, Fluid, Numerics, PressureTap, Tank, Volume
 from parisph.__main__ import main
 from parisph.base import seal
 from parisph.case import geometry
-from parisph.io import describe, reader
+from parisph.io import info, reader
 from parisph.io.store import Store, provenance
 from parisph.parallel.particles import Particles
 from tests.launch import run
@@ -80,7 +80,7 @@ def test_info_says_method_and_ranks_once(folder, capsys):
 
 def test_energy_of_a_driven_fluid_does_not_drift(folder):
     def lines(**more):
-        return [" ".join(line.split()) for line in describe.table({**SUMMARY, **more})]
+        return [" ".join(line.split()) for line in info.table({**SUMMARY, **more})]
 
     assert "energy drift -7.00%" in lines() and "energy drift -7.00%" in lines(driven=False)
     assert "energy change -7.00%" in lines(driven=True) and not any("energy drift" in line for line in lines(driven=True))
@@ -88,12 +88,12 @@ def test_energy_of_a_driven_fluid_does_not_drift(folder):
 
 def test_energy_in_motion_in_words():
     motion = {"start": 4.0, "end": 3.5, "high": 4.25, "high_time": 0.5, "drift": -0.125, "unit": "J/m"}
-    line, = [line for line in describe.table({"energy_in_motion": motion})]
+    line, = [line for line in info.table({"energy_in_motion": motion})]
     assert line.split(maxsplit=2)[2] == "4 J/m at the start, 3.5 J/m at the end (drift -12.50% of it), highest 4.25 J/m at 0.5 s"
 
 
 def test_a_summary_from_anybody_writes_no_lines_of_its_own():
-    lines = describe.table({**SUMMARY, "status": "completed\nenergy drift    +0.00%\x1b[1A"})
+    lines = info.table({**SUMMARY, "status": "completed\nenergy drift    +0.00%\x1b[1A"})
     assert lines[0] == "status          completed\n    energy drift    +0.00%\\x1b[1A"
 
 

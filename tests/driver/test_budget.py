@@ -10,8 +10,9 @@ from parisph import Box, Case, Energy, Fluid, Numerics, Output, Simulation
 from parisph.case.schema import Sway
 from parisph.case.stored import from_json, to_json
 from parisph.driver import restart, run
-from parisph.io import probes, reader, series
+from parisph.io import reader, series
 from parisph.methods.budget import CAUSES
+from parisph.watch import instruments
 from tests.scenes import on_ranks, scene
 
 COLUMNS = [f"work_{cause}" for cause in CAUSES]
@@ -20,7 +21,7 @@ COLUMNS = [f"work_{cause}" for cause in CAUSES]
 def steps_of(case):
     """Yield the works of each step of a run, and the gain of energy by the probe [J/m]."""
     simulation = Simulation(case, MPI.COMM_SELF)
-    sampler, = probes.build(case.changed(probes=[Energy("energy")]), simulation.comm)
+    sampler, = instruments.build(case.changed(probes=[Energy("energy")]), simulation.comm)
 
     def energy():
         return sampler.sample(simulation.particles, simulation.domain, simulation.time)[2]

@@ -17,6 +17,7 @@ from parisph.kernels import cache
 from tests.launch import ROOT, run
 from tests.scenes import scene
 
+
 @pytest.mark.skipif(os.geteuid() != 0 or shutil.which("setpriv") is None, reason="only root can become nobody")
 def test_read_only_install_without_a_home(tmp_path):
     package, work = tmp_path / "package", tmp_path / "work"

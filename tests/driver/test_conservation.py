@@ -11,7 +11,7 @@ from parisph import Box, Case, Fluid, Numerics, Output, Polygon, Tank
 from parisph.driver import Simulation, describe, restart, run
 from parisph.driver.conservation import Conservation, Range
 from parisph.driver.summary import Account
-from parisph.io import describe as words
+from parisph.io import info as words
 from tests.scenes import scene
 
 

@@ -11,7 +11,7 @@ from parisph import driver
 from parisph.case import scales, waves
 from parisph.case.schema import Box, Case, Fluid, Numerics, Sway, Tank
 from parisph.driver import cost, describe
-from parisph.driver.describe import BRISK, estimated_steps
+from parisph.driver.preview import BRISK, estimated_steps
 from parisph.methods import timestep
 from tests.scenes import scene
 

@@ -6,7 +6,7 @@ from mpi4py import MPI
 
 from parisph import CaseError, Output
 from parisph.driver import run
-from parisph.driver.watch import Watch, _between
+from parisph.driver.probing import Watch, _between
 from parisph.io import reader, series
 from tests.driver.test_restart import BODY
 from tests.scenes import on_ranks, scene

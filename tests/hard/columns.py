@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 
 from parisph.case.schema import Box, Case, Fluid, Numerics, Polygon, SurfaceGauge, Tank
-from parisph.io import probes
+from parisph.watch import instruments
 from tests.hard import flow
 from tests.hard.flow import Bench, Measured, nearest
 from tests.hard.scene import Scene
@@ -94,8 +94,8 @@ def layer(bench: Bench) -> list[Line]:
     gauges = tuple(SurfaceGauge(name=f"gauge{k}", at=(k + 0.5) * S) for k in range(round(LENGTH / S)))
     levels, samplers = [], None
     for s in bench.flow(case):
-        samplers = samplers or probes.build(case.model_copy(update={"probes": gauges}), s.comm)
-        seen = probes.sample_all(samplers, s.particles, s.domain, s.time)
+        samplers = samplers or instruments.build(case.model_copy(update={"probes": gauges}), s.comm)
+        seen = instruments.sample_all(samplers, s.particles, s.domain, s.time)
         levels.append((np.mean([height for height, in seen.values()]), s.particles.x[flow.fluid(s), 1].mean()))
     levels = np.array(levels) / levels[0]
     error, late = np.abs(levels[:, 0] - 1.0), slice(-len(levels) // 10, None)

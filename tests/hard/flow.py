@@ -10,8 +10,8 @@ from mpi4py import MPI
 from parisph.base.fields import BALLISTIC, FLUID
 from parisph.case.schema import Case, Energy, Volume
 from parisph.driver import Simulation
-from parisph.io import probes
 from parisph.kernels.cells import neighbour_lists
+from parisph.watch import instruments
 from tests.hard.table import Line
 
 NEAR = 2.1    # spacings: the reach of velocity gradients
@@ -72,8 +72,8 @@ class Measured:
         """Return (time, kinetic, total, cell)."""
         if self._samplers is None:
             wanted = (Energy(name="energy"), Volume(name="volume"))
-            self._samplers = probes.build(s.case.model_copy(update={"probes": wanted}), s.comm)
-        found = probes.sample_all(self._samplers, s.particles, s.domain, s.time)
+            self._samplers = instruments.build(s.case.model_copy(update={"probes": wanted}), s.comm)
+        found = instruments.sample_all(self._samplers, s.particles, s.domain, s.time)
         kinetic, _, total = found["energy"]
         return s.time, kinetic, total, found["volume"][0]
 

@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.fields import FIELDS
-from parisph.parallel.neighbours import Domain
+from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from tests.clouds import KINDS, close_pairs, cloud, domains, gathered, listed_pairs, spread, stamps
 

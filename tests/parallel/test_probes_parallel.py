@@ -9,12 +9,19 @@ from mpi4py import MPI
 from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID, SURFACE, WALL
 from parisph.case.schema import (
-    ColumnHeight, Disc, Energy, Momentum, PressureTap, SurfaceGauge, Volume, WaterFront,
+    ColumnHeight,
+    Disc,
+    Energy,
+    Momentum,
+    PressureTap,
+    SurfaceGauge,
+    Volume,
+    WaterFront,
 )
-from parisph.io import probes
-from parisph.io.sampling import Scene
 from parisph.kernels.cells import neighbour_lists
 from parisph.parallel.particles import Particles
+from parisph.watch import instruments
+from parisph.watch.sampling import Scene
 from tests.watched import DENSITY, G, Watch, scene
 
 ALL = [
@@ -113,7 +120,7 @@ def test_ranks_without_particles_take_part(comm):
     radius = alone.domain.radius
     indptr, indices = neighbour_lists(p.x_all, p.n_owned, radius)
     domain = SimpleNamespace(indptr=indptr, indices=indices, radius=radius, update=lambda *names: None)
-    found, truth = probes.sample_all(alone.samplers, p, domain, 0.0), alone.sample()
+    found, truth = instruments.sample_all(alone.samplers, p, domain, 0.0), alone.sample()
     assert p.n_owned == (alone.particles.n_owned if comm.rank == comm.size - 1 else 0)
     for name in truth:
         np.testing.assert_allclose(found[name], truth[name], rtol=1e-12, atol=1e-12, err_msg=name)
@@ -124,7 +131,7 @@ def test_what_exists_in_2d_only_is_refused_on_every_rank(comm, monkeypatch):
     cube = Scene(3, 0.1, np.full(3, 0.1), 1.0, np.zeros(3), np.ones(3), True, np.zeros(3))
     monkeypatch.setattr(Scene, "of", classmethod(lambda cls, case: cube if comm.rank == comm.size - 1 else real(case)))
     with pytest.raises(CaseError, match="'volume': volume exists in 2D only"):
-        probes.build(scene([Volume(name="volume")]), comm)
+        instruments.build(scene([Volume(name="volume")]), comm)
 
 
 

@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
-from parisph.io import checkpoint, digest, files, rows, snapshot
+from parisph.io import checkpoint, digest, files, slabs, snapshot
 from parisph.io.store import Store
 from parisph.parallel.particles import Particles
 from tests.owned_rows import OwnedRows, everything
@@ -226,9 +226,9 @@ def test_a_full_disk_on_one_rank_is_raised_on_all_and_the_old_file_stays(folder,
     if failing == "layout":
         monkeypatch.setattr(os, "posix_fallocate", full)
     elif failing == "publish":
-        monkeypatch.setattr(rows, "publish", full)
+        monkeypatch.setattr(slabs, "publish", full)
     elif WORLD.rank == WORLD.size - 1:  # only one rank fails, among its rows or with its share of the digest
-        monkeypatch.setattr(*((rows, "_write_own") if failing == "rows" else (digest, "_chunks")), full)
+        monkeypatch.setattr(*((slabs, "_write_own") if failing == "rows" else (digest, "_chunks")), full)
     particles.u += 1.0
     with pytest.raises(StoreError, match="cannot write .*/00000001.h5: .*No space left"):
         checkpoint.write(WORLD, folder, particles, 0.0, 1, 0.1, CASE, {}, {})

@@ -6,11 +6,11 @@ from mpi4py import MPI
 
 from parisph.base.fields import FLUID, SURFACE
 from parisph.base.reading import read_columns
+from parisph.base.table import read_reference
 from parisph.case.waves import column_start_pressure
 from parisph.driver import Simulation, run
 from parisph.io import checkpoint, reader, series
-from parisph.io.reference import read_reference
-from parisph.study import errors
+from parisph.truth import norms
 from tests.launch import ROOT
 from tests.scenes import scene
 
@@ -95,7 +95,7 @@ def test_pressure_of_the_impact_against_volume_of_fluid(fall):
     t, p = read_reference(path, "t_star", "P2_basilisk_256", scale=WEIGHT, time_scale=UNIT)
     tap = fall[0].probe("P2")
     known = (t > 1.4 * UNIT) & (t < 2.5 * UNIT)
-    assert errors.judge(tap["time"], tap["pressure"], t[known], p[known])["relative_l2"] < 0.15
+    assert norms.judge(tap["time"], tap["pressure"], t[known], p[known])["relative_l2"] < 0.15
 
 
 def test_momentum_is_what_the_walls_give(fall):
@@ -112,9 +112,9 @@ def test_front_against_martin_and_moyce(fall):
     front = fall[0].probe("front")
     before = (t < 1.5 * UNIT) & (x < 4.0 * L)
     t, x = t[before], x[before]
-    raw = errors.judge(front["time"], front["x"], t, x)["relative_l2"]
-    shift = errors.best_shift(front["time"], front["x"], t, x, 0.2 * UNIT)
-    shifted = errors.judge(front["time"] + shift, front["x"], t, x)["relative_l2"]
+    raw = norms.judge(front["time"], front["x"], t, x)["relative_l2"]
+    shift = norms.best_shift(front["time"], front["x"], t, x, 0.2 * UNIT)
+    shifted = norms.judge(front["time"] + shift, front["x"], t, x)["relative_l2"]
     # raw, a computed front is ahead by the time that the gate took to open: 3 to 4 m/s times .1 in t* is a tenth of the way
     assert raw < 0.15 and shifted < 0.03 and 0.05 * UNIT < shift < 0.15 * UNIT
 
@@ -124,4 +124,4 @@ def test_column_against_martin_and_moyce(fall):
                                         scale=H, time_scale=0.5**0.5 * UNIT)
     column = fall[0].probe("column")
     known = tau < 2.4 * UNIT
-    assert errors.judge(column["time"], column["y"], tau[known], height[known])["relative_l2"] < 0.04
+    assert norms.judge(column["time"], column["y"], tau[known], height[known])["relative_l2"] < 0.04

@@ -6,14 +6,14 @@ from mpi4py import MPI
 
 from parisph.case.waves import drop_half_axes
 from parisph.driver import Simulation
-from parisph.io import probes
+from parisph.watch import instruments
 from tests.scenes import scene
 
 
 def sampled(s):
     """Return {probe: {column: value}} of now."""
-    samplers = probes.build(s.case, s.comm)
-    found = probes.sample_all(samplers, s.particles, s.domain, s.time)
+    samplers = instruments.build(s.case, s.comm)
+    found = instruments.sample_all(samplers, s.particles, s.domain, s.time)
     return {sampler.name: dict(zip(sampler.columns, found[sampler.name])) for sampler in samplers}
 
 

@@ -7,7 +7,7 @@ from mpi4py import MPI
 from parisph import Box, Case, Fluid, Numerics, PressureTap, SurfaceGauge, Sway, Tank, Volume
 from parisph.base.fields import FLUID
 from parisph.driver import Simulation
-from parisph.io import probes
+from parisph.watch import instruments
 
 S, DEPTH = 0.05, 0.5
 
@@ -21,10 +21,10 @@ def swayed(gap, amplitude, steps, **numerics):
                 probes=[SurfaceGauge("left", at=0.0), Volume("volume"), PressureTap("lid", at=(0.0, top))])
     s = Simulation(case, MPI.COMM_SELF)
     isolated = s.solve_start()
-    samplers, found = probes.build(case, s.comm), []
+    samplers, found = instruments.build(case, s.comm), []
     for _ in range(steps):
         isolated = max(isolated, s.advance().isolated)
-        found.append([value[0] for value in probes.sample_all(samplers, s.particles, s.domain, s.time).values()])
+        found.append([value[0] for value in instruments.sample_all(samplers, s.particles, s.domain, s.time).values()])
     inside = s.particles.x[s.particles.kind == FLUID, 1].max() < top
     s.destroy()
     assert inside

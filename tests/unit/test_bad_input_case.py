@@ -6,8 +6,22 @@ import time
 import pytest
 
 from parisph import (
-    Box, Case, CaseError, ColumnHeight, Disc, Energy, Fluid, Numerics, Output, Polygon, PressureTap, SurfaceGauge, Sway, Tabulated,
-    Tank, Truth,
+    Box,
+    Case,
+    CaseError,
+    ColumnHeight,
+    Disc,
+    Energy,
+    Fluid,
+    Numerics,
+    Output,
+    Polygon,
+    PressureTap,
+    SurfaceGauge,
+    Sway,
+    Tabulated,
+    Tank,
+    Truth,
 )
 
 BOX = {"kind": "box", "width": 1.0, "height": 1.0}

@@ -9,7 +9,20 @@ import pytest
 
 import parisph
 from parisph import (
-    Box, Case, CaseError, Disc, Energy, Fluid, Numerics, Output, PressureTap, SurfaceGauge, Sway, Tabulated, Tank, Truth,
+    Box,
+    Case,
+    CaseError,
+    Disc,
+    Energy,
+    Fluid,
+    Numerics,
+    Output,
+    PressureTap,
+    SurfaceGauge,
+    Sway,
+    Tabulated,
+    Tank,
+    Truth,
 )
 from parisph.case.checks import stable_time_step
 from parisph.case.probes import read_truth

@@ -6,10 +6,22 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, CaseError, ColumnHeight, Energy, Fluid, Numerics, PressureTap, SurfaceGauge, Tank, WaterFront
-from parisph.io import curves, style
+from parisph import (
+    Box,
+    Case,
+    CaseError,
+    ColumnHeight,
+    Energy,
+    Fluid,
+    Numerics,
+    PressureTap,
+    SurfaceGauge,
+    Tank,
+    WaterFront,
+)
 from parisph.io.reader import open_run
 from parisph.io.store import Store
+from parisph.pictures import curves, style
 
 pytest.importorskip("matplotlib")
 PROBES = {"P1": ({"pressure": "Pa"}, PressureTap("P1", at=(0.0, 0.1))), "P2": ({"pressure": "Pa"}, PressureTap("P2", at=(1.0, 0.1))),

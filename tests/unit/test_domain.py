@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, ParisphError, ParticleLost
-from parisph.parallel.neighbours import Domain
+from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from tests.clouds import close_pairs, cloud, gathered, listed_pairs, spread, stamps
 

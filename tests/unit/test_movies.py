@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from parisph.base.errors import CaseError
-from parisph.io import movies
-from parisph.io.movies import Pace
+from parisph.pictures import movies
+from parisph.pictures.movies import Pace
 from tests.unit.test_view import basin, water, written
 
 pytest.importorskip("matplotlib")

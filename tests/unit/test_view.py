@@ -11,9 +11,9 @@ from mpi4py import MPI
 from parisph.base.errors import CaseError, MissingLibrary, StoreError
 from parisph.base.fields import BALLISTIC, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.schema import Box, Case, Disc, Energy, Fluid, Numerics, PressureTap, SurfaceGauge, Tank, Volume
-from parisph.io import curves, movies, overview, style, view
 from parisph.io.reader import open_run
 from parisph.io.store import Store
+from parisph.pictures import curves, movies, overview, style, view
 from tests import watched
 
 pytest.importorskip("matplotlib")

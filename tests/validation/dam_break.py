@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from parisph.base.table import read_reference
 from parisph.io import checkpoint
 from parisph.io.reader import Run
-from parisph.io.reference import read_reference
-from parisph.study import errors
+from parisph.truth import norms
 from tests.launch import ROOT
 from tests.validation.record import Bench, Row
 
@@ -123,10 +123,10 @@ def measures(run: Run) -> dict:
         raise ValueError(f"the run ends at t* = {t[-1]:g}, before the last time that is compared")
     total = energy["total"] / energy["total"][0]
     found = {f"P2 against {code}": _distance(t, p, column) for code, column in CODES.items()}
-    found |= {"arrival": float(t[np.argmax(p > 0.1)]), "impulse": errors.impulse(t, p, IMPULSE)}
+    found |= {"arrival": float(t[np.argmax(p > 0.1)]), "impulse": norms.impulse(t, p, IMPULSE)}
     found |= {f"E({time})": float(np.interp(time, energy["time"] / UNIT, total)) for time in (1.45, 2)}
     if t[-1] >= QUIET[1]:
-        found["quiet"] = errors.noise(tap["time"], tap["pressure"], (QUIET[0] * UNIT, QUIET[1] * UNIT))
+        found["quiet"] = norms.noise(tap["time"], tap["pressure"], (QUIET[0] * UNIT, QUIET[1] * UNIT))
     found |= {"volume": float(np.nanmax(volume)), "volume in 99 %": float(np.nanquantile(volume, 0.99)),
               "rise": float(total.max()) - 1.0}
     return found
@@ -136,7 +136,7 @@ def _distance(t, p, column):
     """Return the relative L2 difference of a trace from a column of the reference, at the times of the latter."""
     times, truth = read_reference(COMPUTED, "t_star", column)
     inside = (times > COMPARED[0]) & (times < COMPARED[1])
-    return errors.relative_l2(np.interp(times[inside], t, p), truth[inside])
+    return norms.relative_l2(np.interp(times[inside], t, p), truth[inside])
 
 
 def _against_limits(name, starts, limits):
@@ -236,9 +236,9 @@ def experiment(run: Run) -> list[Row]:
         t, truth = read_reference(MEASURED / f"martin_moyce_{probe}.csv", time, value, scale=scale, time_scale=unit * UNIT)
         before = (t < 1.55 * UNIT) if probe == "front" else (t < run.probe(probe)["time"][-1])
         t, truth, got = t[before], truth[before], run.probe(probe)
-        found.append(Row(f"{probe} against Martin & Moyce, raw", errors.judge(got["time"], got[column], t, truth)["relative_l2"]))
+        found.append(Row(f"{probe} against Martin & Moyce, raw", norms.judge(got["time"], got[column], t, truth)["relative_l2"]))
         if shift is None:   # of the front: the gate opens in a finite time
-            shift = errors.best_shift(got["time"], got[column], t, truth, 0.2 * UNIT)
+            shift = norms.best_shift(got["time"], got[column], t, truth, 0.2 * UNIT)
         found.append(Row(f"{probe} against Martin & Moyce, shifted by {shift / UNIT:.3f} in t*",
-                         errors.judge(got["time"] + shift, got[column], t, truth)["relative_l2"]))
+                         norms.judge(got["time"] + shift, got[column], t, truth)["relative_l2"]))
     return found

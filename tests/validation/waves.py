@@ -33,7 +33,7 @@ def rows(bench):
 
 def _exact():
     """Times and levels of the fully nonlinear solution over the last two of its first 9 s."""
-    from parisph.io.reference import read_reference
+    from parisph.base.table import read_reference
     from tests.launch import ROOT
 
     t, level = read_reference(ROOT / "cases" / "exact" / "standing_wave.csv", "t_s", "eta_nonlinear_m")

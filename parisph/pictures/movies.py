@@ -8,10 +8,10 @@ import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.text import clipped, plain
-from parisph.io import style
 from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run
-from parisph.io.view import FieldView, Look
+from parisph.pictures import style
+from parisph.pictures.view import FieldView, Look
 
 RATE = 20.0             # frames a second, where nobody asks for another
 SLOWEST, FASTEST = 1.0, 60.0   # frames a second that players show well

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
-from parisph.io import curves, movies, overview, view
+from parisph.base.text import clipped
+from parisph.pictures import curves, movies, overview, view
 
 LONGEST = 100   # characters of the name of a file that is made up
 
@@ -60,6 +61,20 @@ def animate(run, out=None, fps=None, slow=None, **look):
     look = {name: value for name, value in look.items() if value is not None}
     ending = "mp4" if shutil.which("ffmpeg") else "gif"
     return movies.movie(run, Path(out or run.folder / f"flow_{look.get('field', 'pressure')}.{ending}"), fps=fps, slow=slow, **look)
+
+
+def compare(run, comparison, reference, path) -> None:
+    """Draw a probe of a run, its reference and their difference to a file.
+
+    comparison : truth.comparison.Comparison; reference : path of the file that it was compared with
+
+    Raises CaseError for a name that matplotlib cannot write, StoreError for a file that cannot be written.
+    """
+    result, (time, values) = comparison.result, comparison.found
+    shift = f"; run shifted by {result['shift']:+.4g} s" if result["shift"] else ""
+    title = f"{run.folder.name}: {result['probe']} against {result['value']} of {Path(reference).name}{shift}"
+    curves.plot_comparison((time + result["shift"], values), comparison.truth, comparison.difference, clipped(title, 100),
+                           result["column"], run.units(result["probe"])[result["column"]], path)
 
 
 def peak_of(run, probe):

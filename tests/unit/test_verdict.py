@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.base.errors import StoreError
 from parisph.case.schema import Energy, PressureTap, SurfaceGauge, Truth, WaterFront
+from parisph.io.reader import open_run
 from parisph.io.store import Store
-from parisph.study import truth
+from parisph.truth import verdict
 from tests.watched import scene
 
 T = np.linspace(0.0, 2.0, 201)
@@ -47,7 +47,7 @@ def test_waves_are_judged_without_the_depth_and_pressures_with_all(tmp_path, ref
         "energy": ({"kinetic": "J/m", "potential": "J/m", "total": "J/m"}, lambda t: (9.0, 9.0, 3.3)),
         "front": ({"x": "m"}, lambda t: (t,)),
     })
-    found = truth.errors(case, run)
+    found = verdict.errors(case, open_run(run))
     assert set(found) == {"gauge", "tap", "energy"}
     wave = 0.01 * np.sin(T[::10])
     assert found["gauge"] == {
@@ -62,10 +62,6 @@ def test_waves_are_judged_without_the_depth_and_pressures_with_all(tmp_path, ref
 def test_what_cannot_be_judged_says_why(tmp_path, reference, end, file, reason):
     about = Truth(file or reference, time="t_s", value="one")
     case, run = case_and_run(tmp_path, [WaterFront(name="front", truth=about)], {"front": ({"x": "m"}, lambda t: (1.0,))}, end)
-    found = truth.errors(case, run)["front"]
+    found = verdict.errors(case, open_run(run))["front"]
     assert found["relative_l2"] is None and reason in found["reason"]
 
-
-def test_without_a_run_there_is_an_error(tmp_path):
-    with pytest.raises(StoreError, match="is not the folder of a run"):
-        truth.errors(scene([]), tmp_path)

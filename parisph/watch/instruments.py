@@ -7,10 +7,10 @@ each sample.
 import numpy as np
 
 from parisph.base.errors import CaseError, agree
-from parisph.io.sampling import WIDTH, Sampler, Scene, sample_all
-from parisph.io.surface import COLUMN, bodies, surface_height
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
+from parisph.watch.elevation import COLUMN, bodies, surface_height
+from parisph.watch.sampling import WIDTH, Sampler, Scene, sample_all
 
 __all__ = ["SAMPLERS", "build", "sample_all"]
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
-from parisph.io import style
 from parisph.io.reader import Run, open_run
+from parisph.pictures import style
 
 # Diameters in spacings: a drawn particle; and the ground below those inside, which closes the gaps that
 # discs leave between them, without making the surface thicker than half a particle.

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from parisph.base import table
 from parisph.base.errors import StoreError
-from parisph.io import reference
 
 
 def test_truth_is_scaled_sorted_and_may_lack_the_last_line_end(tmp_path):
     (tmp_path / "t.csv").write_text("# a comment, with a comma\nset,T,z\nb,3,30\na,1,10\na,2,\na,4,40")
-    time, value = reference.read_reference(tmp_path / "t.csv", "T", "z", offset=1.0, scale=2.0, time_scale=0.5)
+    time, value = table.read_reference(tmp_path / "t.csv", "T", "z", offset=1.0, scale=2.0, time_scale=0.5)
     np.testing.assert_array_equal(time, [0.5, 1.5, 2.0])
     np.testing.assert_array_equal(value, [21.0, 61.0, 81.0])
 
@@ -18,12 +18,12 @@ def test_truth_is_scaled_sorted_and_may_lack_the_last_line_end(tmp_path):
 def test_a_bad_column_of_the_truth_is_named(tmp_path, column, message):
     (tmp_path / "t.csv").write_text("set,T,z\na,1,10\n")
     with pytest.raises(StoreError, match=message):
-        reference.read_reference(tmp_path / "t.csv", "T", column)
+        table.read_reference(tmp_path / "t.csv", "T", column)
 
 
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(StoreError, match="gone.csv"):
-        reference.read_reference(tmp_path / "gone.csv", "T", "z")
+        table.read_reference(tmp_path / "gone.csv", "T", "z")
 
 
 @pytest.mark.parametrize("content, message", [
@@ -38,24 +38,24 @@ def test_a_missing_file_is_named(tmp_path):
 def test_a_file_that_is_no_series_is_refused_in_one_line(tmp_path, content, message):
     (tmp_path / "t.csv").write_bytes(content)
     with pytest.raises(StoreError, match=message) as error:
-        reference.read_reference(tmp_path / "t.csv", "T", "z")
+        table.read_reference(tmp_path / "t.csv", "T", "z")
     assert "t.csv" in str(error.value) and "\n" not in str(error.value) and len(str(error.value)) < 500
 
 
 @pytest.mark.parametrize("name, message", [(".", "it is a folder"), ("/dev/zero", "not a regular file"), ("a" * 300, "File name too long")])
 def test_what_is_no_file_is_not_opened(tmp_path, name, message):
     with pytest.raises(StoreError, match=message):
-        reference.read_reference(tmp_path / name, "T", "z")
+        table.read_reference(tmp_path / name, "T", "z")
 
 
 @pytest.mark.filterwarnings("error")
 def test_scales_that_leave_the_range_of_numbers_are_refused(tmp_path):
     (tmp_path / "t.csv").write_text("T,z\n0,1e20\n1,2\n")
     with pytest.raises(StoreError, match="reaches more than 1e.30 when scaled"):
-        reference.read_reference(tmp_path / "t.csv", "T", "z", scale=1e300)
+        table.read_reference(tmp_path / "t.csv", "T", "z", scale=1e300)
 
 
 def test_gaps_are_left_out(tmp_path):
     (tmp_path / "t.csv").write_text("\ufeffT, z\n0,1\n1,\n2,nan\n3,4\n", encoding="utf-8")
-    time, value = reference.read_reference(tmp_path / "t.csv", "T", "z")
+    time, value = table.read_reference(tmp_path / "t.csv", "T", "z")
     assert list(time) == [0.0, 3.0] and list(value) == [1.0, 4.0]

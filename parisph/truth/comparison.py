@@ -1,18 +1,40 @@
 """Comparison of a probe with a reference series, for `parisph compare`. Not collective."""
 
-from pathlib import Path
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from parisph.base.errors import CaseError
 from parisph.base.reading import listed
-from parisph.base.text import clipped, named, shown
-from parisph.io import curves
-from parisph.io.reference import LARGEST, read_reference
-from parisph.io.reference import names as columns_of
-from parisph.study import errors
+from parisph.base.table import LARGEST, read_reference
+from parisph.base.table import names as columns_of
+from parisph.base.text import named, shown
+from parisph.truth import norms
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A probe beside its reference.
+
+    result : what `parisph compare` prints: probe, column, time and value (the columns of the reference), shift [s], and
+        what norms.judge returns
+    found, truth : (time (n,) [s], values (n,)) of the run, not shifted, and of the reference
+    """
+
+    result: dict[str, Any]
+    found: tuple[np.ndarray, np.ndarray]
+    truth: tuple[np.ndarray, np.ndarray]
+
+    @property
+    def difference(self) -> tuple[np.ndarray, np.ndarray]:
+        """Time (n,) [s] and run minus reference (n,), where they overlap."""
+        at, ours, theirs = norms.on_reference(*self.found, *self.truth, self.result["shift"])
+        return at, ours - theirs
 
 
 def compare(run, reference, probe=None, column=None, time=None, value=None, offset=0.0, scale=1.0,
-            time_scale=1.0, shift=0.0, best_shift=None, rest=None, plot=None):
+            time_scale=1.0, shift=0.0, best_shift=None, rest=None) -> Comparison:
     """Return how far a probe is from a reference.
 
     Parameters
@@ -26,11 +48,6 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
     shift : [s], added to the run's time
     best_shift : None, or the largest time shift [s] either way among which the best one is sought
     rest : None, or the level at rest: the error is then a share of the wave alone
-    plot : file for a picture of the two and of their difference, or None
-
-    Returns
-    -------
-    dict: probe, column, time and value (the columns of the reference), shift [s], and what errors.judge returns.
 
     Raises
     ------
@@ -44,16 +61,12 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
     t, truth = read_reference(reference, time, value, offset, scale, time_scale)
     try:
         if best_shift is not None:
-            shift = errors.best_shift(found["time"], found[column], t, truth, best_shift)
-        judged = errors.judge(found["time"], found[column], t, truth, rest, shift)
+            shift = norms.best_shift(found["time"], found[column], t, truth, best_shift)
+        judged = norms.judge(found["time"], found[column], t, truth, rest, shift)
     except ValueError as error:
         raise CaseError(f"{probe} against {named(reference)}: {error}") from None
-    if plot is not None:
-        at, ours, theirs = errors.on_reference(found["time"], found[column], t, truth, shift)
-        title = f"{run.folder.name}: {probe} against {value} of {Path(reference).name}" + (f"; run shifted by {shift:+.4g} s" if shift else "")
-        curves.plot_comparison((found["time"] + shift, found[column]), (t, truth), (at, ours - theirs), clipped(title, 100),
-                               column, run.units(probe)[column], plot)
-    return {"probe": probe, "column": column, "time": time, "value": value, "shift": shift, **judged}
+    result = {"probe": probe, "column": column, "time": time, "value": value, "shift": shift, **judged}
+    return Comparison(result, (found["time"], found[column]), (t, truth))
 
 
 def text(result):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from parisph.driver.schedule import ROUNDING, Times
-from parisph.io import probes
+from parisph.watch import instruments
 
 
 class Watch:
@@ -71,7 +71,7 @@ class Watch:
     def _sample(self, samplers):
         s = self.simulation
         with s.timers("probes"):
-            return probes.sample_all(samplers, s.particles, s.domain, s.time)
+            return instruments.sample_all(samplers, s.particles, s.domain, s.time)
 
 
 def _between(before, after, time):

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
-from parisph.io import style
+from parisph.base.table import read_reference
 from parisph.io.reader import Run, open_run
-from parisph.io.reference import read_reference
+from parisph.pictures import style
 
 # What a probe of a kind (as in the case) shows, and which kinds share one set of axes.
 KINDS = {

@@ -3,9 +3,9 @@
 import numpy as np
 
 from parisph.base.errors import StoreError
-from parisph.io import curves, style
 from parisph.io.reader import Run, open_run
-from parisph.io.view import FieldView, Look
+from parisph.pictures import curves, style
+from parisph.pictures.view import FieldView, Look
 
 
 def plot_overview(run, path=None, field="pressure", **look):

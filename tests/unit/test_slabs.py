@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 from mpi4py import MPI
 from parisph.base.errors import StoreError
-from parisph.io import rows
+from parisph.io import slabs
 
 path, length, most = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
-slabs = [rows.Slab("particles/x", np.zeros((1000, 2)), 0, 1000)]
+arrays = [slabs.Slab("particles/x", np.zeros((1000, 2)), 0, 1000)]
 decorate = lambda file: file.attrs.update(case="c" * length, time=0.5)
 resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
 try:
-    rows.write(MPI.COMM_SELF, path, slabs, decorate)
+    slabs.write(MPI.COMM_SELF, path, arrays, decorate)
     print("written")
 except StoreError as error:
     print(error)

@@ -3,76 +3,76 @@
 import numpy as np
 import pytest
 
-from parisph.study import errors
+from parisph.truth import norms
 
 T = np.linspace(0.0, 10.0, 1001)
 
 
 def test_relative_l2_of_a_scaled_series_is_the_scale():
     truth = np.sin(T)
-    assert errors.relative_l2(1.03 * truth, truth) == pytest.approx(0.03)
+    assert norms.relative_l2(1.03 * truth, truth) == pytest.approx(0.03)
 
 
 def test_the_wave_part_does_not_see_the_depth_but_z14_does():
     wave = 0.001 * np.sin(T)
-    assert errors.wave_relative_l2(0.5 + 1.2 * wave, 0.5 + wave, 0.5) == pytest.approx(0.2)
+    assert norms.wave_relative_l2(0.5 + 1.2 * wave, 0.5 + wave, 0.5) == pytest.approx(0.2)
     flattered = 0.2 * np.linalg.norm(wave) / np.linalg.norm(0.5 + wave)
-    assert errors.relative_l2(0.5 + 1.2 * wave, 0.5 + wave) == pytest.approx(flattered)
+    assert norms.relative_l2(0.5 + 1.2 * wave, 0.5 + wave) == pytest.approx(flattered)
     assert flattered < 4e-4
 
 
 def test_z17_divides_an_l2_by_a_sum():
-    assert errors.z17_elevation(np.array([1.0, 2.0, 5.0]), np.array([1.0, 2.0, 2.0])) == pytest.approx(3.0 / 5.0)
+    assert norms.z17_elevation(np.array([1.0, 2.0, 5.0]), np.array([1.0, 2.0, 2.0])) == pytest.approx(3.0 / 5.0)
     with pytest.raises(ValueError, match="adds up to zero"):
-        errors.z17_elevation(np.array([1.0, 0.0]), np.array([1.0, -1.0]))
+        norms.z17_elevation(np.array([1.0, 0.0]), np.array([1.0, -1.0]))
 
 
 def test_comparison_is_on_the_reference_samples_that_overlap():
-    t, found, truth = errors.on_reference([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], [-1.0, 0.5, 1.5, 2.0, 3.0], [9.0, 5.0, 15.0, 20.0, 9.0])
+    t, found, truth = norms.on_reference([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], [-1.0, 0.5, 1.5, 2.0, 3.0], [9.0, 5.0, 15.0, 20.0, 9.0])
     np.testing.assert_array_equal(t, [0.5, 1.5, 2.0])
     np.testing.assert_allclose(found, truth)
-    t, found, _ = errors.on_reference([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], [-1.0, 0.5, 1.5, 2.0, 3.0], np.zeros(5), shift=1.0)
+    t, found, _ = norms.on_reference([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], [-1.0, 0.5, 1.5, 2.0, 3.0], np.zeros(5), shift=1.0)
     np.testing.assert_array_equal(t, [1.5, 2.0, 3.0])
     np.testing.assert_allclose(found, [5.0, 10.0, 20.0])
     with pytest.raises(ValueError, match="fewer than two"):
-        errors.on_reference([0.0, 1.0], [0.0, 1.0], [1.5, 2.5], [0.0, 0.0])
+        norms.on_reference([0.0, 1.0], [0.0, 1.0], [1.5, 2.5], [0.0, 0.0])
 
 
 def test_comparison_with_a_coarse_reference_is_on_the_samples_of_the_run():
     """As with a constant, or a ramp, that is given by its ends only."""
-    t, found, truth = errors.on_reference([0.0, 1.0, 2.0], [5.0, 6.0, 9.0], [-1.0, 1.0, 1e9], [0.0, 2.0, 1e9 + 1])
+    t, found, truth = norms.on_reference([0.0, 1.0, 2.0], [5.0, 6.0, 9.0], [-1.0, 1.0, 1e9], [0.0, 2.0, 1e9 + 1])
     np.testing.assert_array_equal(t, [0.0, 1.0, 2.0])
     np.testing.assert_array_equal(found, [5.0, 6.0, 9.0])
     np.testing.assert_allclose(truth, [1.0, 2.0, 3.0])
-    t, found, _ = errors.on_reference([0.0, 1.0, 2.0], [5.0, 6.0, 9.0], [2.0, 1e9], [1.0, 1.0], shift=1.0)
+    t, found, _ = norms.on_reference([0.0, 1.0, 2.0], [5.0, 6.0, 9.0], [2.0, 1e9], [1.0, 1.0], shift=1.0)
     np.testing.assert_array_equal((t, found), [[2.0, 3.0], [6.0, 9.0]])
-    assert errors.judge(T, np.full_like(T, 1.02), [0.0, 1e9], [1.0, 1.0])["relative_l2"] == pytest.approx(0.02)
+    assert norms.judge(T, np.full_like(T, 1.02), [0.0, 1e9], [1.0, 1.0])["relative_l2"] == pytest.approx(0.02)
     with pytest.raises(ValueError, match="fewer than two"):
-        errors.on_reference([0.0, 1.0], [0.0, 1.0], [0.5, 0.9e9], [0.0, 0.0], shift=-0.6)
+        norms.on_reference([0.0, 1.0], [0.0, 1.0], [0.5, 0.9e9], [0.0, 0.0], shift=-0.6)
 
 
 @pytest.mark.parametrize("late", [0.137, -0.05, 0.2])
 def test_best_shift_finds_a_late_start(late):
     front = lambda t: 1.0 + 0.5 * t**2  # noqa: E731
     reference_time = np.linspace(0.0, 4.0, 16)
-    shift = errors.best_shift(T, front(T), reference_time, front(reference_time - late), limit=0.2)
+    shift = norms.best_shift(T, front(T), reference_time, front(reference_time - late), limit=0.2)
     assert shift == pytest.approx(late, abs=2e-5)
 
 
 def test_judge_gives_wave_part_and_the_papers_norm():
-    found = errors.judge(T, 0.5 + 0.0012 * np.sin(T), T[::7], 0.5 + 0.001 * np.sin(T[::7]), rest=0.5)
+    found = norms.judge(T, 0.5 + 0.0012 * np.sin(T), T[::7], 0.5 + 0.001 * np.sin(T[::7]), rest=0.5)
     assert found["relative_l2"] == pytest.approx(0.2, rel=1e-3)
     assert found["z14"] == pytest.approx(2.8e-4, rel=0.05)
     assert (found["samples"], found["start"], found["end"]) == (143, 0.0, 9.94)
-    assert errors.judge(T, T + 1, T, T + 1)["relative_l2"] == 0.0
+    assert norms.judge(T, T + 1, T, T + 1)["relative_l2"] == 0.0
 
 
 def test_noise_of_a_ripple_on_a_slow_pressure():
     """A ripple of 10 ms on a steady pressure has std a/sqrt(2); its moving mean over 5 periods is nothing."""
     t = np.linspace(0.0, 4.0, 40001)
     p = 1000.0 + 30.0 * np.sin(2 * np.pi * t / 0.01)
-    assert errors.noise(t, p, (1.0, 3.0)) == pytest.approx(0.03 / np.sqrt(2), rel=0.01)
-    assert errors.noise(t, 1000.0 + 300.0 * t, (1.0, 3.0)) < 1e-3
+    assert norms.noise(t, p, (1.0, 3.0)) == pytest.approx(0.03 / np.sqrt(2), rel=0.01)
+    assert norms.noise(t, 1000.0 + 300.0 * t, (1.0, 3.0)) < 1e-3
 
 
 def test_noise_does_not_depend_on_how_the_time_is_cut():
@@ -81,22 +81,22 @@ def test_noise_does_not_depend_on_how_the_time_is_cut():
 
     even = np.linspace(0.0, 2.0, 20001)
     uneven = np.unique(np.concatenate((np.linspace(0.0, 1.0, 10001), np.linspace(1.0, 2.0, 40001))))
-    assert errors.noise(uneven, trace(uneven), (0.2, 1.8)) == pytest.approx(errors.noise(even, trace(even), (0.2, 1.8)), rel=1e-3)
+    assert norms.noise(uneven, trace(uneven), (0.2, 1.8)) == pytest.approx(norms.noise(even, trace(even), (0.2, 1.8)), rel=1e-3)
 
 
 def test_noise_does_not_look_outside_its_window():
     p = np.where(T < 2.0, 1e6, 1000.0)
-    assert errors.noise(T, p, (2.0, 9.0)) < 1e-12
+    assert norms.noise(T, p, (2.0, 9.0)) < 1e-12
 
 
 def test_impulse_with_ends_between_samples():
-    assert errors.impulse([0.0, 1.0, 2.0], [0.0, 2.0, 4.0], (0.5, 1.75)) == pytest.approx(1.75**2 - 0.5**2)
+    assert norms.impulse([0.0, 1.0, 2.0], [0.0, 2.0, 4.0], (0.5, 1.75)) == pytest.approx(1.75**2 - 0.5**2)
     with pytest.raises(ValueError, match="not inside"):
-        errors.impulse([0.0, 1.0], [0.0, 2.0], (0.5, 1.5))
+        norms.impulse([0.0, 1.0], [0.0, 2.0], (0.5, 1.5))
 
 
 @pytest.mark.parametrize("value, truth, message", [([1.0, np.nan], [1.0, 1.0], "not numbers"), ([1.0], [1.0, 2.0], "one length"),
                                                    ([1.0, 2.0], [0.0, 0.0], "at rest"), ([], [], "empty")])
 def test_a_series_that_cannot_be_judged_is_refused(value, truth, message):
     with pytest.raises(ValueError, match=message):
-        errors.relative_l2(value, truth)
+        norms.relative_l2(value, truth)

@@ -2,8 +2,7 @@
 
 from parisph.base.errors import ParisphError
 from parisph.case.probes import read_truth
-from parisph.io.reader import open_run
-from parisph.study import errors as norms
+from parisph.truth import norms
 
 # The column that a truth is of; the first one of other probes.
 COLUMNS = {"energy": "total", "volume": "cell"}
@@ -12,7 +11,7 @@ COLUMNS = {"energy": "total", "volume": "cell"}
 def errors(case, run):
     """Return {probe name: errors} for the probes that have a truth. Not collective.
 
-    case : Case; run : Run, or the folder of one
+    case : Case; run : io.reader.Run
 
     Returns
     -------
@@ -21,12 +20,7 @@ def errors(case, run):
     (2017), Eq 35 (which decreases with the number of samples); points, the number of compared samples of
     the truth, or of the run if the truth is too coarse (errors.on_reference). If nothing can be compared:
     relative_l2 None, and `reason`.
-
-    Raises
-    ------
-    StoreError : there is no run in the folder
     """
-    run = open_run(run) if not hasattr(run, "probe") else run
     return {probe.name: _error(probe, run) for probe in case.probes if probe.truth is not None}
 
 
