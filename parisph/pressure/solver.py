@@ -10,7 +10,7 @@ from parisph.base.errors import CaseError, ParisphError, SolverDiverged, agree
 from parisph.base.log import logger
 from parisph.parallel.petsc import PETSc
 from parisph.pressure import options as opts
-from parisph.pressure.checks import row_fault, vector_fault
+from parisph.pressure.row_checks import row_fault, vector_fault
 from parisph.pressure.system import System
 
 # A kept preconditioner is rebuilt when it needs more than GROWTH x fresh + 2 iterations. `fresh` is
