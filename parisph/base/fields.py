@@ -1,5 +1,6 @@
-"""The registry of particle fields: one place that says what each array is."""
+"""The registry of particle fields, and the set of them that a scene has."""
 
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,7 @@ class Field:
     exchanged : part of the first message that fills a new ghost
     migrates : moves with its particle to another rank, and is in checkpoints
     written : may be asked for in snapshots
+    default : value of particles for which nothing else is known, as after a restart from an older file
     """
 
     name: str
@@ -40,10 +42,53 @@ class Field:
     exchanged: bool = True
     migrates: bool = True
     written: bool = True
+    default: float = 0
 
-    def empty(self, n, dim):
-        """Return a zeroed array for n particles in dim dimensions."""
-        return np.zeros((n, *(dim,) * ORDER[self.shape]), dtype=self.dtype)
+    def empty(self, n: int, dim: int) -> np.ndarray:
+        """Return an array of the default value for n particles in dim dimensions."""
+        return np.full((n, *(dim,) * ORDER[self.shape]), self.default, dtype=self.dtype)
+
+
+class FieldSet(Mapping[str, Field]):
+    """The fields that a scene has: those that every scene has, and those that its parts declare.
+
+    Particles have arrays for these and no others; no other is exchanged, moved to another rank or stored.
+
+    Parameters
+    ----------
+    names : of further fields in the registry, in any order and any number of times
+
+    Raises
+    ------
+    KeyError : a name that is not in the registry
+    """
+
+    def __init__(self, names: Iterable[str] = ()):
+        wanted = {*CORE, *names}
+        unknown = sorted(wanted - set(FIELDS))
+        if unknown:
+            raise KeyError(f"no such particle field: {', '.join(unknown)} (there are {', '.join(FIELDS)})")
+        self._fields = {name: field for name, field in FIELDS.items() if name in wanted}
+        self.exchanged = tuple(name for name, field in self._fields.items() if field.exchanged)
+        self.migrating = tuple(name for name, field in self._fields.items() if field.migrates)
+
+    def __getitem__(self, name: str) -> Field:
+        return self._fields[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._fields)
+
+    def __len__(self) -> int:
+        return len(self._fields)
+
+
+def register(field: Field) -> None:
+    """Add a field to the registry, for a part that declares it. Not collective: do it on every rank, before a case is run.
+
+    Raises ValueError if another field has this name.
+    """
+    if FIELDS.setdefault(field.name, field) != field:
+        raise ValueError(f"there is another particle field {field.name!r}: {FIELDS[field.name].meaning}")
 
 
 FIELDS = {
@@ -58,17 +103,28 @@ FIELDS = {
         Field("volume", "scalar", np.float64, "m^dim", "volume of fluid that the particle stands for, always; 0 for walls"),
         Field("p", "scalar", np.float64, "Pa", "pressure"),
         Field("normal", "vector", np.float64, "", "unit normal of a wall particle, into the fluid"),
-        Field("role", "scalar", np.int8, "", "0 inner, 1 surface, 2 wet wall, 3 dry wall, 4 contact line, 5 ballistic"),
-        Field("start_role", "scalar", np.int8, "", "role at the start of the run, which a frozen surface gives back", exchanged=False,
-              written=False),
+        Field("role", "scalar", np.int8, "",
+              "0 inner, 1 surface, 2 wet wall, 3 dry wall, 4 contact line, 5 ballistic"),
+        Field("start_role", "scalar", np.int8, "", "role at the start of the run, which a frozen surface gives back",
+              exchanged=False, written=False),
         Field("phi", "scalar", np.float64, "m^2", "potential of the position projection", exchanged=False, written=False),
         Field("grad_alpha", "vector", np.float64, "1/m", "gradient of alpha", exchanged=False, migrates=False, written=False),
-        Field("grad_u", "tensor", np.float64, "1/s", "velocity gradient, du_a/dx_b", exchanged=False, migrates=False, written=False),
-        Field("strain_rate", "scalar", np.float64, "1/s", "rate of strain sqrt(2 S:S)", exchanged=False, migrates=False, written=False),
-        Field("turn", "scalar", np.float64, "m", "displacement by which close pairs turn", exchanged=False, migrates=False, written=False),
-        Field("pairs", "scalar", np.int32, "", "close pairs that share a correction", exchanged=False, migrates=False, written=False),
-        Field("closing", "scalar", np.int8, "", "of a wall particle: 0 apart from fluid in front of it, 1 free, 2 closing fluid off (kernels.wetness)",
+        Field("grad_u", "tensor", np.float64, "1/s", "velocity gradient, du_a/dx_b", exchanged=False, migrates=False,
+              written=False),
+        Field("strain_rate", "scalar", np.float64, "1/s", "rate of strain sqrt(2 S:S)", exchanged=False, migrates=False,
+              written=False),
+        Field("turn", "scalar", np.float64, "m", "displacement by which close pairs turn", exchanged=False, migrates=False,
+              written=False),
+        Field("pairs", "scalar", np.int32, "", "close pairs that share a correction", exchanged=False, migrates=False,
+              written=False),
+        Field("closing", "scalar", np.int8, "",
+              "of a wall particle: 0 apart from fluid in front of it, 1 free, 2 closing fluid off (kernels.wetness)",
               exchanged=False, migrates=False, written=False),
-        Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value"),
+        Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value", default=1.0),
     )
 }
+
+# Every scene has these.
+CORE = ("id", "kind", "corner", "x", "x0", "u", "volume", "p", "normal", "role")
+
+EVERY = FieldSet(FIELDS)

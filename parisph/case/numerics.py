@@ -1,16 +1,23 @@
 """How a scene is computed and what is written: method, resolution, time step, output."""
 
-from typing import Annotated, Literal, Optional
+from typing import Annotated, Optional
 
 from pydantic import Field, field_validator, model_validator
 
+from parisph.base import vocabulary
 from parisph.base.fields import FIELDS
 from parisph.base.text import shown
+from parisph.case.methods import METHODS
 from parisph.case.model import Model
-from parisph.case.presets import METHODS, PRESETS
+from parisph.case.presets import PRESETS
 
 Fraction = Annotated[Optional[float], Field(ge=0, le=1)]
 Distance = Annotated[Optional[float], Field(ge=0, le=2, description="a distance in particle spacings, 0 to 2")]
+
+# Fields that hold the word of a part, and those that hold several; by the kind of part (base.vocabulary).
+WORDS = {name: name for name in ("laplacian", "divergence", "gradient", "surface_gradient", "wall_rows", "surface_rule",
+                                 "source", "stepping")}
+LISTS = {"forces": "force", "regularisers": "regulariser"}
 
 
 class Numerics(Model):
@@ -34,7 +41,8 @@ class Numerics(Model):
     kappa_strain, shift_strain, filter_strain : these weights in proportion to the strain of a step, dt sqrt(2 S:S), up to
         the greatest; 0 for the greatest in every step
     collision_distance, wall_guard : [s]; restitution : of pair collisions; 0 switches them off
-    surface_rule, wall_rows, gradient, surface_gradient, stepping : names of the parts of a step
+    laplacian, divergence, gradient, surface_gradient, wall_rows, surface_rule, source, stepping, forces, regularisers : names
+        of the parts of a step, if they are not to be those of the method and the preset (base.vocabulary lists them)
     surface_offset : distance from a surface particle that stands for a full cell out to p = 0 [s]; 0 for p = 0 at particles
     pressure_mean : over how many times the shortest time that particles resolve (methods.timestep) pressure is averaged,
         if steps are shorter than that; 0 for the pressure of each step
@@ -65,13 +73,18 @@ class Numerics(Model):
     collision_distance: Distance = None
     restitution: Fraction = None
     wall_guard: Distance = None
-    surface_rule: Optional[Literal["gap", "auxiliary", "density", "frozen", "none"]] = None
+    laplacian: Optional[str] = Field(None, description="name of the Laplacian")
+    divergence: Optional[str] = Field(None, description="name of the divergence")
+    source: Optional[str] = Field(None, description="name of the pressure equation's source")
+    forces: Optional[tuple[str, ...]] = Field(None, description="names of the forces")
+    regularisers: Optional[tuple[str, ...]] = Field(None, description="names of the regularisers, in their order")
+    surface_rule: Optional[str] = Field(None, description="name of the rule that finds the free surface")
     surface_offset: Optional[float] = Field(None, ge=0, le=1, description="distance of p = 0 from full surface particles, in spacings")
     pressure_mean: Optional[float] = Field(None, ge=0, le=100, description="mean of pressure in short steps, in times that particles resolve")
-    wall_rows: Optional[Literal["sfdi", "harmonic"]] = None
-    gradient: Optional[Literal["sfdi", "symmetric", "mixed"]] = None
-    surface_gradient: Optional[Literal["same", "harmonic"]] = None
-    stepping: Optional[Literal["midpoint", "start", "predicted", "symplectic"]] = None
+    wall_rows: Optional[str] = Field(None, description="name of the rows of wall particles")
+    gradient: Optional[str] = Field(None, description="name of the pressure gradient")
+    surface_gradient: Optional[str] = Field(None, description="name of the pressure gradient at the surface")
+    stepping: Optional[str] = Field(None, description="name of the stepping in time")
     rtol: Optional[float] = Field(None, gt=0, lt=1, description="relative tolerance of the pressure solve")
     jitter: float = Field(0.0, ge=0, le=1.2, description="disorder k of the start positions, 0 to 1.2")
     jitter_surface: bool = Field(False, description="whether particles on the free surface are jittered too")
@@ -81,6 +94,18 @@ class Numerics(Model):
     @classmethod
     def _known_method(cls, name):
         return _known("method", name, METHODS)
+
+    @field_validator(*WORDS)
+    @classmethod
+    def _known_part(cls, word, info):
+        return word if word is None else _known(info.field_name, word, vocabulary.known(WORDS[info.field_name]))
+
+    @field_validator(*LISTS)
+    @classmethod
+    def _known_parts(cls, words, info):
+        for word in words or ():
+            _known(LISTS[info.field_name], word, vocabulary.known(LISTS[info.field_name]))
+        return words
 
     @field_validator("preset")
     @classmethod
@@ -102,8 +127,9 @@ class Numerics(Model):
         return self
 
     def resolved(self):
-        """Return a copy in which the preset's values replace None."""
-        missing = {name: value for name, value in PRESETS[self.preset].items() if getattr(self, name) is None}
+        """Return a copy in which the values of the method, or else of the preset, replace None."""
+        values = {**PRESETS[self.preset], **METHODS[self.method].values}
+        missing = {name: value for name, value in values.items() if getattr(self, name) is None}
         if self.zeta is not None:
             missing["zeta_time"] = 0.0
         elif self.zeta_time:

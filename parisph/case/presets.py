@@ -1,12 +1,19 @@
-"""Known methods, and the presets: one dictionary of numbers for each kind of flow."""
+"""The presets: one dictionary of words and numbers for each kind of flow."""
 
-# The pressure rows by the papers' names. ISPH: Z14 Eq 20a; ISPH_R: Z14 Eq 23, normalised so that it
-# converges; ISPH_R_printed: as printed, for comparison only (it does not converge).
-METHODS = ("ISPH_R", "ISPH", "ISPH_R_printed")
+from typing import Any
 
-PRESETS = {
+# What every scene has unless its method or the case says otherwise.
+USUAL: dict[str, Any] = {
+    "divergence": "flux",
+    "source": "mixed",
+    "forces": ("body",),
+    "regularisers": ("filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart"),
+}
+
+PRESETS: dict[str, dict[str, Any]] = {
     # Breaking waves and impacts: a moving free surface, regularised particles.
     "violent": {
+        **USUAL,
         "cfl": 0.3,
         "fall": 0.05,
         "zeta": 1.0,
@@ -34,6 +41,7 @@ PRESETS = {
     },
     # Waves that do not break: the surface keeps its particles, and stencils are exact for harmonic pressure.
     "gentle": {
+        **USUAL,
         "cfl": 0.4,
         "fall": 0.0,
         "zeta": 1.0,

@@ -12,7 +12,8 @@ from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.model import Model, first_lines
 from parisph.case.motion import AtRest, Frame, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
-from parisph.case.presets import CLOSED, METHODS, PRESETS
+from parisph.case.methods import METHODS
+from parisph.case.presets import CLOSED, PRESETS
 from parisph.case.probes import (
     AnyProbe,
     ColumnHeight,

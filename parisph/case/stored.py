@@ -6,6 +6,7 @@ from parisph.base.errors import CaseError
 from parisph.base.seal import opened
 from parisph.base.text import shown
 from parisph.case.numerics import Numerics
+from parisph.case.methods import METHODS
 from parisph.case.presets import PRESETS, preset_values
 from parisph.case.schema import READ_ONLY, Case
 
@@ -71,10 +72,11 @@ def _keep_meaning(content, version) -> None:
 def _check_asked(case: Case) -> None:
     """Raise CaseError if a value that the user gave differs from the one that is used, as after an edit of only one of them."""
     given = case.asked.model_dump()
+    own = {*PRESETS[case.asked.preset], *METHODS[case.asked.method].values}
     for name, value in case.numerics.model_dump().items():
-        if given[name] != value and (given[name] is not None or name not in PRESETS[case.asked.preset]):
+        if given[name] != value and (given[name] is not None or name not in own):
             remedy = "edit both alike"
-            if name == "preset":    # the other values would stay those of the old preset
+            if name in ("preset", "method"):    # the other values would stay those of the old one
                 remedy = 'change it in "asked", remove "numerics" and rename "asked" to "numerics"'
             raise CaseError(f"numerics.{name} = {shown(value)}, but asked.{name} = {shown(given[name])}: {remedy}")
 

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 import numpy as np
 
 from parisph.base.errors import StoreError
-from parisph.base.fields import FIELDS
 from parisph.base.log import logger
 from parisph.io import snapshot
 from parisph.io.files import on_first
@@ -79,7 +78,8 @@ class Peaks:
             if total is None:
                 logger.warning(f"the flow at the peak of {name} so far, t = {seen['time']:.6g} s, is not in {folder} any more")
                 continue
-            mine = found or {key: FIELDS[key].empty(0, s.particles.dim) for key in self._fields}    # the first rank has all of it
+            # the first rank has all of it
+            mine = found or {key: s.particles.fields[key].empty(0, s.particles.dim) for key in self._fields}
             self._held[name] = SimpleNamespace(dim=s.particles.dim, n_owned=len(mine["x"]), n_global=total,
                                                offset=0 if found else total, **mine)
         self._saved = set()

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 from parisph.base.errors import StoreError
-from parisph.base.fields import FIELDS
+from parisph.base.fields import CORE
 from parisph.base.reading import read_text
 from parisph.io import digest, slabs
 from parisph.io.files import on_first, together
@@ -75,10 +75,10 @@ def write(comm, folder, particles, time, step, dt, case, state, attributes, earl
     earlier = [name for name in earlier if name != path.name]
     state = {**state, "checkpoints": [*earlier, path.name]}
     start, total = particles.offset, particles.n_global
-    names = [name for name, field in FIELDS.items() if field.migrates]
     arrays = [
-        Slab(f"particles/{name}", np.ascontiguousarray(getattr(particles, name)), start, total, {"unit": FIELDS[name].unit})
-        for name in names
+        Slab(f"particles/{name}", np.ascontiguousarray(getattr(particles, name)), start, total,
+             {"unit": particles.fields[name].unit})
+        for name in particles.fields.migrating
     ]
 
     def decorate(file):
@@ -168,7 +168,8 @@ def _check_format(path, file):
 
 
 def _check_fields(path, particles):
-    missing = [name for name, field in FIELDS.items() if field.migrates and name not in particles]
+    # others have a default: an older file lacks the fields of newer parts
+    missing = [name for name in CORE if name not in particles]
     if missing:
         raise StoreError(f"{path} lacks {', '.join(missing)}, which this parisph needs: restart it with the version that wrote it "
                          "(its parisph_version says which)")

@@ -4,7 +4,6 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, ParisphError
-from parisph.base.fields import FIELDS
 from parisph.kernels.cells import neighbour_lists
 from parisph.parallel.halo import ROUNDING, Halo
 from parisph.parallel.migrate import migrate
@@ -117,9 +116,9 @@ class Domain:
 
         Raises ParisphError if there is no such field.
         """
-        unknown = [name for name in names if name not in FIELDS]
+        unknown = [name for name in names if name not in self.particles.fields]
         if unknown:
-            raise ParisphError(f"no such particle field: {', '.join(unknown)} (there are {', '.join(FIELDS)})")
+            raise ParisphError(f"no such particle field: {', '.join(unknown)} (this scene has {', '.join(self.particles.fields)})")
         if self._halo is not None and names:
             self._halo.update(*names)
 

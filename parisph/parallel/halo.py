@@ -47,15 +47,15 @@ class Halo:
     def _first_message(self, ranks, which, root):
         """Fill the ghosts; return the owner of each, and its number among the owner's roots."""
         p = self.particles
-        names = [name for name, field in FIELDS.items() if field.exchanged]
+        names = p.fields.exchanged
         records = pack(p, names, which, [("root", np.int32), ("row", np.int64)])
         records["root"] = root
         records["row"] = p.offset + which
         arrived, counts = exchange(p.comm, records, np.bincount(ranks, minlength=p.comm.size))
         p.resize(p.n_owned, len(arrived))
-        for name, field in FIELDS.items():
+        for name, field in p.fields.items():
             if not field.exchanged:
-                getattr(p, f"{name}_all")[p.n_owned:] = 0
+                getattr(p, f"{name}_all")[p.n_owned:] = field.default
         unpack(p, names, arrived, p.n_owned)
         self.rows = arrived["row"].copy()
         return np.repeat(np.arange(p.comm.size), counts), arrived["root"]

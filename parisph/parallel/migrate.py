@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from parisph.base.fields import FIELDS
 from parisph.parallel.messages import exchange, pack, unpack
 
 
@@ -14,14 +13,14 @@ def migrate(particles, owners):
     particles : Particles; ghosts are dropped; particles that stay keep their order and come first
     owners : (n_owned,) the rank that each belongs to
 
-    Fields that do not migrate are set to zero on the particles that have moved.
+    Fields that do not migrate are set to their default on the particles that have moved.
 
     Returns
     -------
     int, the number of particles that arrived; they come last
     """
     comm = particles.comm
-    names = [name for name, field in FIELDS.items() if field.migrates]
+    names = particles.fields.migrating
     leaving = np.flatnonzero(owners != comm.rank)
     leaving = leaving[np.argsort(owners[leaving], kind="stable")]
     counts = np.bincount(owners[leaving], minlength=comm.size)
@@ -30,9 +29,9 @@ def migrate(particles, owners):
         particles.reorder(np.flatnonzero(owners == comm.rank))
     stayed = particles.n_owned
     particles.resize(stayed + len(arrived), 0)
-    for name, field in FIELDS.items():
+    for name, field in particles.fields.items():
         if not field.migrates:
-            getattr(particles, name)[stayed:] = 0
+            getattr(particles, name)[stayed:] = field.default
     unpack(particles, names, arrived, stayed)
     particles.renumber()
     return len(arrived)

@@ -3,15 +3,15 @@
 import numpy as np
 
 from parisph.base.errors import CaseError, agree
-from parisph.base.fields import FIELDS
+from parisph.base.fields import EVERY, FieldSet
 
 GROWTH = 1.2  # spare room when arrays must grow, so that ghosts coming and going do not reallocate
 
 
 class Particles:
-    """One array per registered field, the owned particles first, then the ghosts.
+    """One array per field of the scene, the owned particles first, then the ghosts.
 
-    For each name in `FIELDS`, for example u: `p.u` is the view of the owned particles,
+    For each name in `fields`, for example u: `p.u` is the view of the owned particles,
     (n_owned,) or (n_owned, dim), and `p.u_all` that of owned and ghost particles, (n_all, ...),
     in the units of the registry. Ghosts are copies of other ranks' particles; only the halo
     writes them. `p.u = values` copies into the view. Views are stale after `assign` and after a
@@ -19,7 +19,7 @@ class Particles:
 
     Attributes
     ----------
-    comm, dim
+    comm, dim, fields
     n_owned, n_ghost, n_all : int, on this rank
     offset : int, global row of the first owned particle; the rows of a rank are contiguous
     offsets : (ranks + 1,) int64, the offsets of all ranks, with the total at the end
@@ -27,10 +27,10 @@ class Particles:
     n_assigned : int, how often `assign` has replaced all particles
     """
 
-    def __init__(self, comm, dim):
+    def __init__(self, comm, dim, fields: FieldSet = EVERY):
         if dim not in (2, 3):
             raise CaseError(f"dimension {dim}: particles live in 2 or 3 dimensions")
-        vars(self).update(comm=comm, dim=dim, n_owned=0, n_ghost=0, n_assigned=0,
+        vars(self).update(comm=comm, dim=dim, fields=fields, n_owned=0, n_ghost=0, n_assigned=0,
                           offsets=np.zeros(comm.size + 1, np.int64), _store={})
         self._reserve(0)
         self._expose()
@@ -49,15 +49,19 @@ class Particles:
 
     def __setattr__(self, name, values):
         view = vars(self).get(name)
-        if name not in FIELDS and name.removesuffix("_all") not in FIELDS:
+        if name not in self.fields and name.removesuffix("_all") not in self.fields:
             object.__setattr__(self, name, values)
         elif values is not view:  # `p.u += a` has already worked in place
             view[...] = values
 
+    def __getattr__(self, name):
+        # only asked for what is not there
+        raise AttributeError(f"these particles have no {name!r}: no part of the scene's method declares such a field")
+
     # -- contents --------------------------------------------------------------------------
 
     def assign(self, arrays):
-        """Replace all particles; fields not given become zero, ghosts are dropped. Collective.
+        """Replace all particles; fields not given get their default, ghosts are dropped. Collective.
 
         Parameters
         ----------
@@ -71,19 +75,19 @@ class Particles:
         agree(self.comm, None if error is None else CaseError(error))
         self.resize(0, 0)
         self.resize(len(arrays["x"]), 0)
-        for name in FIELDS:
-            getattr(self, name)[...] = arrays.get(name, 0)
+        for name, field in self.fields.items():
+            getattr(self, name)[...] = arrays.get(name, field.default)
         self.n_assigned += 1
         self.renumber()
 
     def _fault(self, arrays):
-        unknown = sorted(set(arrays) - set(FIELDS))
+        unknown = sorted(set(arrays) - set(self.fields))
         if unknown:
-            return f"no such particle field: {', '.join(unknown)} (there are {', '.join(FIELDS)})"
+            return f"no such particle field: {', '.join(unknown)} (this scene has {', '.join(self.fields)})"
         if "x" not in arrays:
             return "particles need positions: x is missing"
         for name, values in arrays.items():
-            due = FIELDS[name].empty(0, self.dim).shape[1:]
+            due = self.fields[name].empty(0, self.dim).shape[1:]
             if np.shape(values) != (len(arrays["x"]), *due):
                 return f"field {name} has shape {np.shape(values)}, not {(len(arrays['x']), *due)}"
         return None
@@ -112,7 +116,7 @@ class Particles:
     # -- storage ---------------------------------------------------------------------------
 
     def _reserve(self, n):
-        for name, field in FIELDS.items():
+        for name, field in self.fields.items():
             old = self._store.get(name)
             if old is None or len(old) < n:
                 new = field.empty(int(GROWTH * n), self.dim)

@@ -1,103 +1,155 @@
-"""The pressure matrix of this rank: the kernel that fills each row, and the CSR matrix of all rows."""
+"""The pressure matrix of this rank: the rows that parts fill, and the CSR matrix of all rows."""
+
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from parisph.base.fields import INNER, SURFACE, WET
-from parisph.kernels import laplacian, rankine, surface_rows, walls
-from parisph.kernels.jit import axes_of, kernel
+from parisph.kernels import rankine, surface_rows
+from parisph.kernels.jit import kernel
+
+
+@dataclass
+class Cloud:
+    """The particles as kernels need them: local arrays, and the CSR neighbour lists of the owned ones.
+
+    x, normal : (n_all, dim); kind, role, volume, corner : (n_all,); indptr : (n_owned + 1,); indices : (nnz,)
+    spacing [m]; axes : of kernels.jit.axes_of
+    """
+
+    x: np.ndarray
+    kind: np.ndarray
+    role: np.ndarray
+    volume: np.ndarray
+    normal: np.ndarray
+    corner: np.ndarray
+    indptr: np.ndarray
+    indices: np.ndarray
+    spacing: float
+    axes: Any
+
+
+class Rows:
+    """Buffers of rows, which are kept from step to step; row I starts at indptr[I] of the neighbour lists.
+
+    count : (n,) int32, entries of each row but its diagonal; columns, values : (nnz,); measure : (n,)
+    """
+
+    def __init__(self):
+        self.columns, self.count = np.empty(0, np.int32), np.empty(0, np.int32)
+        self.values, self.measure = np.empty(0), np.empty(0)
+
+    def reserve(self, n: int, nnz: int) -> None:
+        """Make room for n rows with nnz entries, all of them empty."""
+        if nnz > len(self.columns):
+            room = nnz + nnz // 8
+            self.columns, self.values = np.empty(room, np.int32), np.empty(room)
+        if n > len(self.count):
+            room = n + n // 8
+            self.count, self.measure = np.empty(room, np.int32), np.empty(room)
+        self.count[:n] = 0
+        self.measure[:n] = 0.0
+
+
+class Flux:
+    """Stencils of the divergence at inner particles: div u_I = sum_J flux_J . (u_J - u_I).
+
+    count : (n,) int32; columns : (nnz,) int32; flux : (nnz, dim) [1/m]; div : (n,) [1/s], of the velocity they were
+    filled with. Count and columns are those of the rows if the same kernel fills both.
+    """
+
+    def __init__(self, dim: int):
+        self.columns, self.count = np.empty(0, np.int32), np.empty(0, np.int32)
+        self.flux, self.div = np.empty((0, dim)), np.empty(0)
+
+    def reserve(self, n: int, nnz: int, shared: Rows | None) -> None:
+        """Make room for n stencils with nnz entries. shared : rows whose count and columns are used, or None."""
+        if nnz > len(self.flux):
+            self.flux = np.empty((nnz + nnz // 8, self.flux.shape[1]))
+        if n > len(self.div):
+            self.div = np.empty(n + n // 8)
+        self.div[:n] = 0.0
+        if shared is not None:
+            self.columns, self.count = shared.columns, shared.count
+            return
+        if nnz > len(self.columns):
+            self.columns = np.empty(nnz + nnz // 8, np.int32)
+        if n > len(self.count):
+            self.count = np.empty(n + n // 8, np.int32)
+        self.count[:n] = 0
 
 
 class PressureRows:
     """Rows row_I(p) = p_I - sum_J values_J p_J, with row_I(p) = -measure_I target_I.
 
     The target is the Laplacian at inner particles and the inward normal derivative at wet
-    walls. Surface particles have p = 0, or a row of measure 0; every other particle has p = 0. The buffers are kept from step to step.
+    walls. Surface particles have p = 0, or a row of measure 0; every other particle has p = 0.
 
     Parameters
     ----------
-    scheme : Scheme
-        Needs `rows` ("rankine" or "sph") and `normalised`.
-    wall_rows : "sfdi" or "harmonic"
+    laplacian, divergence, walls : parts that fill rows and stencils (methods.parts)
     offset : distance from a full surface particle to the surface, in spacings; 0 for p = 0 at surface particles
-    spacing : float [m]
-    radii : mapping of "circle", "mls", "wall", "sph" to lengths in spacings
+    radius : of the neighbours that count in rows of the surface, in spacings
     """
 
-    def __init__(self, dim, scheme, wall_rows, offset, spacing, radii):
-        self.axes = axes_of(dim)
-        self.scheme, self.wall_rows, self.offset, self.spacing = scheme, wall_rows, offset, spacing
-        self.radii = {name: value * spacing for name, value in radii.items()}
-        self.unit = rankine.directions(dim)
-        self.columns, self.count = np.empty(0, np.int32), np.empty(0, np.int32)
-        self.values, self.measure, self.div = np.empty(0), np.empty(0), np.empty(0)
-        self.flux = np.empty((0, dim))
+    def __init__(self, dim: int, laplacian: Any, divergence: Any, walls: Any, offset: float, radius: float):
+        self.laplacian, self.divergence_part, self.walls = laplacian, divergence, walls
+        self.offset, self.radius = offset, radius
+        self.own_flux = not (laplacian.gives_flux and divergence.name == "flux")
+        self.rows, self.flux = Rows(), Flux(dim)
 
-    def fill(self, u, x, kind, role, volume, normal, indptr, indices) -> None:
-        """Fill the rows of all owned particles, and the flux divergence of u.
-
-        u, x, normal : (n_all, dim); kind, role, volume : (n_all,); CSR of the owned particles. Not collective.
-        Sets count, columns, values, measure, flux, div.
-        """
-        n, axes, r = len(indptr) - 1, self.axes, self.radii
-        self._reserve(n, len(indices))
-        self.indptr = indptr
-        self.count[:n] = 0
-        self.measure[:n] = 0.0
-        self.div[:n] = 0.0
-        rankine.rankine_rows(self.count, self.columns, self.values, self.measure, self.flux, self.div, u, x,
-                             role, self.unit, r["circle"], r["mls"], self.scheme.normalised, indptr,
-                             indices, axes)
-        if self.scheme.rows == "sph":
-            # same columns in the same order: the flux divergence stays valid
-            laplacian.isph_rows(self.count, self.columns, self.values, self.measure, x, role, r["sph"],
-                                self.spacing ** len(axes), indptr, indices, axes)
-        walls.sfdi_rows(self.count, self.columns, self.values, self.measure, x, role, normal, r["wall"],
-                        indptr, indices, axes)
-        if self.wall_rows == "harmonic":
-            walls.harmonic_rows(self.count, self.columns, self.values, self.measure, x, role, normal,
-                                r["wall"], indptr, indices, axes)
+    def fill(self, u: np.ndarray, cloud: Cloud) -> None:
+        """Fill the rows of all owned particles, and the flux divergence of u (n_all, dim) [m/s]. Not collective."""
+        n, rows, flux = len(cloud.indptr) - 1, self.rows, self.flux
+        self.cloud = cloud
+        rows.reserve(n, len(cloud.indices))
+        flux.reserve(n, len(cloud.indices), None if self.own_flux else rows)
+        self.laplacian.fill(rows, cloud, flux, u)
+        if self.own_flux:
+            self.divergence_part.fill(flux, cloud, u)
+        self.walls.fill(rows, cloud)
         if self.offset > 0.0:
-            surface_rows.surface_rows(self.count, self.columns, self.values, x, kind, role, volume, self.offset * self.spacing,
-                                      self.spacing, r["mls"], indptr, indices, axes)
+            s = cloud.spacing
+            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.kind, cloud.role, cloud.volume,
+                                      self.offset * s, s, self.radius * s, cloud.indptr, cloud.indices, cloud.axes)
 
-    def pin(self, which) -> None:
+    @property
+    def div(self) -> np.ndarray:
+        """Flux divergence of the velocity that the rows were filled with, 0 where there is no stencil: (n_owned,) [1/s]."""
+        return self.flux.div[:len(self.cloud.indptr) - 1]
+
+    def pin(self, which: np.ndarray) -> None:
         """Make p = 0 at some owned particles, given by a mask or their numbers, whose role becomes SURFACE."""
-        self.count[:len(self.indptr) - 1][which] = 0
+        self.rows.count[:len(self.cloud.indptr) - 1][which] = 0
 
-    def csr(self, role, global_rows):
+    def csr(self, role: np.ndarray, global_rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return (indptr, global columns, values, anchored) with the p = 0 columns dropped.
 
         anchored : (n_owned,) bool, rows with p = 0 or of the surface, or with such a neighbour.
         """
-        n = len(self.indptr) - 1
-        return compress(n, self.count, self.columns, self.values, self.indptr, role, global_rows, self.offset > 0.0)
+        rows, indptr = self.rows, self.cloud.indptr
+        return compress(len(indptr) - 1, rows.count, rows.columns, rows.values, indptr, role, global_rows, self.offset > 0.0)
 
-    def right_hand_side(self, target):
+    def right_hand_side(self, target: np.ndarray) -> np.ndarray:
         """Return -measure * target, (n_owned,)."""
-        return -self.measure[:len(target)] * target
+        return -self.rows.measure[:len(target)] * target
 
-    def divergence(self, out, u, role):
+    def divergence(self, out: np.ndarray, u: np.ndarray, role: np.ndarray) -> None:
         """Write the flux divergence of u (n_all, dim) at inner particles to out (n_owned,) [1/s]."""
-        rankine.divergence(out, u, role, self.count, self.columns, self.flux, self.indptr, self.axes)
+        rankine.divergence(out, u, role, *self._stencils())
 
-    def second_invariant(self, out, u, role):
+    def second_invariant(self, out: np.ndarray, u: np.ndarray, role: np.ndarray) -> None:
         """Write tr((grad u)^2) of u (n_all, dim) at inner particles to out (n_owned,) [1/s^2]."""
-        rankine.second_invariant(out, u, role, self.count, self.columns, self.flux, self.indptr, self.axes)
+        rankine.second_invariant(out, u, role, *self._stencils())
 
-    def turnover(self, out, u, role) -> None:
+    def turnover(self, out: np.ndarray, u: np.ndarray, role: np.ndarray) -> None:
         """Write sqrt(2 G:G), G = grad u of u (n_all, dim), at inner particles to out (n_owned,) [1/s]."""
-        rankine.turnover(out, u, role, self.count, self.columns, self.flux, self.indptr, self.axes)
+        rankine.turnover(out, u, role, *self._stencils())
 
-    def _reserve(self, n, nnz):
-        if nnz > len(self.columns):
-            room = nnz + nnz // 8
-            self.columns = np.empty(room, np.int32)
-            self.values = np.empty(room)
-            self.flux = np.empty((room, len(self.axes)))
-        if n > len(self.count):
-            room = n + n // 8
-            self.count = np.empty(room, np.int32)
-            self.measure, self.div = np.empty(room), np.empty(room)
+    def _stencils(self):
+        flux, cloud = self.flux, self.cloud
+        return flux.count, flux.columns, flux.flux, cloud.indptr, cloud.axes
 
 
 @kernel

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 
 from parisph.base.fields import FLUID
-from parisph.case.presets import METHODS
+from parisph.case.methods import METHODS
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from tests.hard.dam import broken
 from tests.hard.flow import Bench, History

@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.fields import FLUID, INNER
-from parisph.case.presets import METHODS
+from parisph.case.methods import METHODS
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.driver.simulation import Simulation
 from parisph.methods import regularise

@@ -1,0 +1,29 @@
+"""The words by which a case names a method and its parts.
+
+A case is described and checked without the code that runs it, so it needs to know the words only. Registries
+(methods.parts) hold the parts; a part that is registered from outside the package adds its own word here.
+"""
+
+WORDS: dict[str, list[str]] = {
+    "laplacian": ["rankine", "rankine_printed", "sph"],
+    "divergence": ["flux"],
+    "gradient": ["sfdi", "symmetric", "mixed"],
+    "surface_gradient": ["same", "harmonic"],
+    "wall_rows": ["sfdi", "harmonic"],
+    "surface_rule": ["gap", "auxiliary", "density", "frozen", "none"],
+    "source": ["mixed"],
+    "stepping": ["midpoint", "start", "predicted", "symplectic"],
+    "force": ["body"],
+    "regulariser": ["filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart"],
+}
+
+
+def known(what: str) -> tuple[str, ...]:
+    """Return the words for one kind of part, the built-in ones first."""
+    return tuple(WORDS[what])
+
+
+def add(what: str, word: str) -> None:
+    """Add the word of a part that is registered. No effect if it is known."""
+    if word not in WORDS[what]:
+        WORDS[what].append(word)

@@ -1,0 +1,10 @@
+"""Radii and smoothing lengths in spacings (measured in the numerics of the design)."""
+
+CIRCLE = 0.5          # R of the Rankine circle
+MLS = 2.1             # moving least squares of the rows, and of the velocity filter
+WALL = 2.6            # wall rows and harmonic stencils
+MIXED = 2.6           # of the mixed gradient
+DENSITY = 1.3         # h of the density ratio
+SPH = 1.8             # h of the SPH Laplacian and of the symmetric gradient; the kernel ends at 2 h
+SURFACE_GAP = 2.0     # neighbours that close the angular gap
+NEAR = 2.6            # reach of neighbour lists that regularisation and walls need, whatever the method

@@ -1,0 +1,152 @@
+"""The operators of the pressure equation: Laplacians, divergences, wall rows and gradients."""
+
+from parisph.kernels import flux as fluxes
+from parisph.kernels import gradient, laplacian, rankine, walls
+from parisph.methods import lengths
+from parisph.methods.parts import (
+    DIVERGENCES,
+    GRADIENTS,
+    LAPLACIANS,
+    SURFACE_GRADIENTS,
+    WALL_ROWS,
+    Divergence,
+    Gradient,
+    Laplacian,
+    WallRows,
+)
+
+
+class Rankine(Laplacian):
+    """ISPH_R: the mean over a circle of moving least squares, normalised by its result for a parabola."""
+
+    name, source, reach = "rankine", "Z14 Eq 23, normalised", lengths.MLS
+    gives_flux = True
+    normalised = True
+
+    def fill(self, rows, cloud, flux, u):
+        s = cloud.spacing
+        rankine.rankine_rows(rows.count, rows.columns, rows.values, rows.measure, flux.flux, flux.div, u, cloud.x, cloud.role,
+                             rankine.directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s, self.normalised,
+                             cloud.indptr, cloud.indices, cloud.axes)
+
+
+class RankinePrinted(Rankine):
+    """ISPH_R as printed, which does not converge."""
+
+    name, source, normalised = "rankine_printed", "Z14 Eq 23", False
+
+
+class Sph(Laplacian):
+    """The SPH Laplacian with positive weights."""
+
+    name, source, reach = "sph", "Z14 Eq 20a", 2.0 * lengths.SPH
+
+    def fill(self, rows, cloud, flux, u):
+        laplacian.isph_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * cloud.spacing,
+                            cloud.spacing ** len(cloud.axes), cloud.indptr, cloud.indices, cloud.axes)
+
+
+class FluxDivergence(Divergence):
+    """The mean over a circle of the normal velocity, by moving least squares."""
+
+    name, source, reach = "flux", "Z14 Eq 23, right-hand side", lengths.MLS
+
+    def fill(self, flux, cloud, u):
+        s = cloud.spacing
+        fluxes.flux_rows(flux.count, flux.columns, flux.flux, flux.div, u, cloud.x, cloud.role,
+                         rankine.directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s,
+                         cloud.indptr, cloud.indices, cloud.axes)
+
+
+class SfdiWalls(WallRows):
+    """First-order weighted least squares."""
+
+    name, source, reach = "sfdi", "Z14 Eq 26b, with Eq A6 corrected", lengths.WALL
+
+    def fill(self, rows, cloud):
+        walls.sfdi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, cloud.normal,
+                        lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
+
+
+class HarmonicWalls(SfdiWalls):
+    """Least squares exact for harmonic pressure; first-order ones where neighbours do not suffice."""
+
+    name, source = "harmonic", ""
+
+    def fill(self, rows, cloud):
+        super().fill(rows, cloud)
+        walls.harmonic_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, cloud.normal,
+                            lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
+
+
+class LeastSquares(Gradient):
+    """First-order weighted least squares, the weight over r^power.
+
+    floor : det/(trace/dim)^dim of the neighbours' moment below which a particle is ballistic
+    """
+
+    power, floor = 0, 0.05
+
+    def form(self, spacing):
+        """Return radius [m], power and floor, as the kernels take them."""
+        return self.reach * spacing, self.power, self.floor
+
+    def write(self, out, f, flow):
+        p, d = flow.particles, flow.domain
+        gradient.least_squares_gradient(out, f, p.x_all, p.role_all, *self.form(flow.spacing), d.indptr, d.indices, flow.axes)
+
+
+class Mixed(LeastSquares):
+    """With the plain weight, which averages over more neighbours."""
+
+    name, source, reach = "mixed", "Z17 Eq 28", lengths.MIXED
+
+
+class Sfdi(LeastSquares):
+    """With the weight over r^2."""
+
+    name, source, reach = "sfdi", "Z17 Eqs 29-32", lengths.MLS
+    power, floor = 2, 0.2
+
+
+class Symmetric(LeastSquares):
+    """The SPH gradient that conserves momentum."""
+
+    name, source, reach = "symmetric", "Z14 Eq 15", 2.0 * lengths.SPH
+
+    def form(self, spacing):
+        return self.reach * spacing, 0, self.floor
+
+    def write(self, out, f, flow):
+        p, d, s = flow.particles, flow.domain, flow.spacing
+        gradient.symmetric_gradient(out, f, p.x_all, p.role_all, lengths.SPH * s, s**p.dim, d.indptr, d.indices, flow.axes)
+
+
+class Same(Gradient):
+    """Surface particles have the gradient of all others."""
+
+    name = "same"
+
+    def write(self, out, f, flow):
+        pass
+
+
+class HarmonicSurface(Gradient):
+    """At surface particles, least squares exact for harmonic pressure."""
+
+    name, reach = "harmonic", lengths.WALL
+
+    def write(self, out, f, flow):
+        p, d = flow.particles, flow.domain
+        gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+
+
+for part in (Rankine(), RankinePrinted(), Sph()):
+    LAPLACIANS.register(part)
+DIVERGENCES.register(FluxDivergence())
+for walls_part in (SfdiWalls(), HarmonicWalls()):
+    WALL_ROWS.register(walls_part)
+for gradient_part in (Mixed(), Sfdi(), Symmetric()):
+    GRADIENTS.register(gradient_part)
+for surface_part in (Same(), HarmonicSurface()):
+    SURFACE_GRADIENTS.register(surface_part)

@@ -1,0 +1,187 @@
+"""The parts of a method: what each of them declares, and the registries that know them by name.
+
+A part gets the Flow and arrays, never the method. What a scene needs follows from its parts: its fields, how far
+neighbour lists reach, which dimensions it can have, its longest time step, and the stages that `parisph check` prints.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar, Generic, TypeVar
+
+import numpy as np
+
+from parisph.base import vocabulary
+from parisph.case.numerics import Numerics
+from parisph.pressure.rows import Cloud, Flux, Rows
+
+
+class Part:
+    """What every part declares. Values that depend on numbers of the case are asked for with them.
+
+    Attributes
+    ----------
+    name : the word of a case
+    source : where it is from, such as "Z14 Eq 23", or "" for our own
+    reach : radius in spacings within which it needs neighbours
+    fields : names of the fields it needs (base.fields), beside those that every scene has
+    dims : numbers of dimensions in which it works
+    wall_layers : layers of wall particles that it needs
+    """
+
+    name: ClassVar[str]
+    source: ClassVar[str] = ""
+    reach: ClassVar[float] = 0.0
+    fields: ClassVar[tuple[str, ...]] = ()
+    dims: ClassVar[tuple[int, ...]] = (2, 3)
+    wall_layers: ClassVar[int] = 1
+
+    def wanted(self, numerics: Numerics) -> bool:
+        """Return whether the numbers of a case switch it on."""
+        return True
+
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+        """Return the names of the fields it needs with the numbers of a case."""
+        return self.fields
+
+    def longest_step(self, flow: Any) -> float:
+        """Return the longest time step [s] that it allows on this rank, infinite if it does not limit it. Not collective."""
+        return np.inf
+
+
+class Laplacian(Part):
+    """Rows of inner particles. With row_I(p) = p_I - sum_J values_J p_J they mean row_I(p) = -measure_I lap p.
+
+    gives_flux : whether `fill` also writes the stencils of the flux divergence
+    """
+
+    gives_flux: ClassVar[bool] = False
+
+    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
+        """Write count, columns, values and measure of inner particles. Not collective.
+
+        u : (n_all, dim) [m/s], for the flux divergence if it gives it
+        """
+        raise NotImplementedError
+
+
+class Divergence(Part):
+    """Stencils of the divergence: div u_I = sum_J flux_J . (u_J - u_I) at inner particles."""
+
+    def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
+        """Write count, columns and flux of inner particles, and div of u (n_all, dim). Not collective."""
+        raise NotImplementedError
+
+
+class WallRows(Part):
+    """Rows of wet wall particles: row_I(p) = -measure_I n . grad p."""
+
+    def fill(self, rows: Rows, cloud: Cloud) -> None:
+        """Write count, columns, values and measure of wet wall particles. Not collective."""
+        raise NotImplementedError
+
+
+class Gradient(Part):
+    """The gradient of pressure at fluid particles."""
+
+    def write(self, out: np.ndarray, f: np.ndarray, flow: Any) -> None:
+        """Write the gradient of f (n_all,) at owned fluid particles to out (n_owned, dim). Not collective.
+
+        A particle with too few neighbours gets a zero gradient, and the role BALLISTIC.
+        """
+        raise NotImplementedError
+
+
+class Surface(Part):
+    """A rule for the free surface.
+
+    open : whether there may be a free surface at all
+    """
+
+    open: ClassVar[bool] = True
+
+    def find(self, flow: Any, seen: np.ndarray) -> None:
+        """Write the roles of owned fluid particles. Not collective.
+
+        seen : (n_all,) kind, ABSENT for walls that do not count
+        """
+        raise NotImplementedError
+
+
+class Source(Part):
+    """The right-hand side of the pressure equation."""
+
+    def target(self, flow: Any, dt: float) -> np.ndarray:
+        """Return what lap p shall be at owned particles (n_owned,) [Pa/m^2], before a step of dt [s]. Collective."""
+        raise NotImplementedError
+
+
+class Force(Part):
+    """A force per unit mass."""
+
+    def add(self, out: np.ndarray, flow: Any, time: float) -> None:
+        """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""
+        raise NotImplementedError
+
+
+class Regulariser(Part):
+    """Changes velocities or positions of particles, so that they stay evenly spread.
+
+    moves : whether it changes positions; else velocities
+    strain : whether its strength is in proportion to the strain of the step
+    cause : column of the energy budget
+    words : what `parisph check` calls it
+    """
+
+    moves: ClassVar[bool] = False
+    strain: ClassVar[bool] = True
+    cause: ClassVar[str]
+    words: ClassVar[str]
+
+    def apply(self, flow: Any, dt: float) -> None:
+        """Change the velocities or positions of owned fluid in a step of dt [s]. Collective."""
+        raise NotImplementedError
+
+
+P = TypeVar("P", bound=Part)
+
+
+class Registry(Mapping[str, P], Generic[P]):
+    """The parts of one kind, by name.
+
+    Parameters
+    ----------
+    what : kind of part, a key of base.vocabulary.WORDS
+    """
+
+    def __init__(self, what: str):
+        self.what, self._parts = what, {}
+
+    def register(self, part: P) -> P:
+        """Add a part and return it. Do it on every rank, before a case is made that names it.
+
+        Raises ValueError if another part has this name.
+        """
+        if part.name in self._parts:
+            raise ValueError(f"there is another {self.what} {part.name!r}: give yours a name of its own")
+        self._parts[part.name] = part
+        vocabulary.add(self.what, part.name)
+        return part
+
+    def __getitem__(self, name: str) -> P:
+        return self._parts[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._parts)
+
+    def __len__(self) -> int:
+        return len(self._parts)
+
+
+LAPLACIANS: Registry[Laplacian] = Registry("laplacian")
+DIVERGENCES: Registry[Divergence] = Registry("divergence")
+GRADIENTS: Registry[Gradient] = Registry("gradient")
+SURFACE_GRADIENTS: Registry[Gradient] = Registry("surface_gradient")
+WALL_ROWS: Registry[WallRows] = Registry("wall_rows")
+SURFACES: Registry[Surface] = Registry("surface_rule")
+SOURCES: Registry[Source] = Registry("source")
+FORCES: Registry[Force] = Registry("force")
+REGULARISERS: Registry[Regulariser] = Registry("regulariser")
