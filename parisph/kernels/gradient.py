@@ -21,7 +21,10 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
     """First-order least-squares gradient of f at fluid particles.
 
     power 2: SFDI (Zheng et al. 2017, Eqs. 29-32); power 0: the mixed symmetric form
-    (Eq. 28, with the printed volumes cancelled). Exact for linear f on any set.
+    (Eq. 28, with the printed volumes cancelled). With the cubic spline of the papers instead of the
+    quartic weight, SPLINE (of `near`) is Eq. 28. SPLINE_SLOPE is the corrected kernel gradient of Eqs. 26-27:
+    grad W = (W'/r) r_ij makes it a least-squares fit with the weight -W'/r. Eq. 27, and L in Eq. 28, lack
+    m_j/rho_j; with it the volumes cancel. Exact for linear f on any set.
 
     out : (n_owned, dim) [unit of f per m]; zero for walls, and for particles with fewer than
         dim + 1 neighbours; where det/(trace/dim)^dim of the moment < floor, the slope across the

@@ -6,7 +6,7 @@ serves all three, in 2D and 3D.
 """
 
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.near import CLOSE
+from parisph.kernels.near import CLOSE, dot4
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
@@ -51,6 +51,49 @@ def cholesky_solve(a, b, n):
         for m in range(k + 1, n):
             value -= a[m, k] * a[k, k] * b[m]
         b[k] = value
+
+
+@inlined
+def normal_matrix(matrix, basis, w, size, m):
+    """Write the lower triangle of sum_k w[0, k] b_k b_k^T of the first rows of a basis over m columns.
+
+    basis, matrix : with rows, or columns, up to a multiple of four: four products are summed at a time, whether
+        they are in the triangle or not
+    """
+    for r in range(size):
+        for s in range(0, r + 1, 4):
+            matrix[r, s], matrix[r, s + 1], matrix[r, s + 2], matrix[r, s + 3] = dot4(basis, r, w, basis, s, m)
+
+
+@inlined
+def eliminate(a, b, n):
+    """Solve a b = b in place by elimination with row exchange; False if degenerate, with b undefined.
+
+    a : (n, n), any matrix, overwritten; b : (n,), becomes the solution
+    """
+    largest, sound = 0.0, True
+    for row in range(n):
+        for k in range(n):
+            largest = max(largest, abs(a[row, k]))
+    for k in range(n):
+        best = k
+        for row in range(k + 1, n):
+            if abs(a[row, k]) > abs(a[best, k]):
+                best = row
+        for c in range(n):
+            a[k, c], a[best, c] = a[best, c], a[k, c]
+        b[k], b[best] = b[best], b[k]
+        sound &= abs(a[k, k]) > PIVOT_FLOOR * largest
+        for row in range(k + 1, n):
+            factor = a[row, k] / a[k, k]
+            for c in range(k, n):
+                a[row, c] -= factor * a[k, c]
+            b[row] -= factor * b[k]
+    for k in range(n - 1, -1, -1):
+        for c in range(k + 1, n):
+            b[k] -= a[k, c] * b[c]
+        b[k] /= a[k, k]
+    return sound
 
 
 @kernel

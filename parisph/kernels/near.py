@@ -6,14 +6,20 @@ LANES with points so FAR away that their weight is exactly zero, so that no slow
 for a remainder.
 """
 
+import math
+
 import numpy as np
 
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.roles import outside
-from parisph.kernels.smoothing import quartic_weight
+from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope, quartic_weight
 
 LANES = 4
 FAR = 8.0  # in units of the radius of the weight
+
+# Weights of least squares that are not the quartic weight over a power of r: the cubic spline W whose
+# support is the radius, and its slope -W'/r.
+SPLINE, SPLINE_SLOPE = -1, -2
 
 
 @kernel
@@ -50,6 +56,26 @@ def gather(near, member, first, i, x, role, radius, indptr, indices, axes):
 
 
 @inlined
+def gather_within(near, member, first, i, x, role, radius, reach, indptr, indices, axes):
+    """Write the neighbours as `gather` does, but only those nearer than the reach: lists may reach farther."""
+    n, scale, cx, cy = 0, 1.0 / radius, x[i, 0], x[i, 1]
+    cz = x[i, 2] if len(axes) == 3 else 0.0
+    limit2 = reach * reach
+    for k in range(indptr[i], indptr[i + 1]):
+        j = np.uint32(indices[k])
+        dx, dy = x[j, 0] - cx, x[j, 1] - cy
+        r2 = dx * dx + dy * dy
+        member[first + n] = j
+        near[0, n], near[1, n] = dx * scale, dy * scale
+        if len(axes) == 3:
+            dz = x[j, 2] - cz
+            r2 += dz * dz
+            near[2, n] = dz * scale
+        n += (not outside(role[j])) & (r2 < limit2)
+    return n
+
+
+@inlined
 def fill_up(near, n, axes):
     """Pad the first n columns with points without weight; return the number of columns in use."""
     m = (n + LANES - 1) // LANES * LANES
@@ -65,8 +91,11 @@ def weigh(weighted, near, power, m, axes):
 
     weighted : (1 + dim, columns): w, then w near[a]; w is the quartic weight over r^power
         (power 0 or 2; with 2, a neighbour at the particle's own position has no direction and no
-        weight, and 1/r^2 stops growing at a quarter of the radius)
+        weight, and 1/r^2 stops growing at a quarter of the radius), or SPLINE or SPLINE_SLOPE
     """
+    if power < 0:
+        _weigh_by_spline(weighted, near, power, m, axes)
+        return
     for k in range(m):
         q2 = 0.0
         for a in range(len(axes)):
@@ -76,6 +105,22 @@ def weigh(weighted, near, power, m, axes):
             w = w / max(q2, CLOSE) if q2 > 0.0 else 0.0
         weighted[0, k] = w
     for a in range(len(axes)):
+        for k in range(m):
+            weighted[1 + a, k] = weighted[0, k] * near[a, k]
+
+
+@inlined
+def _weigh_by_spline(weighted, near, power, m, axes):
+    """Weigh with the cubic spline or its slope, lengths in units of its support 2h."""
+    dim = len(axes)
+    for k in range(m):
+        q2 = 0.0
+        for a in range(dim):
+            q2 += near[a, k] ** 2
+        r = math.sqrt(q2)
+        w = cubic_spline(r, 0.5, dim) if power == SPLINE else -cubic_spline_slope(r, 0.5, dim)
+        weighted[0, k] = w
+    for a in range(dim):
         for k in range(m):
             weighted[1 + a, k] = weighted[0, k] * near[a, k]
 

@@ -88,3 +88,19 @@ def test_pairs_without_a_direction_or_too_far_apart_weigh_nothing(power):
     assert moments.pair_weight(0, 2, pool.x, 1.0, power, pool.axes) == (0.0, 1.0)
     weight, r2 = moments.pair_weight(0, 2, pool.x, 4.0, power, pool.axes)
     assert r2 == 1.0 and weight == pytest.approx(quartic_weight(1.0, 4.0) * (4.0 if power else 1.0), rel=1e-14)
+
+
+@pytest.mark.parametrize("n", [1, 3, 6])
+def test_elimination_solves_systems_that_need_a_row_exchange(n):
+    random = np.random.default_rng(n)
+    for _ in range(20):
+        a, exact = random.normal(size=(n, n)), random.normal(size=n)
+        a[0, 0] = 0.0 if n > 1 else 2.0
+        right = a @ exact
+        factored, found = a.copy(), right.copy()
+        if moments.eliminate(factored, found, n):
+            np.testing.assert_allclose(found, exact, rtol=1e-8, atol=1e-8)
+        else:
+            assert np.linalg.cond(a) > 10.0
+    singular = np.ones((n, n))
+    assert moments.eliminate(singular, np.ones(n), n) == (n == 1)

@@ -1,0 +1,106 @@
+"""Divergence stencils of the velocity, without a pressure row.
+
+Both kernels write stencils in the form that `rankine.divergence`, `second_invariant` and `turnover` read:
+div u_I = sum_J flux_J . (u_J - u_I).
+"""
+
+import numpy as np
+
+from parisph.base.fields import INNER
+from parisph.kernels.circle import fill_basis, sum_over_points, weigh
+from parisph.kernels.gradient import support
+from parisph.kernels.harmonic import basis_size
+from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.mls import linear_fit, moment_count
+from parisph.kernels.near import fill_up, gather_within, room_for
+from parisph.kernels.rankine import UNSOUND
+
+
+@kernel
+def flux_rows(count, columns, flux, div, u, x, role, unit, circle, radius, indptr, indices, axes):
+    """Fill the flux stencils of inner particles, and the flux divergence of u: those of `rankine.rankine_rows`.
+
+    The flux of u through the circle of radius R, interpolated by linear moving least squares (Zheng, Ma & Duan
+    2014, Eq. 23): div u_I = (dim/R) mean u . n. Exact for linear u on any particles. A stencil is zero where the
+    neighbours of a point do not span the plane (3D: space), or where the values on the circle are extrapolated
+    from neighbours on one side.
+
+    count : (n_owned,) int32, entries of each stencil: neighbours within circle + radius, however far the lists reach
+    columns : (nnz,) int32; flux : (nnz, dim) [1/m]; stencil I starts at indptr[I]; div : (n_owned,) [1/s]
+    unit, circle, radius : as of rankine_rows
+    """
+    dim, points, size, room = len(axes), len(unit), basis_size(axes), room_for(indptr)
+    at = np.ascontiguousarray(unit.T) * (circle / radius)
+    basis, w = np.empty((size + 1, room)), np.empty((points, room))
+    moments, fit = np.empty((moment_count(axes), points)), np.empty((dim + 1, points))
+    mean = np.empty((dim + 1, room))
+    for i in range(len(indptr) - 1):
+        if role[i] != INNER:
+            continue
+        first = indptr[i]
+        n = gather_within(basis, columns, first, i, x, role, radius, circle + radius, indptr, indices, axes)
+        for a in range(dim):
+            basis[a, n] = 0.0  # the particle itself comes last
+        m = fill_up(basis, n + 1, axes)
+        fill_basis(basis, m, axes)
+        weigh(moments, w, basis, at, m, axes)
+        spanned = linear_fit(fit, moments, at, points, axes) == points
+        sum_over_points(mean, fit, w, basis, unit, m, axes)
+        mean[0, n] = 0.0
+        sound = spanned and _surrounded(mean, basis, m, circle / radius, points)
+        count[i] = n
+        _finish(i, first, n, dim / (circle * points) if sound else 0.0, mean, columns, flux, div, u, axes)
+
+
+@inlined
+def _surrounded(mean, basis, m, circle, points):
+    """Return whether the mean over the circle would make a pressure row, by the limits of `rankine`."""
+    total, spread, lowest = 0.0, 0.0, 0.0
+    for k in range(m):
+        total += mean[0, k]
+        lowest = min(lowest, mean[0, k])
+        spread += mean[0, k] * basis[len(basis) - 1, k]
+    return total > 0.05 * points and spread > 0.1 * circle * circle * points and lowest > -UNSOUND * total
+
+
+@kernel
+def least_squares_flux(count, columns, flux, div, u, x, role, radius, power, floor, indptr, indices, axes):
+    """Fill the divergence stencils of inner particles from the first-order least-squares gradient.
+
+    The nodal divergence of SFDI (Zheng et al. 2017, Eqs. 29-32, with power 2), exact for linear u on any particles.
+    As a source of pressure it ends in a blow-up where the flux through a circle does not.
+
+    radius, power, floor : as of `gradient.least_squares_gradient`, but a stencil below the floor is zero
+    """
+    dim, room = len(axes), room_for(indptr)
+    near, weighted = np.empty((dim, room)), np.empty((dim + 1, room))
+    stencil = np.empty((dim + 1, room))
+    moment, inverse = np.empty((dim, dim)), np.empty((dim, dim))
+    for i in range(len(indptr) - 1):
+        if role[i] != INNER:
+            continue
+        first = indptr[i]
+        n = gather_within(near, columns, first, i, x, role, radius, radius, indptr, indices, axes)
+        m = fill_up(near, n, axes)
+        sound = support(moment, inverse, weighted, near, power, n, m, axes) >= floor
+        for a in range(dim):
+            for k in range(m):
+                total = 0.0
+                for b in range(dim):
+                    total += inverse[a, b] * weighted[1 + b, k]
+                stencil[1 + a, k] = total if sound else 0.0
+        count[i] = n
+        _finish(i, first, n, 1.0 / radius, stencil, columns, flux, div, u, axes)
+
+
+@inlined
+def _finish(i, first, n, scale, stencil, columns, flux, div, u, axes):
+    """Store a stencil, rows 1 to dim, and sum the divergence of u."""
+    change = 0.0
+    for k in range(n):
+        j = columns[first + k]
+        for a in range(len(axes)):
+            f = scale * stencil[1 + a, k]
+            flux[first + k, a] = f
+            change += f * (u[j, a] - u[i, a])
+    div[i] = change

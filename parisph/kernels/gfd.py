@@ -1,0 +1,59 @@
+"""Pressure rows by generalised finite differences: a weighted quadratic fit through the particle's own value."""
+
+import numpy as np
+
+from parisph.base.fields import INNER
+from parisph.kernels.circle import fill_basis
+from parisph.kernels.harmonic import basis_size
+from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.moments import cholesky, cholesky_solve, normal_matrix
+from parisph.kernels.near import fill_up, gather_within, room_for
+from parisph.kernels.row import finish_row
+from parisph.kernels.smoothing import quartic_weight
+
+
+@kernel
+def gfd_rows(count, columns, values, measure, x, role, radius, indptr, indices, axes):
+    """Fill the rows of inner particles with the Laplacian of a least-squares polynomial of degree 2.
+
+    p_j - p_i is fitted by the polynomials of degree 1 and 2, 5 in 2D and 9 in 3D: x, y, x^2 - y^2, xy, r^2 in 2D.
+    Only r^2 has a Laplacian, 2 dim, so that one solution with the normal matrix gives the whole row. Exact for
+    quadratics on any particles. Values may be negative. A row with fewer than 6 neighbours (3D: 10) within the
+    radius, or with neighbours that do not span the polynomials, is given up: no entries, measure 0.
+
+    count, columns, values, measure : as of `schwaiger.cisph1_rows`; radius : of the quartic weight [m]
+    """
+    dim, room, size = len(axes), room_for(indptr), basis_size(axes) + 1
+    basis, w = np.zeros((size + 3, room)), np.empty((1, room))
+    matrix, right = np.empty((size, size + 3)), np.empty(size)
+    for i in range(len(indptr) - 1):
+        if role[i] != INNER:
+            continue
+        first = indptr[i]
+        n = gather_within(basis, columns, first, i, x, role, radius, radius, indptr, indices, axes)
+        m = fill_up(basis, n, axes)
+        fill_basis(basis, m, axes)
+        found = _weigh(w, basis, size, m)
+        normal_matrix(matrix, basis, w, size, m)
+        sound = found > size and cholesky(matrix, size)
+        for r in range(size):
+            right[r] = 1.0 if r == size - 1 else 0.0
+        if sound:
+            cholesky_solve(matrix, right, size)
+        for k in range(n):
+            c = 0.0
+            for r in range(size):
+                c += right[r] * basis[r, k]
+            values[first + k] = w[0, k] * c
+        finish_row(i, first, n, 2.0 * dim / (radius * radius), sound, count, values, measure)
+
+
+@inlined
+def _weigh(w, basis, size, m):
+    """Write the weights, from r^2 in the last row of the basis; return how many are not zero."""
+    found = 0
+    for k in range(m):
+        r2 = basis[size - 1, k]
+        w[0, k] = quartic_weight(r2, 1.0)
+        found += (r2 < 1.0) & (r2 > 0.0)  # a neighbour in the same place says nothing
+    return found

@@ -1,0 +1,28 @@
+"""What all pressure rows of inner particles have in common: their form, and when one is given up."""
+
+from parisph.kernels.jit import inlined
+from parisph.kernels.rankine import UNSOUND
+
+
+@inlined
+def finish_row(i, first, n, scale, sound, count, values, measure):
+    """Scale a row to a unit diagonal, from the coefficients of its Laplacian.
+
+    lap p_i = scale sum_k values[first + k] (p_k - p_i) over n neighbours becomes row_i(p) = p_i - sum_k values p_k
+    with row_i(p) = -measure lap p. A row that is not sound, or that extrapolates from neighbours on one side (a
+    value less than -UNSOUND times the sum), is given up: it has no entries, and measure 0.
+
+    scale : [1/m^2]
+    """
+    total, lowest = 0.0, 0.0
+    for k in range(first, first + n):
+        total += values[k]
+        lowest = min(lowest, values[k])
+    if sound and total > 0.0 and lowest >= -UNSOUND * total:
+        count[i] = n
+        measure[i] = 1.0 / (scale * total)
+        for k in range(first, first + n):
+            values[k] /= total
+    else:
+        count[i] = 0
+        measure[i] = 0.0
