@@ -18,11 +18,12 @@ from parisph.case.load import load
 from parisph.case.waves import angular_frequency
 from parisph.kernels import collisions
 from parisph.kernels import gradient as gradients
-from parisph.methods import schemes
+from parisph.methods import lengths
+from parisph.methods.catalogue import Parts
+from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
-from parisph.pressure.solver import PressureSolver
 
 GRAVITY, DEPTH, LENGTH = 9.81, 0.5, 1.0
 UNIT = np.sqrt(DEPTH / GRAVITY)  # [s]
@@ -46,11 +47,12 @@ class StillTank:
         self.numerics = case.numerics.model_copy(update=overrides).resolved()
         self.particles = p = Particles(MPI.COMM_SELF, 2)
         p.assign(geometry.build(case))
-        reach = schemes.SCHEMES[self.numerics.method].reach * self.numerics.spacing
+        parts = Parts.of(self.numerics)
+        reach = parts.reach * self.numerics.spacing
         self.domain = Domain(p, *geometry.domain(case), reach, 0.1 * self.numerics.spacing)
         self.domain.refresh()
-        self.solver = PressureSolver(MPI.COMM_SELF, rtol=1e-13)
-        self.method = Projection(self.numerics, 1.0, self._force, p, self.domain, self.solver, Timers())
+        self.flow = Flow(self.numerics.model_copy(update={"rtol": 1e-13}), 1.0, self._force, p, self.domain, Timers())
+        self.method = Projection(self.flow, parts)
         self.n = p.n_owned
         self.x, self._ids = p.x.copy(), p.id.copy()
         self.inner, self.wet, self.surface = (np.flatnonzero(p.role == r) for r in (INNER, WET, SURFACE))
@@ -66,12 +68,12 @@ class StillTank:
     def _fill(self):
         """Make the matrices; pressures are in the order inner, wet, surface, velocities (particle, axis) in rows."""
         p, d, rows = self.particles, self.domain, self.method.rows
-        rows.fill(np.zeros((self.n, 2)), p.x, p.kind, p.role, p.volume, p.normal, d.indptr, d.indices)
+        rows.fill(np.zeros((self.n, 2)), self.flow.cloud)
         self.pressures = np.concatenate([self.inner, self.wet, self.surface])
         self.gradient = np.stack([self.method.pressure_gradient(e)[self.fluid].ravel()
                                   for e in self._units(self.pressures)], axis=1)
         self.rows = self._pressure_rows()
-        self.measure = rows.measure[self.inner].copy()
+        self.measure = rows.rows.measure[self.inner].copy()
         div, change = np.empty(self.n), np.empty((self.n, 2))
         self.divergence, self.smoothing, self.smoothing_of_walls = [], [], []
         for e in self._velocity_units():
@@ -80,7 +82,7 @@ class StillTank:
             self.divergence.append(div[self.inner])
             for u, columns in ((e, self.smoothing), (both - e, self.smoothing_of_walls)):
                 collisions.smooth_velocity(change, u, p.x, p.kind, p.role, np.full(self.n, self.numerics.filter),
-                                           schemes.MLS * self.numerics.spacing, d.indptr, d.indices, self.method.axes)
+                                           lengths.MLS * self.numerics.spacing, d.indptr, d.indices, self.flow.axes)
                 columns.append(change[self.fluid].ravel())
         for name in ("divergence", "smoothing", "smoothing_of_walls"):
             setattr(self, name, np.stack(getattr(self, name), axis=1))
@@ -100,7 +102,7 @@ class StillTank:
         """Return u with the velocity that wall particles take from it."""
         p, d, u = self.particles, self.domain, u.copy()
         gradients.wall_velocity(u, p.x, p.kind, p.corner, p.normal, p.role, np.zeros((self.n, 2)),
-                                schemes.WALL * self.numerics.spacing, d.indptr, d.indices, self.method.axes)
+                                lengths.WALL * self.numerics.spacing, d.indptr, d.indices, self.flow.axes)
         return u
 
     def _pressure_rows(self):
@@ -110,9 +112,9 @@ class StillTank:
         place[self.pressures] = np.arange(len(self.pressures))
         matrix = np.eye(len(unknowns), len(self.pressures))
         for k, i in enumerate(unknowns):
-            own = slice(rows.indptr[i], rows.indptr[i] + rows.count[i])
-            used = rows.values[own] != 0.0
-            matrix[k, place[rows.columns[own][used]]] -= rows.values[own][used]
+            own = slice(rows.cloud.indptr[i], rows.cloud.indptr[i] + rows.rows.count[i])
+            used = rows.rows.values[own] != 0.0
+            matrix[k, place[rows.rows.columns[own][used]]] -= rows.rows.values[own][used]
         return matrix
 
     # -- what follows from them -----------------------------------------------------------------

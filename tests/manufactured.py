@@ -5,11 +5,8 @@ from mpi4py import MPI
 
 from parisph.base.fields import INNER, SURFACE
 from parisph.kernels.cells import neighbour_lists
-from parisph.methods.schemes import CIRCLE, MLS, SCHEMES, SPH, WALL
-from parisph.pressure.rows import PressureRows
 from parisph.pressure.solver import PressureSolver
-
-RADII = {"circle": CIRCLE, "mls": MLS, "wall": WALL, "sph": SPH}
+from tests.made_rows import cloud_of, parts_of, rows_of_method
 
 
 def disordered(spacing, jitter, margin, seed, dim=2):
@@ -43,13 +40,13 @@ def poisson_error(method, spacing, jitter, field=wave, seed=1, dim=2):
     Returns the relative error |p - f| / |f| inside, and the error of the discrete
     Laplacian of f itself, relative to that of the largest Laplacian (both rms).
     """
-    scheme = SCHEMES[method]
-    x, inner = disordered(spacing, jitter, int(np.ceil(scheme.reach)) + 1, seed, dim)
+    reach = parts_of(method).reach
+    x, inner = disordered(spacing, jitter, int(np.ceil(reach)) + 1, seed, dim)
     n = len(x)
     role = np.where(inner, INNER, SURFACE).astype(np.int8)
-    indptr, indices = neighbour_lists(x, n, scheme.reach * spacing)
-    rows = PressureRows(dim, scheme, "sfdi", 0.0, spacing, RADII)
-    rows.fill(np.zeros_like(x), x, np.zeros(n, np.int8), role, np.zeros(n), np.zeros_like(x), indptr, indices)
+    indptr, indices = neighbour_lists(x, n, reach * spacing)
+    rows = rows_of_method(method, dim)
+    rows.fill(np.zeros_like(x), cloud_of(x, role, spacing, indptr, indices))
     f, laplacian = field(x)
     right = np.where(inner, rows.right_hand_side(laplacian), 0.0) + known_part(rows, n, np.where(inner, 0.0, f))
     right[~inner] = 0.0  # the solver's p is zero there; f has gone to the other side
@@ -57,16 +54,16 @@ def poisson_error(method, spacing, jitter, field=wave, seed=1, dim=2):
     solver = PressureSolver(MPI.COMM_SELF, rtol=1e-9)
     p, _ = solver.solve(*matrix, right, None)
     solver.destroy()
-    found = (f - known_part(rows, n, f))[inner] / -rows.measure[:n][inner]
+    found = (f - known_part(rows, n, f))[inner] / -rows.rows.measure[:n][inner]
     truncation = np.sqrt(np.mean((found - laplacian[inner]) ** 2)) / np.abs(laplacian).max()
     return np.linalg.norm((p - f)[inner]) / np.linalg.norm(f[inner]), truncation
 
 
 def known_part(rows, n, f):
     """Return sum_J values_J f_J for each row, (n,)."""
-    count = rows.count[:n]
-    entry = np.repeat(rows.indptr[:-1] - np.concatenate([[0], np.cumsum(count)[:-1]]), count) + np.arange(count.sum())
-    return np.bincount(np.repeat(np.arange(n), count), rows.values[entry] * f[rows.columns[entry]], minlength=n)
+    count = rows.rows.count[:n]
+    entry = np.repeat(rows.cloud.indptr[:-1] - np.concatenate([[0], np.cumsum(count)[:-1]]), count) + np.arange(count.sum())
+    return np.bincount(np.repeat(np.arange(n), count), rows.rows.values[entry] * f[rows.rows.columns[entry]], minlength=n)
 
 
 def orders(spacings, errors):

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from parisph.base.fields import FIELDS
+from parisph.base.fields import EVERY, FIELDS
 
 
 class OwnedRows:
     """Rows [offset, offset + n_owned) of `n_global` made-up particles, the same for any spread over ranks."""
 
     def __init__(self, counts, rank, dim=2, seed=1):
-        self.dim, self.n_owned, self.n_global = dim, counts[rank], sum(counts)
+        self.fields, self.dim, self.n_owned, self.n_global = EVERY, dim, counts[rank], sum(counts)
         self.offset = sum(counts[:rank])
         for name, data in everything(self.n_global, dim, seed).items():
             setattr(self, name, data[self.offset:self.offset + self.n_owned])

@@ -9,11 +9,11 @@ from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
 from parisph.case import checks
 from parisph.case.expressions import uniform_field, vector_field
+from parisph.case.methods import METHODS
 from parisph.case.model import Model, first_lines
 from parisph.case.motion import AtRest, Frame, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
-from parisph.case.methods import METHODS
-from parisph.case.presets import CLOSED, PRESETS
+from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import (
     AnyProbe,
     ColumnHeight,
@@ -110,6 +110,12 @@ class Case(Model):
     def body_force(self, x, t):
         """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity less the tank's acceleration."""
         return vector_field(self.gravity, with_time=True)(x, t) - self.frame.acceleration(t)
+
+    def complete_numerics(self) -> Numerics:
+        """Return the numerics in which every value is set; a closed case has no free surface."""
+        values = preset_values(self.numerics.preset, self.closed)
+        own = {name: values[name] for name in CLOSED if getattr(self.numerics, name) is None}
+        return self.numerics.resolved().model_copy(update=own)
 
     def resolved(self, numerics: Numerics) -> "Case":
         """Return the case with the resolved `numerics`; `asked` keeps those given by the user."""

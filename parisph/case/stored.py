@@ -5,8 +5,8 @@ import json
 from parisph.base.errors import CaseError
 from parisph.base.seal import opened
 from parisph.base.text import shown
-from parisph.case.numerics import Numerics
 from parisph.case.methods import METHODS
+from parisph.case.numerics import Numerics
 from parisph.case.presets import PRESETS, preset_values
 from parisph.case.schema import READ_ONLY, Case
 

@@ -4,7 +4,6 @@ import logging
 import os
 import signal
 from contextlib import contextmanager
-from dataclasses import fields
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -31,8 +30,6 @@ from parisph.io import checkpoint
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
 from parisph.io.store import Store, provenance
-from parisph.methods.budget import CAUSES
-from parisph.methods.projection import StepReport
 from parisph.parallel import last_resort
 from parisph.parallel.guard import guarded
 from parisph.pressure.options import as_text
@@ -41,7 +38,6 @@ from parisph.watch import instruments
 
 WALL_CLOCK = 600.0  # [s] between checkpoints at most, whatever the case says
 SAVE = 1            # request of a rank at the end of a step; above it: the signal to stop
-UNITS = {"dt": "s", "setup_seconds": "s", "solve_seconds": "s"}
 
 
 def run(case: Case, comm: MPI.Comm, out: str | os.PathLike, petsc_options: list[str] | None = None, progress: bool = True,
@@ -184,7 +180,7 @@ class _Run:
         s, path = self.simulation, self.store.folder / "run.log"
         level = logging.INFO if self.progress.wanted else logging.WARNING
         together(self.comm, f"write {path}", lambda: log.start(self.comm, path, level))
-        self.store.add_series("steps", _columns(self.case), "one line per step")
+        self.store.add_series("steps", s.columns, "one line per step")
         for sampler in self.watch.samplers:
             self.store.add_series(f"probes/{sampler.name}", sampler.columns, self.watch.title(sampler))
         log.logger.info(f"{self.case.title}: {s.particles.n_global} particles on {self.comm.size} "
@@ -258,7 +254,7 @@ class _Run:
         with s.timers("store"):
             self.peaks.write(self.store, all_of_them=True)
             state = {**self.account.state(s), "peaks": self.peaks.state(), "left": vars(s.left),
-                     "acceleration": s.method.top_acceleration}
+                     **s.method.state()}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
         self.signals.left = f"the last checkpoint is {self.last_checkpoint}; continue with: parisph restart {self.store.folder}"
@@ -284,7 +280,7 @@ class _Run:
 
     def _note_options(self):
         """Note the current PETSc options for later files: they change with the size of the system."""
-        self.store.about["petsc_options"] = as_text(self.simulation.solver.options)
+        self.store.about["petsc_options"] = as_text(self.simulation.method.about())
 
     def _close(self, error):
         """Write the summary in any case, and return it or raise the error. Collective."""
@@ -315,12 +311,5 @@ class _Run:
         return summary
 
 
-def _columns(case):
-    """Return the columns of steps.csv with their units."""
-    found = {field.name: UNITS.get(field.name, "") for field in fields(StepReport) if field.name != "works"}
-    works = CAUSES if case.output.budget else ()
-    return found | {f"work_{cause}": "J/m" if case.dim == 2 else "J" for cause in works}
-
-
 def _about(simulation):
-    return provenance(simulation.numerics.method, as_text(simulation.solver.options), **versions())
+    return provenance(simulation.numerics.method, as_text(simulation.method.about()), **versions())

@@ -7,6 +7,7 @@ import numpy as np
 from parisph.base import memory
 from parisph.case import geometry, scales, size
 from parisph.driver import cost
+from parisph.methods import catalogue
 
 BRISK = 1.5    # as methods.timestep.BRISK, whose module needs MPI
 
@@ -56,17 +57,7 @@ def _memory(particles):
 
 def stages(case):
     """Return the names of the stages that a step of this case has, in order."""
-    n = case.numerics.resolved()
-    found = ["predict", "redistribute"]
-    if n.surface_rule not in ("none", "frozen") and not case.closed:
-        found.append(f"surface ({n.surface_rule})")
-    source = ", strain source" if n.strain else ""
-    surface = ", harmonic at the surface" if n.surface_gradient == "harmonic" else ""
-    found += [f"assemble ({n.method}, {n.wall_rows} walls{source})", "solve" + (" (null space)" if case.closed else ""),
-              f"correct ({n.gradient} gradient{surface})"]
-    wanted = ((n.filter, "velocity filter"), (n.collision_distance, "pair collisions"), (n.wall_guard, "wall guard"),
-              (n.kappa, "position projection"), (n.shift, "Fick shift"))
-    return found + [name for value, name in wanted if value]
+    return catalogue.Parts.of(case.complete_numerics()).stages(case.closed)
 
 
 def _text(value):

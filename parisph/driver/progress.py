@@ -53,7 +53,7 @@ class Progress:
         left = _clock(max(self.end_time - simulation.time, 0.0) * elapsed / done) if done > 0.0 else "?"
         rate = (simulation.steps - self._steps) / elapsed
         return (f"t {simulation.time:.4g} of {self.end_time:.4g} s  dt {report.dt:.2e}  {rate:.1f} steps/s  "
-                f"{report.iterations} iterations  div u dt {report.divergence:.1e}  {left} left")
+                f"{report.words()}  {left} left")
 
 
 def _clock(seconds):

@@ -9,10 +9,9 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, ParisphError, agree
-from parisph.base.fields import FLUID
+from parisph.base.fields import FLUID, FieldSet
 from parisph.case import geometry
 from parisph.case.checks import stable_time_step
-from parisph.case.presets import CLOSED, preset_values
 from parisph.case.schema import Case
 from parisph.driver import room, warmup
 from parisph.driver.phases import PhaseTimers
@@ -20,14 +19,15 @@ from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
-from parisph.methods import schemes
 from parisph.methods.budget import Budget
-from parisph.methods.projection import Projection, StepReport
+from parisph.methods.catalogue import Parts
+from parisph.methods.flow import Flow
+from parisph.methods.projection import Projection
+from parisph.methods.reports import StepReport
 from parisph.methods.timestep import first_step, next_step, rest_step
 from parisph.parallel.domain import Domain
 from parisph.parallel.guard import Guard
 from parisph.parallel.particles import Particles
-from parisph.pressure.solver import PressureSolver
 from parisph.watch.sampling import Scene
 
 SKIN = 1.0        # spacings a particle moves until particles are redistributed and sorted
@@ -79,10 +79,10 @@ class Simulation:
 
     def _make(self, case, comm, petsc_options, start):
         room.check(case, comm)
-        self.numerics = _numerics(case)
+        self.numerics = case.complete_numerics()
         # what is stored is what was computed, whatever a preset becomes later
         self.case = case.resolved(self.numerics)
-        self.comm, self.domain, self.solver = comm.Dup(), None, None
+        self.comm, self.domain, self.method = comm.Dup(), None, None
         try:
             self._build(petsc_options, start)
         except BaseException as error:
@@ -98,19 +98,20 @@ class Simulation:
             warmup.on_one_rank_first(self.comm, Simulation, case, self.numerics)
         agree(self.comm, _wrong_code())
         self.timers = PhaseTimers()
-        self.particles = Particles(self.comm, case.dim)
-        self.particles.assign(_arrays(case, self.comm) if start is None else start.arrays)
+        parts = _parts(case, self.comm)
+        self.particles = Particles(self.comm, case.dim, FieldSet((*parts.fields, *case.output.fields)))
+        arrays = _arrays(case, self.comm) if start is None else start.arrays
+        self.particles.assign({name: values for name, values in arrays.items() if name in self.particles.fields})
         self.time, self.steps, self.dt = (0.0, 0, None) if start is None else (start.time, start.step, start.dt or None)
         s = self.numerics.spacing
         lower, upper = geometry.domain(case)
-        self.domain = Domain(self.particles, lower, upper, schemes.reach(self.numerics) * s,
+        self.domain = Domain(self.particles, lower, upper, parts.reach * s,
                              SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.lid)
-        self.solver = PressureSolver(self.comm, petsc_options, self.numerics.rtol, closed=case.closed)
-        self.method = Projection(self.numerics, case.fluid.density, self._force, self.particles, self.domain,
-                                 self.solver, self.timers, closed=case.closed, budget=_budget(case))
+        flow = Flow(self.numerics, case.fluid.density, self._force, self.particles, self.domain, self.timers,
+                    closed=case.closed, budget=_budget(case, parts))
+        self.method = Projection(flow, parts, petsc_options)
         if start is not None:
-            self.method.top_acceleration = start.state.get("acceleration", 0.0)
-            self.method.knows_pressure = True
+            self.method.resume(start.state)
         self.bad_force = None
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
@@ -124,7 +125,7 @@ class Simulation:
         Returns the number of particles on all ranks without contact with a free surface; these have p = 0.
         """
         with self.timers("start"):
-            isolated = self.method.pressure_now(self.time)
+            isolated = self.method.start(self.time)
         self._has_pressure = True
         return isolated
 
@@ -163,6 +164,17 @@ class Simulation:
         return replace(report, left=self.left.particles)
 
     @property
+    def solver(self):
+        """The solver of the pressure equation."""
+        return self.method.solver
+
+    @property
+    def columns(self) -> dict[str, str]:
+        """Columns of steps.csv with their units."""
+        unit = "J/m" if self.case.dim == 2 else "J"
+        return self.method.columns | {f"work_{cause}": unit for cause in self.method.flow.budget.causes}
+
+    @property
     def left(self) -> Left:
         """Fluid that has left an open tank over its rim so far (driver.rim.Left), the same on all ranks."""
         return Left() if self._open_tank is None else self._open_tank.left
@@ -194,7 +206,7 @@ class Simulation:
     @_collective
     def destroy(self) -> None:
         """Free the MPI and PETSc objects of this scene. A second call does nothing."""
-        for part in (self.domain, self.solver):
+        for part in (self.domain, self.method):
             if part is not None:
                 part.destroy()
         if self.comm != MPI.COMM_NULL:
@@ -203,7 +215,7 @@ class Simulation:
     def _limit(self):
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
         dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt, self._shortest,
-                       self.method.top_acceleration)
+                       self.method.flow.top_acceleration)
         if self.numerics.time_step is not None:
             return dt
         dt = min(dt, self.case.frame.longest_step)    # a small force between two turns says nothing of what comes
@@ -218,7 +230,7 @@ class Simulation:
 
         def force_at(after):
             return _largest(self.case.body_force(fluid, self.time + after))
-        return first_step(self.comm, p, self.numerics, self.method.acceleration_now(self.time), dt, force_at)
+        return first_step(self.comm, p, self.numerics, self.method.acceleration(self.time), dt, force_at)
 
     def _target(self, until):
         """Return the time [s] that steps must meet next, infinity if there is none.
@@ -274,16 +286,20 @@ def _other_than_first(comm, case, petsc_options):
                      "as in case = comm.bcast(case)")
 
 
-def _numerics(case):
-    """Return the resolved numerics; a closed case has no free surface."""
-    values = preset_values(case.numerics.preset, case.closed)
-    own = {name: values[name] for name in CLOSED if getattr(case.numerics, name) is None}
-    return case.numerics.resolved().model_copy(update=own)
+def _parts(case, comm):
+    """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
+    parts, error = Parts.of(case.numerics), None
+    try:
+        parts.check(case.dim)
+    except CaseError as problem:
+        error = problem
+    agree(comm, error)
+    return parts
 
 
-def _budget(case):
+def _budget(case, parts):
     """Return the Budget of the case, None if it has none."""
-    return Budget(case.fluid.density, Scene.of(case).gravity) if case.output.budget else None
+    return Budget(case.fluid.density, Scene.of(case).gravity, parts.causes) if case.output.budget else None
 
 
 def _arrays(case, comm):

@@ -66,10 +66,11 @@ class Account:
 
     def step(self, simulation, report):
         """Count a step that was made. Collective."""
-        self.fallbacks += (report.fallback != "") + (report.position_fallback != "")
-        self.divergence = report.divergence
-        if report.isolated > self._isolated[0]:
-            self._isolated = [report.isolated, simulation.time]
+        self.fallbacks += report.fallbacks
+        self.divergence = getattr(report, "divergence", None)    # a projection has one
+        isolated = getattr(report, "isolated", 0)
+        if isolated > self._isolated[0]:
+            self._isolated = [isolated, simulation.time]
         self.conservation.step(simulation)
 
     def warnings(self):
@@ -134,8 +135,8 @@ def _from_files(case, store):
     """Return (iterations, errors) of the whole run from its files, including earlier parts."""
     try:
         run = reader.open_run(store.folder)
-        counts = run.steps["iterations"]
-        iterations = None
+        iterations, steps = None, run.steps
+        counts = steps["iterations"] if "iterations" in steps.dtype.names else ()
         if len(counts):
             iterations = {"median": float(np.median(counts)), "p99": float(np.percentile(counts, 99)),
                           "max": int(counts.max())}

@@ -7,9 +7,6 @@ from parisph.kernels.energy import energy
 from parisph.kernels.jit import axes_of
 from parisph.parallel.particles import Particles
 
-# pressure: prediction, pressure and movement, with the exchange of kinetic and potential energy between them
-CAUSES = ("pressure", "filter", "collisions", "guard", "projection", "parting", "shift")
-
 
 class Budget:
     """Measures the energy of the fluid between the parts of a step.
@@ -21,11 +18,13 @@ class Budget:
     ----------
     density : float [kg/m^3]
     gravity : (dim,) [m/s^2], zero for a force without a potential
+    causes : what may change the energy; the first, pressure, is prediction, pressure and movement, with the exchange of
+        kinetic and potential energy between them
     """
 
-    def __init__(self, density: float, gravity: np.ndarray):
-        self._density, self._gravity = density, gravity
-        self._gains, self._last = np.zeros(len(CAUSES)), 0.0
+    def __init__(self, density: float, gravity: np.ndarray, causes: tuple[str, ...]):
+        self._density, self._gravity, self.causes = density, gravity, causes
+        self._gains, self._last = np.zeros(len(causes)), 0.0
 
     def begin(self, particles: Particles) -> None:
         """Begin a step. Not collective."""
@@ -38,7 +37,7 @@ class Budget:
         Particles may have changed their ranks: only the sum over the ranks has a meaning.
         """
         now = self._energy(particles)
-        self._gains[CAUSES.index(cause)] += now - self._last
+        self._gains[self.causes.index(cause)] += now - self._last
         self._last = now
 
     def works(self, comm: MPI.Comm) -> dict[str, float]:
@@ -46,7 +45,7 @@ class Budget:
         gains = self._gains.copy()
         if comm.size > 1:
             comm.Allreduce(MPI.IN_PLACE, gains, op=MPI.SUM)
-        return {f"work_{cause}": float(gain) for cause, gain in zip(CAUSES, gains)}
+        return {f"work_{cause}": float(gain) for cause, gain in zip(self.causes, gains)}
 
     def _energy(self, p):
         """Return the energy of owned fluid [J, in 2D J/m]; walls have no volume."""
@@ -55,6 +54,8 @@ class Budget:
 
 class NoBudget:
     """Stands for a Budget that nobody asked for: does nothing."""
+
+    causes: tuple[str, ...] = ()
 
     def begin(self, particles: Particles) -> None:
         """Do nothing."""

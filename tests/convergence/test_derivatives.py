@@ -7,11 +7,13 @@ import pytest
 
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels import gradient, rankine, walls
-from parisph.methods.schemes import CIRCLE, GRADIENT, MLS, SPH, WALL
+from parisph.methods.lengths import CIRCLE, MIXED, MLS, SPH, WALL
 from tests.manufactured import orders
 from tests.pools import Rows, block, tank
 
 CELLS = (20, 40, 80)
+
+GRADIENT = {"sfdi": MLS, "mixed": MIXED}
 
 
 def rms(values):
@@ -136,7 +138,7 @@ def surface_errors(jitter, harmonic):
         pool = tank((cells, cells), jitter=jitter, spacing=s)
         f, exact = harmonic_pressure(pool.x)
         out = np.empty_like(pool.x)
-        gradient.least_squares_gradient(out, f, pool.x, pool.role, GRADIENT["mixed"] * s, 0, 0.05, *pool.csr)
+        gradient.least_squares_gradient(out, f, pool.x, pool.role, MIXED * s, 0, 0.05, *pool.csr)
         if harmonic:
             gradient.harmonic_gradient(out, f, pool.x, pool.role, WALL * s, *pool.csr)
         surface = pool.role == SURFACE

@@ -74,7 +74,7 @@ def test_matrix_is_what_a_step_does():
     plus, minus = small.step(eta, u, dt), small.step(-eta, -u, dt)
     found = [0.5 * (a - b) for a, b in zip(plus, minus)]
     expected = small.step_matrix(dt) @ np.concatenate([eta, u.ravel()])
-    small.solver.destroy()
+    small.method.destroy()
     for value, exact in zip(found, (expected[:m], expected[m:].reshape(n, 2))):
         np.testing.assert_allclose(value, exact, atol=1e-6 * np.abs(exact).max())
 

@@ -13,6 +13,7 @@ from parisph.driver import describe, progress
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
+from parisph.methods.reports import ProjectionReport
 from tests.launch import ROOT, parisph
 from tests.scenes import scene
 
@@ -26,7 +27,7 @@ def test_every_case_is_described(path):
 def test_stages_are_those_that_the_scene_has():
     calm, violent = describe(scene("hydrostatic")), describe(scene("dam_break"))
     assert "surface" not in calm.replace("at the surface", "") and "position projection" not in calm and "collisions" not in calm
-    assert "surface (gap)" in violent and "position projection, Fick shift" in violent
+    assert "surface (gap)" in violent and "position projection, parting of close pairs, Fick shift" in violent
     assert "adaptive" in describe(scene("rotating_patch")) and "5000 of 0.000639 s" in violent
 
 
@@ -93,7 +94,7 @@ def clock(monkeypatch):
 
 
 def stepped(shown, clock, times):
-    report = SimpleNamespace(dt=0.01, iterations=8, divergence=1e-4)
+    report = ProjectionReport(dt=0.01, iterations=8, divergence=1e-4)
     for number, time in enumerate(times, start=1):
         clock.now += 1.0
         shown.step(SimpleNamespace(time=time, steps=number), report)

@@ -15,13 +15,13 @@ from parisph import ParisphError
 def fail():
     {what}
 s = Simulation(scene("dam_break", spacing=0.1), comm)
-acceleration = s.method.acceleration
+acceleration = s.method.flow.body
 def force(x, t):
     if s.steps == 3 and comm.rank in {inside}:
         print("failed", flush=True)
         fail()
     return acceleration(x, t)
-s.method.acceleration = force
+s.method.flow.body = force
 for _ in range(8):
     if s.steps == 4 and comm.rank in {between}:
         print("failed", flush=True)

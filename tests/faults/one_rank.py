@@ -21,12 +21,12 @@ FAULTS = {
     "raise ParisphError('mine')": "mine", "raise SolverDiverged('mine too')": "mine too", "raise ValueError('wrong')": "ValueError: wrong",
 }
 IN_A_STEP = (
-    "driver.simulation:Simulation._force", "methods.projection:Projection._predict", "methods.projection:Projection._classify",
+    "driver.simulation:Simulation._force", "methods.projection:Projection._predict", "methods.surfaces:AngularGap.find",
     "methods.projection:Projection._assemble", "methods.projection:Projection._matrix", "pressure.solver:PressureSolver.solve",
-    "parallel.neighbours:Domain.refresh", "parallel.halo:Halo.update", "methods.projection:Projection._correct_velocity",
+    "parallel.domain:Domain.refresh", "parallel.halo:Halo.update", "methods.projection:Projection._correct_velocity",
     "methods.projection:Projection._move", "methods.projection:Projection._report",
 )
-AROUND_A_STEP = ("driver.summary:Account.step", "driver.watch:Watch.after_step", "io.store:Store.append", "io.store:Store.checkpoint")
+AROUND_A_STEP = ("driver.summary:Account.step", "driver.probing:Watch.after_step", "io.store:Store.append", "io.store:Store.checkpoint")
 BETWEEN = "between two calls"
 FAILING = """
 import importlib, sys, time

@@ -96,7 +96,7 @@ def numerics(**changes):
     (lambda: numerics(method="ISHP"), "Numerics.method: unknown method 'ISHP'; known are ISPH_R, ISPH"),
     (lambda: numerics(preset="calm"), "Numerics.preset: unknown preset 'calm'; known are violent, gentle"),
     (lambda: numerics(kapa=0.1), r"Numerics has no field 'kapa'; did you mean 'kappa'\?"),
-    (lambda: numerics(surface_rule="gaps"), "Numerics.surface_rule = 'gaps': must be 'gap', 'auxiliary'"),
+    (lambda: numerics(surface_rule="gaps"), "Numerics.surface_rule: unknown surface_rule 'gaps'; known are gap, auxiliary"),
     (lambda: numerics(rtol=1.0), "Numerics.rtol = 1.0: must be less than 1"),
     (lambda: numerics(jitter=2.0), "Numerics.jitter = 2.0: must be less than or equal to 1.2"),
     (lambda: numerics(seed=True), "Numerics.seed = True: must be a number"),

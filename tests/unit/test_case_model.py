@@ -92,7 +92,8 @@ def test_presets_are_valid_and_complete():
         assert Numerics(spacing=0.1, preset=name, **values).preset == name
     assert len({frozenset(values) for values in PRESETS.values()}) == 1
     optional = {name for name, field in Numerics.model_fields.items() if field.default is None}
-    assert set(PRESETS["violent"]) == optional - {"time_step", "max_time_step"}
+    for method in METHODS.values():
+        assert {*PRESETS["violent"], *method.values} == optional - {"time_step", "max_time_step"}
 
 
 def test_body_force_is_gravity_less_the_tanks_acceleration():

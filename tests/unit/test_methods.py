@@ -4,17 +4,38 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph.base import vocabulary
 from parisph.base.fields import FLUID, INNER
 from parisph.case.methods import METHODS
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.driver.simulation import Simulation
-from parisph.methods import regularise
-from parisph.methods.schemes import SCHEMES
+from parisph.methods.catalogue import Parts
+from parisph.methods.parts import (
+    DIVERGENCES,
+    FORCES,
+    GRADIENTS,
+    LAPLACIANS,
+    REGULARISERS,
+    SOURCES,
+    SURFACE_GRADIENTS,
+    SURFACES,
+    WALL_ROWS,
+)
+from parisph.methods.projection import STEPPINGS
+from parisph.methods.surfaces import classify
 
 
 def test_every_method_that_a_case_may_ask_for_is_known():
-    assert set(METHODS) == set(SCHEMES)
-    assert METHODS[0] == "ISPH_R", "the default"
+    assert next(iter(METHODS)) == "ISPH_R", "the default"
+    for name in METHODS:
+        parts = Parts.of(Numerics(spacing=0.1, method=name).resolved())
+        assert parts.reach >= 2.6 and parts.stages(closed=False)
+
+
+def test_the_words_of_cases_are_those_of_the_parts():
+    for registry in (LAPLACIANS, DIVERGENCES, GRADIENTS, SURFACE_GRADIENTS, WALL_ROWS, SURFACES, SOURCES, FORCES, REGULARISERS):
+        assert set(vocabulary.known(registry.what)) == set(registry)
+    assert set(vocabulary.known("stepping")) == set(STEPPINGS)
 
 
 def dam(**numerics):
@@ -59,15 +80,20 @@ def test_relaxation_time_weakens_the_source_by_dt_over_it():
         p = simulation.particles
         simulation.domain.refresh()
         p.u[:] = np.where((p.kind == FLUID)[:, None], -p.x, 0.0)
-        right = simulation.method
-        right._predict(0.004)
+        simulation.method._predict(0.004)
         simulation.domain.refresh()
-        force = np.zeros_like(p.x_all)
-        right._classify(force, 0.004)
-        _, b, _ = right._assemble(force, 0.004)
+        b = assembled(simulation, np.zeros_like(p.x_all), 0.004)
         pressures.append(b[p.role == INNER])
         simulation.destroy()
     np.testing.assert_allclose(pressures[1], 0.25 * pressures[0], rtol=1e-12)
+
+
+def assembled(simulation, force, dt):
+    """Return the right-hand side of a step of dt with a force (n_all, dim)."""
+    method = simulation.method
+    method.flow.force = force
+    classify(method.flow, method.parts.surface, dt)
+    return method._assemble(dt)[1]
 
 
 def source(velocity, dt, residual_strain, force=0.0, strain=0.0):
@@ -78,9 +104,7 @@ def source(velocity, dt, residual_strain, force=0.0, strain=0.0):
     p.u[:] = np.where((p.kind == FLUID)[:, None], velocity(p.x), 0.0)
     method._predict(0.0)
     simulation.domain.refresh()
-    body = force * p.x_all
-    method._classify(body, dt)
-    _, b, _ = method._assemble(body, dt)
+    b = assembled(simulation, force * p.x_all, dt)
     deep = (p.role == INNER) & (np.abs(p.x - [0.25, 0.25]).max(axis=1) < 0.13)
     found = dt * b[deep]
     simulation.destroy()
@@ -116,13 +140,14 @@ def test_position_projection_spreads_what_is_too_dense():
     p.x[middle] += 0.12 * ([0.25, 0.25] - p.x[middle])
     p.u[:] = 0.0
     simulation.domain.refresh()
-    simulation.method._classify(np.zeros_like(p.x_all), 0.001)
+    flow, parts = simulation.method.flow, simulation.method.parts
+    assembled(simulation, np.zeros_like(p.x_all), 0.001)
     before = p.alpha.copy()
-    simulation.method._assemble(np.zeros_like(p.x_all), 0.001)
-    simulation.method.pressure_now(0.0)
-    regularise.positions(simulation.method, np.ones(p.n_owned))
+    simulation.method.start(0.0)
+    flow.strained = np.ones(p.n_owned)
+    simulation.method._regularise(parts.position_regularisers, 0.001)
     simulation.domain.refresh()
-    simulation.method._classify(np.zeros_like(p.x_all), 0.001)
+    classify(flow, parts.surface, 0.001)
     inner = middle & (before > 1.02)
     assert inner.sum() > 4
     assert (p.alpha[inner] - 1.0).mean() < 0.6 * (before[inner] - 1.0).mean()

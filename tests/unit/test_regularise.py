@@ -6,7 +6,7 @@ from mpi4py import MPI
 
 from parisph import Simulation
 from parisph.base.fields import FLUID, SURFACE
-from parisph.methods import regularise
+from parisph.methods import straining
 from tests.scenes import scene
 
 
@@ -20,11 +20,25 @@ def falling():
     s.destroy()
 
 
+def apply(method, regularisers):
+    """Apply regularisers after ghosts have their positions."""
+    method.flow.domain.update("x")
+    for part in regularisers:
+        part.apply(method.flow, 0.01)
+
+
+def strain_of_step(method, dt):
+    """Return the strain of a step (n_owned,)."""
+    straining.measure(method.flow, dt)
+    return method.flow.strained
+
+
 def moved(s, strained):
     """Return how far `positions` moves the particles, in spacings: (n_owned,)."""
     p = s.particles
     x = p.x.copy()
-    regularise.positions(s.method, strained)
+    s.method.flow.strained = strained
+    apply(s.method, s.method.parts.position_regularisers)
     lengths = np.linalg.norm(p.x - x, axis=1) / s.numerics.spacing
     p.x[:] = x
     s.domain.update("x")
@@ -33,7 +47,7 @@ def moved(s, strained):
 
 def test_moves_are_in_proportion_to_the_strain_and_bounded(falling):
     s, p = falling, falling.particles
-    strained = regularise.strain_of_step(s.method, 1e-3)
+    strained = strain_of_step(s.method, 1e-3)
     strained *= 1e-3 / strained.max()    # far from the greatest strengths
     small, twice = moved(s, strained), moved(s, 2.0 * strained)
     assert small.max() > 1e-5 and small[p.kind != FLUID].max() == 0.0
@@ -45,23 +59,24 @@ def test_moves_are_in_proportion_to_the_strain_and_bounded(falling):
 
 def test_strain_far_below_that_of_a_fall_counts_with_its_square(falling):
     p, method = falling.particles, falling.method
-    u, method.by_pressure = p.u.copy(), np.full(p.n_owned, 9.81)
+    u, method.flow.by_pressure = p.u.copy(), np.full(p.n_owned, 9.81)
     once = {}
     for factor in (1e-7, 2e-7, 1e4, 2e4):
         p.u[:] = factor * u
-        once[factor] = regularise.strain_of_step(method, 0.01)
+        once[factor] = strain_of_step(method, 0.01)
     assert once[1e-7].max() > 0.0
     np.testing.assert_allclose(once[2e-7], 4.0 * once[1e-7], rtol=1e-3)
     fast = once[1e4] > 1.0
     np.testing.assert_allclose(once[2e4][fast], 2.0 * once[1e4][fast], rtol=1e-2)
-    method.by_pressure = np.zeros(p.n_owned)    # in free fall everything counts
+    method.flow.by_pressure = np.zeros(p.n_owned)    # in free fall everything counts
     p.u[:] = 1e-7 * u
-    np.testing.assert_allclose(regularise.strain_of_step(method, 0.01), 1e-11 * once[1e4], rtol=1e-2)
+    np.testing.assert_allclose(strain_of_step(method, 0.01), 1e-11 * once[1e4], rtol=1e-2)
 
 
 def test_velocities_do_not_pay_for_moves(falling):
     u = falling.particles.u.copy()
-    regularise.positions(falling.method, regularise.strain_of_step(falling.method, 0.01))
+    strain_of_step(falling.method, 0.01)
+    apply(falling.method, falling.method.parts.position_regularisers)
     np.testing.assert_array_equal(falling.particles.u, u)
 
 
@@ -70,22 +85,24 @@ def test_fluid_at_rest_and_in_rigid_motion_is_left_alone(falling):
     still = (p.kind != FLUID)
     for velocity in (np.zeros_like(p.x), np.tile([3.0, -2.0], (p.n_owned, 1)), p.x[:, ::-1] * [1.0, -1.0]):
         p.u[:] = velocity
-        strained = regularise.strain_of_step(s.method, 0.01)
+        strained = strain_of_step(s.method, 0.01)
         assert strained.max() < 1e-12 and np.all(strained[still] == 0.0)
     close = p.role == SURFACE
     assert moved(s, np.zeros(p.n_owned))[~close].max() == 0.0
 
 
-def test_what_nothing_needs_is_not_computed(falling):
-    method = falling.method
-    method.numerics = method.numerics.model_copy(update={"filter_strain": 0.0, "collision_distance": 0.0, "kappa": 0.0, "shift": 0.0})
-    assert regularise.strain_of_step(method, 0.01) is None
-    regularise.velocity(method, 0.01, None)     # the filter with a fixed strength needs no strain
+def test_what_nothing_needs_is_not_computed():
+    off = {"filter_strain": 0.0, "collision_distance": 0.0, "kappa": 0.0, "shift": 0.0}
+    s = Simulation(scene("dam_break", spacing=0.1).changed(**{f"numerics.{name}": value for name, value in off.items()}), MPI.COMM_SELF)
+    assert not s.method.parts.measures_strain and not {"grad_u", "strain_rate", "pairs", "phi", "turn"} & set(s.particles.fields)
+    s.advance()     # the filter with a fixed strength needs no strain
+    assert s.method.flow.strained is None
+    s.destroy()
 
 
 def test_the_doubt_in_the_density_error_is_for_calm_fluid():
     """Below a wave it is whole; in rapid strain and in free fall everything is compression."""
     square = np.full(4, 9.81 / 0.05)
-    rate = np.sqrt(square) * np.array([0.0, 0.02, regularise.RAPID, 10.0])
-    np.testing.assert_allclose(regularise._doubt(rate, square) / regularise.DOUBT, [1.0, 1.0, 0.5, 0.0], atol=0.02)
-    np.testing.assert_array_equal(regularise._doubt(rate, 0.0), 0.0)
+    rate = np.sqrt(square) * np.array([0.0, 0.02, straining.RAPID, 10.0])
+    np.testing.assert_allclose(straining.doubt(rate, square) / straining.DOUBT, [1.0, 1.0, 0.5, 0.0], atol=0.02)
+    np.testing.assert_array_equal(straining.doubt(rate, 0.0), 0.0)

@@ -1,0 +1,119 @@
+"""The parts of a scene: from the words and numbers of a case, and what follows from them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from parisph.base.errors import CaseError
+from parisph.base.fields import FieldSet
+from parisph.case.methods import METHODS
+from parisph.case.numerics import Numerics
+from parisph.methods import forces, lengths, operators, positions, sources, straining, surfaces, velocities  # noqa: F401 (they register)
+from parisph.methods.parts import (
+    DIVERGENCES,
+    FORCES,
+    GRADIENTS,
+    LAPLACIANS,
+    REGULARISERS,
+    SOURCES,
+    SURFACE_GRADIENTS,
+    SURFACES,
+    WALL_ROWS,
+    Divergence,
+    Force,
+    Gradient,
+    Laplacian,
+    Part,
+    Regulariser,
+    Source,
+    Surface,
+    WallRows,
+)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The parts that the numbers of a case switch on, and what follows from them.
+
+    numerics : resolved Numerics
+    """
+
+    numerics: Numerics
+    laplacian: Laplacian
+    divergence: Divergence
+    wall_rows: WallRows
+    gradient: Gradient
+    surface_gradient: Gradient
+    surface: Surface
+    source: Source
+    forces: tuple[Force, ...]
+    regularisers: tuple[Regulariser, ...]
+
+    @classmethod
+    def of(cls, numerics: Numerics) -> "Parts":
+        """Return the parts of a scene. numerics : resolved. Not collective."""
+        n = numerics
+        return cls(n, LAPLACIANS[n.laplacian], DIVERGENCES[n.divergence], WALL_ROWS[n.wall_rows], GRADIENTS[n.gradient],
+                   SURFACE_GRADIENTS[n.surface_gradient], SURFACES[n.surface_rule], SOURCES[n.source],
+                   tuple(FORCES[name] for name in n.forces),
+                   tuple(part for part in (REGULARISERS[name] for name in n.regularisers) if part.wanted(n)))
+
+    def __iter__(self) -> Iterator[Part]:
+        yield from (self.laplacian, self.divergence, self.wall_rows, self.gradient, self.surface_gradient, self.surface, self.source)
+        yield from (*self.forces, *self.regularisers)
+
+    @cached_property
+    def velocity_regularisers(self) -> tuple[Regulariser, ...]:
+        """Those of velocities, in their order."""
+        return tuple(part for part in self.regularisers if not part.moves)
+
+    @cached_property
+    def position_regularisers(self) -> tuple[Regulariser, ...]:
+        """Those of positions, in their order."""
+        return tuple(part for part in self.regularisers if part.moves)
+
+    @cached_property
+    def measures_strain(self) -> bool:
+        """Whether the strain of a step is needed."""
+        return set(straining.FIELDS) <= set(self.fields)
+
+    @property
+    def reach(self) -> float:
+        """Radius of the neighbour lists, in spacings."""
+        return max(lengths.NEAR, *(part.reach for part in self))
+
+    @cached_property
+    def fields(self) -> FieldSet:
+        """The fields of the scene's particles."""
+        return FieldSet(name for part in self for name in part.needs(self.numerics))
+
+    @property
+    def causes(self) -> tuple[str, ...]:
+        """What can change the energy of the fluid in a step: columns of the budget."""
+        return tuple(dict.fromkeys(("pressure", *(part.cause for part in self.regularisers))))
+
+    def stages(self, closed: bool) -> list[str]:
+        """Return the names of the stages of a step, in order. closed : whether the fluid fills a closed tank."""
+        n = self.numerics
+        found = ["predict", "redistribute"]
+        if self.surface.open and n.surface_rule != "frozen":
+            found.append(f"surface ({self.surface.name})")
+        further = [f"{part.name} force" for part in self.forces if part.name != "body"]
+        source = ", strain source" if n.strain else ""
+        flux = f", {self.divergence.name} divergence" if not self.laplacian.gives_flux else ""
+        surface = f", {self.surface_gradient.name} at the surface" if self.surface_gradient.name != "same" and self.surface.open else ""
+        return [*found, *further, f"assemble ({n.method}, {self.wall_rows.name} walls{flux}{source})",
+                "solve" + (" (null space)" if closed else ""), f"correct ({self.gradient.name} gradient{surface})",
+                *(part.words for part in self.regularisers)]
+
+    def check(self, dim: int) -> None:
+        """Raise CaseError for a part that does not work in so many dimensions."""
+        for part in self:
+            if dim not in part.dims:
+                known = " and ".join(f"{n}D" for n in part.dims)
+                raise CaseError(f"{part.name!r} works in {known} only, and this scene has {dim} dimensions: choose another part")
+
+
+def warning(numerics: Numerics) -> str:
+    """Return what a user must know before running the method of a case, or nothing."""
+    return METHODS[numerics.method].warning

@@ -1,0 +1,80 @@
+"""The state of a scene that the parts of a method may read and change."""
+
+from typing import Any
+
+import numpy as np
+
+from parisph.base.fields import ABSENT, WALL
+from parisph.case.numerics import Numerics
+from parisph.kernels import surface
+from parisph.kernels.jit import axes_of
+from parisph.methods import lengths
+from parisph.methods.budget import Budget, NoBudget
+from parisph.parallel.domain import Domain
+from parisph.parallel.particles import Particles
+from parisph.pressure.rows import Cloud
+
+
+class Flow:
+    """Particles, their neighbours, and what a step has found out about them so far.
+
+    Parameters
+    ----------
+    numerics : resolved Numerics
+    density : [kg/m^3]
+    body : callable (x (n, dim), t) -> (n, dim), the body force per unit mass in the tank's frame [m/s^2]
+    particles, domain, timers : of this run
+    closed : whether the fluid fills a closed tank: no free surface
+    budget : measures the energy that the fluid gains by each part of a step, or None
+
+    Attributes
+    ----------
+    full : lattice value of the density ratio's sum
+    force : (n_all, dim) [m/s^2], of this step
+    by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
+    strained, doubt : (n_owned,) or None, of methods.strain in this step
+    top_acceleration : of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
+    collisions : pairs of owned particles that have collided in this step
+    rows, solver, pressure_gradient : PressureRows, PressureSolver, and a function of f (n_all,), of a projection; else None
+    position_solve : SolveRecord of the position projection in this step, or None
+    """
+
+    def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, timers: Any,
+                 closed: bool = False, budget: Budget | None = None):
+        self.numerics, self.density, self.body = numerics, density, body
+        self.particles, self.domain, self.timers = particles, domain, timers
+        self.closed, self.budget = closed, budget or NoBudget()
+        self.spacing: float = numerics.spacing
+        self.axes = axes_of(particles.dim)
+        self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
+        self.force = np.zeros((0, particles.dim))
+        self.by_pressure: Any = 0.0
+        self.strained: np.ndarray | None = None
+        self.doubt: np.ndarray | None = None
+        self.top_acceleration = 0.0
+        self.collisions = 0
+        # of a projection: its rows and solver, and what computes gradients with them
+        self.rows: Any = None
+        self.solver: Any = None
+        self.pressure_gradient: Any = None
+        self.position_solve: Any = None
+
+    @property
+    def cloud(self) -> Cloud:
+        """The particles as kernels need them, now."""
+        p, d = self.particles, self.domain
+        return Cloud(p.x_all, p.kind_all, p.role_all, p.volume_all, p.normal_all, p.corner_all, d.indptr, d.indices,
+                     self.spacing, self.axes)
+
+    def seen(self, closing: int) -> np.ndarray:
+        """Return kind (n_all,) with the walls ABSENT that are less than `closing` (kernels.wetness.FREE or CLOSING)."""
+        p = self.particles
+        if "closing" not in p.fields:
+            return np.where(p.kind_all == WALL, np.int8(ABSENT), p.kind_all)
+        return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
+
+    def density_ratio(self, seen: np.ndarray) -> None:
+        """Write the field alpha of owned fluid. seen : (n_all,) kind, ABSENT for what does not count. Not collective."""
+        p, d = self.particles, self.domain
+        surface.density_ratio(p.alpha, p.x_all, seen, p.corner_all, p.normal_all, lengths.DENSITY * self.spacing, self.full,
+                              d.indptr, d.indices, self.axes)

@@ -1,0 +1,138 @@
+"""The regularisers of positions: position projection, close pairs, and Fick shift."""
+
+import numpy as np
+
+from parisph.base.fields import FLUID
+from parisph.kernels import collisions, pairs, shifting, wetness
+from parisph.methods import lengths, straining
+from parisph.methods.parts import REGULARISERS, Regulariser
+
+SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
+CAP = 0.1    # longest move of the position projection and of the shift, in spacings
+
+# Close pairs; lengths in spacings.
+TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
+TURNS = 2.5     # times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
+PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the fraction of what is missing
+APART, SWEEPS, SWEEP = 0.45, 8, 0.15    # distance that all pairs are brought to, sweeps at most, and longest move in one
+
+
+class PositionProjection(Regulariser):
+    """Moves particles along -grad phi, lap phi = -kappa (alpha - 1), with the matrix of the pressure.
+
+    Uses the lists and the matrix of the pressure solve: within half a step, neighbours move relative to each other by
+    far less than a spacing.
+    """
+
+    name, cause, words, moves, fields = "projection", "projection", "position projection", True, (*straining.FIELDS, "alpha", "phi")
+
+    def wanted(self, numerics):
+        return numerics.kappa > 0.0
+
+    def apply(self, flow, dt):
+        p, d, n = flow.particles, flow.domain, flow.numerics
+        flow.density_ratio(flow.seen(wetness.FREE))
+        e = straining.strength(flow, n.kappa, n.kappa_strain) * compression(flow, flow.doubt)
+        p.phi[:], flow.position_solve = flow.solver.solve_again(flow.rows.right_hand_side(-e), p.phi, slack=SLACK)
+        d.update("phi")
+        move = -flow.pressure_gradient(p.phi_all)
+        shifting.limit_lengths(move, p.n_owned, CAP * flow.spacing, flow.axes)
+        displace(flow, move)
+        d.update("x")
+
+
+class Parting(Regulariser):
+    """Parts close pairs that have no pressure."""
+
+    name, cause, words, moves, strain, fields = "parting", "parting", "parting of close pairs", True, False, ("pairs",)
+
+    def wanted(self, numerics):
+        return numerics.shift > 0.0
+
+    def apply(self, flow, dt):
+        p, d = flow.particles, flow.domain
+        distance = PART_WITHIN * flow.spacing
+        pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, distance, d.indptr, d.indices, flow.axes)
+        d.update("pairs")
+        move = np.empty_like(p.x)
+        pairs.part_pairs(move, p.pairs_all, p.x_all, p.kind_all, p.role_all, p.id_all, distance, PART,
+                         d.indptr, d.indices, flow.axes)
+        displace(flow, move)
+        d.update("x")
+
+
+class FickShift(Regulariser):
+    """Shifts by C_i h^2 along -grad alpha, at the surface along it, and turns close pairs."""
+
+    name, source, cause, words, moves = "shift", "Lind et al. 2012", "shift", "Fick shift", True
+    fields = (*straining.FIELDS, "grad_alpha", "turn")
+
+    def wanted(self, numerics):
+        return numerics.shift > 0.0
+
+    def apply(self, flow, dt):
+        p, d, n = flow.particles, flow.domain, flow.numerics
+        h = lengths.DENSITY * flow.spacing
+        shifting.concentration_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, h, flow.full,
+                                        d.indptr, d.indices, flow.axes)
+        d.update("grad_alpha")
+        move = np.empty_like(p.x)
+        shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all,
+                            straining.strength(flow, n.shift, n.shift_strain) * h * h, CAP * flow.spacing,
+                            2.0 * flow.spacing, d.indptr, d.indices, flow.axes)
+        turns = TURNS if n.shift_strain and not flow.closed else 1.0
+        p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
+        d.update("turn")
+        pairs.turn_pairs(move, p.x_all, p.kind_all, p.role_all, p.id_all, TURN_WITHIN * flow.spacing, p.turn_all,
+                         d.indptr, d.indices, flow.axes)
+        displace(flow, move)
+
+
+class KeepApart(Regulariser):
+    """Brings all pairs of fluid to a least distance, as far as a few sweeps can.
+
+    Columns and jets one or two particles wide have no pressure. When they fall on something, their particles would end
+    in one place.
+    """
+
+    name, cause, words, moves, strain = "keep_apart", "parting", "least distance", True, False
+
+    def wanted(self, numerics):
+        return numerics.shift > 0.0
+
+    def apply(self, flow, dt):
+        p, d = flow.particles, flow.domain
+        move, near = np.empty_like(p.x), np.ones(p.n_owned, bool)
+        for _ in range(SWEEPS):
+            d.update("x")
+            crowded = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing, SWEEP * flow.spacing,
+                                       d.indptr, d.indices, flow.axes)
+            if not p.comm.allreduce(crowded):
+                break
+            displace(flow, move)
+
+
+def compression(flow, doubt) -> np.ndarray:
+    """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
+
+    doubt : (n_owned,)
+    """
+    p, d = flow.particles, flow.domain
+    e = np.empty(p.n_owned)
+    shifting.compression(e, p.alpha, p.role_all, p.x_all, p.kind_all, 0.1, doubt, lengths.WALL * flow.spacing,
+                         d.indptr, d.indices, flow.axes)
+    return e
+
+
+def displace(flow, move) -> None:
+    """Displace the owned fluid by move (n_owned, dim) [m], but not into a wall. Not collective."""
+    p, d, n = flow.particles, flow.domain, flow.numerics
+    if n.wall_guard > 0.0:
+        collisions.keep_off_walls(move, p.x_all, p.kind_all, p.corner_all, p.normal_all,
+                                  n.wall_guard * flow.spacing, d.indptr, d.indices, flow.axes)
+    fluid = p.kind == FLUID
+    p.x[fluid] += move[fluid]
+
+
+for part in (PositionProjection(), Parting(), FickShift(), KeepApart()):
+    REGULARISERS.register(part)

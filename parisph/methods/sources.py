@@ -1,0 +1,72 @@
+"""The sources of the pressure equation."""
+
+import numpy as np
+
+from parisph.methods.parts import SOURCES, Source
+from parisph.methods.positions import compression
+
+STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source answers
+
+
+class Mixed(Source):
+    """Velocity divergence and density error, weighed by zeta and gamma: Eq 17 for gamma 0, Eq 18 for zeta 0.
+
+    To it belong, each with a weight of its own, the strain source, and that a residual divergence is removed per strain.
+    """
+
+    name, source = "mixed", "Z14 Eqs 17-19"
+
+    def needs(self, numerics):
+        return ("alpha",) if numerics.gamma > 0.0 else ()
+
+    def target(self, flow, dt):
+        n, density = flow.numerics, flow.density
+        zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
+        strain = strain_source(flow, dt) if n.strain > 0.0 or n.residual_strain > 0.0 else 0.0
+        divergence = flow.rows.div
+        if n.residual_strain > 0.0:
+            divergence = divergence - put_off(flow, dt, strain)
+        target = density / dt * zeta * divergence
+        if n.gamma > 0.0:
+            target -= n.gamma * density / dt**2 * compression(flow, np.zeros(flow.particles.n_owned))
+        target -= n.strain * density * strain
+        return target
+
+
+def strain_source(flow, dt) -> np.ndarray:
+    """Return tr((grad u)^2)/2 (n_owned,) [1/s^2], the effect of a step in straight lines on volume. Not collective.
+
+    Particles move from one set of operators to the next by dt u, which changes a volume by the factor
+    det(1 + dt grad u) = 1 + dt div u - dt^2/2 tr((grad u)^2) + ... With div u = 0 a straining flow
+    shrinks: the dam break loses 4 % of its volume until the impact. div u = dt/2 tr((grad u)^2)
+    conserves it. The value is limited to the range in which the expansion is valid.
+    """
+    p = flow.particles
+    out = np.empty(p.n_owned)
+    flow.rows.second_invariant(out, p.u_all, p.role_all)
+    return np.clip(0.5 * out, -STRAIN_LIMIT / dt**2, STRAIN_LIMIT / dt**2)
+
+
+def put_off(flow, dt, strain) -> np.ndarray:
+    """Return the part of the divergence that is left to later steps (n_owned,) [1/s]. Not collective.
+
+    Rows and gradients do not match exactly: a pressure solve leaves a part of the divergence, near the surface
+    most of it, and in some stencils it makes it grow. Regularisation and changes of role add to it. Taken
+    out anew in each step, the residual acts per step and not per time: as dt -> 0 its pressure grows as 1/dt,
+    and damping in proportion to strain can no longer stop it. So it is removed at a rate in time, in proportion to
+    the fluid's velocity gradient or to its free fall; a step of usual length still removes all of it. Forces and
+    the strain of the flow itself, thus also impacts, act at once.
+
+    strain : (n_owned,) of `strain_source`; the step before has aimed at a divergence of `numerics.strain` dt times it,
+        which the flow since then has reduced by 2 dt times it. Exact also after a step of another length if strain is 1
+    """
+    p, n = flow.particles, flow.numerics
+    residual, rate = np.empty(p.n_owned), np.empty(p.n_owned)
+    flow.rows.divergence(residual, p.u_all, p.role_all)
+    residual += (2.0 - n.strain) * dt * strain
+    flow.rows.turnover(rate, p.u_all, p.role_all)
+    fall = np.sqrt(np.linalg.norm(flow.force[:p.n_owned], axis=1) / flow.spacing)
+    return (1.0 - np.minimum(1.0, n.residual_strain * dt * np.maximum(rate, fall))) * residual
+
+
+SOURCES.register(Mixed())

@@ -1,0 +1,54 @@
+"""The strain of a step, to which regularisation is in proportion."""
+
+import numpy as np
+
+from parisph.kernels import strain
+from parisph.methods import lengths
+
+SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
+DOUBT = 0.02  # density error near the surface that is no more than disorder in calm fluid
+RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that
+REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
+
+FIELDS = ("grad_u", "strain_rate")
+
+
+def measure(flow, dt) -> None:
+    """Write flow.strained, dt sqrt(2 S:S) as the mean around each particle, and flow.doubt. Collective.
+
+    Regularisation is in proportion to strain: fluid at rest or in rigid motion is left alone, and the effect over
+    a time does not depend on the number of steps in it. A rate far below REST sqrt(a/s), with the
+    acceleration a by pressure alone, counts for less, with its square: in still water of disordered particles,
+    moves in proportion to a small velocity would make it grow. Also computes the velocity gradient, for pair
+    collisions.
+    """
+    p, d = flow.particles, flow.domain
+    d.update("u")
+    radius = lengths.MLS * flow.spacing
+    strain.velocity_gradient(p.grad_u, p.strain_rate, p.u_all, p.x_all, p.kind_all, p.role_all, radius, SPAN,
+                             d.indptr, d.indices, flow.axes)
+    d.update("grad_u", "strain_rate")
+    out = np.empty(p.n_owned)
+    strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, radius, d.indptr, d.indices, flow.axes)
+    # a full closed tank does not notice a uniform force, which only its pressure balances
+    small = 0.0 if flow.closed else REST * np.sqrt(flow.by_pressure / flow.spacing)
+    flow.doubt = doubt(out, flow.by_pressure / flow.spacing)
+    flow.strained = dt * out * out / np.maximum(out + small, np.finfo(float).tiny)
+
+
+def doubt(rate, square) -> np.ndarray:
+    """Return the density error near the surface that may be disorder: DOUBT, and less where strain is rapid: (n,).
+
+    Rapid strain packs particles faster than disorder does, and all of that is compression.
+
+    rate : (n,) of strain [1/s]; square : (n,), a/s of the acceleration a by pressure alone [1/s^2]
+    """
+    calm = RAPID**2 * square
+    return DOUBT * calm / np.maximum(calm + rate**2, np.finfo(float).tiny)
+
+
+def strength(flow, most, per_strain) -> np.ndarray:
+    """Return a strength in proportion to the strain of the step, at most `most`; `most` itself if per_strain is 0: (n,)."""
+    if per_strain:
+        return np.minimum(most, per_strain * flow.strained)
+    return np.full(flow.particles.n_owned, most)

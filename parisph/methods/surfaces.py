@@ -1,0 +1,90 @@
+"""The rules that find the free surface, and the walls that are wet."""
+
+import numpy as np
+
+from parisph.base.fields import BALLISTIC, FLUID, INNER, WET
+from parisph.kernels import gradient, surface, wetness
+from parisph.methods import lengths
+from parisph.methods.parts import GRADIENTS, SURFACES, Surface
+
+REGAIN = 1.5    # times the floor of the gradient: when free flight of a kept surface ends
+
+
+def classify(flow, rule, dt) -> None:
+    """Find the free surface and the wet walls, and write the field role. Collective.
+
+    flow.force : (n_all, dim) [m/s^2], and dt [s]: of the step that begins
+    """
+    p, d = flow.particles, flow.domain
+    if not rule.open:
+        rule.find(flow, p.kind_all)
+        return
+    wetness.closing_walls(p.closing_all, p.role_all, p.x_all, p.u_all, flow.force, p.kind_all, p.normal_all,
+                          flow.spacing, dt, d.indptr, d.indices, flow.axes)
+    d.update("closing")
+    seen = flow.seen(wetness.CLOSING)
+    if "alpha" in p.fields:
+        flow.density_ratio(seen)
+    rule.find(flow, seen)
+    d.update("role")
+    # also for a frozen surface: it falls and rises past the nodes of the walls
+    wetness.wet_walls(p.role_all, p.closing_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, flow.spacing,
+                      d.indptr, d.indices, flow.axes)
+
+
+class Closed(Surface):
+    """No surface: fluid fills a closed tank."""
+
+    name, open = "none", False
+
+    def find(self, flow, seen):
+        p = flow.particles
+        p.role[:] = np.where(p.kind == FLUID, INNER, WET)
+
+
+class Frozen(Surface):
+    """Fluid keeps the role of the start, also particles that have flown freely and have neighbours again."""
+
+    name, fields = "frozen", ("closing", "start_role")
+
+    def find(self, flow, seen):
+        p, d = flow.particles, flow.domain
+        radius, power, floor = GRADIENTS[flow.numerics.gradient].form(flow.spacing)
+        p.role[:] = np.where((p.kind == FLUID) & (p.role != BALLISTIC), p.start_role, p.role)
+        gradient.regain_role(p.role_all, p.start_role, p.x_all, radius, power, REGAIN * floor, d.indptr, d.indices, flow.axes)
+
+
+class AngularGap(Surface):
+    """The largest angular gap between neighbours, with hysteresis."""
+
+    name, reach, fields = "gap", lengths.SURFACE_GAP, ("closing", "alpha")
+
+    def find(self, flow, seen):
+        p, d = flow.particles, flow.domain
+        surface.surface_by_gap(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all, p.alpha,
+                               lengths.SURFACE_GAP * flow.spacing, 2.3, 1.4, 0.55, d.indptr, d.indices, flow.axes)
+
+
+class Auxiliary(Surface):
+    """Three auxiliary functions of the neighbours' places."""
+
+    name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
+
+    def find(self, flow, seen):
+        p, d = flow.particles, flow.domain
+        surface.surface_by_auxiliary_functions(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all, p.alpha,
+                                               lengths.WALL * flow.spacing, 0.9, d.indptr, d.indices, flow.axes)
+
+
+class DensityRatio(Surface):
+    """Density ratio below .9."""
+
+    name, fields = "density", ("closing", "alpha")
+
+    def find(self, flow, seen):
+        p, d = flow.particles, flow.domain
+        surface.surface_by_density(p.role_all, p.kind_all, p.alpha, 0.9, d.indptr)
+
+
+for part in (AngularGap(), Auxiliary(), DensityRatio(), Frozen(), Closed()):
+    SURFACES.register(part)

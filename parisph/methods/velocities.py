@@ -1,0 +1,88 @@
+"""The regularisers of velocities: filter, pair collisions and wall guard."""
+
+import numpy as np
+
+from parisph.base.fields import FLUID
+from parisph.kernels import collisions
+from parisph.methods import lengths, straining
+from parisph.methods.parts import REGULARISERS, Regulariser
+
+
+class Filter(Regulariser):
+    """Removes a part of each velocity's difference to the moving least squares of its neighbours."""
+
+    name, cause, words, reach = "filter", "filter", "velocity filter", lengths.MLS
+
+    def wanted(self, numerics):
+        return numerics.filter > 0.0
+
+    def needs(self, numerics):
+        return straining.FIELDS if numerics.filter_strain else ()
+
+    def apply(self, flow, dt):
+        p, d, n = flow.particles, flow.domain, flow.numerics
+        d.update("u")
+        change = np.empty_like(p.u)
+        collisions.smooth_velocity(change, p.u_all, p.x_all, p.kind_all, p.role_all,
+                                   straining.strength(flow, n.filter, n.filter_strain), lengths.MLS * flow.spacing,
+                                   d.indptr, d.indices, flow.axes)
+        p.u[:] += change
+
+
+class Collisions(Regulariser):
+    """Close pairs collide with the part of their velocity that is not that of the strain around them."""
+
+    name, cause, words, fields = "collisions", "collisions", "pair collisions", (*straining.FIELDS, "pairs")
+
+    def wanted(self, numerics):
+        return numerics.collision_distance > 0.0
+
+    def apply(self, flow, dt):
+        p, d, n = flow.particles, flow.domain, flow.numerics
+        distance = n.collision_distance * flow.spacing
+        d.update("u")
+        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.grad_u_all, p.kind_all, distance, d.indptr, d.indices, flow.axes)
+        d.update("pairs")
+        change = np.empty_like(p.u)
+        flow.collisions = collisions.pair_collisions(change, p.pairs_all, p.u_all, p.x_all, p.grad_u_all, p.kind_all,
+                                                     p.volume_all, distance, n.restitution, d.indptr, d.indices, flow.axes)
+        p.u[:] += change
+
+
+class WallGuard(Regulariser):
+    """Stops particles before they pass a wall."""
+
+    name, cause, words = "wall_guard", "guard", "wall guard"
+
+    def wanted(self, numerics):
+        return numerics.wall_guard > 0.0
+
+    def apply(self, flow, dt):
+        guard(flow, flow.particles.u_all, dt)
+
+
+def guard(flow, u, dt) -> None:
+    """Limit velocities u (n_all, dim) of owned fluid, so that a step of dt [s] ends before a wall. Not collective."""
+    p, d = flow.particles, flow.domain
+    collisions.wall_guard(u, p.x_all, p.kind_all, p.corner_all, p.normal_all, flow.numerics.wall_guard * flow.spacing, dt,
+                          d.indptr, d.indices, flow.axes)
+
+
+def keep_in_tank(flow, u, dt) -> np.ndarray:
+    """Limit a velocity (n_owned, dim) of the fluid, by which it will be moved, with the wall guard. Not collective.
+
+    Particles move by the mean of two velocities. The guard of the new one alone would let a particle that is
+    stopped in this step pass the wall, and stop one that is only slowed down.
+    """
+    p = flow.particles
+    if not flow.numerics.wall_guard:
+        return u
+    both = p.u_all.copy()    # walls keep theirs
+    fluid = p.kind == FLUID
+    both[:p.n_owned][fluid] = u[fluid]
+    guard(flow, both, dt)
+    return both[:p.n_owned]
+
+
+for part in (Filter(), Collisions(), WallGuard()):
+    REGULARISERS.register(part)
