@@ -25,6 +25,7 @@ from parisph import (
     Truth,
 )
 from parisph.case.checks import stable_time_step
+from parisph.case.methods import METHODS
 from parisph.case.probes import read_truth
 from parisph.case.schema import PRESETS
 
