@@ -6,12 +6,10 @@ from parisph.base.fields import INNER
 from parisph.kernels.circle import fill_basis
 from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.moments import cholesky, cholesky_solve, normal_matrix
+from parisph.kernels.moments import QUADRATIC_UNIT, cholesky, cholesky_solve, normal_matrix
 from parisph.kernels.near import fill_up, gather, room_for
 from parisph.kernels.row import finish_row
 from parisph.kernels.smoothing import quartic_weight
-
-UNIT = 0.3  # of the radius of the weight: in this unit of length the moments up to the fourth are of order one
 
 
 @kernel
@@ -28,7 +26,7 @@ def quadratic_rankine_rows(count, columns, values, measure, x, role, unit, circl
     radius : of the moving least squares [m]; the lists should reach to circle + radius
     """
     dim, points, room, size = len(axes), len(unit), room_for(indptr), basis_size(axes) + 2
-    scale = UNIT * radius
+    scale = QUADRATIC_UNIT * radius
     at, basis, w, mean = np.zeros((size, points)), np.zeros((size + 3, room)), np.empty((1, room)), np.empty(room)
     matrix, right = np.empty((size, size + 3)), np.empty(size)
     for q in range(points):
@@ -62,7 +60,7 @@ def _add_shape(mean, w, basis, at, q, matrix, right, size, m, axes):
         r2 = 0.0
         for a in range(len(axes)):
             r2 += (basis[a, k] - at[a, q]) ** 2
-        w[0, k] = quartic_weight(r2, 1.0 / (UNIT * UNIT))
+        w[0, k] = quartic_weight(r2, 1.0 / (QUADRATIC_UNIT * QUADRATIC_UNIT))
     normal_matrix(matrix, basis, w, size, m)
     if not cholesky(matrix, size):
         return False
