@@ -50,7 +50,8 @@ def error(name, spacing, jitter, field=wave, dim=2):
     x, inner, role, rows = problem(name, spacing, jitter, dim)
     n, (f, laplacian) = len(x), field(x)
     right = np.where(inner, known_part(rows, n, np.where(inner, 0.0, f)) - rows.measure * laplacian, 0.0)
-    *matrix, _ = compress(n, rows.count, rows.columns, rows.values, rows.indptr, role, np.arange(n, dtype=np.int32), False)
+    *matrix, _ = compress(n, rows.count, rows.columns, rows.values, rows.indptr, role, np.arange(n, dtype=np.int32),
+                          False)
     solver = PressureSolver(MPI.COMM_SELF, rtol=1e-9)
     p, _ = solver.solve(*matrix, right, None)
     solver.destroy()
@@ -64,7 +65,8 @@ def errors(name, spacings, jitter, field=wave, dim=2):
 
 
 @pytest.mark.parametrize(("name", "level", "order"), [
-    ("cisph1", 3.2e-2, 2.0), ("cisph2", 3.2e-2, 2.0), ("fatehi", 3.2e-2, 2.0), ("gfd", 2.2e-2, 2.0), ("circle", 5.5e-3, 1.4)])
+    ("cisph1", 3.2e-2, 2.0), ("cisph2", 3.2e-2, 2.0), ("fatehi", 3.2e-2, 2.0), ("gfd", 2.2e-2, 2.0),
+    ("circle", 5.5e-3, 1.4)])
 def test_wave_on_the_lattice(name, level, order):
     solution, _ = errors(name, COARSE, 0.0)
     assert solution[1] == pytest.approx(level, rel=0.03)
@@ -72,7 +74,8 @@ def test_wave_on_the_lattice(name, level, order):
 
 
 @pytest.mark.parametrize(("name", "level", "order"), [
-    ("cisph1", 1.66e-2, 1.5), ("cisph2", 9.2e-3, 1.85), ("fatehi", 7.9e-3, 2.0), ("gfd", 5.3e-3, 2.0), ("circle", 2.0e-3, 2.2)])
+    ("cisph1", 1.66e-2, 1.5), ("cisph2", 9.2e-3, 1.85), ("fatehi", 7.9e-3, 2.0), ("gfd", 5.3e-3, 2.0),
+    ("circle", 2.0e-3, 2.2)])
 def test_wave_on_disordered_particles(name, level, order):
     solution, _ = errors(name, FINE, 0.8)
     assert solution[-1] == pytest.approx(level, rel=0.05)
