@@ -18,9 +18,10 @@ def quadratic_rankine_rows(count, columns, values, measure, x, role, unit, circl
     """Fill the rows of inner particles with the mean over a circle or sphere of a quadratic fit.
 
     mean p - p_I = (R^2/2 dim) lap p (Zheng, Ma & Duan 2014, Eqs. 21-23 and 33), as in `rankine`, where p is
-    interpolated linearly and the row needs another normalisation. A quadratic interpolant has the second moment of the circle itself, so that the row is exact for
-    quadratics on any particles with R as printed. Values may be negative. A row is given up if the neighbours of
-    a point do not span the polynomials of degree 2, 6 in 2D and 10 in 3D.
+    interpolated linearly and the row needs another normalisation. A quadratic interpolant has the second moment of
+    the circle itself, so that the row is exact for quadratics on any particles with R as printed. Values may be
+    negative. A row is given up if the neighbours of a point do not span the polynomials of degree 2, 6 in 2D and
+    10 in 3D.
 
     count, columns, values, measure : as of `schwaiger.cisph1_rows`
     unit : (K, dim) from `rankine.directions`; circle : R, about one spacing [m]
