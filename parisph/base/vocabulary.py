@@ -5,9 +5,9 @@ A case is described and checked without the code that runs it, so it needs to kn
 """
 
 WORDS: dict[str, list[str]] = {
-    "laplacian": ["rankine", "rankine_printed", "sph"],
-    "divergence": ["flux"],
-    "gradient": ["sfdi", "symmetric", "mixed"],
+    "laplacian": ["rankine", "rankine_printed", "sph", "cisph1", "cisph2", "gfd", "rankine_quadratic", "fatehi"],
+    "divergence": ["flux", "nodal"],
+    "gradient": ["sfdi", "symmetric", "mixed", "spline", "corrected"],
     "surface_gradient": ["same", "harmonic"],
     "wall_rows": ["sfdi", "harmonic"],
     "surface_rule": ["gap", "auxiliary", "density", "frozen", "none"],

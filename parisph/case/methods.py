@@ -34,6 +34,11 @@ METHODS = {
     for method in (
         Method("ISPH_R", "Z14 Eq 23, normalised so that it converges", {"laplacian": "rankine"}),
         Method("ISPH", "Z14 Eq 20a", {"laplacian": "sph"}),
+        Method("CISPH1", "Z14 Eqs 20b and 20c, sign corrected", {"laplacian": "cisph1"}),
+        Method("CISPH2", "Z14 Eqs 20b and 20d, sign corrected", {"laplacian": "cisph2"}),
+        Method("GFD", "generalised finite differences", {"laplacian": "gfd"}),
+        Method("ISPH_R2", "Z14 Eqs 21-23 with quadratic moving least squares", {"laplacian": "rankine_quadratic"}),
+        Method("FM", "Fatehi and Manzari 2011", {"laplacian": "fatehi"}),
         Method("ISPH_R_printed", "Z14 Eq 23 as printed, for comparison only", {"laplacian": "rankine_printed"},
                warning="as printed, the Laplacian is too large by a constant factor and does not converge"),
     )

@@ -12,7 +12,7 @@ from parisph.kernels.schwaiger import FLAT
 
 
 @kernel
-def fatehi_rows(count, columns, values, measure, x, role, h, indptr, indices, axes):
+def fatehi_rows(count, columns, values, measure, x, role, h, indptr, indices, axes) -> None:
     """Fill the rows of inner particles with the Laplacian that is exact for quadratics on any particles.
 
     With e = r_ij/r, r_ij = r_i - r_j, and the first-order corrected gradient of Zheng, Ma & Duan (2014), Eq. 20d,
@@ -84,7 +84,10 @@ def _third_moments(third, inverse, square, weighted, m, axes):
 
 @inlined
 def _tensor(tensor, matrix, lean, third, square, along, near, m, axes):
-    """Solve for B, its entries off the diagonal twice, and write lean[p, a] = sum_j w (e e)_p xi_a. False if degenerate."""
+    """Solve for B, its entries off the diagonal twice; False if degenerate.
+
+    lean : (pairs, dim) sum_j w (e e)_p xi_a, written
+    """
     pairs = len(square)
     for p in range(pairs):
         for a in range(len(axes)):

@@ -17,7 +17,7 @@ from parisph.kernels.rankine import UNSOUND
 
 
 @kernel
-def flux_rows(count, columns, flux, div, u, x, role, unit, circle, radius, indptr, indices, axes):
+def flux_rows(count, columns, flux, div, u, x, role, unit, circle, radius, indptr, indices, axes) -> None:
     """Fill the flux stencils of inner particles, and the flux divergence of u: those of `rankine.rankine_rows`.
 
     The flux of u through the circle of radius R, interpolated by linear moving least squares (Zheng, Ma & Duan
@@ -64,7 +64,7 @@ def _surrounded(mean, basis, m, circle, points):
 
 
 @kernel
-def least_squares_flux(count, columns, flux, div, u, x, role, radius, power, floor, indptr, indices, axes):
+def least_squares_flux(count, columns, flux, div, u, x, role, radius, power, floor, indptr, indices, axes) -> None:
     """Fill the divergence stencils of inner particles from the first-order least-squares gradient.
 
     The nodal divergence of SFDI (Zheng et al. 2017, Eqs. 29-32, with power 2), exact for linear u on any particles.

@@ -14,6 +14,10 @@ from parisph.kernels.smoothing import quartic_weight
 # the basis: such a system only amplifies rounding errors and disorder.
 PIVOT_FLOOR = 2.0e-3
 
+# The unit of length for fits by polynomials of degree 2, in radii of the weight: with it the moments up to the
+# fourth are of order one. In units of the radius the floor above would find good neighbours degenerate.
+QUADRATIC_UNIT = 0.3
+
 
 @inlined
 def cholesky(a, n):

@@ -6,29 +6,29 @@ from parisph.base.fields import INNER
 from parisph.kernels.circle import fill_basis
 from parisph.kernels.harmonic import basis_size
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.moments import cholesky, cholesky_solve, normal_matrix
+from parisph.kernels.moments import QUADRATIC_UNIT, cholesky, cholesky_solve, normal_matrix
 from parisph.kernels.near import fill_up, gather, room_for
 from parisph.kernels.row import finish_row
 from parisph.kernels.smoothing import quartic_weight
 
-UNIT = 0.3  # of the radius of the weight: in this unit of length the moments up to the fourth are of order one
-
 
 @kernel
-def quadratic_rankine_rows(count, columns, values, measure, x, role, unit, circle, radius, indptr, indices, axes):
-    """Fill the rows of inner particles with the mean over a circle or sphere of a quadratic fit (2014, Eqs. 21-23, 33).
+def quadratic_rankine_rows(count, columns, values, measure, x, role, unit, circle, radius, indptr, indices,
+                           axes) -> None:
+    """Fill the rows of inner particles with the mean over a circle or sphere of a quadratic fit.
 
-    mean p - p_I = (R^2/2 dim) lap p, as in `rankine`, where p is interpolated linearly and the row needs another
-    normalisation. A quadratic interpolant has the second moment of the circle itself, so that the row is exact for
-    quadratics on any particles with R as printed. Values may be negative. A row is given up if the neighbours of
-    a point do not span the polynomials of degree 2, 6 in 2D and 10 in 3D.
+    mean p - p_I = (R^2/2 dim) lap p (Zheng, Ma & Duan 2014, Eqs. 21-23 and 33), as in `rankine`, where p is
+    interpolated linearly and the row needs another normalisation. A quadratic interpolant has the second moment of
+    the circle itself, so that the row is exact for quadratics on any particles with R as printed. Values may be
+    negative. A row is given up if the neighbours of a point do not span the polynomials of degree 2, 6 in 2D and
+    10 in 3D.
 
     count, columns, values, measure : as of `schwaiger.cisph1_rows`
     unit : (K, dim) from `rankine.directions`; circle : R, about one spacing [m]
     radius : of the moving least squares [m]; the lists should reach to circle + radius
     """
     dim, points, room, size = len(axes), len(unit), room_for(indptr), basis_size(axes) + 2
-    scale = UNIT * radius
+    scale = QUADRATIC_UNIT * radius
     at, basis, w, mean = np.zeros((size, points)), np.zeros((size + 3, room)), np.empty((1, room)), np.empty(room)
     matrix, right = np.empty((size, size + 3)), np.empty(size)
     for q in range(points):
@@ -62,7 +62,7 @@ def _add_shape(mean, w, basis, at, q, matrix, right, size, m, axes):
         r2 = 0.0
         for a in range(len(axes)):
             r2 += (basis[a, k] - at[a, q]) ** 2
-        w[0, k] = quartic_weight(r2, 1.0 / (UNIT * UNIT))
+        w[0, k] = quartic_weight(r2, 1.0 / (QUADRATIC_UNIT * QUADRATIC_UNIT))
     normal_matrix(matrix, basis, w, size, m)
     if not cholesky(matrix, size):
         return False

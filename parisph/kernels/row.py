@@ -1,7 +1,9 @@
 """What all pressure rows of inner particles have in common: their form, and when one is given up."""
 
-from parisph.kernels.jit import inlined
+from parisph.base.fields import INNER
+from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.rankine import UNSOUND
+from parisph.kernels.roles import outside
 
 
 @inlined
@@ -26,3 +28,22 @@ def finish_row(i, first, n, scale, sound, count, values, measure):
     else:
         count[i] = 0
         measure[i] = 0.0
+
+
+@kernel
+def mean_rows(count, columns, values, measure, role, indptr, indices) -> None:
+    """Give inner particles whose row was given up the mean of their neighbours, as `rankine.rankine_rows` does.
+
+    A row without entries means p = 0, which pins the pressure in the middle of a closed tank. The measure stays 0,
+    by which such rows are known.
+    """
+    for i in range(len(indptr) - 1):
+        if role[i] != INNER or count[i] > 0:
+            continue
+        n, first = 0, indptr[i]
+        for k in range(first, indptr[i + 1]):
+            columns[first + n] = indices[k]
+            n += not outside(role[indices[k]])
+        for k in range(first, first + n):
+            values[k] = 1.0 / n
+        count[i], measure[i] = n, 0.0

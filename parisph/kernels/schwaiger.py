@@ -11,7 +11,7 @@ from parisph.kernels.row import finish_row
 FLAT = 0.02  # det/(trace/dim)^dim of Gamma below which a row is given up: the neighbours lie almost in a line
 
 
-def cisph1_rows(count, columns, values, measure, x, role, h, volume, indptr, indices, axes):
+def cisph1_rows(count, columns, values, measure, x, role, h, volume, indptr, indices, axes) -> None:
     """Fill the rows of inner particles with CISPH1 (Zheng, Ma & Duan 2014, Eq. 20b with the gradient of Eq. 20c).
 
     With r_ij = r_i - r_j, F_ij = W'/r and grad_i W_ij = F_ij r_ij,
@@ -27,7 +27,7 @@ def cisph1_rows(count, columns, values, measure, x, role, h, volume, indptr, ind
     _rows(count, columns, values, measure, x, role, h, volume, False, indptr, indices, axes)
 
 
-def cisph2_rows(count, columns, values, measure, x, role, h, indptr, indices, axes):
+def cisph2_rows(count, columns, values, measure, x, role, h, indptr, indices, axes) -> None:
     """Fill the rows of inner particles with CISPH2 (Zheng, Ma & Duan 2014, Eq. 20b with the gradient of Eq. 20d).
 
     As cisph1_rows, but grad p_i = sum_j V (p_j - p_i) L grad_i W_ij with L = [sum_j V (r_j - r_i) grad_i W_ij^T]^-1,
@@ -39,9 +39,10 @@ def cisph2_rows(count, columns, values, measure, x, role, h, indptr, indices, ax
 
 @kernel
 def _rows(count, columns, values, measure, x, role, h, volume, corrected, indptr, indices, axes):
-    """Fill the rows in units of the support: with w = -F, xi = r_j - r_i and M = sum w xi xi^T = -Gamma/V the sum is
+    """Fill the rows in units of the support, with w = -F, xi = r_j - r_i and M = sum w xi xi^T = -Gamma/V.
 
-    lap p_i = 2 tr(M^-1)/n sum_j w_j [1 - (sum_k w_k xi_k) . G xi_j] (p_j - p_i), grad p_i = sum_j w_j G xi_j (p_j - p_i).
+    If grad p_i = sum_j w_j G xi_j (p_j - p_i), then
+    lap p_i = 2 tr(M^-1)/n sum_j w_j [1 - (sum_k w_k xi_k) . G xi_j] (p_j - p_i).
     """
     dim, room, radius = len(axes), room_for(indptr), 2.0 * h
     near, weighted = np.empty((dim, room)), np.empty((dim + 1, room))
@@ -60,7 +61,7 @@ def _rows(count, columns, values, measure, x, role, h, volume, corrected, indptr
             for a in range(dim):
                 c -= tilt[a] * near[a, k]
             values[first + k] = weighted[0, k] * c
-        finish_row(i, first, n, 2.0 * trace / (dim * radius * radius) if sound else 0.0, sound, count, values, measure)
+        finish_row(i, first, n, 2.0 * trace / (dim * radius * radius), sound, count, values, measure)
 
 
 @inlined

@@ -6,5 +6,7 @@ WALL = 2.6            # wall rows and harmonic stencils
 MIXED = 2.6           # of the mixed gradient
 DENSITY = 1.3         # h of the density ratio
 SPH = 1.8             # h of the SPH Laplacian and of the symmetric gradient; the kernel ends at 2 h
+QUADRATIC_CIRCLE = 1.0    # R of the circle with quadratic least squares
+QUADRATIC = 2.6       # quadratic least squares, there and of generalised finite differences
 SURFACE_GAP = 2.0     # neighbours that close the angular gap
 NEAR = 2.6            # reach of neighbour lists that regularisation and walls need, whatever the method

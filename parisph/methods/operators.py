@@ -1,7 +1,8 @@
 """The operators of the pressure equation: Laplacians, divergences, wall rows and gradients."""
 
+from parisph.kernels import fatehi, gfd, gradient, laplacian, quadratic_circle, rankine, schwaiger, walls
 from parisph.kernels import flux as fluxes
-from parisph.kernels import gradient, laplacian, rankine, walls
+from parisph.kernels.near import SPLINE, SPLINE_SLOPE
 from parisph.methods import lengths
 from parisph.methods.parts import (
     DIVERGENCES,
@@ -44,6 +45,59 @@ class Sph(Laplacian):
     def fill(self, rows, cloud, flux, u):
         laplacian.isph_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * cloud.spacing,
                             cloud.spacing ** len(cloud.axes), cloud.indptr, cloud.indices, cloud.axes)
+
+
+class Cisph1(Laplacian):
+    """The Laplacian of Schwaiger with the gradient of a kernel sum."""
+
+    name, source, reach = "cisph1", "Z14 Eqs 20b and 20c, sign corrected", 2.0 * lengths.SPH
+
+    def fill(self, rows, cloud, flux, u):
+        s = cloud.spacing
+        schwaiger.cisph1_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * s,
+                              s ** len(cloud.axes), cloud.indptr, cloud.indices, cloud.axes)
+
+
+class Cisph2(Laplacian):
+    """The Laplacian of Schwaiger with a gradient that is exact for linear functions."""
+
+    name, source, reach = "cisph2", "Z14 Eqs 20b and 20d, sign corrected", 2.0 * lengths.SPH
+
+    def fill(self, rows, cloud, flux, u):
+        schwaiger.cisph2_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
+                              lengths.SPH * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
+
+
+class Gfd(Laplacian):
+    """Generalised finite differences: least squares of a polynomial of degree 2."""
+
+    name, source, reach = "gfd", "generalised finite differences", lengths.QUADRATIC
+
+    def fill(self, rows, cloud, flux, u):
+        gfd.gfd_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.QUADRATIC * cloud.spacing,
+                     cloud.indptr, cloud.indices, cloud.axes)
+
+
+class QuadraticRankine(Laplacian):
+    """ISPH_R with quadratic moving least squares, which needs no normalisation."""
+
+    name, source, reach = "rankine_quadratic", "Z14 Eqs 21-23", lengths.QUADRATIC_CIRCLE + lengths.QUADRATIC
+
+    def fill(self, rows, cloud, flux, u):
+        s = cloud.spacing
+        quadratic_circle.quadratic_rankine_rows(
+            rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, rankine.directions(len(cloud.axes)),
+            lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s, cloud.indptr, cloud.indices, cloud.axes)
+
+
+class Fatehi(Laplacian):
+    """The corrected SPH Laplacian that is exact for quadratic functions."""
+
+    name, source, reach = "fatehi", "Fatehi and Manzari 2011", 2.0 * lengths.SPH
+
+    def fill(self, rows, cloud, flux, u):
+        fatehi.fatehi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * cloud.spacing,
+                           cloud.indptr, cloud.indices, cloud.axes)
 
 
 class FluxDivergence(Divergence):
@@ -109,10 +163,32 @@ class Sfdi(LeastSquares):
     power, floor = 2, 0.2
 
 
+class Spline(LeastSquares):
+    """With the cubic spline for a weight, over the support of the SPH kernels."""
+
+    name, source, reach, power = "spline", "Z17 Eq 28", 2.0 * lengths.SPH, SPLINE
+
+
+class Corrected(LeastSquares):
+    """The SPH gradient with a corrected kernel gradient: the weight is the kernel's slope."""
+
+    name, source, reach, power = "corrected", "Z17 Eqs 26-27", 2.0 * lengths.SPH, SPLINE_SLOPE
+
+
+class Nodal(Divergence):
+    """Least squares of the velocities of neighbours."""
+
+    name, source, reach = "nodal", "Z17 Eqs 29-32", lengths.MLS
+
+    def fill(self, flux, cloud, u):
+        fluxes.least_squares_flux(flux.count, flux.columns, flux.flux, flux.div, u, cloud.x, cloud.role,
+                                  lengths.MLS * cloud.spacing, Sfdi.power, Sfdi.floor, cloud.indptr, cloud.indices, cloud.axes)
+
+
 class Symmetric(LeastSquares):
     """The SPH gradient that conserves momentum."""
 
-    name, source, reach = "symmetric", "Z14 Eq 15", 2.0 * lengths.SPH
+    name, source, reach = "symmetric", "Z17 Eq 25", 2.0 * lengths.SPH
 
     def form(self, spacing):
         return self.reach * spacing, 0, self.floor
@@ -141,12 +217,13 @@ class HarmonicSurface(Gradient):
         gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
 
 
-for part in (Rankine(), RankinePrinted(), Sph()):
+for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):
     LAPLACIANS.register(part)
-DIVERGENCES.register(FluxDivergence())
+for divergence_part in (FluxDivergence(), Nodal()):
+    DIVERGENCES.register(divergence_part)
 for walls_part in (SfdiWalls(), HarmonicWalls()):
     WALL_ROWS.register(walls_part)
-for gradient_part in (Mixed(), Sfdi(), Symmetric()):
+for gradient_part in (Mixed(), Sfdi(), Symmetric(), Spline(), Corrected()):
     GRADIENTS.register(gradient_part)
 for surface_part in (Same(), HarmonicSurface()):
     SURFACE_GRADIENTS.register(surface_part)

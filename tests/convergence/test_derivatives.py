@@ -7,13 +7,17 @@ import pytest
 
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels import gradient, rankine, walls
+from parisph.kernels.near import SPLINE, SPLINE_SLOPE
 from parisph.methods.lengths import CIRCLE, MIXED, MLS, SPH, WALL
 from tests.manufactured import orders
 from tests.pools import Rows, block, tank
 
 CELLS = (20, 40, 80)
 
-GRADIENT = {"sfdi": MLS, "mixed": MIXED}
+# weight, radius in spacings and floor of the least-squares gradients: Zheng et al. (2017), Eqs. 29, 28, 28 with
+# the cubic spline, and 26
+LEAST_SQUARES = {"sfdi": (2, MLS, 0.2), "mixed": (0, MIXED, 0.05),
+                 "mixed_spline": (SPLINE, 2.0 * SPH, 0.05), "corrected": (SPLINE_SLOPE, 2.0 * SPH, 0.05)}
 
 
 def rms(values):
@@ -55,16 +59,16 @@ def gradient_errors(name, jitter, where="inside"):
         if name == "symmetric":
             gradient.symmetric_gradient(out, f, pool.x, pool.role, SPH * s, s * s, *pool.csr)
         else:
-            power, floor = (2, 0.2) if name == "sfdi" else (0, 0.05)
-            gradient.least_squares_gradient(out, f, pool.x, pool.role, GRADIENT[name] * s, power, floor, *pool.csr)
+            power, radius, floor = LEAST_SQUARES[name]
+            gradient.least_squares_gradient(out, f, pool.x, pool.role, radius * s, power, floor, *pool.csr)
             if jitter > 1.0:    # below the floor the slope is damped: no order
-                sound = pool.quality(GRADIENT[name] * s, power) >= floor
+                sound = pool.quality(radius * s, max(power, 0)) >= floor
         chosen = (middle(pool.x) if where == "inside" else ~pool.far_inside(1)) & (pool.role == INNER) & sound
         found.append(rms(out[chosen] - exact[chosen]) / rms(exact[chosen]))
     return np.array(found)
 
 
-@pytest.mark.parametrize("name", ["sfdi", "mixed"])
+@pytest.mark.parametrize("name", list(LEAST_SQUARES))
 def test_least_squares_gradients_inside(name):
     # symmetric neighbourhoods cancel the second derivatives; disorder leaves the first order
     assert np.all(rates(gradient_errors(name, 0.0)) >= 1.9)
@@ -73,7 +77,7 @@ def test_least_squares_gradients_inside(name):
         assert gradient_errors(name, k)[-1] < 0.01
 
 
-@pytest.mark.parametrize("name", ["sfdi", "mixed"])
+@pytest.mark.parametrize("name", list(LEAST_SQUARES))
 def test_least_squares_gradients_at_the_rim(name):
     for k in (0.0, 0.8):
         assert rate(gradient_errors(name, k, "rim")) >= 0.9
@@ -87,7 +91,8 @@ def test_symmetric_gradient_does_not_converge_on_disordered_particles():
 
 
 def test_sfdi_has_the_smallest_error_on_the_lattice():
-    assert gradient_errors("sfdi", 0.0)[-1] < gradient_errors("mixed", 0.0)[-1]
+    for name in ("mixed", "mixed_spline", "corrected"):
+        assert gradient_errors("sfdi", 0.0)[-1] < gradient_errors(name, 0.0)[-1]
 
 
 # -- derivatives of a harmonic pressure at walls and surface --------------------------------------------

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from parisph.base.fields import DRY, INNER, SURFACE
-from parisph.kernels import fatehi, gfd, quadratic_circle, rankine
+from parisph.kernels import fatehi, gfd, quadratic_circle, rankine, row
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
 from tests.pools import Rows, block, free, monomials
 
@@ -141,3 +141,35 @@ def test_rows_without_support_are_empty(dim, name, shape):
     pool = free(index[shape], reach=3.6)
     rows = filled(pool, name)
     assert np.all(rows.count == 0) and np.all(rows.measure == 0.0)
+
+
+@dims
+@names
+def test_rows_do_not_depend_on_the_order_of_the_particles(dim, name):
+    pool = cloud(dim, 1.2)
+    order = np.random.default_rng(0).permutation(pool.n)
+    p = np.random.default_rng(1).normal(size=pool.n)
+    rows = filled(pool, name)
+    expected, measure = rows.applied(p), rows.measure.copy()
+    pool.x = pool.x[order]
+    pool.relist()
+    rows = filled(pool, name)
+    np.testing.assert_allclose(rows.measure, measure[order], rtol=1e-7)
+    np.testing.assert_allclose(rows.applied(p[order]), expected[order], atol=1e-7)
+
+
+def test_rows_given_up_can_become_the_mean_of_their_neighbours():
+    pool = cloud(2)
+    pool.role[0], pool.role[1] = DRY, SURFACE
+    rows = filled(pool, "gfd")
+    given_up, kept = (pool.role == INNER) & (rows.measure == 0.0), rows.measure > 0.0
+    before = rows.applied(pool.x[:, 0])
+    row.mean_rows(*rows.matrix, pool.role, pool.indptr, pool.indices)
+    assert np.count_nonzero(given_up) > 0 and np.all(rows.count[:2] == 0)
+    np.testing.assert_array_equal(rows.applied(pool.x[:, 0])[kept], before[kept])
+    for i in np.flatnonzero(given_up):
+        columns, values = rows.entries(i)
+        assert 0 not in columns and rows.measure[i] == 0.0
+        np.testing.assert_allclose(values, 1.0 / len(columns), rtol=1e-14)
+        listed = pool.indices[pool.indptr[i]:pool.indptr[i + 1]]
+        np.testing.assert_array_equal(np.sort(columns), np.setdiff1d(listed, 0))
