@@ -1,6 +1,6 @@
 """The operators of the pressure equation: Laplacians, divergences, wall rows and gradients."""
 
-from parisph.kernels import fatehi, gfd, gradient, laplacian, quadratic_circle, rankine, schwaiger, walls
+from parisph.kernels import fatehi, gfd, gradient, laplacian, quadratic_circle, rankine, row, schwaiger, walls
 from parisph.kernels import flux as fluxes
 from parisph.kernels.near import SPLINE, SPLINE_SLOPE
 from parisph.methods import lengths
@@ -37,65 +37,79 @@ class RankinePrinted(Rankine):
     name, source, normalised = "rankine_printed", "Z14 Eq 23", False
 
 
-class Sph(Laplacian):
+class Sparse(Laplacian):
+    """Rows that are given up where neighbours do not suffice: they become the mean of their neighbours."""
+
+    def fill(self, rows, cloud, flux, u):
+        self.laplacian(rows, cloud)
+        row.mean_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.role, cloud.indptr, cloud.indices)
+
+    def laplacian(self, rows, cloud):
+        """Fill the rows of inner particles that have neighbours enough."""
+        raise NotImplementedError
+
+
+class Sph(Sparse):
     """The SPH Laplacian with positive weights."""
 
     name, source, reach = "sph", "Z14 Eq 20a", 2.0 * lengths.SPH
+    linear = False
 
-    def fill(self, rows, cloud, flux, u):
+    def laplacian(self, rows, cloud):
         laplacian.isph_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * cloud.spacing,
                             cloud.spacing ** len(cloud.axes), cloud.indptr, cloud.indices, cloud.axes)
 
 
-class Cisph1(Laplacian):
+class Cisph1(Sparse):
     """The Laplacian of Schwaiger with the gradient of a kernel sum."""
 
     name, source, reach = "cisph1", "Z14 Eqs 20b and 20c, sign corrected", 2.0 * lengths.SPH
+    linear = False
 
-    def fill(self, rows, cloud, flux, u):
+    def laplacian(self, rows, cloud):
         s = cloud.spacing
         schwaiger.cisph1_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * s,
                               s ** len(cloud.axes), cloud.indptr, cloud.indices, cloud.axes)
 
 
-class Cisph2(Laplacian):
+class Cisph2(Sparse):
     """The Laplacian of Schwaiger with a gradient that is exact for linear functions."""
 
     name, source, reach = "cisph2", "Z14 Eqs 20b and 20d, sign corrected", 2.0 * lengths.SPH
 
-    def fill(self, rows, cloud, flux, u):
+    def laplacian(self, rows, cloud):
         schwaiger.cisph2_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
                               lengths.SPH * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
 
-class Gfd(Laplacian):
+class Gfd(Sparse):
     """Generalised finite differences: least squares of a polynomial of degree 2."""
 
     name, source, reach = "gfd", "generalised finite differences", lengths.QUADRATIC
 
-    def fill(self, rows, cloud, flux, u):
+    def laplacian(self, rows, cloud):
         gfd.gfd_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.QUADRATIC * cloud.spacing,
                      cloud.indptr, cloud.indices, cloud.axes)
 
 
-class QuadraticRankine(Laplacian):
+class QuadraticRankine(Sparse):
     """ISPH_R with quadratic moving least squares, which needs no normalisation."""
 
     name, source, reach = "rankine_quadratic", "Z14 Eqs 21-23", lengths.QUADRATIC_CIRCLE + lengths.QUADRATIC
 
-    def fill(self, rows, cloud, flux, u):
+    def laplacian(self, rows, cloud):
         s = cloud.spacing
         quadratic_circle.quadratic_rankine_rows(
             rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, rankine.directions(len(cloud.axes)),
             lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s, cloud.indptr, cloud.indices, cloud.axes)
 
 
-class Fatehi(Laplacian):
+class Fatehi(Sparse):
     """The corrected SPH Laplacian that is exact for quadratic functions."""
 
     name, source, reach = "fatehi", "Fatehi and Manzari 2011", 2.0 * lengths.SPH
 
-    def fill(self, rows, cloud, flux, u):
+    def laplacian(self, rows, cloud):
         fatehi.fatehi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * cloud.spacing,
                            cloud.indptr, cloud.indices, cloud.axes)
 

@@ -51,9 +51,11 @@ class Laplacian(Part):
     """Rows of inner particles. With row_I(p) = p_I - sum_J values_J p_J they mean row_I(p) = -measure_I lap p.
 
     gives_flux : whether `fill` also writes the stencils of the flux divergence
+    linear : whether the rows are exact for linear pressure on any particles; else the step balances the body force
     """
 
     gives_flux: ClassVar[bool] = False
+    linear: ClassVar[bool] = True
 
     def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
         """Write count, columns, values and measure of inner particles. Not collective.

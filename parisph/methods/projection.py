@@ -6,6 +6,7 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.kernels import balance
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, straining, surfaces
 from parisph.methods.catalogue import Parts
@@ -198,6 +199,10 @@ class Projection:
         At wet walls n . grad p = rho n . force, and the target is ignored.
         """
         p, force = self.flow.particles, self.flow.force
+        if not self.parts.laplacian.linear:
+            rows, cloud = self.rows.rows, self.rows.cloud
+            balance.add_linear_part(target, force, self.flow.density, rows.count, rows.columns, rows.values, rows.measure,
+                                    p.x_all, p.role_all, cloud.indptr, cloud.axes)
         walls = p.role == WET
         target[walls] = self.flow.density * np.einsum("ia,ia->i", p.normal[walls], force[:p.n_owned][walls])
         right = self.rows.right_hand_side(target)
