@@ -11,7 +11,7 @@ WORDS: dict[str, list[str]] = {
     "surface_gradient": ["same", "harmonic"],
     "wall_rows": ["sfdi", "harmonic"],
     "surface_rule": ["gap", "auxiliary", "density", "frozen", "none"],
-    "source": ["mixed"],
+    "source": ["mixed", "divergence", "density", "compensating"],
     "stepping": ["midpoint", "start", "predicted", "symplectic"],
     "force": ["body"],
     "regulariser": ["filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart"],

@@ -41,7 +41,9 @@ def describe(case, parameters=None):
 
 
 def _warnings(case, count):
-    """Warn of water without a free surface, which the initial lattice already shows."""
+    """Warn of a method's limits, and of water without a free surface, which the initial lattice already shows."""
+    if catalogue.warning(case.numerics):
+        yield f"method {case.numerics.method}: {catalogue.warning(case.numerics)}"
     if not case.closed and count["exact"] and not geometry.lattice(case).has_surface():
         yield (f"none of the {count['fluid']} fluid particles is on a free surface, so p = 0 is set only at the highest one; leave a "
                "spacing of air, or fill the tank with a Box of its size, without elevation")

@@ -13,6 +13,7 @@ from parisph.base.log import logger
 from parisph.driver.conservation import Conservation
 from parisph.io import reader
 from parisph.io.files import on_first
+from parisph.methods import catalogue
 from parisph.truth import verdict
 
 FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, that are not worth a word
@@ -55,6 +56,10 @@ class Account:
         if isolated > max(FEW, SHARE * fluid):
             self._notes.append(f"{isolated} particles had no contact with a free surface at the start (of {fluid} fluid particles and the walls): "
                                "p = 0 was set only at the highest of them")
+            logger.warning(self._notes[-1])
+        about = catalogue.warning(simulation.numerics)
+        if about and not self.before.get("notes"):
+            self._notes.append(f"method {simulation.numerics.method}: {about}")
             logger.warning(self._notes[-1])
         start = {name: self.before.get(name) for name in ("energy", "volume")}    # of a checkpoint by an older parisph
         self.conservation = Conservation(simulation, self.before.get("conservation"), start)

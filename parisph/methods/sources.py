@@ -33,6 +33,40 @@ class Mixed(Source):
         return target
 
 
+class VelocityDivergence(Source):
+    """The divergence of the predicted velocity alone."""
+
+    name, source = "divergence", "Z14 Eq 17"
+
+    def target(self, flow, dt):
+        return flow.density / dt * flow.rows.div
+
+
+class DensityInvariance(Source):
+    """The density error of the predicted positions alone, within +-.1."""
+
+    name, source, fields = "density", "Z14 Eq 18", ("alpha",)
+
+    def target(self, flow, dt):
+        return -flow.density / dt**2 * compression(flow, np.zeros(flow.particles.n_owned))
+
+
+class ErrorCompensating(Source):
+    """The divergence of the predicted velocity, and two terms that compensate the errors of the step before.
+
+    With e = alpha - 1 and d = div u^n, target = rho/dt (div u* + |e| d - |d| e): where both errors have a sign, each weighs
+    the other.
+    """
+
+    name, source, fields = "compensating", "Khayyer and Gotoh 2011", ("alpha",)
+
+    def target(self, flow, dt):
+        p = flow.particles
+        e, before = compression(flow, np.zeros(p.n_owned)), np.empty(p.n_owned)
+        flow.rows.divergence(before, p.u_all, p.role_all)
+        return flow.density / dt * (flow.rows.div + np.abs(e) * before - np.abs(before) * e)
+
+
 def strain_source(flow, dt) -> np.ndarray:
     """Return tr((grad u)^2)/2 (n_owned,) [1/s^2], the effect of a step in straight lines on volume. Not collective.
 
@@ -69,4 +103,5 @@ def put_off(flow, dt, strain) -> np.ndarray:
     return (1.0 - np.minimum(1.0, n.residual_strain * dt * np.maximum(rate, fall))) * residual
 
 
-SOURCES.register(Mixed())
+for part in (Mixed(), VelocityDivergence(), DensityInvariance(), ErrorCompensating()):
+    SOURCES.register(part)
