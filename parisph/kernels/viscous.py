@@ -11,9 +11,9 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import ABSENT, FLUID, INNER, WALL
+from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.mirrors import PARALLEL, casts_image, height, near_planes, reflect
+from parisph.kernels.moving_mirrors import gather_moving
 from parisph.kernels.moments import cholesky, cholesky_solve
 from parisph.kernels.near import room_for
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
@@ -24,7 +24,6 @@ from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
 STABLE = 0.4
 
 STRETCH = 3.0       # of squares in units of the radius, so that they are about as large as the coordinates
-ON_PLANE = 0.1      # spacings of the wall (or h): what is closer to a plane than this times h lies on it
 
 
 @kernel
@@ -33,11 +32,12 @@ def morris(out, u, nu, x, kind, corner, normal, no_slip, h, volume, indptr, indi
 
     a_i = sum_j V (nu_i + nu_j) (r_ij . grad_i W_ij)/(r_ij^2 + 0.01 h^2) (u_i - u_j)
 
-    j runs over fluid, no-slip walls and images. The image of fluid in a no-slip wall moves with 2 u_wall - u_j, in a
+    j runs over fluid, walls and images. The image of fluid in a no-slip wall moves with 2 u_wall - u_j, in a
     free-slip wall with the mirrored velocity. Between fluid particles, momentum is conserved.
 
     out : (n_owned, dim) output [m/s^2]; 0 for walls
-    u : (n_all, dim) [m/s], of a wall its own velocity; nu : (n_all,) [m^2/s], of walls that of the fluid there
+    u : (n_all, dim) [m/s], of a no-slip wall its own velocity, of a free-slip wall that of `gradient.wall_velocity`
+    nu : (n_all,) [m^2/s], of walls that of the fluid there
     x, normal : (n_all, dim); kind, corner : (n_all,); kind ABSENT is left out
     no_slip : (n_all,) of walls 1 for no-slip, 0 for free-slip; a corner of both is no-slip
     h : smoothing length [m] of the cubic spline, with support 2 h; volume : of a particle [m^dim]
@@ -45,13 +45,13 @@ def morris(out, u, nu, x, kind, corner, normal, no_slip, h, volume, indptr, indi
     dim = len(axes)
     room = room_for(indptr) * 2**dim
     near, du, speed = np.empty((dim, room)), np.empty((dim, room)), np.empty((dim, dim))
-    member, image, slips = np.empty(dim, np.int64), np.empty(dim), np.empty(dim, np.bool_)
+    member, slips, image, mirror = np.empty(dim, np.int64), np.empty(dim, np.bool_), np.empty(dim), np.empty(dim)
     for i in range(len(indptr) - 1):
         out[i, :] = 0.0
         if kind[i] != FLUID:
             continue
-        n = _gather(near, du, speed, member, image, slips, i, u, nu, x, kind, corner, normal, no_slip, h, True,
-                    indptr, indices, axes)
+        n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
+                          h, True, indptr, indices, axes)
         _morris_sum(out, i, near, du, n, h, volume, axes)
 
 
@@ -69,7 +69,7 @@ def corrected(out, u, nu, x, kind, corner, normal, role, no_slip, radius, h, vol
     size = dim + dim * (dim + 1) // 2
     room = room_for(indptr) * 2**dim
     near, du, speed = np.empty((dim, room)), np.empty((dim, room)), np.empty((dim, dim))
-    member, image, slips = np.empty(dim, np.int64), np.empty(dim), np.empty(dim, np.bool_)
+    member, slips, image, mirror = np.empty(dim, np.int64), np.empty(dim, np.bool_), np.empty(dim), np.empty(dim)
     weight, basis = np.empty(room), np.empty((size, room))
     work, pick = np.empty((size, size)), np.empty(size)
     for i in range(len(indptr) - 1):
@@ -77,16 +77,16 @@ def corrected(out, u, nu, x, kind, corner, normal, role, no_slip, radius, h, vol
         if kind[i] != FLUID:
             continue
         if role[i] == INNER:
-            n = _gather(near, du, speed, member, image, slips, i, u, nu, x, kind, corner, normal, no_slip, radius, False,
-                        indptr, indices, axes)
+            n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
+                              radius, False, indptr, indices, axes)
             if _fit_laplacian(out, i, near, du, weight, basis, work, pick, n, radius, axes):
                 continue
-        n = _gather(near, du, speed, member, image, slips, i, u, nu, x, kind, corner, normal, no_slip, h, True,
-                    indptr, indices, axes)
+        n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
+                          h, True, indptr, indices, axes)
         _morris_sum(out, i, near, du, n, h, volume, axes)
 
 
-@inlined
+@kernel
 def _morris_sum(out, i, near, du, n, h, volume, axes):
     """Add the pairs of `morris`; near in units of h, du = nu_ij (u_j - u_i)."""
     dim = len(axes)
@@ -99,7 +99,7 @@ def _morris_sum(out, i, near, du, n, h, volume, axes):
             out[i, a] += c * du[a, k]
 
 
-@inlined
+@kernel
 def _fit_laplacian(out, i, near, du, weight, basis, work, pick, n, radius, axes):
     """Add the Laplacian of the weighted quadratic fit through 0 at i; near in units of the radius.
 
@@ -146,98 +146,3 @@ def _fill_basis(basis, near, weight, k, axes):
             basis[row, k] = STRETCH * near[a, k] * near[b, k]
             row += 1
     weight[k] = quartic_weight(q2, 1.0)
-
-
-@inlined
-def _gather(near, du, speed, member, image, slips, i, u, nu, x, kind, corner, normal, no_slip, h, everywhere,
-            indptr, indices, axes):
-    """Write the neighbours of i and their images relative to i, in units of h, and nu_ij (u_j - u_i).
-
-    Free-slip walls are no neighbours. Images are made in free-slip walls, in no-slip walls only if `everywhere`.
-    Images of images in the corner between two walls are those of each wall in turn.
-
-    near, du : (dim, 2^dim times the columns from `room_for`); the others scratch. Returns the number of columns.
-    """
-    dim, n, walls = len(axes), 0, False
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        walls |= kind[j] == WALL
-        if kind[j] == FLUID or (kind[j] == WALL and no_slip[j]):
-            mean = 0.5 * (nu[i] + nu[j])
-            for a in range(dim):
-                near[a, n] = (x[j, a] - x[i, a]) / h
-                du[a, n] = mean * (u[j, a] - u[i, a])
-            n += 1
-    if not walls:
-        return n
-    planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
-    for p in range(planes):
-        slips[p] = _plane_velocity(speed, p, member[p], i, u, x, kind, corner, normal, no_slip, ON_PLANE * h,
-                                   indptr, indices, axes)
-    for subset in range(1, 1 << planes):
-        wanted = True
-        for p in range(planes):
-            wanted &= ((subset >> p) & 1 == 0) | slips[p] | everywhere
-        if not wanted:
-            continue
-        for k in range(indptr[i] - 1, indptr[i + 1]):
-            j = i if k < indptr[i] else indices[k]
-            if kind[j] == ABSENT or (kind[j] == WALL and not no_slip[j]):
-                continue
-            if not casts_image(j, subset, member, x, kind, normal, ON_PLANE * h, axes):
-                continue
-            reflect(image, j, subset, member, x, normal, axes)
-            for a in range(dim):
-                near[a, n] = (image[a] - x[i, a]) / h
-                image[a] = u[j, a]
-            _mirror_velocity(image, subset, speed, slips, member, normal, axes)
-            mean = 0.5 * (nu[i] + nu[j])
-            for a in range(dim):
-                du[a, n] = mean * (image[a] - u[i, a])
-            n += 1
-    return n
-
-
-@inlined
-def _mirror_velocity(v, subset, speed, slips, member, normal, axes):
-    """Turn the velocity of a particle into that of its image in the planes whose bits are set in subset."""
-    dim = len(axes)
-    for p in range(dim):
-        if (subset >> p) & 1:
-            if slips[p]:
-                through = 0.0
-                for a in range(dim):
-                    through += (v[a] - speed[p, a]) * normal[member[p], a]
-                for a in range(dim):
-                    v[a] -= 2.0 * through * normal[member[p], a]
-            else:
-                for a in range(dim):
-                    v[a] = 2.0 * speed[p, a] - v[a]
-
-
-@kernel
-def _plane_velocity(speed, p, wall, i, u, x, kind, corner, normal, no_slip, thin, indptr, indices, axes):
-    """Write the velocity of plane p beside i to speed[p]; return whether it is free-slip.
-
-    It is the mean over the wall particles of the plane weighted by 1/r^4, which does not depend on their numbering.
-    """
-    dim, total, bound = len(axes), 0.0, 0.0
-    for a in range(dim):
-        speed[p, a] = 0.0
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        if kind[j] != WALL or corner[j]:
-            continue
-        cosine, r2 = 0.0, 0.0
-        for a in range(dim):
-            cosine += normal[wall, a] * normal[j, a]
-            r2 += (x[j, a] - x[i, a]) ** 2
-        if cosine > PARALLEL and abs(height(j, wall, x, normal, axes)) < thin:
-            w = 1.0 / max(r2, thin * thin) ** 2
-            total += w
-            bound += w * (no_slip[j] != 0)
-            for a in range(dim):
-                speed[p, a] += w * u[j, a]
-    for a in range(dim):
-        speed[p, a] /= total
-    return bound < 0.5 * total
