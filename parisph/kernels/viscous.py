@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import FLUID, INNER
+from parisph.base.fields import FLUID, INNER, WALL
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.moving_mirrors import gather_moving
 from parisph.kernels.moments import cholesky, cholesky_solve
@@ -146,3 +146,40 @@ def _fill_basis(basis, near, weight, k, axes):
             basis[row, k] = STRETCH * near[a, k] * near[b, k]
             row += 1
     weight[k] = quartic_weight(q2, 1.0)
+
+
+@kernel
+def continue_to_walls(a, x, kind, corner, normal, radius, indptr, indices, axes) -> None:
+    """Continue the normal part of an acceleration from the fluid to the walls, for n . (nu lap u) of Eq. 25.
+
+    (Zheng, Ma & Duan 2014.) A wall takes the value at y = 0 of a linear fit over the distance y from it, with
+    radius^2/10 added to the variance of y, as in `gradient.wall_velocity`. Corners, and walls without fluid in the
+    radius, get zero.
+
+    a : (n_all, dim) [m/s^2], of fluid given, rows of owned walls are written
+    """
+    dim, radius2 = len(axes), radius * radius
+    for i in range(len(indptr) - 1):
+        if kind[i] != WALL:
+            continue
+        a[i, :] = 0.0
+        if corner[i]:
+            continue
+        s0, s1, s2, v0, v1 = 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != FLUID:
+                continue
+            r2, y, value = 0.0, 0.0, 0.0
+            for c in range(dim):
+                d = x[j, c] - x[i, c]
+                r2, y, value = r2 + d * d, y + d * normal[i, c], value + a[j, c] * normal[i, c]
+            w = quartic_weight(r2, radius2)
+            s0, s1, s2 = s0 + w, s1 + w * y, s2 + w * y * y
+            v0, v1 = v0 + w * value, v1 + w * y * value
+        if s0 > 0.0:
+            mean = s1 / s0
+            variance = s2 / s0 - mean * mean + 0.1 * radius2
+            at_wall = v0 / s0 - mean * (v1 - mean * v0) / (s0 * variance)
+            for c in range(dim):
+                a[i, c] = at_wall * normal[i, c]

@@ -108,6 +108,25 @@ def test_order_of_the_corrected_form(jitter, least):
     assert np.all(orders(1.0 / cells, errors) > least) and errors[-1] < 0.005, errors
 
 
+@dims
+def test_walls_take_the_normal_acceleration_of_the_fluid(dim):
+    """A constant exactly; of a slope, less than there is one spacing in front of the wall."""
+    pool = tank((8,) * dim if dim == 2 else (6,) * dim)
+    sound = (pool.kind == WALL) & (pool.corner == 0) & (pool.index[:, -1] < pool.top[-1])
+    for slope in (0.0, 10.0):
+        a = np.full((pool.n, dim), np.nan)
+        a[pool.fluid] = 2.0 + slope * pool.x[pool.fluid, -1:]
+        before = a[pool.fluid].copy()
+        viscous.continue_to_walls(a, pool.x, pool.kind, pool.corner, pool.normal, RADIUS * pool.spacing, *pool.csr)
+        np.testing.assert_array_equal(a[pool.fluid], before)
+        assert np.all(a[pool.corner == 1] == 0.0)
+        if slope == 0.0:
+            np.testing.assert_allclose(a[sound], 2.0 * pool.normal[sound] * pool.normal[sound].sum(axis=1)[:, None], rtol=1e-12)
+        else:
+            bottom = pool.at(*[3] * (dim - 1), 0)
+            assert 2.0 < a[bottom, -1] < 2.0 + slope * pool.spacing and np.all(a[bottom, :-1] == 0.0)
+
+
 # -- what must be conserved ---------------------------------------------------------------------------
 
 
