@@ -1,0 +1,116 @@
+"""The neighbours of a particle with the differences of their velocities, and their images in moving walls."""
+
+from parisph.base.fields import ABSENT, FLUID, WALL
+from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.mirrors import PARALLEL, casts_image, height, near_planes, reflect
+
+ON_PLANE = 0.1      # of the radius: what is closer to the plane of a wall lies on it
+
+
+@kernel
+def gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip, h,
+                  everywhere, indptr, indices, axes):
+    """Write the neighbours of i and their images relative to i, in units of h, and nu_ij (u_j - u_i).
+
+    With `everywhere` all walls are neighbours and make images. Without, free-slip walls only make images, and no-slip
+    walls are only neighbours.
+
+    near, du : (dim, 2^dim times the columns from `room_for`); the others scratch. Returns the number of columns.
+    """
+    dim, n, walls = len(axes), 0, False
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        walls |= kind[j] == WALL
+        if kind[j] != ABSENT and (kind[j] == FLUID or no_slip[j] or everywhere):
+            mean = 0.5 * (nu[i] + nu[j])
+            for a in range(dim):
+                near[a, n] = (x[j, a] - x[i, a]) / h
+                du[a, n] = mean * (u[j, a] - u[i, a])
+            n += 1
+    if not walls:
+        return n
+    planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
+    for p in range(planes):
+        slips[p] = _plane_velocity(speed, p, member[p], i, u, x, kind, corner, normal, no_slip, ON_PLANE * h,
+                                   indptr, indices, axes)
+    for subset in range(1, 1 << planes):
+        wanted = True
+        for p in range(planes):
+            wanted &= ((subset >> p) & 1 == 0) | slips[p] | everywhere
+        if not wanted:
+            continue
+        for k in range(indptr[i] - 1, indptr[i + 1]):
+            j = i if k < indptr[i] else indices[k]
+            if kind[j] == ABSENT or (kind[j] == WALL and not no_slip[j] and not everywhere):
+                continue
+            if not casts_image(j, subset, member, x, kind, normal, ON_PLANE * h, axes):
+                continue
+            reflect(image, j, subset, member, x, normal, axes)
+            for a in range(dim):
+                near[a, n] = (image[a] - x[i, a]) / h
+                image[a] = u[j, a]
+            _mirror_velocity(image, mirror, subset, speed, slips, member, normal, axes)
+            mean = 0.5 * (nu[i] + nu[j])
+            for a in range(dim):
+                du[a, n] = mean * (image[a] - u[i, a])
+            n += 1
+    return n
+
+
+@inlined
+def _mirror_velocity(v, mean, subset, speed, slips, member, normal, axes):
+    """Turn the velocity of a particle into that of its image in the planes whose bits are set in subset.
+
+    Relative to the mean velocity of these planes, each free-slip one turns its normal part round, each no-slip one all
+    of it. In the corner of two walls that move apart, the order of the planes thus has no effect.
+
+    mean : (dim,) scratch
+    """
+    dim, planes = len(axes), 0
+    for a in range(dim):
+        mean[a] = 0.0
+    for p in range(dim):
+        if (subset >> p) & 1:
+            planes += 1
+            for a in range(dim):
+                mean[a] += speed[p, a]
+    for a in range(dim):
+        mean[a] /= planes
+        v[a] -= mean[a]
+    for p in range(dim):
+        if (subset >> p) & 1:
+            through = 0.0
+            for a in range(dim):
+                through += v[a] * normal[member[p], a]
+            for a in range(dim):
+                v[a] = v[a] - 2.0 * through * normal[member[p], a] if slips[p] else -v[a]
+    for a in range(dim):
+        v[a] += mean[a]
+
+
+@kernel
+def _plane_velocity(speed, p, wall, i, u, x, kind, corner, normal, no_slip, thin, indptr, indices, axes):
+    """Write the velocity of plane p beside i to speed[p]; return whether it is free-slip.
+
+    It is the mean over the wall particles of the plane weighted by 1/r^4, which does not depend on their numbering.
+    """
+    dim, total, bound = len(axes), 0.0, 0.0
+    for a in range(dim):
+        speed[p, a] = 0.0
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        if kind[j] != WALL or corner[j]:
+            continue
+        cosine, r2 = 0.0, 0.0
+        for a in range(dim):
+            cosine += normal[wall, a] * normal[j, a]
+            r2 += (x[j, a] - x[i, a]) ** 2
+        if cosine > PARALLEL and abs(height(j, wall, x, normal, axes)) < thin:
+            w = 1.0 / max(r2, thin * thin) ** 2
+            total += w
+            bound += w * (no_slip[j] != 0)
+            for a in range(dim):
+                speed[p, a] += w * u[j, a]
+    for a in range(dim):
+        speed[p, a] /= total
+    return bound < 0.5 * total
