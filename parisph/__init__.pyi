@@ -15,6 +15,7 @@ from parisph.case.schema import ColumnHeight as ColumnHeight
 from parisph.case.schema import Disc as Disc
 from parisph.case.schema import Energy as Energy
 from parisph.case.schema import Fluid as Fluid
+from parisph.case.schema import Lid as Lid
 from parisph.case.schema import Momentum as Momentum
 from parisph.case.schema import Numerics as Numerics
 from parisph.case.schema import Output as Output

@@ -120,6 +120,13 @@ FIELDS = {
         Field("closing", "scalar", np.int8, "",
               "of a wall particle: 0 apart from fluid in front of it, 1 free, 2 closing fluid off (kernels.wetness)",
               exchanged=False, migrates=False, written=False),
+        Field("rho", "scalar", np.float64, "kg/m^dim", "density of weakly compressible fluid"),
+        Field("pull", "vector", np.float64, "m/s^2", "acceleration of weakly compressible fluid", exchanged=False, written=False),
+        Field("no_slip", "scalar", np.int8, "", "1 for a wall particle to which viscous fluid sticks", written=False),
+        Field("wall_u", "vector", np.float64, "m/s", "velocity of the wall itself, 0 for fluid", exchanged=False, written=False),
+        Field("nu", "scalar", np.float64, "m^2/s", "kinematic viscosity, that of eddies included", exchanged=False,
+              migrates=False),
+        Field("viscous", "vector", np.float64, "m/s^2", "acceleration by viscosity", exchanged=False, migrates=False),
         Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value", default=1.0),
     )
 }

@@ -224,9 +224,9 @@ def _tap(case, probe):
     at, (low, high) = np.array(probe.at), case.walls.bounds
     tolerance = 1e-6 * float(np.max(high - low))
     walls = [abs(at - low) <= tolerance, abs(at - high) <= tolerance]
-    walls[1][-1] &= case.walls.lid
+    walls[1][-1] &= case.walls.closed
     if np.any(at < low - tolerance) or np.any(at > high + tolerance) or not np.any(walls):
-        which = "left, right, lower or upper" if case.walls.lid else "left, right or lower"
+        which = "left, right, lower or upper" if case.walls.closed else "left, right or lower"
         yield (
             f"probe {probe.name!r}: at = {probe.at} is not on a wall; give a point of the {which} wall of the tank "
             f"from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g})"
@@ -290,6 +290,20 @@ def _files(case):
             f"output.probe_interval = {interval:g} s: takes {case.end_time / interval:.1e} samples until "
             f"end_time = {case.end_time:g} s, at most {MOST_SAMPLES:g} are written; use a longer time"
         )
+
+
+def fastest(case):
+    """Return the speed [m/s] that the case alone lets expect: that of the start, and that of a fall from the fluid's height.
+
+    In waves that do not break, it is that of long waves.
+    """
+    x = _sample(case)
+    x = x[case.fluid.shape.inside(x, 0.0)]
+    speed = float(np.linalg.norm(vector_field(case.fluid.velocity, False)(x), axis=1).max(initial=0.0))
+    g = float(np.linalg.norm(vector_field(case.gravity, True)(x), axis=1).max(initial=0.0))
+    lower, upper = case.fluid.shape.bounds
+    fall = 2.0 if case.numerics.preset == "violent" else 1.0
+    return speed + float(np.sqrt(fall * g * (upper - lower)[-1]))
 
 
 def stable_time_step(case):

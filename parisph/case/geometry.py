@@ -4,13 +4,27 @@ import numpy as np
 
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.case.expressions import compile_expression, vector_field
+from parisph.case.expressions import compile_expression, uniform_field, vector_field
 from parisph.case.lattice import Lattice
+from parisph.case.methods import METHODS
+from parisph.case.shapes import Box, Lid
 
 
 def lattice(case):
     """Return the Lattice on which the case starts."""
-    return Lattice(case.fluid.shape, case.walls, case.numerics.spacing)
+    return Lattice(case.fluid.shape, case.walls, case.numerics.spacing, METHODS[case.numerics.method].wall_layers)
+
+
+def still_pressure(case, x):
+    """Return the pressure [Pa] at x (n, dim) [m] of fluid below its level top in uniform gravity, 0 for other fluid.
+
+    Only water that fills a Box has a level top; with an elevation, it is that above x.
+    """
+    gravity = uniform_field(case.gravity)
+    if gravity is None or not isinstance(case.fluid.shape, Box):
+        return np.zeros(len(x))
+    top = case.fluid.shape.bounds[1][-1] + _elevation(case, x[:, :-1])
+    return np.maximum(case.fluid.density * -gravity[-1] * (top - x[:, -1]), 0.0)
 
 
 def build(case, rank=0, size=1):
@@ -25,7 +39,7 @@ def build(case, rank=0, size=1):
     -------
     dict of arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8;
     x [m], u [m/s], normal (n, dim); volume (n,) [m^dim] (see Lattice.cells), 0 for walls; p (n,)
-    [Pa], zero: the first solve finds it; start_role as role. Wall
+    [Pa], zero where the first solve finds it, else that of still water; start_role as role. Wall
     normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
 
     Raises
@@ -42,7 +56,8 @@ def build(case, rank=0, size=1):
     solid = _walls(case, points, *points.wall_indices(max(start - n_fluid, 0), max(stop - n_fluid, 0)))
     arrays = {name: np.concatenate([fluid[name], solid[name]]) for name in fluid}
     arrays["id"] = np.arange(start, stop, dtype=np.int64)
-    arrays["p"] = np.zeros(stop - start)
+    projected = METHODS[case.numerics.method].step == "projection"
+    arrays["p"] = np.zeros(stop - start) if projected else still_pressure(case, arrays["x"])
     arrays["start_role"] = arrays["role"].copy()
     return arrays
 
@@ -55,7 +70,7 @@ def planes(case):
     lower, upper = case.walls.bounds
     unit = np.eye(dim)
     points, normals = [lower] * dim, list(unit)
-    for axis in range(dim if case.walls.lid else dim - 1):
+    for axis in range(dim if case.walls.closed else dim - 1):
         points.append(upper)
         normals.append(0.0 - unit[axis])
     return np.array(points), np.array(normals)
@@ -123,6 +138,8 @@ def _fluid(case, points, start, stop):
         "u": vector_field(case.fluid.velocity, with_time=False)(x),
         "volume": volume,
         "normal": np.zeros((n, dim)),
+        "no_slip": np.zeros(n, dtype=np.int8),
+        "wall_u": np.zeros((n, dim)),
     }
 
 
@@ -147,7 +164,30 @@ def _walls(case, points, index, inward):
         "u": np.zeros_like(x),
         "volume": np.zeros(n),
         "normal": inward / length[:, None] if n else np.zeros_like(x),
+        "no_slip": _sticky(case.walls, inward),
+        "wall_u": _lid_velocity(case.walls, inward),
     }
+
+
+def _sticky(tank, inward):
+    """Return 1 for wall particles to which fluid sticks, 0 for others, (n,) int8; in a corner, one such wall suffices.
+
+    inward : (n, dim) int, the sum of the inward unit vectors of the walls that a particle lies on
+    """
+    found = np.zeros(len(inward), dtype=np.int8)
+    faces = {"left": (0, 1), "right": (0, -1), "bottom": (-1, 1), "top": (-1, -1)}
+    for side in tank.sticky if tank is not None else ():
+        axis, sign = faces[side]
+        found[inward[:, axis] == sign] = 1
+    return found
+
+
+def _lid_velocity(tank, inward):
+    """Return the velocity of wall particles in their own plane (n, dim) [m/s]; the ends of a lid rest with the side walls."""
+    found = np.zeros(inward.shape)
+    if tank is not None and isinstance(tank.lid, Lid):
+        found[(inward[:, -1] == -1) & (inward[:, 0] == 0), 0] = tank.lid.velocity
+    return found
 
 
 def uniform(seed, number, columns):

@@ -24,6 +24,7 @@ class Lattice:
     shape : Box, Disc or Polygon
     tank : Tank or None
     spacing : [m]
+    layers : of wall particles: one on the wall, and further ones behind it
 
     Attributes
     ----------
@@ -32,8 +33,8 @@ class Lattice:
     top : (dim,) int64 index of the tank's far corner, or None without a tank
     """
 
-    def __init__(self, shape, tank, spacing):
-        self.shape, self.tank, self.spacing = shape, tank, spacing
+    def __init__(self, shape, tank, spacing, layers=1):
+        self.shape, self.tank, self.spacing, self.layers = shape, tank, spacing, layers
         lower, upper = shape.bounds
         self.tolerance = 0.01 * spacing
         if tank is None:
@@ -54,7 +55,7 @@ class Lattice:
 
     def _closed_above(self):
         """Return for each axis whether the tank has a wall at its upper end, (dim,) bool."""
-        return np.array([True] * (len(self.origin) - 1) + [self.tank.lid])
+        return np.array([True] * (len(self.origin) - 1) + [self.tank.closed])
 
     def position(self, index):
         """Return the positions (n, dim) [m] of the lattice indices (n, dim)."""
@@ -174,7 +175,7 @@ class Lattice:
 
     def wall_count(self):
         """Return the number of wall particles."""
-        return 0 if self.tank is None else boundary_size(self._points(), self._closed_above())
+        return sum(self._shell_sizes())
 
     def wall_indices(self, start=0, stop=None):
         """Return the indices (n, dim) of wall particles number start to stop, and their face sums (n, dim).
@@ -185,14 +186,24 @@ class Lattice:
         if self.tank is None:
             empty = np.empty((0, len(self.counts)), dtype=np.int64)
             return empty, empty
-        total, closed = self.wall_count(), self._closed_above()
-        index = _boundary(self._points(), closed, np.arange(start, total if stop is None else min(stop, total)))
-        inward = (index == 0).astype(np.int64) - ((index == self.top) & closed)
-        return index, inward
+        closed, sizes = self._closed_above(), self._shell_sizes()
+        stop, before, found = sum(sizes) if stop is None else stop, 0, []
+        for layer, size in enumerate(sizes):
+            number = np.arange(max(start - before, 0), max(min(stop - before, size), 0))
+            index = _boundary(self._points(layer), closed, number) - layer
+            found.append((index, (index == -layer).astype(np.int64) - ((index == self.top + layer) & closed)))
+            before += size
+        return tuple(np.concatenate(part) for part in zip(*found))
 
-    def _points(self):
-        """Number of lattice points along each edge of the tank, walls included."""
-        return [int(n) + 1 for n in self.top]
+    def _shell_sizes(self):
+        """Return the numbers of wall particles in the layers, from the one on the wall outwards."""
+        if self.tank is None:
+            return []
+        return [boundary_size(self._points(layer), self._closed_above()) for layer in range(self.layers)]
+
+    def _points(self, layer=0):
+        """Number of lattice points along each edge of the tank, walls included, and `layer` points behind each wall."""
+        return [int(n) + 1 + layer * (1 + int(upper)) for n, upper in zip(self.top, self._closed_above())]
 
 
 def boundary_size(counts, closed):

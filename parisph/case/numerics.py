@@ -1,6 +1,6 @@
 """How a scene is computed and what is written: method, resolution, time step, output."""
 
-from typing import Annotated, Optional
+from typing import Annotated, Literal, Optional
 
 from pydantic import Field, field_validator, model_validator
 
@@ -37,6 +37,7 @@ class Numerics(Model):
         over dt sqrt(g/s) if that is more; at most all of it; 0 for all in every step
     strain : weight of the strain source, which conserves volume in a finite step; 0 or 1
     kappa, shift : greatest weights of the position projection and of the Fick shift
+    smagorinsky : C_s of Smagorinsky's eddy viscosity (C_s s)^2 sqrt(2 S:S), 0 for none
     filter : greatest fraction of the velocity's roughness that is removed in a step
     kappa_strain, shift_strain, filter_strain : these weights in proportion to the strain of a step, dt sqrt(2 S:S), up to
         the greatest; 0 for the greatest in every step
@@ -47,6 +48,8 @@ class Numerics(Model):
     pressure_mean : over how many times the shortest time that particles resolve (methods.timestep) pressure is averaged,
         if steps are shorter than that; 0 for the pressure of each step
     rtol : relative tolerance of the pressure solve
+    equation_of_state, sound_speed, artificial_viscosity, xsph : of the method SPH alone (Z14 Eqs 3, 8, 9); the speed of sound
+        [m/s] is by default ten times the fastest fluid that the scene lets expect
     jitter : k of a start displacement s k (Rn - 1/2) in each direction, Rn uniform in [0, 1) (Z17
         Sec. 4), of fluid particles inside; of those on the free surface too if jitter_surface
     seed : seed of the jitter
@@ -76,6 +79,7 @@ class Numerics(Model):
     laplacian: Optional[str] = Field(None, description="name of the Laplacian")
     divergence: Optional[str] = Field(None, description="name of the divergence")
     source: Optional[str] = Field(None, description="name of the pressure equation's source")
+    smagorinsky: float = Field(0.0, ge=0, le=1, description="constant C_s of the eddy viscosity (C_s s)^2 |S|, 0 for none")
     forces: Optional[tuple[str, ...]] = Field(None, description="names of the forces")
     regularisers: Optional[tuple[str, ...]] = Field(None, description="names of the regularisers, in their order")
     surface_rule: Optional[str] = Field(None, description="name of the rule that finds the free surface")
@@ -86,6 +90,10 @@ class Numerics(Model):
     surface_gradient: Optional[str] = Field(None, description="name of the pressure gradient at the surface")
     stepping: Optional[str] = Field(None, description="name of the stepping in time")
     rtol: Optional[float] = Field(None, gt=0, lt=1, description="relative tolerance of the pressure solve")
+    equation_of_state: Literal["tait", "linear"] = Field("tait", description="pressure of weakly compressible fluid")
+    sound_speed: Optional[float] = Field(None, gt=0, description="speed of sound of weakly compressible fluid [m/s]")
+    artificial_viscosity: float = Field(0.3, ge=0, le=10, description="omega of the artificial viscosity of weakly compressible fluid")
+    xsph: float = Field(0.01, ge=0, le=1, description="epsilon of XSPH: how far weakly compressible fluid moves with its neighbours")
     jitter: float = Field(0.0, ge=0, le=1.2, description="disorder k of the start positions, 0 to 1.2")
     jitter_surface: bool = Field(False, description="whether particles on the free surface are jittered too")
     seed: int = Field(0, ge=0, lt=2**63, description="seed of the jitter")

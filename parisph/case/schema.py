@@ -25,10 +25,10 @@ from parisph.case.probes import (
     Volume,
     WaterFront,
 )
-from parisph.case.shapes import Box, Disc, Fluid, Polygon, Tank
+from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
 
 __all__ = [
-    "METHODS", "PRESETS", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Momentum", "Numerics",
+    "METHODS", "PRESETS", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Lid", "Momentum", "Numerics",
     "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "Volume", "WaterFront",
 ]
 
@@ -94,7 +94,7 @@ class Case(Model):
     def closed(self):
         """True for a tank with a lid that is full: no free surface, pressure up to a constant."""
         shape, tank = self.fluid.shape, self.walls
-        if tank is None or not tank.lid or not isinstance(shape, Box) or self.fluid.elevation is not None:
+        if tank is None or not tank.closed or not isinstance(shape, Box) or self.fluid.elevation is not None:
             return False
         gaps = np.abs(np.array(shape.bounds) - np.array(tank.bounds))
         return bool(np.all(gaps < 0.5 * self.numerics.spacing))

@@ -128,17 +128,40 @@ def _area(points):
     return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
 
 
+class Lid(Model):
+    """A lid that moves in its plane with `velocity` [m/s] along x, as in a lid-driven cavity. Only viscous fluid notices."""
+
+    velocity: float = Field(description="velocity of the lid along x [m/s]")
+
+
+SIDES = ("left", "right", "bottom", "top")
+
+
 class Tank(Model):
     """A rectangular tank: width x height [m], with its lower left corner `at` [m].
 
     With a lid it is closed; without one its side walls end at the top, and water may leave
-    it there.
+    it there. Viscous fluid sticks to the walls named in `no_slip`, and slips along the others.
     """
 
     width: Length
     height: Length
-    lid: bool = Field(False, description="whether the tank has a lid")
+    lid: Union[bool, Lid] = Field(False, description="whether the tank has a lid, or a Lid that moves")
     at: Point = (0.0, 0.0)
+    no_slip: Union[bool, tuple[Literal["left", "right", "bottom", "top"], ...]] = Field(
+        False, description="whether fluid sticks to all walls, or the names of those to which it sticks")
+
+    @property
+    def closed(self) -> bool:
+        """Whether there is a lid."""
+        return bool(self.lid)
+
+    @property
+    def sticky(self) -> tuple[str, ...]:
+        """Names of the walls to which viscous fluid sticks."""
+        if isinstance(self.no_slip, tuple):
+            return self.no_slip
+        return SIDES if self.no_slip else ()
 
     @property
     def size(self):
@@ -161,7 +184,7 @@ class Fluid(Model):
     Attributes
     ----------
     shape : Box, Disc or Polygon
-    density : [kg/m3]
+    density : [kg/m3]; viscosity : kinematic [m2/s]; 0 for none
     velocity : components [m/s], numbers or expressions of x, y
     elevation : None, or the height of the free surface above the top of a Box [m], a number or
         an expression of x; the columns of particles are stretched linearly to reach it
@@ -169,6 +192,7 @@ class Fluid(Model):
 
     shape: Shape
     density: float = Field(gt=0, description="density [kg/m3]")
+    viscosity: float = Field(0.0, ge=0, description="kinematic viscosity [m2/s]")
     velocity: tuple[Number, ...] = Field((0.0, 0.0), description="start velocity (u, v) [m/s], numbers or expressions of x, y")
     elevation: Union[float, str, None] = Field(
         None, description="surface elevation above a Box [m], a number or an expression of x"

@@ -3,6 +3,7 @@
 import numpy as np
 
 from parisph.case.lattice import Lattice, boundary_size
+from parisph.case.methods import METHODS
 from parisph.case.shapes import Box
 
 MOST = 2**31 - 1    # rows of the pressure matrix that 32-bit numbers can name
@@ -63,4 +64,6 @@ def _walls(case):
     if case.walls is None:
         return 0
     points = [max(round(n), 1) + 1 for n in _extent(case)]
-    return boundary_size(points, [True] * (len(points) - 1) + [case.walls.lid])
+    closed = [True] * (len(points) - 1) + [case.walls.closed]
+    return sum(boundary_size([n + layer * (1 + int(upper)) for n, upper in zip(points, closed)], closed)
+               for layer in range(METHODS[case.numerics.method].wall_layers))

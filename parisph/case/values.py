@@ -37,7 +37,8 @@ def faults(fields, data):
 def _fault(item, kinds, positive):
     flag = isinstance(item, (bool, np.bool_))
     if kinds == {bool}:
-        return None if flag else "True or False"
+        # a record is for pydantic, which knows whether the field may hold one
+        return None if flag or hasattr(item, "model_fields") else "True or False"
     if flag and bool not in kinds:
         return "a text" if kinds == {str} else "a number"
     if isinstance(item, (str, bytes)):

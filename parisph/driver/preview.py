@@ -59,7 +59,7 @@ def _memory(particles):
 
 def stages(case):
     """Return the names of the stages that a step of this case has, in order."""
-    return catalogue.Parts.of(case.complete_numerics()).stages(case.closed)
+    return catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity).stages(case.closed)
 
 
 def _text(value):

@@ -11,7 +11,8 @@ from mpi4py import MPI
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
 from parisph.case import geometry
-from parisph.case.checks import stable_time_step
+from parisph.case.checks import fastest, stable_time_step
+from parisph.case.methods import METHODS
 from parisph.case.schema import Case
 from parisph.driver import room, warmup
 from parisph.driver.phases import PhaseTimers
@@ -20,7 +21,8 @@ from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
 from parisph.methods.budget import Budget
-from parisph.methods.catalogue import Parts
+from parisph.methods.catalogue import parts_of
+from parisph.methods.compressible import Compressible
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
 from parisph.methods.reports import StepReport
@@ -32,6 +34,7 @@ from parisph.watch.sampling import Scene
 
 SKIN = 1.0        # spacings a particle moves until particles are redistributed and sorted
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
+SOUND = 10.0      # speed of sound of weakly compressible fluid, over the fastest speed to expect
 SHORTEST = 1e-5   # of the stable step of the case: a run that needs a shorter one has diverged
 
 Method = TypeVar("Method", bound=Callable[..., Any])
@@ -106,10 +109,10 @@ class Simulation:
         s = self.numerics.spacing
         lower, upper = geometry.domain(case)
         self.domain = Domain(self.particles, lower, upper, parts.reach * s,
-                             SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.lid)
+                             SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.closed)
         flow = Flow(self.numerics, case.fluid.density, self._force, self.particles, self.domain, self.timers,
-                    closed=case.closed, budget=_budget(case, parts))
-        self.method = Projection(flow, parts, petsc_options)
+                    closed=case.closed, budget=_budget(case, parts), viscosity=case.fluid.viscosity)
+        self.method = _method(case, flow, parts, petsc_options)
         if start is not None:
             self.method.resume(start.state)
         self.bad_force = None
@@ -215,7 +218,8 @@ class Simulation:
     def _limit(self):
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
         dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt, self._shortest,
-                       self.method.flow.top_acceleration)
+                       self.method.top_acceleration)
+        dt = min(dt, self.method.longest_step())
         if self.numerics.time_step is not None:
             return dt
         dt = min(dt, self.case.frame.longest_step)    # a small force between two turns says nothing of what comes
@@ -288,13 +292,20 @@ def _other_than_first(comm, case, petsc_options):
 
 def _parts(case, comm):
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts, error = Parts.of(case.numerics), None
+    parts, error = parts_of(case.numerics, case.fluid.viscosity), None
     try:
         parts.check(case.dim)
     except CaseError as problem:
         error = problem
     agree(comm, error)
     return parts
+
+
+def _method(case, flow, parts, petsc_options):
+    """Return the method of the case, ready to start. Collective."""
+    if METHODS[case.numerics.method].step == "compressible":
+        return Compressible(flow, parts, case.numerics.sound_speed or SOUND * fastest(case))
+    return Projection(flow, parts, petsc_options)
 
 
 def _budget(case, parts):

@@ -13,8 +13,8 @@ import numpy as np
 
 from parisph.base.fields import FLUID, INNER, WALL
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.moving_mirrors import gather_moving
 from parisph.kernels.moments import cholesky, cholesky_solve
+from parisph.kernels.moving_mirrors import gather_moving
 from parisph.kernels.near import room_for
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
 

@@ -164,6 +164,26 @@ def wall_pressure(out, x, p, rho, force, wall_force, kind, h, indptr, indices, a
         out[i] = max(total / weights, 0.0) if weights > 0.0 else 0.0
 
 
+@kernel
+def position_divergence(out, x, volume, kind, h, indptr, indices, axes) -> None:
+    """Divergence of the positions, sum_j V r_ji . grad_i W_ij over all neighbours: dim inside, less at the surface.
+
+    Lee et al. (2008) take 1.5 for the limit in 2D. out : (n_owned,) output, 0 for walls; volume : of a particle [m^dim]
+    """
+    for i in range(len(indptr) - 1):
+        out[i] = 0.0
+        if kind[i] != FLUID:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] == ABSENT:
+                continue
+            r2 = 0.0
+            for a in range(len(axes)):
+                r2 += (x[i, a] - x[j, a]) ** 2
+            out[i] -= volume * r2 * cubic_spline_slope(math.sqrt(r2), h, len(axes))
+
+
 @inlined
 def _pair(i, j, u, x, axes):
     """Return r_ij^2 and u_ij . r_ij."""

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from parisph.base.errors import CaseError
 from parisph.base.fields import FieldSet
@@ -50,12 +51,12 @@ class Parts:
     regularisers: tuple[Regulariser, ...]
 
     @classmethod
-    def of(cls, numerics: Numerics) -> "Parts":
-        """Return the parts of a scene. numerics : resolved. Not collective."""
-        n = numerics
+    def of(cls, numerics: Numerics, viscosity: float = 0.0) -> "Parts":
+        """Return the parts of a scene. numerics : resolved; viscosity : of the fluid [m^2/s]. Not collective."""
+        n, viscous = numerics, viscosity > 0.0 or numerics.smagorinsky > 0.0
         return cls(n, LAPLACIANS[n.laplacian], DIVERGENCES[n.divergence], WALL_ROWS[n.wall_rows], GRADIENTS[n.gradient],
                    SURFACE_GRADIENTS[n.surface_gradient], SURFACES[n.surface_rule], SOURCES[n.source],
-                   tuple(FORCES[name] for name in n.forces),
+                   tuple(part for part in (FORCES[name] for name in n.forces) if part.wanted(n) and (viscous or not part.viscous)),
                    tuple(part for part in (REGULARISERS[name] for name in n.regularisers) if part.wanted(n)))
 
     def __iter__(self) -> Iterator[Part]:
@@ -112,6 +113,39 @@ class Parts:
             if dim not in part.dims:
                 known = " and ".join(f"{n}D" for n in part.dims)
                 raise CaseError(f"{part.name!r} works in {known} only, and this scene has {dim} dimensions: choose another part")
+
+
+class CompressibleParts:
+    """What a scene needs for weakly compressible SPH, as `catalogue.Parts` is for projections."""
+
+    reach = 2.0 * lengths.SPH
+    fields = FieldSet(("rho", "pull"))
+    causes = ("pressure",)
+
+    def __init__(self, numerics: Numerics):
+        self.numerics = numerics
+
+    def stages(self, closed: bool) -> list[str]:
+        """Return the names of the stages of a step, in order."""
+        n = self.numerics
+        xsph = [f"XSPH ({n.xsph:g})"] if n.xsph else []
+        viscosity = f" and artificial viscosity ({n.artificial_viscosity:g})" if n.artificial_viscosity else ""
+        return ["half step of velocities", *xsph, "move", "redistribute", "densities", f"equation of state ({n.equation_of_state})",
+                "pressure of walls", f"pressure{viscosity}", "half step of velocities"]
+
+    def check(self, dim: int) -> None:
+        """Raise CaseError for what weakly compressible SPH cannot do."""
+        n = self.numerics
+        if n.smagorinsky:
+            raise CaseError(f"numerics.smagorinsky = {n.smagorinsky:g}: weakly compressible SPH has its artificial viscosity; "
+                            "leave it out, or choose a projection method")
+
+
+def parts_of(numerics: Numerics, viscosity: float = 0.0) -> Any:
+    """Return the parts of a method: Parts of a projection, or CompressibleParts. numerics : resolved. Not collective."""
+    if METHODS[numerics.method].step == "compressible":
+        return CompressibleParts(numerics)
+    return Parts.of(numerics, viscosity)
 
 
 def warning(numerics: Numerics) -> str:

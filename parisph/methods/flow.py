@@ -21,7 +21,7 @@ class Flow:
     Parameters
     ----------
     numerics : resolved Numerics
-    density : [kg/m^3]
+    density : [kg/m^3]; viscosity : kinematic [m^2/s]
     body : callable (x (n, dim), t) -> (n, dim), the body force per unit mass in the tank's frame [m/s^2]
     particles, domain, timers : of this run
     closed : whether the fluid fills a closed tank: no free surface
@@ -40,8 +40,8 @@ class Flow:
     """
 
     def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, timers: Any,
-                 closed: bool = False, budget: Budget | None = None):
-        self.numerics, self.density, self.body = numerics, density, body
+                 closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0):
+        self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.timers = particles, domain, timers
         self.closed, self.budget = closed, budget or NoBudget()
         self.spacing: float = numerics.spacing

@@ -1,5 +1,10 @@
 """The forces per unit mass, which add up to the acceleration of a step."""
 
+import numpy as np
+
+from parisph.base.fields import FLUID, WALL
+from parisph.kernels import turbulence, viscous
+from parisph.methods import lengths, straining
 from parisph.methods.parts import FORCES, Force
 
 
@@ -12,4 +17,60 @@ class Body(Force):
         out += flow.body(flow.particles.x_all, time)
 
 
-FORCES.register(Body())
+class Viscous(Force):
+    """nu lap u by a quadratic fit, exact for quadratic velocities; at walls its normal part is that of the fluid before them."""
+
+    name, source, reach, viscous = "viscous", "Z14 Eq 2", lengths.VISCOUS, True
+    fields = ("no_slip", "wall_u", "nu", "viscous")
+
+    def needs(self, numerics):
+        return (*self.fields, *(straining.FIELDS if numerics.smagorinsky else ()))
+
+    def add(self, out, flow, time):
+        p, d, s = flow.particles, flow.domain, flow.spacing
+        wall = p.kind == WALL
+        p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
+        self._write_viscosity(flow)
+        d.update("u", "nu", "role")
+        self.laplacian(p.viscous, flow)
+        d.update("viscous")
+        viscous.continue_to_walls(p.viscous_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, lengths.WALL * s,
+                                  d.indptr, d.indices, flow.axes)
+        d.update("viscous")
+        out += p.viscous_all
+
+    def laplacian(self, out, flow):
+        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2]."""
+        p, d, s = flow.particles, flow.domain, flow.spacing
+        viscous.corrected(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
+                          lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
+
+    def longest_step(self, flow):
+        p = flow.particles
+        nu = flow.viscosity + (p.nu.max(initial=0.0) if flow.numerics.smagorinsky else 0.0)
+        return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
+
+    def _write_viscosity(self, flow):
+        """Write nu of owned particles, that of eddies by the velocity gradient of the step before included."""
+        p, n = flow.particles, flow.numerics
+        if n.smagorinsky:
+            turbulence.eddy_viscosity(p.nu, p.grad_u, p.kind, n.smagorinsky * flow.spacing, flow.axes)
+            p.nu[p.kind == FLUID] += flow.viscosity
+            p.nu[p.kind != FLUID] = flow.viscosity
+        else:
+            p.nu[:] = flow.viscosity
+
+
+class MorrisViscous(Viscous):
+    """nu lap u by the form of Morris, which conserves momentum."""
+
+    name, source = "viscous_morris", "Morris et al. 1997, Eq 22"
+
+    def laplacian(self, out, flow):
+        p, d, s = flow.particles, flow.domain, flow.spacing
+        viscous.morris(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.no_slip_all,
+                       lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
+
+
+for part in (Body(), Viscous(), MorrisViscous()):
+    FORCES.register(part)

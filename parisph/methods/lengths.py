@@ -9,4 +9,5 @@ SPH = 1.8             # h of the SPH Laplacian and of the symmetric gradient; th
 QUADRATIC_CIRCLE = 1.0    # R of the circle with quadratic least squares
 QUADRATIC = 2.6       # quadratic least squares, there and of generalised finite differences
 SURFACE_GAP = 2.0     # neighbours that close the angular gap
+VISCOUS = 2.6         # quadratic least squares of the viscous acceleration
 NEAR = 2.6            # reach of neighbour lists that regularisation and walls need, whatever the method

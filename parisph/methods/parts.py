@@ -42,6 +42,11 @@ class Part:
         """Return the names of the fields it needs with the numbers of a case."""
         return self.fields
 
+    @property
+    def limits_step(self) -> bool:
+        """Whether `longest_step` can be less than infinite."""
+        return type(self).longest_step is not Part.longest_step
+
     def longest_step(self, flow: Any) -> float:
         """Return the longest time step [s] that it allows on this rank, infinite if it does not limit it. Not collective."""
         return np.inf
@@ -117,7 +122,12 @@ class Source(Part):
 
 
 class Force(Part):
-    """A force per unit mass."""
+    """A force per unit mass.
+
+    viscous : whether only viscous fluid feels it
+    """
+
+    viscous: ClassVar[bool] = False
 
     def add(self, out: np.ndarray, flow: Any, time: float) -> None:
         """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""

@@ -65,10 +65,13 @@ class FickShift(Regulariser):
     """Shifts by C_i h^2 along -grad alpha, at the surface along it, and turns close pairs."""
 
     name, source, cause, words, moves = "shift", "Lind et al. 2012", "shift", "Fick shift", True
-    fields = (*straining.FIELDS, "grad_alpha", "turn")
+    fields = ("grad_alpha", "turn")
 
     def wanted(self, numerics):
         return numerics.shift > 0.0
+
+    def needs(self, numerics):
+        return (*self.fields, *(straining.FIELDS if numerics.shift_strain else ()))
 
     def apply(self, flow, dt):
         p, d, n = flow.particles, flow.domain, flow.numerics

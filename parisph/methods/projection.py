@@ -143,6 +143,18 @@ class Projection:
         found[p.kind != FLUID] = 0.0
         return found
 
+    def longest_step(self) -> float:
+        """Return the longest step [s] that the parts of the method allow, infinite if none limits it. Collective."""
+        limiting = [part for part in self.parts if part.limits_step]
+        if not limiting:
+            return np.inf
+        return self.flow.particles.comm.allreduce(min(part.longest_step(self.flow) for part in limiting), op=MPI.MIN)
+
+    @property
+    def top_acceleration(self) -> float:
+        """Largest acceleration of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step."""
+        return self.flow.top_acceleration
+
     @property
     def columns(self) -> dict[str, str]:
         """Columns of steps.csv with their units."""
@@ -184,8 +196,12 @@ class Projection:
 
     def _wall_velocity(self):
         p, d, flow = self.flow.particles, self.flow.domain, self.flow
-        gradients.wall_velocity(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all,
-                                np.zeros_like(p.u), lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+        own = p.wall_u if "wall_u" in p.fields else np.zeros_like(p.u)
+        gradients.wall_velocity(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, own,
+                                lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+        if "no_slip" in p.fields:
+            sticky = (p.kind == WALL) & (p.no_slip == 1)
+            p.u[sticky] = p.wall_u[sticky]
 
     def _assemble(self, dt):
         """Rows and right-hand side: the source at inner particles, Eq. 25 (2014 paper) at wet walls."""

@@ -88,7 +88,7 @@ class Scene:
         s = case.numerics.spacing
         return cls(case.dim, s, geometry.lattice(case).step, case.fluid.density,
                    *geometry.domain(case), case.walls is not None, _uniform(case.gravity),
-                   case.walls is not None and case.walls.lid)
+                   case.walls is not None and case.walls.closed)
 
     @property
     def walls(self):

@@ -1,0 +1,194 @@
+"""One time step of traditional, weakly compressible SPH (Zheng, Ma & Duan 2014, Sec. 2.1)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph.base.errors import CaseError
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.kernels import weakly
+from parisph.methods import lengths
+from parisph.methods.catalogue import CompressibleParts
+from parisph.methods.flow import Flow
+from parisph.methods.reports import StepReport
+
+EQUATIONS = {"tait": (weakly.tait_pressure, weakly.tait_density), "linear": (weakly.linear_pressure, weakly.linear_density)}
+SURFACE_EVERY = 20      # steps between two looks for the free surface, which only probes and pictures need
+OPEN = 1.5              # div r of 2 inside (3D: 3 and 2.25) below which a particle is on the surface
+
+
+@dataclass(frozen=True)
+class CompressibleReport(StepReport):
+    """The results of one step of weakly compressible SPH.
+
+    compression: largest |rho/rho0 - 1|; speed: of the fastest fluid [m/s].
+    """
+
+    compression: float = 0.0
+    speed: float = 0.0
+
+    @classmethod
+    def columns(cls) -> dict[str, str]:
+        """Return {column: unit} of its line, but the energies."""
+        return {"dt": "s", "surface": "", "compression": "", "speed": "m/s", "left": ""}
+
+    def words(self) -> str:
+        """Return what the line of progress says about the step."""
+        return f"compression {self.compression:.1e}  fastest {self.speed:.3g} m/s"
+
+
+class Compressible:
+    """Weakly compressible SPH on the particles of one scene, in steps of velocity Verlet.
+
+    u half a step, x and rho a step, p(rho), the acceleration there, u the other half: one evaluation of the forces a step.
+
+    Parameters
+    ----------
+    flow : Flow
+    sound : speed of sound [m/s]
+    """
+
+    solver = None
+
+    def __init__(self, flow: Flow, parts: CompressibleParts, sound: float):
+        self.flow, self.parts, self.sound, n = flow, parts, sound, flow.numerics
+        if flow.viscosity:
+            raise CaseError(f"fluid.viscosity = {flow.viscosity:g}: weakly compressible SPH has its artificial viscosity alone; "
+                            "set numerics.artificial_viscosity, or choose a projection method")
+        self.h = lengths.SPH * flow.spacing
+        self.mass = flow.density * flow.spacing**flow.particles.dim
+        self.pressure, self.density = EQUATIONS[n.equation_of_state]
+        self.top_acceleration = 0.0
+        self._steps, self._speed = 0, 0.0
+
+    # -- what the driver asks for ----------------------------------------------------------
+
+    def start(self, time: float) -> int:
+        """Find densities from the pressure at the start, and the acceleration there; return 0. Collective."""
+        flow, p = self.flow, self.flow.particles
+        flow.domain.refresh()
+        p.rho[:] = self.density(p.p, self.sound, flow.density)
+        self._pull(time)
+        self._find_surface()
+        return 0
+
+    def step(self, time: float, dt: float, usual: float | None = None) -> CompressibleReport:
+        """Advance one step of dt [s]. Collective."""
+        flow, timers = self.flow, self.flow.timers
+        p, budget = flow.particles, flow.budget
+        budget.begin(p)
+        with timers("predict"):
+            fluid = p.kind == FLUID
+            p.u[fluid] += 0.5 * dt * p.pull[fluid]
+            flow.domain.update("u")
+            p.x[fluid] += dt * self._moving()[fluid]
+        with timers("redistribute"):
+            flow.domain.refresh()
+            flow.domain.update("u")
+        with timers("correct"):
+            self._densities(dt)
+            self._pull(time + dt)
+            fluid = p.kind == FLUID
+            p.u[fluid] += 0.5 * dt * p.pull[fluid]
+            budget.mark(p, "pressure")
+        self._steps += 1
+        if self._steps % SURFACE_EVERY == 0:
+            with timers("surface"):
+                self._find_surface()
+        with timers("record"):
+            return self._report(dt)
+
+    def acceleration(self, time: float) -> np.ndarray:
+        """Return the acceleration [m/s^2] of owned particles, 0 for walls."""
+        return self.flow.particles.pull.copy()
+
+    def longest_step(self) -> float:
+        """Return the longest stable step [s]. Collective."""
+        p = self.flow.particles
+        speed = float(np.sqrt((p.u**2).sum(axis=1).max(initial=0.0)))
+        strongest = float(np.sqrt((p.pull**2).sum(axis=1).max(initial=0.0)))
+        most = p.comm.allreduce(np.array([speed, strongest]), op=MPI.MAX)
+        return weakly.longest_step(self.h, self.sound, most[0], self.flow.numerics.artificial_viscosity, most[1])
+
+    @property
+    def columns(self) -> dict[str, str]:
+        """Columns of steps.csv with their units."""
+        return CompressibleReport.columns()
+
+    def state(self) -> dict[str, float]:
+        """Return what a checkpoint needs beside the particles."""
+        return {}
+
+    def resume(self, state: dict) -> None:
+        """Continue from the state in a checkpoint."""
+
+    def about(self) -> Any:
+        """Return the options of PETSc: none."""
+        return {}
+
+    def destroy(self) -> None:
+        """Do nothing: there is nothing to free."""
+
+    # -- the parts of the step, in order ---------------------------------------------------
+
+    def _masses(self):
+        return np.full(self.flow.particles.n_all, self.mass)
+
+    def _moving(self):
+        """Return the velocity with which particles move (n_owned, dim) [m/s] (Eq 9)."""
+        p, d, n = self.flow.particles, self.flow.domain, self.flow.numerics
+        if not n.xsph:
+            return p.u
+        out = np.empty_like(p.u)
+        weakly.xsph_velocity(out, p.u_all, p.x_all, p.rho_all, self._masses(), p.kind_all, self.h, n.xsph,
+                             d.indptr, d.indices, self.flow.axes)
+        return out
+
+    def _densities(self, dt):
+        """Change the densities of fluid, and with them its pressure (Eqs 3 and 7)."""
+        flow = self.flow
+        p, d = flow.particles, flow.domain
+        rate = np.empty(p.n_owned)
+        weakly.density_rate(rate, p.u_all, p.x_all, self._masses(), p.kind_all, self.h, d.indptr, d.indices, flow.axes)
+        fluid = p.kind == FLUID
+        p.rho[fluid] += dt * rate[fluid]
+        p.p[fluid] = self.pressure(p.rho[fluid], self.sound, flow.density)
+
+    def _pull(self, time):
+        """Continue pressure to the walls, and write the acceleration of fluid (Eqs 6 and 8)."""
+        flow = self.flow
+        p, d, n = flow.particles, flow.domain, flow.numerics
+        d.update("p", "rho", "u")
+        force = flow.body(p.x_all, time)
+        weakly.wall_pressure(p.p, p.x_all, p.p_all, p.rho_all, force, np.zeros_like(p.u), p.kind_all, self.h,
+                             d.indptr, d.indices, flow.axes)
+        wall = p.kind == WALL
+        p.rho[wall] = self.density(p.p[wall], self.sound, flow.density)
+        p.role[wall] = np.where(p.p[wall] > 0.0, WET, DRY)
+        d.update("p", "rho")
+        weakly.acceleration(p.pull, p.u_all, p.x_all, p.p_all, p.rho_all, self._masses(), p.kind_all, self.h, self.sound,
+                            n.artificial_viscosity, 0.0, d.indptr, d.indices, flow.axes)
+        p.pull[p.kind == FLUID] += force[:p.n_owned][p.kind == FLUID]
+
+    def _find_surface(self):
+        """Give fluid its role, for probes and pictures: on the surface where div r is small (Lee et al. 2008)."""
+        flow = self.flow
+        p, d = flow.particles, flow.domain
+        spread = np.empty(p.n_owned)
+        weakly.position_divergence(spread, p.x_all, self.mass / flow.density, p.kind_all, self.h, d.indptr, d.indices, flow.axes)
+        fluid = p.kind == FLUID
+        found = np.where(spread[fluid] < OPEN * 0.5 * p.dim, SURFACE, INNER)
+        p.role[fluid] = np.where(spread[fluid] == 0.0, BALLISTIC, found)
+        d.update("role")
+
+    def _report(self, dt):
+        flow, p = self.flow, self.flow.particles
+        fluid = p.kind == FLUID
+        mine = [float(np.abs(p.rho[fluid] / flow.density - 1.0).max(initial=0.0)),
+                float(np.sqrt((p.u[fluid] ** 2).sum(axis=1).max(initial=0.0)))]
+        compression, speed = p.comm.allreduce(np.array(mine), op=MPI.MAX)
+        surface = p.comm.allreduce(int(np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC)))))
+        self.top_acceleration = float(np.sqrt((p.pull**2).sum(axis=1).max(initial=0.0)))
+        return CompressibleReport(dt, surface, 0, flow.budget.works(p.comm), float(compression), float(speed))
