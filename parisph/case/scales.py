@@ -63,6 +63,14 @@ def expected(case) -> Scales:
     return Scales(wave, times, speeds, accelerations, force)
 
 
+def fall_time(case) -> float:
+    """Return sqrt(depth/g) [s] of level water at rest without waves, 0 for all other fluid."""
+    force, down = _gravity(case)
+    if force == 0.0 or case.closed or _start_speed(case) > 0.0 or case.fluid.elevation is not None or not _is_level(case, down):
+        return 0.0
+    return float(np.sqrt(case.fluid.shape.size[-1] / force))
+
+
 def _sample(case):
     """Return points (n, dim) [m] of the fluid at the start, without its elevation."""
     lower, upper = case.fluid.shape.bounds

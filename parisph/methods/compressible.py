@@ -7,7 +7,7 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError
-from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.fields import ABSENT, BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels import weakly
 from parisph.methods import lengths
 from parisph.methods.catalogue import CompressibleParts
@@ -48,12 +48,14 @@ class Compressible:
     ----------
     flow : Flow
     sound : speed of sound [m/s]
+    settle : time [s] for which water at rest settles before the start, 0 for none. Sums over pairs lack half their
+        neighbours at the surface, which sinks by a third of a spacing until the rest of them balance gravity
     """
 
     solver = None
 
-    def __init__(self, flow: Flow, parts: CompressibleParts, sound: float):
-        self.flow, self.parts, self.sound, n = flow, parts, sound, flow.numerics
+    def __init__(self, flow: Flow, parts: CompressibleParts, sound: float, settle: float = 0.0):
+        self.flow, self.parts, self.sound, self.settle, n = flow, parts, sound, settle, flow.numerics
         if flow.viscosity:
             raise CaseError(f"fluid.viscosity = {flow.viscosity:g}: weakly compressible SPH has its artificial viscosity alone; "
                             "set numerics.artificial_viscosity, or choose a projection method")
@@ -71,6 +73,7 @@ class Compressible:
         flow.domain.refresh()
         p.rho[:] = self.density(p.p, self.sound, flow.density)
         self._pull(time)
+        self._settle(time)
         self._find_surface()
         return 0
 
@@ -133,6 +136,16 @@ class Compressible:
 
     # -- the parts of the step, in order ---------------------------------------------------
 
+    def _settle(self, time):
+        """Let water come to rest, its velocity damped within a hundredth of the whole time that this takes. Collective."""
+        p, left = self.flow.particles, self.settle
+        while left > 0.0:
+            dt = min(self.longest_step(), left)
+            p.u[:] *= max(0.0, 1.0 - 100.0 * dt / self.settle)
+            self.step(time, dt)
+            left -= dt
+        p.u[:] = 0.0
+
     def _masses(self):
         return np.full(self.flow.particles.n_all, self.mass)
 
@@ -177,7 +190,9 @@ class Compressible:
         flow = self.flow
         p, d = flow.particles, flow.domain
         spread = np.empty(p.n_owned)
-        weakly.position_divergence(spread, p.x_all, self.mass / flow.density, p.kind_all, self.h, d.indptr, d.indices, flow.axes)
+        d.update("role")
+        seen = np.where(p.role_all == DRY, np.int8(ABSENT), p.kind_all)     # walls above the water would fill its surface up
+        weakly.position_divergence(spread, p.x_all, self.mass / flow.density, seen, self.h, d.indptr, d.indices, flow.axes)
         fluid = p.kind == FLUID
         found = np.where(spread[fluid] < OPEN * 0.5 * p.dim, SURFACE, INNER)
         p.role[fluid] = np.where(spread[fluid] == 0.0, BALLISTIC, found)

@@ -69,8 +69,8 @@ class Flow:
     def seen(self, closing: int) -> np.ndarray:
         """Return kind (n_all,) with the walls ABSENT that are less than `closing` (kernels.wetness.FREE or CLOSING)."""
         p = self.particles
-        if "closing" not in p.fields:
-            return np.where(p.kind_all == WALL, np.int8(ABSENT), p.kind_all)
+        if "closing" not in p.fields:    # a full closed tank, all of whose walls are wet
+            return p.kind_all
         return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
 
     def density_ratio(self, seen: np.ndarray) -> None:
