@@ -8,7 +8,7 @@ __version__ = "0.1.0"
 # `import parisph` costs nothing, and describing a case needs neither MPI nor PETSc.
 _SCHEMA = (
     "Case Fluid Box Disc Polygon Tank Lid Numerics Output Truth AtRest Sway Tabulated "
-    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum"
+    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityProfile"
 )
 _PUBLIC = {
     **{name: "parisph.case.schema" for name in _SCHEMA.split()},

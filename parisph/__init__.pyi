@@ -26,6 +26,7 @@ from parisph.case.schema import Sway as Sway
 from parisph.case.schema import Tabulated as Tabulated
 from parisph.case.schema import Tank as Tank
 from parisph.case.schema import Truth as Truth
+from parisph.case.schema import VelocityProfile as VelocityProfile
 from parisph.case.schema import Volume as Volume
 from parisph.case.schema import WaterFront as WaterFront
 from parisph.driver.loop import restart as restart

@@ -13,7 +13,7 @@ from parisph.case import size
 from parisph.case.expressions import compile_expression, vector_field
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.motion import SHARE
-from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge
+from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
 from parisph.case.shapes import Box, check_components
 from parisph.case.values import LARGEST
 
@@ -208,10 +208,21 @@ def _probes(case):
     for probe in case.probes:
         if isinstance(probe, PressureTap):
             yield from _tap(case, probe)
+        elif isinstance(probe, VelocityProfile):
+            yield from _profile(case, probe)
         elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.walls is not None:
             low, high = case.walls.bounds
             if not low[0] <= probe.at <= high[0]:
                 yield f"probe {probe.name!r}: at = {probe.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
+
+
+def _profile(case, probe):
+    for name, point in (("start", probe.start), ("end", probe.end)):
+        if len(point) != case.dim:
+            yield f"probe {probe.name!r}: {name} = {point} must have {case.dim} components"
+            return
+    if probe.start == probe.end:
+        yield f"probe {probe.name!r}: start and end = {probe.start}: must be two points"
 
 
 def _tap(case, probe):

@@ -126,8 +126,27 @@ class Momentum(Probe):
     peak: Peak = False
 
 
+class VelocityProfile(Probe):
+    """Velocity [m/s] and pressure [Pa] at `points` points, evenly from `start` to `end` [m].
+
+    The columns of point k are u_k, v_k and p_k; the first point is 0. Points outside the fluid have nan.
+    """
+
+    kind: Literal["velocity_profile"] = "velocity_profile"
+    start: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="first point (x, y) [m]")]
+    end: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="last point (x, y) [m]")]
+    points: int = Field(21, ge=2, le=1000, description="number of points")
+    truth: Union[Truth, None] = None
+    peak: Peak = False
+
+    @property
+    def places(self) -> np.ndarray:
+        """The points (points, dim) [m]."""
+        return np.linspace(self.start, self.end, self.points)
+
+
 AnyProbe = Annotated[
-    Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum],
+    Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile],
     Field(discriminator="kind", description="a probe"),
 ]
 

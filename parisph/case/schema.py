@@ -22,6 +22,7 @@ from parisph.case.probes import (
     PressureTap,
     SurfaceGauge,
     Truth,
+    VelocityProfile,
     Volume,
     WaterFront,
 )
@@ -29,7 +30,7 @@ from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
 
 __all__ = [
     "METHODS", "PRESETS", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Lid", "Momentum", "Numerics",
-    "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "Volume", "WaterFront",
+    "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at

@@ -13,7 +13,7 @@ from parisph.pictures import style
 # What a probe of a kind (as in the case) shows, and which kinds share one set of axes.
 KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
-    "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum",
+    "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum", "velocity_profile": "velocity and pressure",
 }
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
 COLUMNS = {("volume", "count"): "cells counted"}  # where one column is something else

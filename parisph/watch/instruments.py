@@ -7,6 +7,7 @@ each sample.
 import numpy as np
 
 from parisph.base.errors import CaseError, agree
+from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
 from parisph.watch.elevation import COLUMN, bodies, surface_height
@@ -22,6 +23,7 @@ BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradi
 FACE = 3.0          # radius of the face of a pressure tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
 NODES = 4.0         # surface particles that may serve a gauge
 INSIDE = 2.1        # cells inside the fluid are farther from the surface
+PROFILE = 2.6       # neighbours that serve a point of a velocity profile
 CELL = 2.6          # neighbours that bound the cell of a particle; the lists of every method have them
 
 ROUNDING = 1.0 + 1e-9
@@ -273,7 +275,56 @@ class Volume(Sampler):
         return (sums[0] / (sums[1] * self.scene.spacing**2) if sums[1] else np.nan), sums[1]
 
 
+class VelocityProfile(Sampler):
+    """Velocity and pressure at points along a line, by least squares of a quadratic polynomial.
+
+    The weight is (1 - r^2/radius^2)^2, the radius PROFILE spacings. Walls count with their own velocity, as far as they are wet.
+    Where particles do not determine the polynomial, the value is nan.
+    """
+
+    def __init__(self, probe, scene):
+        super().__init__(probe, scene)
+        self.places, self.radius = probe.places, PROFILE * scene.spacing
+        names = [*"uvw"[:scene.dim], "p"]
+        self.columns = {f"{name}_{k}": "Pa" if name == "p" else "m/s" for k in range(len(self.places)) for name in names}
+        self.title = (f"Velocity and pressure at {len(self.places)} points from ({', '.join(f'{a:g}' for a in probe.start)}) "
+                      f"to ({', '.join(f'{a:g}' for a in probe.end)}) m")
+
+    def sums(self, view):
+        p = view.particles
+        use = np.isin(p.role, (INNER, SURFACE, WET))
+        x, values = p.x[use], np.column_stack([p.u[use], p.p[use]])
+        found = []
+        for place in self.places:
+            d = (x - place) / self.radius
+            weight = np.clip(1.0 - (d**2).sum(axis=1), 0.0, None) ** 2
+            near = weight > 0.0
+            basis = _quadratic(d[near])
+            weighted = basis * weight[near, None]
+            found += [(weighted.T @ basis).ravel(), (weighted.T @ values[near]).ravel()]
+        return np.concatenate(found)
+
+    def values(self, sums, rows):
+        n, quantities = _quadratic(np.zeros((1, self.scene.dim))).shape[1], self.scene.dim + 1
+        table = np.reshape(sums, (len(self.places), n * (n + quantities)))
+        return tuple(value for line in table for value in _at_centre(line[:n * n].reshape(n, n), line[n * n:].reshape(n, quantities)))
+
+
+def _quadratic(d):
+    """Return the polynomials up to degree 2 at d (n, dim): (n, 6), in 3D (n, 10); the first is 1."""
+    dim = d.shape[1]
+    return np.column_stack([np.ones(len(d)), d, *(d[:, a] * d[:, b] for a in range(dim) for b in range(a, dim))])
+
+
+def _at_centre(moments, right):
+    """Return the fitted values at the centre, nan if the moments do not determine them."""
+    if not np.isfinite(moments).all() or np.linalg.matrix_rank(moments) < len(moments):
+        return np.full(right.shape[1], np.nan)
+    return np.linalg.solve(moments, right)[0]
+
+
 SAMPLERS = {
     "surface_gauge": SurfaceGauge, "pressure_tap": PressureTap, "water_front": WaterFront,
     "column_height": ColumnHeight, "energy": Energy, "momentum": Momentum, "volume": Volume,
+    "velocity_profile": VelocityProfile,
 }
