@@ -1,5 +1,7 @@
 """The errors that parisph raises, and how all ranks raise the same one."""
 
+import numpy as np
+
 
 class ParisphError(Exception):
     """Base class of all errors that parisph raises itself."""
@@ -63,6 +65,17 @@ def agree(comm, error=None):
     mine = None if error is None else (_class_to_raise(error), f"rank {comm.rank}: {_kind(error)}{error}")
     kind, message = next(item for item in comm.allgather(mine) if item is not None)
     raise kind(message) from error
+
+
+def agree_and_sum(comm, error: Exception | None, *numbers: float) -> np.ndarray:
+    """Return the sums of some numbers over the ranks, or raise an error on all ranks as `agree`, in one message. Collective."""
+    if comm.size == 1:
+        agree(comm, error)
+        return np.array(numbers, float)
+    sums = comm.allreduce(np.array([error is not None, *numbers], float))
+    if sums[0]:
+        agree(comm, error)
+    return sums[1:]
 
 
 def _class_to_raise(error):

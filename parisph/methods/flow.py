@@ -34,6 +34,7 @@ class Flow:
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
     strained, doubt : (n_owned,) or None, of methods.strain in this step
     top_acceleration : of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
+    stale : names of fields that have changed since the ghosts got them; the same on all ranks
     collisions : pairs of owned particles that have collided in this step
     rows, solver, pressure_gradient : PressureRows, PressureSolver, and a function of f (n_all,), of a projection; else None
     position_solve : SolveRecord of the position projection in this step, or None
@@ -53,6 +54,7 @@ class Flow:
         self.doubt: np.ndarray | None = None
         self.top_acceleration = 0.0
         self.collisions = 0
+        self.stale: set[str] = set()
         # of a projection: its rows and solver, and what computes gradients with them
         self.rows: Any = None
         self.solver: Any = None
@@ -65,6 +67,12 @@ class Flow:
         p, d = self.particles, self.domain
         return Cloud(p.x_all, p.kind_all, p.role_all, p.volume_all, p.normal_all, p.corner_all, d.indptr, d.indices,
                      self.spacing, self.axes)
+
+    def fresh(self, *names: str) -> None:
+        """Send the fields that have changed to the ghosts, in one message, if any of `names` is among them. Collective."""
+        if self.stale.intersection(names):
+            self.domain.update(*sorted(self.stale))
+            self.stale.clear()
 
     def seen(self, closing: int) -> np.ndarray:
         """Return kind (n_all,) with the walls ABSENT that are less than `closing` (kernels.wetness.FREE or CLOSING)."""

@@ -31,6 +31,7 @@ class PositionProjection(Regulariser):
 
     def apply(self, flow, dt):
         p, d, n = flow.particles, flow.domain, flow.numerics
+        flow.fresh("x")
         flow.density_ratio(flow.seen(wetness.FREE))
         e = straining.strength(flow, n.kappa, n.kappa_strain) * compression(flow, flow.doubt)
         p.phi[:], flow.position_solve = flow.solver.solve_again(flow.rows.right_hand_side(-e), p.phi, slack=SLACK)
@@ -38,7 +39,6 @@ class PositionProjection(Regulariser):
         move = -flow.pressure_gradient(p.phi_all)
         shifting.limit_lengths(move, p.n_owned, CAP * flow.spacing, flow.axes)
         displace(flow, move)
-        d.update("x")
 
 
 class Parting(Regulariser):
@@ -52,13 +52,13 @@ class Parting(Regulariser):
     def apply(self, flow, dt):
         p, d = flow.particles, flow.domain
         distance = PART_WITHIN * flow.spacing
+        flow.fresh("x", "role")
         pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, distance, d.indptr, d.indices, flow.axes)
         d.update("pairs")
         move = np.empty_like(p.x)
         pairs.part_pairs(move, p.pairs_all, p.x_all, p.kind_all, p.role_all, p.id_all, distance, PART,
                          d.indptr, d.indices, flow.axes)
         displace(flow, move)
-        d.update("x")
 
 
 class FickShift(Regulariser):
@@ -76,16 +76,16 @@ class FickShift(Regulariser):
     def apply(self, flow, dt):
         p, d, n = flow.particles, flow.domain, flow.numerics
         h = lengths.DENSITY * flow.spacing
+        flow.fresh("x", "role")
         shifting.concentration_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, h, flow.full,
                                         d.indptr, d.indices, flow.axes)
-        d.update("grad_alpha")
+        turns = TURNS if n.shift_strain and not flow.closed else 1.0
+        p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
+        d.update("grad_alpha", "turn")
         move = np.empty_like(p.x)
         shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all,
                             straining.strength(flow, n.shift, n.shift_strain) * h * h, CAP * flow.spacing,
                             2.0 * flow.spacing, d.indptr, d.indices, flow.axes)
-        turns = TURNS if n.shift_strain and not flow.closed else 1.0
-        p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
-        d.update("turn")
         pairs.turn_pairs(move, p.x_all, p.kind_all, p.role_all, p.id_all, TURN_WITHIN * flow.spacing, p.turn_all,
                          d.indptr, d.indices, flow.axes)
         displace(flow, move)
@@ -107,7 +107,7 @@ class KeepApart(Regulariser):
         p, d = flow.particles, flow.domain
         move, near = np.empty_like(p.x), np.ones(p.n_owned, bool)
         for _ in range(SWEEPS):
-            d.update("x")
+            flow.fresh("x")
             crowded = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing, SWEEP * flow.spacing,
                                        d.indptr, d.indices, flow.axes)
             if not p.comm.allreduce(crowded):
@@ -135,6 +135,7 @@ def displace(flow, move) -> None:
                                   n.wall_guard * flow.spacing, d.indptr, d.indices, flow.axes)
     fluid = p.kind == FLUID
     p.x[fluid] += move[fluid]
+    flow.stale.add("x")
 
 
 for part in (PositionProjection(), Parting(), FickShift(), KeepApart()):

@@ -70,8 +70,7 @@ class Projection:
         with timers("predict"):
             self._predict(dt)
         with timers("redistribute"):
-            renumbered = domain.refresh()
-            domain.update("u")
+            renumbered = domain.refresh("u")
         with timers("surface"):
             self._sum_forces(time + 0.5 * dt)
             surfaces.classify(flow, parts.surface, dt)
@@ -87,20 +86,21 @@ class Projection:
             start = p.u.copy()
             self._correct_velocity(dt)
             budget.mark(p, "pressure")
+            flow.fresh("role", "u")
             self._regularise(parts.velocity_regularisers, dt)
             self._move(start, dt)
             budget.mark(p, "pressure")
         if parts.position_regularisers:
             with timers("regularise"):
-                domain.update("x")
+                flow.fresh("x")
                 self._regularise(parts.position_regularisers, dt)
         over = self._mean_time(dt, usual)
         if dt < over and self.knows_pressure:
             self._average_pressure(earlier, dt / over)
         self.knows_pressure = True
         with timers("record"):
-            divergence = self._divergence() * dt
-        return self._report(dt, solve, divergence, isolated)
+            flow.fresh("u")
+            return self._report(dt, solve, isolated)
 
     def start(self, time: float) -> int:
         """Solve for the pressure at the current positions, at `time` [s]; return the number of isolated particles. Collective.
@@ -139,7 +139,6 @@ class Projection:
         self._sum_forces(time)
         found = flow.force[:p.n_owned] - self.pressure_gradient(p.p_all) / flow.density
         p.role[:] = role
-        flow.domain.update("role")
         found[p.kind != FLUID] = 0.0
         return found
 
@@ -256,8 +255,7 @@ class Projection:
         """Compress the rows to CSR; return it, its rows without a link to p = 0, and their number on all ranks. Collective."""
         p = self.flow.particles
         *matrix, anchored = self.rows.csr(p.role_all, self.flow.domain.global_rows)
-        alone = groups.isolated_rows(p.comm, p.offset, matrix[0], matrix[1], anchored)
-        return matrix, alone, p.comm.allreduce(int(alone.sum()))
+        return matrix, *groups.isolated_rows(p.comm, p.offset, matrix[0], matrix[1], anchored)
 
     def _correct_velocity(self, dt):
         """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
@@ -268,6 +266,7 @@ class Projection:
         acceleration = flow.force[:p.n_owned][fluid] - grad[fluid] / flow.density
         flow.by_pressure = np.linalg.norm(grad, axis=1) / flow.density
         p.u[fluid] += dt * acceleration
+        flow.stale.add("u")
         if flow.numerics.time_step is None:
             mine = float(np.sqrt((acceleration**2).sum(axis=1).max(initial=0.0)))
             flow.top_acceleration = p.comm.allreduce(mine, op=MPI.MAX)
@@ -311,7 +310,7 @@ class Projection:
         out = np.empty_like(self.flow.particles.u)
         self.parts.gradient.write(out, f, self.flow)
         self.parts.surface_gradient.write(out, f, self.flow)
-        self.flow.domain.update("role")
+        self.flow.stale.add("role")
         return out
 
     def _move(self, start, dt):
@@ -320,24 +319,18 @@ class Projection:
         fluid = p.kind == FLUID
         u = p.u if self.stepping.new else keep_in_tank(self.flow, 0.5 * (start + p.u), dt)
         p.x[fluid] = p.x0[fluid] + dt * u[fluid]
+        self.flow.stale.add("x")
 
-    def _divergence(self):
-        p = self.flow.particles
-        self.flow.domain.update("u")
+    def _report(self, dt, solve, isolated):
+        flow = self.flow
+        p, second = flow.particles, flow.position_solve
         div = np.empty(p.n_owned)
         self.rows.divergence(div, p.u_all, p.role_all)
         inner = p.role == INNER
-        total = np.array([div[inner] @ div[inner], inner.sum()])
-        total = p.comm.allreduce(total)
-        return float(np.sqrt(total[0] / max(total[1], 1.0)))
-
-    def _report(self, dt, solve, divergence, isolated):
-        flow = self.flow
-        p, second = flow.particles, flow.position_solve
-        surface = np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC)))
-        counts = p.comm.allreduce(np.array([surface, flow.collisions]))
+        mine = [div[inner] @ div[inner], inner.sum(), np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC))), flow.collisions]
+        squares, count, surface, collisions = p.comm.allreduce(np.array(mine, float))
         again = {} if second is None else {"position_iterations": second.iterations, "position_residual": second.residual,
                                            "position_fallback": second.fallback}
-        return ProjectionReport(dt, int(counts[0]), 0, flow.budget.works(p.comm), solve.iterations, solve.residual, solve.reason,
-                                solve.fallback, solve.rebuilt, solve.setup_seconds, solve.solve_seconds, divergence, isolated,
-                                int(counts[1]), **again)
+        return ProjectionReport(dt, int(surface), 0, flow.budget.works(p.comm), solve.iterations, solve.residual, solve.reason,
+                                solve.fallback, solve.rebuilt, solve.setup_seconds, solve.solve_seconds,
+                                float(np.sqrt(squares / max(count, 1.0))) * dt, isolated, int(collisions), **again)

@@ -23,7 +23,7 @@ def measure(flow, dt) -> None:
     collisions.
     """
     p, d = flow.particles, flow.domain
-    d.update("u")
+    flow.fresh("u", "role")
     radius = lengths.MLS * flow.spacing
     strain.velocity_gradient(p.grad_u, p.strain_rate, p.u_all, p.x_all, p.kind_all, p.role_all, radius, SPAN,
                              d.indptr, d.indices, flow.axes)

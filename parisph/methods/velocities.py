@@ -21,12 +21,13 @@ class Filter(Regulariser):
 
     def apply(self, flow, dt):
         p, d, n = flow.particles, flow.domain, flow.numerics
-        d.update("u")
+        flow.fresh("u", "role")
         change = np.empty_like(p.u)
         collisions.smooth_velocity(change, p.u_all, p.x_all, p.kind_all, p.role_all,
                                    straining.strength(flow, n.filter, n.filter_strain), lengths.MLS * flow.spacing,
                                    d.indptr, d.indices, flow.axes)
         p.u[:] += change
+        flow.stale.add("u")
 
 
 class Collisions(Regulariser):
@@ -40,13 +41,14 @@ class Collisions(Regulariser):
     def apply(self, flow, dt):
         p, d, n = flow.particles, flow.domain, flow.numerics
         distance = n.collision_distance * flow.spacing
-        d.update("u")
+        flow.fresh("u")
         collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.grad_u_all, p.kind_all, distance, d.indptr, d.indices, flow.axes)
         d.update("pairs")
         change = np.empty_like(p.u)
         flow.collisions = collisions.pair_collisions(change, p.pairs_all, p.u_all, p.x_all, p.grad_u_all, p.kind_all,
                                                      p.volume_all, distance, n.restitution, d.indptr, d.indices, flow.axes)
         p.u[:] += change
+        flow.stale.add("u")
 
 
 class WallGuard(Regulariser):
@@ -59,6 +61,7 @@ class WallGuard(Regulariser):
 
     def apply(self, flow, dt):
         guard(flow, flow.particles.u_all, dt)
+        flow.stale.add("u")
 
 
 def guard(flow, u, dt) -> None:

@@ -84,15 +84,17 @@ class Domain:
         """
         return self._redistribute(force, self._survey())
 
-    def refresh(self):
+    def refresh(self, *also):
         """Update the ghosts' positions and the neighbour lists to the present positions. Collective.
+
+        also : names of fields that are sent in the same message as the positions
 
         Redistributes if needed. Returns and raises as `redistribute`.
         """
         found = self._survey()
         renumbered = self._redistribute(False, found)
         if not renumbered:
-            self.update("x")
+            self.update("x", *also)
         if renumbered or found.list_drift > self.list_skin:
             self._rebuild_lists()
         renumbered, self._removed = renumbered or self._removed, False

@@ -11,7 +11,7 @@ own row does not contain the wall particle.
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.errors import ParisphError, agree
+from parisph.base.errors import ParisphError, agree, agree_and_sum
 from parisph.kernels import graph
 
 
@@ -33,7 +33,7 @@ def isolated_rows(comm, offset, indptr, indices, anchored):
 
     Returns
     -------
-    isolated : (n_owned,) bool
+    isolated : (n_owned,) bool; and their number on all ranks
 
     Raises
     ------
@@ -41,14 +41,18 @@ def isolated_rows(comm, offset, indptr, indices, anchored):
     """
     anchored = np.asarray(anchored, bool)
     fits = indptr.shape == (anchored.size + 1,) and indptr[0] == 0 and indptr[-1] == indices.size
-    agree(comm, None if fits else ParisphError(
-        f"{anchored.size} anchored flags do not fit rows with indptr {indptr.shape} and {indices.size} columns"))
+    error = None if fits else ParisphError(
+        f"{anchored.size} anchored flags do not fit rows with indptr {indptr.shape} and {indices.size} columns")
     reached = anchored.copy()
     pending = np.flatnonzero(~anchored).astype(np.int32)
-    pending = graph.spread(reached, pending, indptr, indices, offset)
-    if comm.size > 1 and comm.allreduce(pending.size):
+    if fits:
+        pending = graph.spread(reached, pending, indptr, indices, offset)
+    left, = agree_and_sum(comm, error, pending.size)
+    if not left:
+        return ~reached, 0
+    if comm.size > 1:
         _spread_over_ranks(comm, offset, reached, pending, indptr, indices)
-    return ~reached
+    return ~reached, comm.allreduce(int(np.count_nonzero(~reached)))
 
 
 def highest(comm, candidates, x, force, ids, rounding):

@@ -172,8 +172,9 @@ class PressureSolver:
             error = ParisphError("solve_again needs a matrix: call solve first")
         else:
             error = vector_fault("right-hand side", rhs, self._rows) or vector_fault("guess", guess, self._rows)
-        agree(self._comm, error)
-        return self._run("again", rhs, guess, start, max(self._rtol, min(slack * self._rtol, LOOSEST)))
+        if self._rows is None:    # there is nothing that could compute
+            agree(self._comm, error)
+        return self._run("again", rhs, guess, start, max(self._rtol, min(slack * self._rtol, LOOSEST)), error)
 
     def destroy(self):
         """Free the PETSc objects and restore the options database. Collective."""
@@ -187,14 +188,19 @@ class PressureSolver:
 
     def _accept(self, indptr, indices, values, rhs, guess, renumbered):
         """Check the local arrays, agree on the sizes, and decide if the preconditioner stays."""
+        def fault(total):
+            return (row_fault(indptr, indices, values, n, total) or vector_fault("right-hand side", rhs, n)
+                    or vector_fault("guess", guess, n))
+
         n = np.size(rhs)
-        changed = self._comm.allreduce(bool(renumbered) or n != self._rows, MPI.LOR)
-        total = self._comm.allreduce(n) if changed else self._total
-        agree(self._comm, row_fault(indptr, indices, values, n, total) or vector_fault("right-hand side", rhs, n)
-              or vector_fault("guess", guess, n))
+        mine = bool(renumbered) or n != self._rows
+        error = None if mine else fault(self._total)
+        changed, total, entries, failed = _sums(self._comm, mine, n, len(indices), error is not None)
+        if changed or failed:    # the faults again, now that the size is known
+            agree(self._comm, fault(total))
         if changed:
             # Make a new solver: PETSc's reset loses viewers and keeps the subdomains of the old rows.
-            self._configure(total, self._comm.allreduce(len(indices)))
+            self._configure(total, entries)
             self._system.resize(n, total)
             self._rows, self._total, self._matrices = n, total, 0
         self._matrices += 1
@@ -229,11 +235,11 @@ class PressureSolver:
 
     # -- the solve ----------------------------------------------------------------------------
 
-    def _run(self, kind, rhs, guess, start, goal):
-        """Load the vectors and make attempts until one succeeds. Return (p, SolveRecord)."""
+    def _run(self, kind, rhs, guess, start, goal, error=None):
+        """Load the vectors and make attempts until one succeeds. Return (p, SolveRecord). error : of this rank's vectors, or None."""
         system, self._goal = self._system, goal
         self._ksp.setTolerances(rtol=goal)
-        system.load(np.asarray(rhs, float), guess)
+        system.load(rhs, guess, error)
         self._seconds = [perf_counter() - start, 0.0]
         if system.norm == 0.0:
             return np.zeros(np.size(rhs)), SolveRecord(0, 0, 0.0, self._seconds[0], 0.0, "", False)
@@ -344,3 +350,10 @@ class PressureSolver:
         return (f"the pressure equation ({self._total} unknowns) could not be solved to a relative residual of "
                 f"{self._goal:g}. Attempts:{attempts}\n  A frequent cause is a group of particles without contact "
                 "with the free surface, or several particles in one place")
+
+
+def _sums(comm, *numbers):
+    """Return the sums of some whole numbers over the ranks. Collective."""
+    if comm.size == 1:
+        return [int(number) for number in numbers]
+    return [int(number) for number in comm.allreduce(np.array(numbers, np.int64))]

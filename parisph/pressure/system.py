@@ -3,7 +3,7 @@
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.errors import SolverDiverged
+from parisph.base.errors import SolverDiverged, agree
 from parisph.parallel.petsc import PETSc
 
 # If |A v| is below this fraction of the largest entry, v is a null vector.
@@ -63,8 +63,10 @@ class System:
         if self._closed:
             self._find_null_vector(csr)
 
-    def load(self, rhs, guess):
+    def load(self, rhs, guess, error=None):
         """Set b and the initial guess, and compute |b|. Collective.
+
+        error : what is wrong with rhs or guess on this rank, or None; it is raised on all ranks
 
         A guess whose residual is not below |b| is replaced by zero.
 
@@ -74,6 +76,8 @@ class System:
             incomplete factors may read beyond the end of such a row instead of failing).
         """
         x, b, r = self._arrays
+        if error is not None:
+            rhs, guess = np.zeros_like(b), None
         b[:] = rhs
         x[:] = 0.0 if guess is None else guess
         self._touch(self.b, self.x)
@@ -81,7 +85,9 @@ class System:
             self._null.remove(self.b)
             self._null.remove(self.x)
         self.operator.mult(self.x, self._r)
-        bb, rr, given, zeros = self.sum(b @ b, np.sum((b - r) ** 2), np.dot(rhs, rhs), self._zeros)
+        bb, rr, given, zeros, failed = self.sum(b @ b, np.sum((b - r) ** 2), np.dot(rhs, rhs), self._zeros, error is not None)
+        if failed:
+            agree(self.comm, error)
         if zeros:
             raise SolverDiverged(f"{zeros:.0f} rows of the pressure equation have no diagonal entry")
         self.norm = np.sqrt(bb) if bb > 1e-28 * given else 0.0
@@ -108,7 +114,7 @@ class System:
 
     def sum(self, *local):
         """Return the sums over the ranks of some numbers. Collective."""
-        numbers = np.array(local)
+        numbers = np.array(local, float)
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, numbers)
         return numbers

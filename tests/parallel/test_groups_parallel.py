@@ -34,7 +34,7 @@ def test_random_graphs_as_by_brute_force(comm, ends):
         indptr, indices = random_rows(120, mean, seed)
         anchored = np.random.default_rng(seed + 100).random(120) < 0.03
         first, last, *rows = cut(comm, indptr, indices, ends(comm, 120))
-        found = isolated_rows(comm, first, *rows, anchored[first:last])
+        found, count = isolated_rows(comm, first, *rows, anchored[first:last])
         np.testing.assert_array_equal(found, leads_nowhere(indptr, indices, anchored)[first:last])
 
 
@@ -49,7 +49,7 @@ def test_a_chain_that_goes_to_and_fro_between_ranks(comm):
     first, last, *rows = cut(comm, *to_csr(columns), even(comm, n))
     anchored = np.zeros(n, bool)
     anchored[order[40]] = True
-    found = isolated_rows(comm, first, *rows, anchored[first:last])
+    found, count = isolated_rows(comm, first, *rows, anchored[first:last])
     assert sorted(np.flatnonzero(found) + first) == [i for i in sorted(order[41:]) if first <= i < last]
 
 
