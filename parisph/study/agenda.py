@@ -39,8 +39,8 @@ class Agenda:
         return {key: end for key, end in found.items() if end is not None}
 
 
-def agenda(path: str | os.PathLike, sets: Sequence[str] = (), only: Sequence[str] = (), out: str | os.PathLike | None = None,
-           limit: float | None = None) -> Agenda:
+def agenda(path: str | os.PathLike, sets: Sequence[str] = (), only: Sequence[str] = (),
+           out: str | os.PathLike | None = None, limit: float | None = None) -> Agenda:
     """Return the Agenda of a study file, after all its runs have been checked. Writes nothing. Not collective.
 
     sets : texts "name=value" for all runs; only : names of methods or labels; out : folder, studies/NAME by default
@@ -59,7 +59,8 @@ def agenda(path: str | os.PathLike, sets: Sequence[str] = (), only: Sequence[str
         raise CaseError(f"{named(folder)} is a file: give a folder for the study with -o DIR")
     if limit is not None and not limit > 0.0:
         raise CaseError(f"--limit {limit:g}: must be greater than 0, the longest time of a run on the clock [s]")
-    return Agenda(study, file.parent, tuple(items), tuple(prepared.selected(items, only)), folder, limit or study.time_limit)
+    chosen = prepared.selected(items, only)
+    return Agenda(study, file.parent, tuple(items), tuple(chosen), folder, limit or study.time_limit)
 
 
 def listing(plan: Agenda) -> str:
@@ -68,7 +69,7 @@ def listing(plan: Agenda) -> str:
     for number, item in enumerate(plan.chosen, 1):
         found, done = item.estimate(), ends.get(item.key)
         left, basis = left + (0.0 if done else found["seconds"]), found["basis"]
-        rows.append([item.point.label, str(number), f"{item.spacing:.4g}", "adaptive" if item.time_step is None else f"{item.time_step:.4g}",
+        rows.append([item.point.label, str(number), f"{item.spacing:.4g}", item.step_text,
                      str(item.case.numerics.seed), str(item.point.ranks), str(found["particles"]), str(found["steps"]),
                      preview.duration(found["seconds"]), done.status if done else "to do"])
     head = ["run", "n", "spacing", "time step", "seed", "ranks", "particles", "steps", "CPU time", "state"]

@@ -20,7 +20,7 @@ UNDONE = 1    # exit code if a run failed, or something required is not met
 
 def carry_out(plan: Agenda, jobs: int = 1, progress: bool = True, force: bool = False,
               show: Callable[[str], None] = print) -> int:
-    """Make the chosen runs that are not done, write all results into the folder of the study, show the table, and return the exit code.
+    """Make the chosen runs that are not done, write and show all results, and return the exit code.
 
     jobs : runs at once; progress : whether a line for each run is written to standard error
     force : whether to use a folder that another host seems to use; show : what the table is given to
@@ -100,7 +100,8 @@ def _conclude(plan, found, show, tell):
     if unmet:
         print("parisph: required and not met:\n" + "\n".join(f"  {line}" for line in unmet), file=sys.stderr)
     if failed:
-        print(f"parisph: {len(failed)} run{'s' * (len(failed) > 1)} failed; what they said is in {plan.folder / conduct.ENDS}", file=sys.stderr)
+        print(f"parisph: {len(failed)} run{'s' * (len(failed) > 1)} failed; what they said is in "
+              f"{plan.folder / conduct.ENDS}", file=sys.stderr)
     return UNDONE if unmet or failed else 0
 
 
@@ -112,6 +113,8 @@ def _pictures(plan: Agenda, found: Sequence[Result], tell) -> list[Path]:
         for name, measure in zip(names, study.errors):
             others = [point for other in study.others if (other.of or names[0]) == name
                       for point in other_codes.read(other, plan.place)]
+            if not measures.is_error(measure):
+                continue
             path = plan.folder / f"error_{_file_name(name)}.png"
             made += [path] if error_plots.draw(found, name, measures.label_of(measure), title, path, others) else []
         for probe in study.histories:
@@ -147,9 +150,10 @@ class _Progress:
     def run(self, one, note=""):
         errors = [f"{name} {value:.3g}" for name, value in one.errors.items() if value is not None]
         cpu = one.values.get("cpu_seconds")
-        parts = [*errors, *([f"{cpu:.3g} CPU s"] if cpu is not None else []), *([one.end.status] if not one.survived else []),
-                 *([one.reason] if one.reason else []), *([note] if note else [])]
-        self.say(f"[{self._number[one.item.key]}/{len(self._number)}] {report.name_of(one)}: {'; '.join(parts) or one.end.status}")
+        parts = [*errors, "" if cpu is None else f"{cpu:.3g} CPU s", "" if one.survived else one.end.status,
+                 one.reason, note]
+        place = f"[{self._number[one.item.key]}/{len(self._number)}]"
+        self.say(f"{place} {report.name_of(one)}: {'; '.join(filter(None, parts)) or one.end.status}")
 
 
 @contextmanager

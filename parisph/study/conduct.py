@@ -76,7 +76,10 @@ def end_of(item: Prepared, folder: Path, limit: float | None = None) -> End | No
 
 
 def warm_up(items: Sequence[Prepared]) -> None:
-    """Take a step of the smallest case of each method and number of ranks, so that their kernels are compiled. Raises nothing of a run."""
+    """Take a step of the smallest case of each method and number of ranks, so that their kernels are compiled.
+
+    That such a run fails is no error here: the real one will say why.
+    """
     smallest: dict[tuple, Prepared] = {}
     for item in items:
         like = (item.method, item.case.numerics.preset, item.point.ranks)
@@ -87,8 +90,8 @@ def warm_up(items: Sequence[Prepared]) -> None:
             text = item.case.changed(end_time=_first_step(item.case)).model_dump_json()
             case = Path(place) / f"{number}.json"
             case.write_text(text, encoding="utf-8")
-            one = processes.Process(processes.command(["run", str(case), "-q", "-o", f"{place}/{number}"], item.point.ranks),
-                                    Path(place) / "output.txt")
+            words = ["run", str(case), "-q", "-o", f"{place}/{number}"]
+            one = processes.Process(processes.command(words, item.point.ranks), Path(place) / "output.txt")
             try:
                 while one.code is None:
                     time.sleep(processes.PAUSE)
@@ -132,7 +135,8 @@ def _start(item, folder):
     write_text(case, item.stored)
     with suppress(FileNotFoundError):
         (folder / ENDS / f"{item.folder}.json").unlink()
-    words = ["run", str(case), "-o", str(out), "-q", "--overwrite"]    # what an interrupted attempt has left is moved aside
+    # what an interrupted attempt has left is moved aside
+    words = ["run", str(case), "-o", str(out), "-q", "--overwrite"]
     return processes.Process(processes.command(words, item.point.ranks), folder / ENDS / f"{item.folder}.txt")
 
 
@@ -147,7 +151,8 @@ def _ended(item, process, folder, limit, late):
         reason = _reason(item, folder, code)
     end = End(item.key, code, process.seconds, status, reason, limit)
     if end.final:
-        write_json(folder / ENDS / f"{item.folder}.json", {**asdict(end), "code_version": code_version(), "run": item.point.described()})
+        content = {**asdict(end), "code_version": code_version(), "run": item.point.described()}
+        write_json(folder / ENDS / f"{item.folder}.json", content)
     return end
 
 

@@ -12,7 +12,9 @@ from parisph.study.measures import AnyMeasure, name_of
 # Parameters that have a field of their own here.
 OWN = {"method": "methods", "spacing": "spacings", "time_step": "time_steps", "seed": "seeds"}
 # Columns of the table that limits can be set for, besides the measures.
-COLUMNS = ("cpu_seconds", "wall_seconds", "iterations", "volume_low", "volume_high", "energy_end", "energy_high", "survived")
+COLUMNS = (
+    "cpu_seconds", "wall_seconds", "iterations", "volume_low", "volume_high", "energy_end", "energy_high", "survived",
+)
 Positive = Annotated[float, Field(gt=0)]
 Whole = Annotated[int, Field(ge=0)]
 Count = Annotated[int, Field(ge=1, le=10_000)]
@@ -35,7 +37,8 @@ class Choices(Model):
 
     methods: tuple[str, ...] = ()
     spacings: tuple[Positive, ...] = Field((), description="spacings, each greater than 0")
-    time_steps: tuple[Optional[Positive], ...] = Field((), description="time steps, each greater than 0, or None to adapt it")
+    time_steps: tuple[Optional[Positive], ...] = Field(
+        (), description="time steps, each greater than 0, or None to adapt it")
     parameters: dict[str, Any] = Field(default_factory=dict, description="parameters of the case by name")
     seeds: tuple[Whole, ...] = Field((), description="seeds, each a whole number of at least 0")
     ranks: tuple[Count, ...] = Field((), description="numbers of ranks, each at least 1")
@@ -66,7 +69,8 @@ class Choices(Model):
             for one in value if isinstance(value, list) else [value]:
                 parts = one if isinstance(one, (tuple, list)) else (one,)
                 if not all(part is None or isinstance(part, (bool, int, float, str)) for part in parts):
-                    raise ValueError(f"{name} = {shown(one)}: must be a number, a text, True, False, None, or a tuple of these")
+                    raise ValueError(
+                        f"{name} = {shown(one)}: must be a number, a text, True, False, None, or a tuple of these")
         return found
 
 
@@ -128,7 +132,7 @@ class Study(Choices):
     others : list of OtherCodes, for the pictures
     histories : names of probes whose series are drawn side by side, with their truth
     time_limit : longest time of a run on the clock [s], None for no limit
-    warm_up : whether one step of each method is made first, so that no run's CPU time includes the compilation of kernels
+    warm_up : whether a step of each method is made first, so that no run's CPU time includes the compilation of kernels
 
     Raises
     ------

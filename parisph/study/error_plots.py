@@ -13,6 +13,7 @@ from parisph.study.other_codes import OtherPoint
 from parisph.study.results import Result
 
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
+FRONT = "Pareto front"
 OTHER_MARKS = ("*", "h", "p", "d", "8", "H")
 
 
@@ -27,14 +28,15 @@ class Dot:
     high: float
 
 
-def draw(results: Sequence[Result], name: str, label: str, title: str, path: Path, others: Sequence[OtherPoint] = ()) -> bool:
+def draw(results: Sequence[Result], name: str, label: str, title: str, path: Path,
+         others: Sequence[OtherPoint] = ()) -> bool:
     """Draw a measure of all runs to a file; return whether there was anything to draw. Needs matplotlib.
 
     name, label : of the measure, in the table and on its axis; others : points of other codes, of the same measure
 
     Raises MissingLibrary, CaseError, StoreError as pictures.style.save.
     """
-    axis, of_axis = axis_of(results)
+    axis, of_axis = report.axis_of(results)
     dots = {curve: found for curve, group in report.curves(results).items() if (found := _dots(group, name, axis))}
     if not dots:
         return False
@@ -44,7 +46,8 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
     looks = dict(zip(report.curves(results), style.line_looks(len(report.curves(results)))))
     marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(report.curves(results))}
     if both:
-        _convergence(panels[0], dots, looks, marks, of_axis, [one for one in others if one.error and one.spacing] if axis == "spacing" else [])
+        there = [one for one in others if one.error and one.spacing and axis == "spacing"]
+        _convergence(panels[0], dots, looks, marks, of_axis, there)
         panels[0].set_ylabel(style.literal(label, 60))
     _costs(panels[-1], dots, looks, marks, [one for one in others if one.error and one.cpu])
     if not both:
@@ -55,16 +58,6 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
     picture.suptitle(style.literal(title, 110), x=0.01, ha="left", fontsize=11)
     style.save(picture, path)
     return True
-
-
-def axis_of(results: Sequence[Result]) -> tuple[str | None, str]:
-    """Return what the runs of a curve differ by, spacing or time_step or None, and the label of that axis."""
-    if len({one.item.spacing for one in results}) > 1:
-        own = all("spacing" in one.item.point.sets for one in results)
-        return "spacing", "spacing (unit of the case)" if own else "spacing [m]"
-    if len({one.item.time_step for one in results if one.item.time_step is not None}) > 1:
-        return "time_step", "time step (unit of the case)"
-    return None, ""
 
 
 def _dots(group, name, axis):
@@ -87,27 +80,28 @@ def _convergence(axes, dots, looks, marks, label, others):
         if order is not None and len(x) > 2:
             ends = np.array([min(x), max(x)])
             middle = np.exp(np.mean(np.log(x))), np.exp(np.mean(np.log(y)))
-            axes.plot(ends, middle[1] * (ends / middle[0]) ** order, color=looks[curve]["color"], linewidth=0.8, linestyle=":")
-    _draw_others(axes, others, "spacing", "", False)
-    _logarithmic(axes, "x", [dot.x for group in dots.values() for dot in group] + [one.spacing for one in others])
+            fit = middle[1] * (ends / middle[0]) ** order
+            axes.plot(ends, fit, color=looks[curve]["color"], linewidth=0.8, linestyle=":")
+    _draw_others(axes, others, "spacing", "")
+    _logarithmic(axes, [dot.x for group in dots.values() for dot in group] + [one.spacing for one in others])
     axes.set_yscale("log")
     axes.set_xlabel(label)
-    axes.legend(loc="best", fontsize=8, framealpha=0.8)
+    _legend(axes, dots)
 
 
 def _costs(axes, dots, looks, marks, others):
     everything = [dot for group in dots.values() for dot in group]
     front = [everything[k] for k in pareto([dot.cpu for dot in everything], [dot.mean for dot in everything])]
     axes.plot([dot.cpu for dot in front], [dot.mean for dot in front], color="0.8", linewidth=6, solid_capstyle="round",
-              marker="o", markersize=11, zorder=1, label="Pareto front")
+              marker="o", markersize=11, zorder=1, label=FRONT)
     for curve, group in dots.items():
         group = sorted(group, key=lambda dot: dot.cpu)
         _plot(axes, [dot.cpu for dot in group], group, looks[curve], marks[curve], curve)
-    _draw_others(axes, others, "cpu", ", its own computer", True)
-    _logarithmic(axes, "x", [dot.cpu for dot in everything] + [one.cpu for one in others])
+    _draw_others(axes, others, "cpu", " (other computer)")
+    _logarithmic(axes, [dot.cpu for dot in everything] + [one.cpu for one in others])
     axes.set_yscale("log")
     axes.set_xlabel("CPU time of all ranks [s]")
-    axes.legend(loc="best", fontsize=8, framealpha=0.8)
+    _legend(axes, dots)
 
 
 def _plot(axes, x, group, look, mark, label):
@@ -117,7 +111,7 @@ def _plot(axes, x, group, look, mark, label):
                   label=style.literal(label, 60), zorder=3, **look)
 
 
-def _draw_others(axes, others, of, note, filled):
+def _draw_others(axes, others, of, note):
     for number, code in enumerate(dict.fromkeys(one.code for one in others)):
         points = [one for one in others if one.code == code]
         axes.plot([getattr(one, of) for one in points], [one.error for one in points], color="black", linestyle="",
@@ -125,8 +119,18 @@ def _draw_others(axes, others, of, note, filled):
                   label=style.literal(f"{code}{note}", 60))
 
 
-def _logarithmic(axes, which, values):
-    """Make an axis logarithmic; one of less than a decade gets ticks at its values' own numbers."""
+def _legend(axes, curves):
+    """Add a legend: first what is said of all, then our curves, then other codes."""
+    pairs = list(zip(*axes.get_legend_handles_labels()))
+    names = [style.literal(curve, 60) for curve in curves]
+    own = [pair for pair in pairs if any(pair[1].startswith(name) for name in names)]
+    first = [pair for pair in pairs if pair[1] == FRONT]
+    rest = [pair for pair in pairs if pair not in own and pair not in first]
+    axes.legend(*zip(*first, *own, *rest), loc="best", fontsize=8, framealpha=0.8)
+
+
+def _logarithmic(axes, values):
+    """Make the x axis logarithmic, with plain numbers at 1, 2 and 5 if it spans little more than a decade."""
     from matplotlib import ticker
 
     axes.set_xscale("log")

@@ -10,7 +10,7 @@ def fitted_order(spacings: Sequence[float], errors: Sequence[float | None]) -> f
 
     spacings, errors : (n,); errors that are None, not finite or not positive are left out
     """
-    pairs = [(s, e) for s, e in zip(spacings, errors, strict=True) if e is not None and np.isfinite(e) and e > 0.0 and s > 0.0]
+    pairs = [(s, e) for s, e in zip(spacings, errors, strict=True) if e is not None and s > 0.0 and 0.0 < e < np.inf]
     if len({s for s, _ in pairs}) < 2:
         return None
     x, y = np.log(np.array(pairs)).T

@@ -1,6 +1,7 @@
 """Pictures of a study: the series of a probe side by side, one panel for each curve, with the truth."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -11,12 +12,12 @@ from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, style
 from parisph.study import report
 from parisph.study.definition import Study
-from parisph.study.error_plots import axis_of
 from parisph.study.results import Result
 from parisph.truth.comparison import columns_of
 
 ACROSS = 3    # panels beside each other
 WIDE = 4.6    # [inch] of a panel
+LETTER = 0.07    # [inch] of a letter in the legend
 QUANTILE = 0.005    # share of samples above, and below, the range that is shown, if there are spikes
 BEYOND = 1.5  # ranges of the truth that are shown above and below it
 SPIKE = 2.5   # a range that is so many times that of the most samples has spikes
@@ -25,25 +26,25 @@ SPIKE = 2.5   # a range that is so many times that of the most samples has spike
 def draw(results: Sequence[Result], probe: str, study: Study, place: Path, path: Path) -> bool:
     """Draw the series of a probe of all runs to a file; return whether there was anything to draw. Needs matplotlib.
 
-    Of starts that differ by their seed the first is drawn; other columns than the first are left out. place : folder of the study file
+    Of starts that differ by their seed the first is drawn, and of the columns of a probe the first (of an energy, the
+    total). place : folder of the study file
 
     Raises MissingLibrary, CaseError, StoreError as pictures.style.save.
     """
-    panels = {curve: [(one, open_run(one.folder)) for one in _first_starts(group)]
-              for curve, group in report.curves(results).items()}
-    panels = {curve: [(one, run) for one, run in group if probe in run.probe_names] for curve, group in panels.items()}
+    panels = {curve: list(_with_samples(group, probe)) for curve, group in report.curves(results).items()}
     panels = {curve: group for curve, group in panels.items() if group}
     if not panels:
         return False
     across = min(len(panels), ACROSS)
     down = -(-len(panels) // across)
-    picture = style.drawing().Figure(figsize=(WIDE * max(across, 1.3), 1.0 + 2.7 * down), layout="constrained")
+    width, height = (WIDE * across, 1.0 + 2.7 * down) if across > 1 else (1.8 * WIDE, 4.8)
+    picture = style.drawing().Figure(figsize=(width, height), layout="constrained")
     grid = picture.subplots(down, across, sharex=True, sharey=True, squeeze=False)
     run = next(iter(panels.values()))[0][1]
     column = _column(run, probe)
     unit = run.units(probe).get(column, "")
     factor, shown = style.with_prefix(_largest(panels, probe, column), unit)
-    truths, sort = _truths(run, probe, study, place), axis_of(results)[0]
+    truths, sort = _truths(run, probe, study, place), report.axis_of(results)[0]
     keys = list(dict.fromkeys(_key(one, sort) for group in panels.values() for one, _ in group))
     looks = dict(zip(keys, style.line_looks(len(keys))))
     lines = {}
@@ -57,7 +58,9 @@ def draw(results: Sequence[Result], probe: str, study: Study, place: Path, path:
         axes.set_xlabel("$t$ [s]")
         axes.tick_params(labelbottom=True)
     _limit(list(grid.flat)[0], panels, probe, column, factor, truths.values())
-    picture.legend(lines.values(), [style.literal(label, 60) for label in lines], loc="outside lower center", ncols=min(len(lines), 6), fontsize=8)
+    labels = [style.literal(label, 60) for label in lines]
+    abreast = max(1, int(width / (LETTER * max(map(len, labels)) + 0.7)))
+    picture.legend(lines.values(), labels, loc="outside lower center", ncols=min(len(lines), abreast), fontsize=8)
     picture.suptitle(style.literal(study.title or run.case["title"], 110), x=0.01, ha="left", fontsize=11)
     style.save(picture, path)
     return True
@@ -67,20 +70,18 @@ def _panel(axes, curve, group, probe, column, factor, looks, sort, truths, lines
     end = 0.0
     for one, run in group:
         series = run.probe(probe)
-        if not len(series):
-            continue
         label = _key(one, sort)
         line, = axes.plot(series["time"], factor * series[column], linewidth=0.9, **looks[label])
         lines.setdefault(label, line)
         end = max(end, float(series["time"][-1]))
         if not one.survived:    # where it ended, at the foot of the panel
-            axes.plot(series["time"][-1], 0.04, marker="x", markersize=8, markeredgewidth=2, color=looks[label]["color"],
-                      transform=axes.get_xaxis_transform(), linestyle="", zorder=5)
+            axes.plot(series["time"][-1], 0.04, marker="x", markersize=8, markeredgewidth=2, linestyle="", zorder=5,
+                      color=looks[label]["color"], transform=axes.get_xaxis_transform())
     for number, (label, (t, values)) in enumerate(truths.items()):
         inside = t <= end
-        few = {"marker": "o", "markersize": 3, "markerfacecolor": "none", "linestyle": ""} if inside.sum() < curves.MARKS else \
-            {"linestyle": ("--", ":", "-.")[number % 3]}
-        line, = axes.plot(t[inside], factor * values[inside], color="black", linewidth=1.0, zorder=4, **few)
+        few = {"marker": "o", "markersize": 3, "markerfacecolor": "none", "linestyle": ""}
+        look = few if inside.sum() < curves.MARKS else {"linestyle": ("--", ":", "-.")[number % 3]}
+        line, = axes.plot(t[inside], factor * values[inside], color="black", linewidth=1.0, zorder=4, **look)
         lines.setdefault(label, line)
     axes.set_title(style.literal(curve, 60), fontsize=9, loc="left")
     axes.grid(True, linewidth=0.4, alpha=0.5)
@@ -88,8 +89,13 @@ def _panel(axes, curve, group, probe, column, factor, looks, sort, truths, lines
     axes.margins(x=0.0)
 
 
-def _first_starts(group):
-    return [family[0] for family in report.families(group)]
+def _with_samples(group, probe):
+    """Yield (result, Run) of the first starts of a curve that have samples of a probe."""
+    for family in report.families(group):
+        with suppress(ParisphError):    # a run that failed at its start has no files
+            run = open_run(family[0].folder)
+            if len(run.probe(probe)):
+                yield family[0], run
 
 
 def _key(one, sort):
@@ -105,7 +111,7 @@ def _column(run, probe):
 
 
 def _truths(run: Run, probe: str, study: Study, place: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Return {label: (time [s], values)} of the references of a probe: that of the case, and those of the study's errors."""
+    """Return {label: (time [s], values)}, the references of a probe: that of the case, and those of the study."""
     found = {}
     try:
         if probe in (own := curves.truths(run, Path())):
@@ -117,8 +123,9 @@ def _truths(run: Run, probe: str, study: Study, place: Path) -> dict[str, tuple[
             names = columns_of(place / measure.file)
             time = measure.time or names[0]
             value = measure.value or next(name for name in names if name not in (time, "time", "step"))
-            t, values = read_reference(place / measure.file, time, value, measure.offset, measure.scale, measure.time_scale)
-            found[f"{Path(measure.file).stem}: {value}"] = t - measure.shift, values
+            t, values = read_reference(place / measure.file, time, value, measure.offset, measure.scale,
+                                       measure.time_scale)
+            found[measure.name or f"{Path(measure.file).stem}: {value}"] = t - measure.shift, values
     return found
 
 
@@ -128,7 +135,7 @@ def _largest(panels, probe, column):
 
 
 def _limit(axes, panels, probe, column, factor, truths):
-    """Leave out of the range of values what would hide the rest: spikes, runs that blew up, errors far larger than the truth."""
+    """Leave out of the range of values what would hide the rest: spikes, runs that blew up, errors beyond the truth."""
     runs = [pair for group in panels.values() for pair in group]
     kept = [run for one, run in runs if one.survived] or [run for _, run in runs]
     values = factor * np.concatenate([run.probe(probe)[column] for run in kept])

@@ -43,13 +43,14 @@ class Verdict:
 
 
 def verdicts(study: Study, items: Sequence[Prepared], results: Sequence[Result]) -> list[Verdict]:
-    """Return a Verdict for each limit and each of the runs in `items` that it applies to; a run that has no result meets nothing."""
+    """Return a Verdict for each limit and each of the runs that it applies to; one without a result meets nothing."""
     found = []
     for required in study.required:
         chosen = [item for item in items if matches(required.where, item)]
         there = {one.item.key: one for one in results}
         for group in report.families([there[item.key] for item in chosen if item.key in there]):
-            found.append(Verdict(required.of, _place(group[0].item), required, tuple(one.number(required.of) for one in group)))
+            values = tuple(one.number(required.of) for one in group)
+            found.append(Verdict(required.of, _place(group[0].item), required, values))
         found += [Verdict(required.of, _place(item), required, (None,)) for item in chosen if item.key not in there]
     return found
 

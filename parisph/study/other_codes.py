@@ -36,15 +36,16 @@ def read(other: OtherCodes, folder: Path) -> list[OtherPoint]:
         raise CaseError(f"others: {named(other.file)} cannot be read as a CSV file: {error}") from None
     for name in filter(None, (other.code, other.spacing, other.error, other.cpu)):
         if name not in names:
-            raise CaseError(f"others: {named(other.file)} has no column {shown(name)} (it has: {reading.listed(names)}); "
-                            'write "" for one that there is not')
+            raise CaseError(f"others: {named(other.file)} has no column {shown(name)} "
+                            f'(it has: {reading.listed(names)}); write "" for one that there is not')
 
     def number(line, cells, name):
         cell = cells[names.index(name)] if name else ""
         try:
             return float(cell) if cell else None
         except ValueError:
-            raise CaseError(f"others: {named(other.file)}, line {line}: {shown(cell)} in {shown(name)} is not a number") from None
+            raise CaseError(
+                f"others: {named(other.file)}, line {line}: {shown(cell)} in {shown(name)} is not a number") from None
 
     return [OtherPoint(cells[names.index(other.code)] if other.code else Path(other.file).stem,
                        *(number(line, cells, name) for name in (other.spacing, other.error, other.cpu)))

@@ -63,7 +63,8 @@ def points(study: Study, sets: dict[str, Any] | None = None) -> list[Point]:
     for point in found:
         key = repr((sorted(point.sets.items(), key=lambda item: item[0]), point.ranks, point.given))
         if key in seen:
-            raise CaseError(f"two runs of the study are the same ({named(point.described())}): leave one out, or give their variants other labels")
+            raise CaseError(f"two runs of the study are the same ({named(point.described())}): leave one out, or give "
+                            "their variants other labels")
         seen[key] = point
     return _labelled(found)
 
@@ -109,7 +110,8 @@ def _labelled(found: list[Point]) -> list[Point]:
         varied.append("ranks")
     groups: dict[tuple, set] = {}
     for point in found:
-        groups.setdefault((_label(point, varied), point.sets.get("spacing"), point.sets.get("seed")), set()).add(point.sets.get("time_step"))
+        like = (_label(point, varied), point.sets.get("spacing"), point.sets.get("seed"))
+        groups.setdefault(like, set()).add(point.sets.get("time_step"))
     several = len({point.sets.get("spacing") for point in found}) > 1
     if several and any(len(steps) > 1 for steps in groups.values()):
         varied.append("time_step")

@@ -13,19 +13,18 @@ from parisph.base.errors import CaseError
 from parisph.base.text import clipped, listed, named, shown
 from parisph.case import load as case_file
 from parisph.case import scales, size
-from parisph.case.expressions import number
 from parisph.case.model import first_lines
 from parisph.case.numerics import Numerics
 from parisph.case.schema import Case
 from parisph.case.stored import to_json
 from parisph.driver import cost, preview
-from parisph.study import measures, other_codes, plan
+from parisph.study import measuring, other_codes, plan, set_words
 from parisph.study.definition import Study
 from parisph.study.plan import SHORT, Point
+from parisph.study.set_words import INSIDE
 
 # The parts of parisph that decide what a run computes.
 ENGINE = ("base", "case", "kernels", "parallel", "pressure", "methods", "truth", "watch", "io", "driver")
-INSIDE = "numerics."
 LINE = 300    # characters of a line of a message
 
 
@@ -53,7 +52,7 @@ class Prepared:
     @property
     def spacing(self) -> float:
         """Particle spacing as the study gives it, else [m]."""
-        return float(_number(self.point.sets.get("spacing"), self.case.numerics.spacing))
+        return float(set_words.number_or(self.point.sets.get("spacing"), self.case.numerics.spacing))
 
     @property
     def time_step(self) -> float | None:
@@ -61,7 +60,14 @@ class Prepared:
         given = self.point.sets.get("time_step", ...)
         if given is ...:
             return self.case.numerics.time_step
-        return None if given is None else _number(given, self.case.numerics.time_step)
+        return None if given is None else set_words.number_or(given, self.case.numerics.time_step)
+
+    @property
+    def step_text(self) -> str:
+        """The time step for people: in the unit of the case if the study gives it, else in seconds."""
+        if self.time_step is None:
+            return "adaptive"
+        return f"{self.time_step:.4g}{'' if 'time_step' in self.point.sets else ' s'}"
 
     @property
     def method(self) -> str:
@@ -69,7 +75,7 @@ class Prepared:
         return self.case.numerics.method
 
     def estimate(self) -> dict[str, Any]:
-        """Return {"particles", "steps", "seconds", "basis"} as `parisph check` estimates them, of one rank. Needs no MPI."""
+        """Return {"particles", "steps", "seconds", "basis"} as `parisph check` estimates them, of one rank."""
         numerics = self.case.numerics.resolved()
         particles = size.counts(self.case)["all"]
         steps = preview.estimated_steps(self.case, numerics, scales.expected(self.case))
@@ -87,7 +93,7 @@ def prepare(study: Study, file: Path, sets: Sequence[str] = ()) -> list[Prepared
     CaseError : a case, a measure or a limit of the study is wrong; one line for each problem
     """
     case, found, problems = (file.parent / study.case).resolve(), [], {}
-    for point in plan.points(study, _sets(sets)):
+    for point in plan.points(study, set_words.read(sets)):
         try:
             made = _case(case, point)
         except CaseError as error:
@@ -105,7 +111,7 @@ def prepare(study: Study, file: Path, sets: Sequence[str] = ()) -> list[Prepared
 
 
 def selected(found: Iterable[Prepared], methods: Sequence[str]) -> list[Prepared]:
-    """Return the runs of some methods (or labels); all if none is named. Raises CaseError for one that the study does not have."""
+    """Return the runs of some methods (or labels); all if none is named. Raises CaseError for one that is not there."""
     found = list(found)
     there = list(dict.fromkeys(name for item in found for name in (item.method, item.point.label)))
     for name in methods:
@@ -130,14 +136,16 @@ def _key(text, ranks):
 
 
 def _case(path: Path, point: Point) -> Case:
-    """Return the case of a point. What the case file has no parameter for, of method, spacing, time step and seed, is set in its numerics."""
+    """Return the case of a point.
+
+    Those of method, spacing, time step and seed that the case file has no parameter for are set in its numerics.
+    """
     known = case_file.arguments(path) if path.suffix != ".json" else {}
     own, inside = {}, {}
     for name, value in point.sets.items():
-        if name.startswith(INSIDE):
-            inside[name] = _of_text(name, value) if isinstance(value, str) else value
-        elif name in SHORT and name not in known:
-            inside[INSIDE + name] = _of_text(INSIDE + name, value) if isinstance(value, str) else value
+        if name.startswith(INSIDE) or (name in SHORT and name not in known):
+            field = name.removeprefix(INSIDE)
+            inside[INSIDE + field] = set_words.value(field, value) if isinstance(value, str) else value
         else:
             own[name] = value
     case = case_file.load(path, own)
@@ -149,41 +157,10 @@ def _case(path: Path, point: Point) -> Case:
     return case.changed(**inside) if inside else case
 
 
-def _sets(words):
-    """Return {name: text} of the words name=value of --set."""
-    found = {}
-    for word in words:
-        name, equals, value = word.partition("=")
-        if not equals or not name.strip():
-            raise CaseError(f"--set {named(word)}: must be name=value, for example --set end_time=2")
-        if name.strip() in found:
-            raise CaseError(f"--set {named(name.strip())} is given twice")
-        found[name.strip()] = value.strip()
-    return found
-
-
-def _of_text(name, value):
-    """Return the value of numerics that a text means: none, true, false, a number, or the text itself."""
-    words = {"none": None, "true": True, "false": False}
-    if value.lower() in words:
-        return words[value.lower()]
-    try:
-        found = number(value)
-    except ValueError:
-        return value
-    return int(found) if found == int(found) and name == f"{INSIDE}seed" else found
-
-
-def _number(value, default):
-    if isinstance(value, str):
-        return number(value)
-    return default if value is None else value
-
-
 def _faults(study, case, folder):
     """Yield what is wrong with the measures, histories and other codes of a study, for one of its cases."""
     for measure in study.errors:
-        yield from measures.faults(measure, case, folder)
+        yield from measuring.faults(measure, case, folder)
     names = [probe.name for probe in case.probes]
     for name in study.histories:
         if name not in names:

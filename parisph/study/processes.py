@@ -20,7 +20,7 @@ PAUSE = 0.05       # [s] between two looks at a process
 
 
 def command(words: Sequence[str], ranks: int) -> list[str]:
-    """Return the command that runs `parisph WORDS` on some ranks. Raises MissingLibrary if there is no mpirun for several."""
+    """Return the command that runs `parisph WORDS` on some ranks. Raises MissingLibrary if there is no mpirun."""
     own = [sys.executable, "-m", "parisph", *words]
     if ranks == 1:
         return own
@@ -84,7 +84,7 @@ class Process:
 
 
 def stop(running: Iterable[Process]) -> None:
-    """End processes that this study has started: ask them first, then end them, then kill them. Returns when all have ended."""
+    """End processes that this study has started, and wait for that: ask them, then end them, then kill them."""
     running = list(running)
     try:
         for process in running:

@@ -12,7 +12,7 @@ import numpy as np
 from parisph.base.errors import ParisphError, StoreError
 from parisph.io.files import write_json, write_text
 from parisph.io.reader import Run, open_run
-from parisph.study import measures
+from parisph.study import measures, measuring
 from parisph.study.conduct import RUNS, End
 from parisph.study.definition import Study
 from parisph.study.plan import text
@@ -62,9 +62,11 @@ class Result:
         """Return the line of the table as {column: value}."""
         point, numerics = self.item.point, self.item.case.numerics
         return {
-            "label": point.label, "method": self.item.method, "spacing": self.item.spacing, "time_step": self.item.time_step,
+            "label": point.label, "method": self.item.method,
+            "spacing": self.item.spacing, "time_step": self.item.time_step,
             "parameters": " ".join(f"{name}={text(value)}" for name, value in point.further.items()),
-            "seed": numerics.seed, "ranks": point.ranks, "spacing_m": numerics.spacing, "time_step_s": numerics.time_step,
+            "seed": numerics.seed, "ranks": point.ranks,
+            "spacing_m": numerics.spacing, "time_step_s": numerics.time_step,
             **{name: self.values.get(name) for name in COLUMNS}, **self.errors,
             "survived": self.survived, "reason": self.reason, "run": f"{RUNS}/{self.item.folder}",
         }
@@ -98,7 +100,8 @@ def add_finest(results: Iterable[Result], study: Study, place: Path) -> None:
     for measure in (measure for measure in study.errors if measure.kind == "finest"):
         for found in results:
             family = [other for other in results if other.item.point.label == found.item.point.label]
-            finest = min(family, key=lambda other: (other.item.spacing, other.item.time_step or 0.0, _seed(other) != _seed(found)))
+            finest = min(family, key=lambda other: (
+                other.item.spacing, other.item.time_step or 0.0, _seed(other) != _seed(found)))
             try:
                 runs = open_run(found.folder), open_run(finest.folder)
             except StoreError as error:
@@ -117,7 +120,7 @@ def _measure(found, measure, run, place, finest):
     if not found.survived:    # over another time than that of the others, an error cannot be compared with theirs
         return
     try:
-        found.errors[name] = measures.value(measure, run, place, finest)
+        found.errors[name] = measuring.value(measure, run, place, finest)
     except ParisphError as error:
         found.problems[name] = str(error)
 
@@ -167,7 +170,8 @@ def save(results: Sequence[Result], study: Study, folder: Path, missing: int) ->
     table = csv.DictWriter(out, names, lineterminator="\n")
     table.writeheader()
     table.writerows(lines)
-    content = {"title": study.title, "case": study.case, "code_version": code_version(), "missing": missing, "runs": lines}
+    content = {"title": study.title, "case": study.case, "code_version": code_version(), "missing": missing,
+               "runs": lines}
     try:
         write_json(folder / "results.json", content)
         write_text(folder / "results.csv", out.getvalue())

@@ -14,8 +14,8 @@ from parisph.study.study_file import read
 CASE = '''
 from math import sqrt
 from parisph import Box, Case, Energy, Fluid, Numerics, SurfaceGauge, Tank, Truth
-def case(spacing: float = 0.1, method: str = "ISPH_R", time_step: float | None = 0.02, depth: float = 0.5, seed: int = 0,
-         end_time: float = 0.1) -> Case:
+def case(spacing: float = 0.1, method: str = "ISPH_R", time_step: float | None = 0.02, depth: float = 0.5,
+         seed: int = 0, end_time: float = 0.1) -> Case:
     return Case(title="tank", fluid=Fluid(Box(width=1.0, height=depth), density=1000.0), gravity=(0.0, -9.81),
                 walls=Tank(width=1.0, height=1.0), end_time=end_time, probes=[
                     SurfaceGauge("left", at=0.0, truth=Truth("level.csv", time="t", value="y")), Energy("energy")],
@@ -39,9 +39,11 @@ def study(**fields):
 
 
 def test_a_product_combines_everything():
-    found = points(study(methods=["ISPH", "ISPH_R"], spacings=[0.1, 0.05], time_steps=[0.01], seeds=[1, 2], parameters={"depth": 0.3}))
+    found = points(study(methods=["ISPH", "ISPH_R"], spacings=[0.1, 0.05], time_steps=[0.01], seeds=[1, 2],
+                         parameters={"depth": 0.3}))
     assert len(found) == 8
-    assert found[0].sets == {"method": "ISPH", "spacing": 0.1, "time_step": 0.01, "depth": 0.3, "seed": 1} and found[0].ranks == 1
+    assert found[0].sets == {"method": "ISPH", "spacing": 0.1, "time_step": 0.01, "depth": 0.3, "seed": 1}
+    assert found[0].ranks == 1
     assert [point.label for point in found] == ["ISPH"] * 4 + ["ISPH_R"] * 4
     assert len({point.name for point in found}) == 8 and found[0].name == "ISPH-s0.1-dt0.01-seed1"
 
@@ -62,7 +64,8 @@ def test_variants_replace_choices_and_add_parameters():
 
 
 def test_the_time_step_is_in_the_label_only_where_a_curve_has_several():
-    per_spacing = points(study(methods=["ISPH"], variants=[Variant(spacings=[0.1], time_steps=[0.02]), Variant(spacings=[0.05], time_steps=[0.01])]))
+    variants = [Variant(spacings=[0.1], time_steps=[0.02]), Variant(spacings=[0.05], time_steps=[0.01])]
+    per_spacing = points(study(methods=["ISPH"], variants=variants))
     assert {point.label for point in per_spacing} == {"ISPH"}
     both = points(study(methods=["ISPH"], spacings=[0.1, 0.05], time_steps=[0.02, None]))
     assert {point.label for point in both} == {"ISPH, dt = 0.02", "ISPH, adaptive"}
@@ -128,7 +131,8 @@ def test_two_equal_runs_are_an_error(folder):
     (dict(histories=["right"]), "no probe 'right'"),
     (dict(errors=[TruthError("left")], others=[OtherCodes("nowhere.csv")]), "nowhere.csv"),
     (dict(errors=[TruthError("left")], others=[OtherCodes("level.csv")]), "no column 'code'"),
-    (dict(errors=[TruthError("left")], required=[Required("left", must=1.0, where={"method": "ISPH"})]), "no run of the study has"),
+    (dict(errors=[TruthError("left")], required=[Required("left", must=1.0, where={"method": "ISPH"})]),
+     "no run of the study has"),
 ])
 def test_every_run_is_checked_before_the_first(folder, fields, says):
     with pytest.raises(CaseError) as error:
@@ -139,7 +143,8 @@ def test_every_run_is_checked_before_the_first(folder, fields, says):
 
 def test_what_the_case_has_no_parameter_for_is_set_in_its_numerics(folder):
     (folder / "tank.py").write_text(CASE.replace('method: str = "ISPH_R", ', "").replace("method=method, ", ""))
-    one, = prepare(study(methods=["ISPH"], parameters={"numerics.rtol": 1e-5}), folder / "s.py", ["numerics.gamma=1/100", "depth=0.3"])
+    one, = prepare(study(methods=["ISPH"], parameters={"numerics.rtol": 1e-5}), folder / "s.py",
+                   ["numerics.gamma=1/100", "depth=0.3"])
     assert one.case.numerics.method == "ISPH" and one.case.numerics.rtol == 1e-5 and one.case.numerics.gamma == 0.01
     assert one.case.fluid.shape.height == 0.3
 
@@ -162,8 +167,9 @@ def test_keys_follow_case_ranks_and_code(folder, monkeypatch):
 
 
 def test_a_study_file_in_json(folder):
-    (folder / "s.json").write_text(json.dumps({"case": "tank.py", "methods": ["ISPH"], "time_steps": [0.01, None], "parameters": {"depth": [0.5, 0.4]},
-                                               "errors": [{"kind": "truth", "probe": "left"}, {"kind": "quantity", "entry": "energy_drift"}]}))
+    (folder / "s.json").write_text(json.dumps({
+        "case": "tank.py", "methods": ["ISPH"], "time_steps": [0.01, None], "parameters": {"depth": [0.5, 0.4]},
+        "errors": [{"kind": "truth", "probe": "left"}, {"kind": "quantity", "entry": "energy_drift"}]}))
     found, file = read("s.json")
     assert file == folder / "s.json" and found.errors == (TruthError("left"), Quantity("energy_drift"))
     assert len(points(found)) == 4
@@ -191,7 +197,8 @@ def test_a_study_may_be_a_function(folder):
 
 
 def test_listing_estimates_and_only_selects(folder):
-    (folder / "s.py").write_text("from parisph.study import Study\nstudy = Study(case='tank.py', methods=['ISPH', 'ISPH_R'], spacings=[0.1, 0.05])\n")
+    (folder / "s.py").write_text("from parisph.study import Study\n"
+                                 "study = Study(case='tank.py', methods=['ISPH', 'ISPH_R'], spacings=[0.1, 0.05])\n")
     shown = listing(agenda("s.py"))
     assert "4 runs, 4 to do: about" in shown and shown.count("to do") == 5 and "studies/s" in shown
     assert "2 runs, 2 to do" in listing(agenda("s.py", only=["ISPH"]))

@@ -58,7 +58,8 @@ def is_running(pid):
         return False
 
 
-@pytest.mark.parametrize(("code", "status", "again"), [(0, "completed", False), (3, "diverged", False), (1, "failed", True), (5, "failed", True)])
+@pytest.mark.parametrize(("code", "status", "again"), [
+    (0, "completed", False), (3, "diverged", False), (1, "failed", True), (5, "failed", True)])
 def test_how_runs_end_and_which_are_made_again(bench, code, status, again):
     ends = [end for _, end in bench(code)]
     assert [(end.code, end.status) for end in ends] == [(code, status)] * 2
