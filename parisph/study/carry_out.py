@@ -1,4 +1,17 @@
-"""Carry out a study: make its runs, and write its table, its pictures and its verdict."""
+"""Carry out a study: make its runs, and write its table, its pictures and its verdict.
+
+    DIR/results.md, .csv, .json        the table: starts that differ by their seed in one line; one line for each run
+    DIR/required.json                  limits and what was measured
+    DIR/error_NAME.png                 a measure against spacing or time step, and against CPU time
+    DIR/history_NAME.png               a probe of all runs
+    DIR/cases/RUN.json                 the case of a run
+    DIR/runs/RUN/                      the folder of a run, see io.layout
+    DIR/ends/RUN.json, RUN.txt         how it ended, if that is final; what it printed
+    DIR/run.lock                       names the process that writes; removed at the end
+
+RUN is made of method, spacing, time step, seed, ranks and a digest of the case and the code: another case or another
+version of parisph never replaces a run. Nothing is removed.
+"""
 
 import re
 import signal
@@ -11,7 +24,7 @@ from pathlib import Path
 from parisph.base.errors import Interrupted, MissingLibrary, ParisphError, StoreError
 from parisph.base.text import clipped
 from parisph.io.files import write_json, write_text
-from parisph.study import conduct, error_plots, history_plots, limits, measures, other_codes, report, results
+from parisph.study import conduct, error_plots, history_plots, limits, measures, other_codes, processes, report, results
 from parisph.study.agenda import Agenda
 from parisph.study.results import Result
 
@@ -29,10 +42,10 @@ def carry_out(plan: Agenda, jobs: int = 1, progress: bool = True, force: bool = 
 
     Raises
     ------
-    Interrupted : Ctrl-C or SIGTERM; the runs that were going are ended, the table of the others is there
+    Interrupted : Ctrl-C, SIGTERM or SIGHUP; the runs that were going are ended, the table of the others is there
     StoreError : the folder cannot be written, or another process writes there; MissingLibrary : no mpirun
     """
-    conduct.processes.command([], max(item.point.ranks for item in plan.chosen))    # says so if there is no mpirun
+    processes.command([], max(item.point.ranks for item in plan.chosen))    # an error if there is no mpirun
     with conduct.Held(plan.folder, force) as held, _terminated_as_interrupted():
         tell = _Progress(plan, progress)
         found, stopped = _run(plan, jobs, tell, held.beat)
@@ -158,7 +171,7 @@ class _Progress:
 
 @contextmanager
 def _terminated_as_interrupted() -> Iterator[None]:
-    """Let SIGTERM end a study as Ctrl-C does, so that it ends its own runs."""
+    """Let SIGTERM, or the loss of the terminal, end a study as Ctrl-C does, so that it ends its own runs."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -166,8 +179,9 @@ def _terminated_as_interrupted() -> Iterator[None]:
     def interrupt(number, frame):
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, interrupt)
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
