@@ -33,6 +33,11 @@ class Agenda:
     folder: Path
     limit: float | None
 
+    @property
+    def title(self) -> str:
+        """One line for people: that of the study, else of its case."""
+        return self.study.title or self.items[0].case.title
+
     def ends(self) -> dict[str, End]:
         """Return {key: End} of the runs that need not be made again."""
         found = {item.key: conduct.end_of(item, self.folder, self.limit) for item in self.items}
@@ -75,5 +80,5 @@ def listing(plan: Agenda) -> str:
     head = ["run", "n", "spacing", "time step", "seed", "ranks", "particles", "steps", "CPU time", "state"]
     todo = sum(item.key not in ends for item in plan.chosen)
     return "\n\n".join([
-        f"{plan.study.title or named(plan.study.case)}, into {plan.folder}", report.markdown(head, rows),
+        f"{plan.title}, into {plan.folder}", report.markdown(head, rows),
         f"{len(rows)} runs, {todo} to do: about {preview.duration(left)} of CPU time (estimated from {basis})"])

@@ -18,7 +18,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 
 from parisph.base.errors import Interrupted, MissingLibrary, ParisphError, StoreError
@@ -68,21 +68,18 @@ def _run(plan, jobs, tell, beat):
         if item.key in found:
             tell.run(found[item.key], "there already")
     todo = [item for item in plan.chosen if item.key not in found]
-    going = None
     try:
         if todo:
             tell.cores(todo, jobs)
         if todo and plan.study.warm_up:
             tell.say("taking a step of each method, so that its kernels are compiled")
             conduct.warm_up(todo)
-        going = conduct.conduct(todo, plan.folder, jobs, plan.limit, beat)
-        for item, end in going:
-            found[item.key] = results.result(item, end, plan.folder, plan.study, plan.place)
-            tell.run(found[item.key])
-            results.save(_ordered(plan, found), plan.study, plan.folder, len(plan.items) - len(found))
+        with closing(conduct.conduct(todo, plan.folder, jobs, plan.limit, beat)) as going:    # ends them in any case
+            for item, end in going:
+                found[item.key] = results.result(item, end, plan.folder, plan.study, plan.place)
+                tell.run(found[item.key])
+                results.save(_ordered(plan, found), plan.study, plan.folder, len(plan.items) - len(found))
     except KeyboardInterrupt:
-        if going is not None:
-            going.close()
         return found, True
     return found, False
 
@@ -99,7 +96,7 @@ def _conclude(plan, found, show, tell):
     if missing:
         parts.append(f"{missing} of {len(plan.items)} runs have no result yet.")
     results.save(found, plan.study, plan.folder, missing)
-    title = plan.study.title or plan.study.case
+    title = plan.title
     try:
         write_json(plan.folder / "required.json", {"required": limits.as_lines(verdicts)})
         write_text(plan.folder / "results.md", f"# {title}\n\n" + "\n\n".join(parts) + "\n")
@@ -120,7 +117,7 @@ def _conclude(plan, found, show, tell):
 
 def _pictures(plan: Agenda, found: Sequence[Result], tell) -> list[Path]:
     """Draw the pictures and return their paths; without matplotlib, say so and return nothing."""
-    study, title = plan.study, plan.study.title or plan.study.case
+    study, title = plan.study, plan.title
     names, made = [measures.name_of(measure) for measure in study.errors], []
     try:
         for name, measure in zip(names, study.errors):

@@ -10,7 +10,7 @@ from typing import Any
 
 import parisph
 from parisph.base.errors import CaseError
-from parisph.base.text import clipped, listed, named, shown
+from parisph.base.text import clipped, named, shown
 from parisph.case import load as case_file
 from parisph.case import scales, size
 from parisph.case.model import first_lines
@@ -116,7 +116,7 @@ def selected(found: Iterable[Prepared], methods: Sequence[str]) -> list[Prepared
     there = list(dict.fromkeys(name for item in found for name in (item.method, item.point.label)))
     for name in methods:
         if name not in there:
-            raise CaseError(f"--only {named(name)}: the study has no such method (it has: {listed(map(named, there))})")
+            raise CaseError(f"--only {named(name)}: the study has no such method (it has: {clipped('; '.join(map(named, there)), LINE)})")
     return [item for item in found if not methods or {item.method, item.point.label} & set(methods)]
 
 

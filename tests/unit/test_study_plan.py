@@ -202,7 +202,7 @@ def test_listing_estimates_and_only_selects(folder):
     shown = listing(agenda("s.py"))
     assert "4 runs, 4 to do: about" in shown and shown.count("to do") == 5 and "studies/s" in shown
     assert "2 runs, 2 to do" in listing(agenda("s.py", only=["ISPH"]))
-    with pytest.raises(CaseError, match=r"--only SPH: the study has no such method \(it has: ISPH, ISPH_R\)"):
+    with pytest.raises(CaseError, match=r"--only SPH: the study has no such method \(it has: ISPH; ISPH_R\)"):
         agenda("s.py", only=["SPH"])
     with pytest.raises(CaseError, match="must be greater than 0"):
         agenda("s.py", limit=-1.0)
