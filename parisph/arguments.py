@@ -34,3 +34,10 @@ def number(word):
     if not abs(value) <= LARGEST:
         raise argparse.ArgumentTypeError(f"{shown(word)}: must be a finite number of at most {LARGEST:g} in size")
     return value
+
+
+def count(word):
+    """Return a whole number of at least 1. For argparse, as `path`."""
+    if not word.isdecimal() or not 1 <= int(word[:9]) or len(word) > 6:
+        raise argparse.ArgumentTypeError(f"{shown(word)}: must be a whole number of at least 1")
+    return int(word)

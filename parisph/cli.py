@@ -12,6 +12,7 @@ from parisph.base.errors import CaseError, Interrupted, ParisphError, agree
 from parisph.base.signals import Signals
 from parisph.base.text import clipped, named, plain
 
+FORCE = "Use DIR although run.lock names a process on another host or in another container, which may still write to it"
 EXIT_CODES = "Exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 file error, 1 other errors."
 
 
@@ -196,6 +197,27 @@ def _add_running(verbs):
     _add_progress(verb)
     verb = _verb(verbs, "check", _check, "Check a case, and estimate the time and memory of a run")
     _add_case(verb)
+    _add_study(verbs)
+
+
+def _add_study(verbs):
+    verb = _verb(verbs, "study", _study, "Make many runs of a case, and compare their errors and costs",
+                 "parisph study FILE [options]. A repeated command makes only the runs that are not done. "
+                 "Exit code 1: a run failed, or something that the study requires is not met")
+    verb.add_argument("study", type=arguments.path, metavar="FILE",
+                      help="Python file with study = Study(...), or JSON file with its fields")
+    verb.add_argument("-l", "--list", action="store_true", help="Only list the runs, with their estimated costs")
+    verb.add_argument("--only", action="append", default=[], metavar="METHOD",
+                      help="Make only the runs of this method or label (may be repeated)")
+    verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
+                      help="Set parameters of all runs, such as --set end_time=2 numerics.gamma=0.01")
+    verb.add_argument("-j", "--jobs", type=arguments.count, default=1, metavar="J",
+                      help="Make J runs at once (default: 1)")
+    verb.add_argument("--limit", type=arguments.number, metavar="S", help="End each run after S seconds on the clock")
+    verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
+                      help="Write the study to this folder (default: studies/NAME, named after FILE)")
+    verb.add_argument("-q", "--quiet", action="store_true", help="Do not show progress")
+    verb.add_argument("--force", action="store_true", help=FORCE)
 
 
 def _add_case(verb):
@@ -206,8 +228,7 @@ def _add_case(verb):
 
 def _add_progress(verb):
     verb.add_argument("-q", "--quiet", action="store_true", help="Do not show progress")
-    verb.add_argument("--force", action="store_true",
-                      help="Use DIR although run.lock names a process on another host or in another container, which may still write to it")
+    verb.add_argument("--force", action="store_true", help=FORCE)
     verb.set_defaults(petsc=[], collective=True)
 
 
@@ -298,6 +319,18 @@ def _check(args):
     from parisph.case.load import arguments
 
     print(driver.describe(case, arguments(args.case, args.set)))
+
+
+def _study(args):
+    from parisph.study.agenda import agenda, listing
+    from parisph.study.carry_out import carry_out
+
+    plan = agenda(args.study, args.set, args.only, args.out, args.limit)
+    if args.list:
+        print(listing(plan))
+        return 0
+    libraries.require(*libraries.ENGINE)
+    return carry_out(plan, args.jobs, not args.quiet, args.force, output.show)
 
 
 def _doctor(args):

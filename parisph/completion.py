@@ -12,7 +12,8 @@ def script(parser: argparse.ArgumentParser, shell: str) -> str:
     libraries.require("shtab")
     import shtab
 
-    files = {"case": shtab.glob("*.py", "*.json"), "path": shtab.glob("*.h5"), "reference": shtab.glob("*.csv"),
+    described = shtab.glob("*.py", "*.json")
+    files = {"case": described, "study": described, "path": shtab.glob("*.h5"), "reference": shtab.glob("*.csv"),
              "DIR": shtab.DIRECTORY, "FILE": shtab.FILE}
     for action in _actions(parser):
         found = files.get(action.dest) or files.get(action.metavar)

@@ -30,7 +30,7 @@ def describe(case, parameters=None):
         ("stages", ", ".join(stages(case))),
         ("end time", f"{case.end_time:g} s"),
         ("steps", _steps(case, numerics, steps)),
-        ("time", f"about {_duration(steps * seconds)} on one rank, {_rounded(1e3 * seconds)} ms a step (estimated from {basis})"),
+        ("time", f"about {duration(steps * seconds)} on one rank, {_rounded(1e3 * seconds)} ms a step (estimated from {basis})"),
         ("memory", _memory(count["all"])),
         ("probes", ", ".join(probe.name for probe in case.probes) or "none"),
     ]
@@ -116,7 +116,8 @@ def _rounded(number):
     return f"{float(f'{number:.1e}'):.10g}"
 
 
-def _duration(seconds):
+def duration(seconds: float) -> str:
+    """Return a time [s] for people, with two digits."""
     for unit, length in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * length:
             return f"{_rounded(seconds / length)} {unit}"

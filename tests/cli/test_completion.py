@@ -31,10 +31,12 @@ def test_script_is_sound(shell, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(("words", "offered", "not_offered"), [
-    ([""], {"run", "restart", "check", "info", "plot", "movie", "compare", "doctor", "completion"}, {"tank.py"}),
+    ([""], {"run", "restart", "check", "study", "info", "plot", "movie", "compare", "doctor", "completion"}, {"tank.py"}),
     (["re"], {"restart"}, {"run"}),
     (["run", "ta"], {"tank.py"}, {"table.csv"}),
     (["run", "tank.py", "--"], {"--set", "--out", "--quiet"}, {"--until"}),
+    (["study", "ta"], {"tank.py"}, {"table.csv"}),
+    (["study", "tank.py", "--"], {"--list", "--only", "--jobs", "--limit"}, {"--until"}),
     (["restart", "runs/t"], {"runs/tank"}, set()),
     (["restart", "runs/tank", "--u"], {"--until"}, {"--out"}),
     (["info", "r"], {"runs"}, {"read.me"}),

@@ -42,6 +42,13 @@ def test_case_runs_from_the_shell(first):
     assert "status          completed" in done.stdout and "runs/sloshing" in done.stdout
 
 
+def test_study_can_be_carried_out(tmp_path):
+    (tmp_path / "cases").symlink_to(ROOT / "cases")
+    (tmp_path / "study.py").write_text(one(PYTHON, "study = Study("), encoding="utf-8")
+    done = parisph("study", "study.py", "--list", cwd=tmp_path)
+    assert done.returncode == 0 and "16 runs, 16 to do" in done.stdout, done.stderr
+
+
 def test_script_runs_as_printed(first):
     script = one(PYTHON, "open_run")
     assert '{"end_time": 0.5}' in script

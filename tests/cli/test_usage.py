@@ -85,6 +85,9 @@ def driver(monkeypatch):
     (["run", "tank.py", "--", "--" + "x" * 5000], "is after the lone --"),
     (["run", "."], ".: is a folder; give a case file"),
     (["compare", "runs/tank"], "required: REFERENCE.csv"),
+    (["study"], "required: FILE"),
+    (["study", "tank.py", "-j", "0"], "argument -j/--jobs: '0': must be a whole number of at least 1"),
+    (["study", "tank.py", "--limit", "long"], "argument --limit: 'long': must be a finite number"),
 ])
 def test_bad_usage_is_one_message_and_code_2(case, driver, capsys, words, says):
     assert entry.main(words) == 2
@@ -164,7 +167,7 @@ def test_info_of_what_is_no_run(tmp_path, capsys):
 
 
 def test_every_verb_explains_itself(capsys):
-    for verb in ("run", "restart", "check", "info", "plot", "movie", "compare", "doctor", "completion"):
+    for verb in ("run", "restart", "check", "study", "info", "plot", "movie", "compare", "doctor", "completion"):
         with pytest.raises(SystemExit) as end:
             cli.parse([verb, "-h"])
         assert end.value.code == 0 and f"usage: parisph {verb}" in capsys.readouterr().out

@@ -2,7 +2,7 @@
 
     python -m tests.validation                      everything: about 40 minutes on two cores
     python -m tests.validation rest waves           some parts
-    python -m tests.validation -o runs/validation   keep the runs, and results.json
+    python -m tests.validation -o runs/validation   keep the runs, and results.json; repeated, it makes only what is left
 
 From the top folder of the clone. Exit code 1 if something asked for is not met.
 """

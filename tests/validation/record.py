@@ -9,7 +9,12 @@ import numpy as np
 
 from parisph.io.files import write_json
 from parisph.io.reader import open_run
-from tests.launch import mpirun, parisph
+from parisph.study import Study, Variant, conduct, limits
+from parisph.study.conduct import end_of
+from parisph.study.definition import OWN
+from parisph.study.prepared import prepare
+from parisph.study.results import Result, result
+from tests.launch import ROOT
 
 HOURS = 4 * 3600.0     # [s] no run may take longer
 
@@ -51,6 +56,21 @@ class Row:
         return bool(self.measured >= limit if self.least else self.measured <= limit)
 
 
+def rows_of(study: Study, results: list[Result], what: str) -> list[Row]:
+    """Return a Row for each limit of a study, from its results.
+
+    what : the scene and the quantity, before the name of the curve
+    """
+    items, found = [one.item for one in results], []
+    cost = {one.item.point.label: one.values.get("cpu_seconds") for one in results}
+    for one in limits.verdicts(study, items, results):
+        label = one.where.partition(", spacing ")[0]
+        values = [float("nan") if value is None else value for value in one.values]
+        found.append(Row.of_starts(f"{what}, {label}: {one.of}", values, one.required.must, one.required.aim,
+                                   one.required.least, cost.get(label)))
+    return found
+
+
 def table(rows):
     """Return the rows as a Markdown table; of several starts their range is given, and the worst decides."""
     return "\n".join(["| | measured | asked | aim | | CPU s |", "|---|---|---|---|---|---|", *(_line(row) for row in rows)])
@@ -75,7 +95,7 @@ def save(rows, path):
 
 
 class Bench:
-    """Runs scenes in a folder of its own.
+    """Runs scenes as runs of studies, in a folder of its own. What is finished there is not run again by the same code.
 
     Parameters
     ----------
@@ -88,19 +108,36 @@ class Bench:
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def run(self, label, scene, numerics=None, ranks=1, **sets):
-        """Run tests.scenes.scene(...) to its end and return (Run, summary). Raises RuntimeError if it fails."""
-        case, out = self.folder / f"{label}.py", self.folder / label
-        case.write_text("from tests.scenes import scene\n"
-                        f"def case():\n    return scene({scene!r}, {numerics or {}!r}, **{sets!r})\n")
-        shutil.rmtree(out, ignore_errors=True)
-        words = ["run", str(case), "-o", str(out), "-q"]
-        done = (parisph(*words, timeout=HOURS) if ranks == 1 else
-                mpirun(ranks, ["-m", "parisph", *words], timeout=HOURS))
-        if done.returncode != 0:
-            raise RuntimeError(f"{label} ended with code {done.returncode}:\n{done.stderr}")
-        run = open_run(out)
-        print(f"  {label}: {run.summary['steps']} steps, {run.summary['cpu_seconds']:.1f} CPU s", flush=True)
+        """Run a scene of cases/ to its end and return (Run, summary). Raises RuntimeError if it fails.
+
+        numerics : {name: value}, changes of its Numerics; sets : parameters of its case
+        """
+        inside = {f"numerics.{name}": value for name, value in (numerics or {}).items()}
+        own = {name: None if sets[name] == "none" else sets[name] for name in sets if name in OWN}
+        sets = {name: value for name, value in sets.items() if name not in OWN}
+        study = Study(case=str(ROOT / "cases" / f"{scene}.py"), ranks=[ranks], variants=[Variant(
+            label=label, parameters={**sets, **inside}, **{OWN[name]: [value] for name, value in own.items()})])
+        found, = self.study(study)
+        if not found.survived:
+            raise RuntimeError(f"{label} ended with code {found.end.code}:\n{found.reason}")
+        run = open_run(found.folder)
         return run, run.summary
+
+    def study(self, study: Study) -> list[Result]:
+        """Make the runs of a study that are not done, and return all results. Its paths are relative to cases/."""
+        place, made = ROOT / "cases", []
+        conduct.make_folders(self.folder)
+        items = prepare(study, place / "validation.py")
+        ends = {item.key: end_of(item, self.folder) for item in items}
+        todo = [item for item in items if ends[item.key] is None]
+        for item, end in conduct.conduct(todo, self.folder, jobs=1, limit=HOURS):
+            ends[item.key] = end
+        for item in items:
+            made.append(result(item, ends[item.key], self.folder, study, place))
+            cost = made[-1].values.get("cpu_seconds") or float("nan")
+            print(f"  {item.point.label}: {made[-1].values.get('steps')} steps, {cost:.1f} CPU s"
+                  f"{'' if item in todo else ', there already'}", flush=True)
+        return made
 
     def close(self):
         """Remove a temporary folder."""

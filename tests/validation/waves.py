@@ -2,40 +2,59 @@
 
 import numpy as np
 
-from tests.validation.record import Row
+from parisph.base.table import read_reference
+from parisph.study import Function, Required, Study, TruthError, Variant
+from tests.launch import ROOT
+from tests.validation import record
 
-SLOSHING = (     # label, parameters, largest error of the wave part
-    ("200", dict(spacing=0.1), 0.04),
-    ("800", dict(spacing=0.05), 0.02),
-    ("800 jittered by 0.4", dict(spacing=0.05, jitter=0.4), 0.03),
-    ("3200", dict(spacing=0.025), 0.015),
-    ("3200, time step in proportion", dict(spacing=0.025, refine_time=True), 0.015),
+ERROR = "wave-part error"
+AMPLITUDE = "relative error of the amplitude over the last two periods"
+SLOSHING = (     # label, spacing, further parameters, largest error of the wave part
+    ("200", 0.1, {}, 0.04),
+    ("800", 0.05, {}, 0.02),
+    ("800 jittered by 0.4", 0.05, {"jitter": 0.4}, 0.03),
+    ("3200", 0.025, {}, 0.015),
+    ("3200 with time step in proportion", 0.025, {"refine_time": True}, 0.015),
 )
+PERIODS = 2.27     # [s] two periods of the standing wave
 
 
 def rows(bench):
-    """Return the errors of the gauges."""
+    """Return the errors of the gauges, as required."""
     found = []
-    for label, sets, asked in SLOSHING:
-        _, summary = bench.run(f"sloshing_{label.replace(' ', '_').replace(',', '')}", "small_sloshing", **sets)
-        found.append(Row(f"small sloshing to t* = 50, {label}: wave-part error", summary["errors"]["left"]["relative_l2"],
-                         asked, cost=summary["cpu_seconds"]))
-    run, summary = bench.run("standing_wave", "standing_wave", spacing=0.025)
-    found.append(Row("standing wave, 9 s at s = 0.025 m: wave-part error", summary["errors"]["centre"]["relative_l2"], 0.08,
-                     cost=summary["cpu_seconds"]))
-    gauge = run.probe("centre")
-    late = gauge["time"] > gauge["time"][-1] - 2.27     # two periods
-    height = 0.5 * np.ptp(gauge["y"][late])
-    exact = 0.5 * np.ptp(_exact()[1])
-    found.append(Row("standing wave: relative error of the amplitude over the last two periods", abs(height / exact - 1.0), 0.05))
+    for what, study in (("small sloshing to t* = 50", sloshing()), ("standing wave", standing_wave())):
+        found += record.rows_of(study, bench.study(study), what)
     return found
 
 
-def _exact():
-    """Times and levels of the fully nonlinear solution over the last two of its first 9 s."""
-    from parisph.base.table import read_reference
-    from tests.launch import ROOT
+def sloshing() -> Study:
+    """Return the study of the small sloshing at three spacings, jittered, and with a shorter time step."""
+    return Study(
+        case="small_sloshing.py",
+        variants=[Variant(label=label, spacings=[spacing], parameters=further)
+                  for label, spacing, further, _ in SLOSHING],
+        errors=[TruthError("left", name=ERROR)],
+        required=[Required(ERROR, must=limit, where={"label": label}) for label, _, _, limit in SLOSHING])
 
+
+def standing_wave() -> Study:
+    """Return the study of the standing wave over 9 s."""
+    return Study(
+        case="standing_wave.py", variants=[Variant(label="9 s at s = 0.025 m", spacings=[0.025])],
+        errors=[TruthError("centre", name=ERROR), Function(AMPLITUDE, of=amplitude)],
+        required=[Required(ERROR, must=0.08), Required(AMPLITUDE, must=0.05)])
+
+
+def amplitude(run) -> float:
+    """Return the relative error of the amplitude of the standing wave over its last two periods."""
+    gauge = run.probe("centre")
+    late = gauge["time"] > gauge["time"][-1] - PERIODS
+    height = 0.5 * np.ptp(gauge["y"][late])
+    return abs(height / (0.5 * np.ptp(_exact()[1])) - 1.0)
+
+
+def _exact():
+    """Times and levels of the fully nonlinear solution over the last two periods of its first 9 s."""
     t, level = read_reference(ROOT / "cases" / "exact" / "standing_wave.csv", "t_s", "eta_nonlinear_m")
-    chosen = (t <= 9.0) & (t > 9.0 - 2.27)
+    chosen = (t <= 9.0) & (t > 9.0 - PERIODS)
     return t[chosen], level[chosen]

@@ -1,0 +1,178 @@
+"""What a study is: which runs of a case, what is measured in them, and what is required. Frozen and validated."""
+
+from collections.abc import Iterable
+from typing import Annotated, Any, Optional
+
+from pydantic import Field, field_validator, model_validator
+
+from parisph.base.text import shown
+from parisph.case.model import Model
+from parisph.study.measures import AnyMeasure, name_of
+
+# Parameters that have a field of their own here.
+OWN = {"method": "methods", "spacing": "spacings", "time_step": "time_steps", "seed": "seeds"}
+# Columns of the table that limits can be set for, besides the measures.
+COLUMNS = (
+    "cpu_seconds", "wall_seconds", "iterations", "volume_low", "volume_high", "energy_end", "energy_high", "survived",
+)
+Positive = Annotated[float, Field(gt=0)]
+Whole = Annotated[int, Field(ge=0)]
+Count = Annotated[int, Field(ge=1, le=10_000)]
+
+
+class Choices(Model):
+    """Values that are combined, each with every other. What is left empty is that of the case.
+
+    Attributes
+    ----------
+    methods : names of methods
+    spacings, time_steps : values of the case's parameters `spacing` and `time_step`, in their units; None among the
+        time steps for an adaptive one. A case without such a parameter gets them as numerics.spacing [m] and
+        numerics.time_step [s]
+    parameters : {name: value}, parameters of the case or numerics.NAME; a list of values is combined with all others,
+        and a tuple is one value
+    seeds : starts that differ by the jitter's seed; results are given as mean and range over them
+    ranks : numbers of MPI ranks
+    """
+
+    methods: tuple[str, ...] = ()
+    spacings: tuple[Positive, ...] = Field((), description="spacings, each greater than 0")
+    time_steps: tuple[Optional[Positive], ...] = Field(
+        (), description="time steps, each greater than 0, or None to adapt it")
+    parameters: dict[str, Any] = Field(default_factory=dict, description="parameters of the case by name")
+    seeds: tuple[Whole, ...] = Field((), description="seeds, each a whole number of at least 0")
+    ranks: tuple[Count, ...] = Field((), description="numbers of ranks, each at least 1")
+
+    @field_validator("methods", "spacings", "time_steps", "seeds", "ranks", mode="before")
+    @classmethod
+    def _several(cls, values):
+        if isinstance(values, (str, int, float)) and not isinstance(values, bool):
+            raise ValueError(f"{shown(values)}: must be a list; write [{shown(values)}]")
+        return values
+
+    @field_validator("methods", "spacings", "time_steps", "seeds", "ranks")
+    @classmethod
+    def _each_once(cls, values):
+        twice = next((value for value in values if values.count(value) > 1), _NONE)
+        if twice is not _NONE:
+            raise ValueError(f"{shown(twice)} is given twice: leave one of them out")
+        return values
+
+    @field_validator("parameters")
+    @classmethod
+    def _known_kinds(cls, found):
+        for name, value in found.items():
+            if name in OWN or name.removeprefix("numerics.") in OWN:
+                raise ValueError(f"{name}: give it as {OWN[name.removeprefix('numerics.')]}=[...]")
+            if isinstance(value, list) and not value:
+                raise ValueError(f"{name} = []: must be a value, or a list of at least one")
+            for one in value if isinstance(value, list) else [value]:
+                parts = one if isinstance(one, (tuple, list)) else (one,)
+                if not all(part is None or isinstance(part, (bool, int, float, str)) for part in parts):
+                    raise ValueError(
+                        f"{name} = {shown(one)}: must be a number, a text, True, False, None, or a tuple of these")
+        return found
+
+
+class Variant(Choices):
+    """Choices that replace those of the study; its parameters are added to the study's.
+
+    label : name of its curve in tables and pictures, "" for one made of what differs
+    """
+
+    label: str = Field("", max_length=60, description="name of the curve")
+
+
+class Required(Model):
+    """A limit on a measure, or on a column of the table. Of starts that differ by their seed, the worst counts.
+
+    of : name of the measure, or one of COLUMNS; must, aim : what is required and what is tried for
+    least : whether these limits are lower ones
+    where : {"method", "spacing", "time_step", "seed", "ranks", "label" or the name of a parameter: value}, which runs
+    """
+
+    of: str = Field(min_length=1, description="name of a measure or a column")
+    must: Optional[float] = None
+    aim: Optional[float] = None
+    least: bool = False
+    where: dict[str, Any] = Field(default_factory=dict, description="which runs, by name and value")
+
+    @model_validator(mode="after")
+    def _some_limit(self):
+        if self.must is None and self.aim is None:
+            raise ValueError(f"of = {shown(self.of)}: give must= or aim=, the limit")
+        return self
+
+
+class OtherCodes(Model):
+    """Points of other codes: a CSV file with one header line and one line for each point. Cells may be empty.
+
+    file : path, relative to the study file; code, spacing, error, cpu : names of its columns, "" for none
+    of : name of the measure that `error` is; the first one of the study by default
+    """
+
+    file: str = Field(min_length=1, description="path of a CSV file, relative to the study file")
+    code: str = "code"
+    spacing: str = "spacing"
+    error: str = "error"
+    cpu: str = "cpu_seconds"
+    of: str = ""
+
+
+class Study(Choices):
+    """A study: its runs are all combinations of its choices, or of those of each of its variants.
+
+    Attributes
+    ----------
+    case : path of a case file or of a stored case, relative to the study file
+    title : one line for tables and pictures
+    variants : list of Variant; without any, the choices of the study itself are combined
+    errors : list of measures: TruthError, SeriesError, FinestError, Quantity, Function
+    required : list of Required
+    others : list of OtherCodes, for the pictures
+    histories : names of probes whose series are drawn side by side, with their truth
+    time_limit : longest time of a run on the clock [s], None for no limit
+    warm_up : whether a step of each method is made first, so that no run's CPU time includes the compilation of kernels
+
+    Raises
+    ------
+    CaseError : with one line for each problem
+    """
+
+    case: str = Field(min_length=1, description="path of the case file, relative to the study file")
+    title: str = Field("", max_length=200, description="one line for people")
+    variants: tuple[Variant, ...] = ()
+    errors: tuple[AnyMeasure, ...] = ()
+    required: tuple[Required, ...] = ()
+    others: tuple[OtherCodes, ...] = ()
+    histories: tuple[str, ...] = ()
+    time_limit: Optional[float] = Field(None, gt=0, description="longest time of a run on the clock [s]")
+    warm_up: bool = True
+
+    @field_validator("variants", "errors", "required", "others", "histories", mode="before")
+    @classmethod
+    def _listed(cls, values):
+        if isinstance(values, (Model, str)):
+            raise ValueError("must be a list; write [...]")
+        return values
+
+    @model_validator(mode="after")
+    def _names_fit(self):
+        names = [name_of(measure) for measure in self.errors]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise ValueError(f"two measures are named {shown(twice)}: give one of them another name=")
+        for name in [name for name in names if name in COLUMNS]:
+            raise ValueError(f"a measure is named {shown(name)}, as a column of the table: give it another name=")
+        _check_known((item.of for item in self.required), [*names, *COLUMNS], "required")
+        _check_known((item.of for item in self.others if item.of), names, "others")
+        return self
+
+
+def _check_known(asked: Iterable[str], names: list[str], field: str) -> None:
+    for name in asked:
+        if name not in names:
+            raise ValueError(f"{field}: there is no measure {shown(name)}; there are {', '.join(names) or 'none'}")
+
+
+_NONE = object()

@@ -1,0 +1,140 @@
+"""Pictures of a study: error against spacing with the fitted order, and cost against error with the Pareto front."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from parisph.pictures import style
+from parisph.study import report
+from parisph.study.fits import fitted_order, pareto
+from parisph.study.other_codes import OtherPoint
+from parisph.study.results import Result
+
+MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
+FRONT = "Pareto front"
+OTHER_MARKS = ("*", "h", "p", "d", "8", "H")
+
+
+@dataclass(frozen=True)
+class Dot:
+    """The runs that differ by their seed only: place on the axis, CPU time [s], and mean, least and largest error."""
+
+    x: float
+    cpu: float
+    mean: float
+    low: float
+    high: float
+
+
+def draw(results: Sequence[Result], name: str, label: str, title: str, path: Path,
+         others: Sequence[OtherPoint] = ()) -> bool:
+    """Draw a measure of all runs to a file; return whether there was anything to draw. Needs matplotlib.
+
+    name, label : of the measure, in the table and on its axis; others : points of other codes, of the same measure
+
+    Raises MissingLibrary, CaseError, StoreError as pictures.style.save.
+    """
+    axis, of_axis = report.axis_of(results)
+    dots = {curve: found for curve, group in report.curves(results).items() if (found := _dots(group, name, axis))}
+    if not dots:
+        return False
+    both = axis is not None and len({dot.x for group in dots.values() for dot in group}) > 1
+    picture = style.drawing().Figure(figsize=(10.4 if both else 6.0, 4.6), layout="constrained")
+    panels = picture.subplots(1, 2 if both else 1, sharey=True, squeeze=False)[0]
+    looks = dict(zip(report.curves(results), style.line_looks(len(report.curves(results)))))
+    marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(report.curves(results))}
+    if both:
+        there = [one for one in others if one.error and one.spacing and axis == "spacing"]
+        _convergence(panels[0], dots, looks, marks, of_axis, there)
+        panels[0].set_ylabel(style.literal(label, 60))
+    _costs(panels[-1], dots, looks, marks, [one for one in others if one.error and one.cpu])
+    if not both:
+        panels[-1].set_ylabel(style.literal(label, 60))
+    for axes in panels:
+        axes.grid(True, which="both", linewidth=0.4, alpha=0.4)
+        axes.tick_params(direction="in", which="both", top=True, right=True)
+    picture.suptitle(style.literal(title, 110), x=0.01, ha="left", fontsize=11)
+    style.save(picture, path)
+    return True
+
+
+def _dots(group, name, axis):
+    found = []
+    for family in report.families(group):
+        pairs = [(one.errors.get(name), one.values.get("cpu_seconds")) for one in family]
+        errors = [error for error, _ in pairs if error is not None and error > 0.0]
+        costs = [cpu for error, cpu in pairs if error is not None and cpu is not None]
+        x = None if axis is None else getattr(family[0].item, axis)
+        if errors and costs and (axis is None or x is not None):
+            found.append(Dot(x or 0.0, float(np.mean(costs)), float(np.mean(errors)), min(errors), max(errors)))
+    return sorted(found, key=lambda dot: dot.x)
+
+
+def _convergence(axes, dots, looks, marks, label, others):
+    for curve, group in dots.items():
+        x, y = [dot.x for dot in group], [dot.mean for dot in group]
+        order = fitted_order(x, y)
+        _plot(axes, x, group, looks[curve], marks[curve], curve if order is None else f"{curve} (order {order:.2f})")
+        if order is not None and len(x) > 2:
+            ends = np.array([min(x), max(x)])
+            middle = np.exp(np.mean(np.log(x))), np.exp(np.mean(np.log(y)))
+            fit = middle[1] * (ends / middle[0]) ** order
+            axes.plot(ends, fit, color=looks[curve]["color"], linewidth=0.8, linestyle=":")
+    _draw_others(axes, others, "spacing", "")
+    _logarithmic(axes, [dot.x for group in dots.values() for dot in group] + [one.spacing for one in others])
+    axes.set_yscale("log")
+    axes.set_xlabel(label)
+    _legend(axes, dots)
+
+
+def _costs(axes, dots, looks, marks, others):
+    everything = [dot for group in dots.values() for dot in group]
+    front = [everything[k] for k in pareto([dot.cpu for dot in everything], [dot.mean for dot in everything])]
+    axes.plot([dot.cpu for dot in front], [dot.mean for dot in front], color="0.8", linewidth=6, solid_capstyle="round",
+              marker="o", markersize=11, zorder=1, label=FRONT)
+    for curve, group in dots.items():
+        group = sorted(group, key=lambda dot: dot.cpu)
+        _plot(axes, [dot.cpu for dot in group], group, looks[curve], marks[curve], curve)
+    _draw_others(axes, others, "cpu", " (other computer)")
+    _logarithmic(axes, [dot.cpu for dot in everything] + [one.cpu for one in others])
+    axes.set_yscale("log")
+    axes.set_xlabel("CPU time of all ranks [s]")
+    _legend(axes, dots)
+
+
+def _plot(axes, x, group, look, mark, label):
+    y = np.array([dot.mean for dot in group])
+    spread = np.array([[dot.mean - dot.low for dot in group], [dot.high - dot.mean for dot in group]])
+    axes.errorbar(x, y, yerr=spread if spread.any() else None, marker=mark, markersize=5, linewidth=1.2, capsize=3,
+                  label=style.literal(label, 60), zorder=3, **look)
+
+
+def _draw_others(axes, others, of, note):
+    for number, code in enumerate(dict.fromkeys(one.code for one in others)):
+        points = [one for one in others if one.code == code]
+        axes.plot([getattr(one, of) for one in points], [one.error for one in points], color="black", linestyle="",
+                  marker=OTHER_MARKS[number % len(OTHER_MARKS)], markersize=8, markerfacecolor="none", zorder=2,
+                  label=style.literal(f"{code}{note}", 60))
+
+
+def _legend(axes, curves):
+    """Add a legend: first what is said of all, then our curves, then other codes."""
+    pairs = list(zip(*axes.get_legend_handles_labels()))
+    names = [style.literal(curve, 60) for curve in curves]
+    own = [pair for pair in pairs if any(pair[1].startswith(name) for name in names)]
+    first = [pair for pair in pairs if pair[1] == FRONT]
+    rest = [pair for pair in pairs if pair not in own and pair not in first]
+    axes.legend(*zip(*first, *own, *rest), loc="best", fontsize=8, framealpha=0.8)
+
+
+def _logarithmic(axes, values):
+    """Make the x axis logarithmic, with plain numbers at 1, 2 and 5 if it spans little more than a decade."""
+    from matplotlib import ticker
+
+    axes.set_xscale("log")
+    if max(values) / min(values) < 30.0:
+        axes.xaxis.set_major_locator(ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.xaxis.set_minor_locator(ticker.NullLocator())
+        axes.xaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))

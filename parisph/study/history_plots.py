@@ -1,0 +1,154 @@
+"""Pictures of a study: the series of a probe side by side, one panel for each curve, with the truth."""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from parisph.base.errors import ParisphError
+from parisph.base.table import read_reference
+from parisph.io.reader import Run, open_run
+from parisph.pictures import curves, style
+from parisph.study import report
+from parisph.study.definition import Study
+from parisph.study.results import Result
+from parisph.truth.comparison import columns_of
+
+ACROSS = 3    # panels beside each other
+WIDE = 4.6    # [inch] of a panel
+LETTER = 0.07    # [inch] of a letter in the legend
+QUANTILE = 0.005    # share of samples above, and below, the range that is shown, if there are spikes
+BEYOND = 1.5  # ranges of the truth that are shown above and below it
+SPIKE = 2.5   # a range that is so many times that of the most samples has spikes
+
+
+def draw(results: Sequence[Result], probe: str, study: Study, place: Path, path: Path) -> bool:
+    """Draw the series of a probe of all runs to a file; return whether there was anything to draw. Needs matplotlib.
+
+    Of starts that differ by their seed the first is drawn, and of the columns of a probe the first (of an energy, the
+    total). place : folder of the study file
+
+    Raises MissingLibrary, CaseError, StoreError as pictures.style.save.
+    """
+    panels = {curve: list(_with_samples(group, probe)) for curve, group in report.curves(results).items()}
+    panels = {curve: group for curve, group in panels.items() if group}
+    if not panels:
+        return False
+    across = min(len(panels), ACROSS)
+    down = -(-len(panels) // across)
+    width, height = (WIDE * across, 1.0 + 2.7 * down) if across > 1 else (1.8 * WIDE, 4.8)
+    picture = style.drawing().Figure(figsize=(width, height), layout="constrained")
+    grid = picture.subplots(down, across, sharex=True, sharey=True, squeeze=False)
+    run = next(iter(panels.values()))[0][1]
+    column = _column(run, probe)
+    unit = run.units(probe).get(column, "")
+    factor, shown = style.with_prefix(_largest(panels, probe, column), unit)
+    truths, sort = _truths(run, probe, study, place), report.axis_of(results)[0]
+    keys = list(dict.fromkeys(_key(one, sort) for group in panels.values() for one, _ in group))
+    looks = dict(zip(keys, style.line_looks(len(keys))))
+    lines = {}
+    for axes, (curve, group) in zip(grid.flat, panels.items()):
+        _panel(axes, curve, group, probe, column, factor, looks, sort, truths, lines)
+    for axes in list(grid.flat)[len(panels):]:
+        axes.axis("off")
+    for axes in grid[:, 0]:
+        axes.set_ylabel(f"{probe}: {column} [{shown or '-'}]")
+    for axes in list(grid.flat)[max(len(panels) - across, 0):len(panels)]:
+        axes.set_xlabel("$t$ [s]")
+        axes.tick_params(labelbottom=True)
+    _limit(list(grid.flat)[0], panels, probe, column, factor, truths.values())
+    labels = [style.literal(label, 60) for label in lines]
+    abreast = max(1, int(width / (LETTER * max(map(len, labels)) + 0.7)))
+    picture.legend(lines.values(), labels, loc="outside lower center", ncols=min(len(lines), abreast), fontsize=8)
+    picture.suptitle(style.literal(study.title or run.case["title"], 110), x=0.01, ha="left", fontsize=11)
+    style.save(picture, path)
+    return True
+
+
+def _panel(axes, curve, group, probe, column, factor, looks, sort, truths, lines):
+    end = 0.0
+    for one, run in group:
+        series = run.probe(probe)
+        label = _key(one, sort)
+        line, = axes.plot(series["time"], factor * series[column], linewidth=0.9, **looks[label])
+        lines.setdefault(label, line)
+        end = max(end, float(series["time"][-1]))
+        if not one.survived:    # where it ended, at the foot of the panel
+            axes.plot(series["time"][-1], 0.04, marker="x", markersize=8, markeredgewidth=2, linestyle="", zorder=5,
+                      color=looks[label]["color"], transform=axes.get_xaxis_transform())
+    for number, (label, (t, values)) in enumerate(truths.items()):
+        inside = t <= end
+        few = {"marker": "o", "markersize": 3, "markerfacecolor": "none", "linestyle": ""}
+        look = few if inside.sum() < curves.MARKS else {"linestyle": ("--", ":", "-.")[number % 3]}
+        line, = axes.plot(t[inside], factor * values[inside], color="black", linewidth=1.0, zorder=4, **look)
+        lines.setdefault(label, line)
+    axes.set_title(style.literal(curve, 60), fontsize=9, loc="left")
+    axes.grid(True, linewidth=0.4, alpha=0.5)
+    axes.tick_params(direction="in", top=True, right=True)
+    axes.margins(x=0.0)
+
+
+def _with_samples(group, probe):
+    """Yield (result, Run) of the first starts of a curve that have samples of a probe."""
+    for family in report.families(group):
+        with suppress(ParisphError):    # a run that failed at its start has no files
+            run = open_run(family[0].folder)
+            if len(run.probe(probe)):
+                yield family[0], run
+
+
+def _key(one, sort):
+    if sort == "time_step":
+        return "adaptive" if one.item.time_step is None else f"time step {one.item.time_step:.4g}"
+    return f"spacing {one.item.spacing:.4g}"
+
+
+def _column(run, probe):
+    names = [name for name in run.probe(probe).dtype.names if name not in ("time", "step")]
+    kind = next((about["kind"] for about in run.case.get("probes", ()) if about["name"] == probe), "")
+    return "total" if kind == "energy" and "total" in names else names[0]
+
+
+def _truths(run: Run, probe: str, study: Study, place: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Return {label: (time [s], values)}, the references of a probe: that of the case, and those of the study."""
+    found = {}
+    try:
+        if probe in (own := curves.truths(run, Path())):
+            found["truth"] = own[probe]
+    except ParisphError:    # the file has been moved: the picture is drawn without it
+        pass
+    for measure in study.errors:
+        if measure.kind == "series" and measure.probe == probe:
+            names = columns_of(place / measure.file)
+            time = measure.time or names[0]
+            value = measure.value or next(name for name in names if name not in (time, "time", "step"))
+            t, values = read_reference(place / measure.file, time, value, measure.offset, measure.scale,
+                                       measure.time_scale)
+            found[measure.name or f"{Path(measure.file).stem}: {value}"] = t - measure.shift, values
+    return found
+
+
+def _largest(panels, probe, column):
+    values = [np.nanmax(np.abs(run.probe(probe)[column]), initial=0.0) for group in panels.values() for _, run in group]
+    return float(max(values, default=0.0))
+
+
+def _limit(axes, panels, probe, column, factor, truths):
+    """Leave out of the range of values what would hide the rest: spikes, runs that blew up, errors beyond the truth."""
+    runs = [pair for group in panels.values() for pair in group]
+    kept = [run for one, run in runs if one.survived] or [run for _, run in runs]
+    values = factor * np.concatenate([run.probe(probe)[column] for run in kept])
+    values = values[np.isfinite(values)]
+    if not len(values):
+        return
+    low, high = np.quantile(values, (QUANTILE, 1.0 - QUANTILE))
+    if np.ptp(values) <= SPIKE * (high - low):
+        low, high = values.min(), values.max()
+    end = max(run.probe(probe)["time"][-1] for run in kept)
+    true = [factor * part[time <= end] for time, part in truths if np.any(time <= end)]
+    if true and np.ptp(true := np.concatenate(true)) > 0.0:
+        low = min(max(low, true.min() - BEYOND * np.ptp(true)), true.min())
+        high = max(min(high, true.max() + BEYOND * np.ptp(true)), true.max())
+    if high > low:
+        axes.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))

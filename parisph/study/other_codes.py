@@ -1,0 +1,52 @@
+"""Points of other codes, from CSV files, for the pictures of a study."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from parisph.base import reading
+from parisph.base.errors import CaseError
+from parisph.base.text import named, shown
+from parisph.study.definition import OtherCodes
+
+
+@dataclass(frozen=True)
+class OtherPoint:
+    """One run of another code: its name, spacing, error and CPU time [s]; None where they are not known."""
+
+    code: str
+    spacing: float | None
+    error: float | None
+    cpu: float | None
+
+
+def read(other: OtherCodes, folder: Path) -> list[OtherPoint]:
+    """Return the points of a file. Not collective.
+
+    folder : of the study file
+
+    Raises
+    ------
+    CaseError : the file cannot be read, has no such column, or holds a word where a number should be
+    """
+    try:
+        names, lines = reading.read_columns(folder / other.file)
+    except OSError as error:
+        raise CaseError(f"others: {named(other.file)} cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise CaseError(f"others: {named(other.file)} cannot be read as a CSV file: {error}") from None
+    for name in filter(None, (other.code, other.spacing, other.error, other.cpu)):
+        if name not in names:
+            raise CaseError(f"others: {named(other.file)} has no column {shown(name)} "
+                            f'(it has: {reading.listed(names)}); write "" for one that there is not')
+
+    def number(line, cells, name):
+        cell = cells[names.index(name)] if name else ""
+        try:
+            return float(cell) if cell else None
+        except ValueError:
+            raise CaseError(
+                f"others: {named(other.file)}, line {line}: {shown(cell)} in {shown(name)} is not a number") from None
+
+    return [OtherPoint(cells[names.index(other.code)] if other.code else Path(other.file).stem,
+                       *(number(line, cells, name) for name in (other.spacing, other.error, other.cpu)))
+            for line, cells in lines.items()]

@@ -1,0 +1,105 @@
+"""Runs as processes of their own: started, timed, and ended by their process ids."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import parisph
+from parisph.base import environment
+from parisph.base.errors import MissingLibrary
+
+PATIENCE = 10.0    # [s] that a run gets to write its summary when it is stopped
+GRACE = 3.0        # [s] that it then gets before it is killed
+PAUSE = 0.05       # [s] between two looks at a process
+
+
+def command(words: Sequence[str], ranks: int) -> list[str]:
+    """Return the command that runs `parisph WORDS` on some ranks. Raises MissingLibrary if there is no mpirun."""
+    own = [sys.executable, "-m", "parisph", *words]
+    if ranks == 1:
+        return own
+    launcher = shutil.which("mpirun") or shutil.which("mpiexec")
+    if launcher is None:
+        raise MissingLibrary("there is no mpirun on PATH, which runs on several ranks need: see parisph doctor")
+    return [launcher, "-n", str(ranks), *own]
+
+
+def surroundings() -> dict[str, str]:
+    """Return the environment of a run: one thread for each rank, and the parisph that runs the study."""
+    found = {**environment.for_launching(), "OMP_NUM_THREADS": "1"}
+    here = str(Path(parisph.__file__).resolve().parent.parent)
+    found["PYTHONPATH"] = os.pathsep.join([here, *filter(None, [found.get("PYTHONPATH")])])
+    return found
+
+
+class Process:
+    """A run in the background, in a session of its own, so that Ctrl-C reaches only the study.
+
+    command : list of str; output : file for all that it prints
+
+    Attributes
+    ----------
+    code : exit code, or None while it runs; seconds : time on the clock so far
+    stopped : whether `ask` or `kill` has ended it
+    """
+
+    def __init__(self, command: Sequence[str], output: Path):
+        self._began, self.stopped, self._seconds = time.monotonic(), False, None
+        with open(output, "w", encoding="utf-8") as file:
+            self._process = subprocess.Popen(command, env=surroundings(), stdin=subprocess.DEVNULL, stdout=file,
+                                             stderr=subprocess.STDOUT, start_new_session=True)
+
+    @property
+    def code(self) -> int | None:
+        """Exit code, None while it runs; negative for the signal that ended it."""
+        found = self._process.poll()
+        if found is not None and self._seconds is None:
+            self._seconds = time.monotonic() - self._began
+        return found
+
+    @property
+    def seconds(self) -> float:
+        """Time on the clock since its start, or that it took."""
+        return time.monotonic() - self._began if self._seconds is None else self._seconds
+
+    def ask(self) -> None:
+        """Ask it to stop: it finishes its step and writes checkpoint and summary. mpirun passes this signal on."""
+        if self.code is None:
+            self.stopped = True
+            with suppress(ProcessLookupError):
+                os.kill(self._process.pid, signal.SIGUSR1)
+
+    def kill(self, number: int = signal.SIGKILL) -> None:
+        """Send a signal to it and its ranks."""
+        if self.code is None:
+            self.stopped = True
+            with suppress(ProcessLookupError):
+                os.killpg(self._process.pid, number)
+
+
+def stop(running: Iterable[Process]) -> None:
+    """End processes that this study has started, and wait for that: ask them, then end them, then kill them."""
+    running = list(running)
+    try:
+        for process in running:
+            process.ask()
+        _wait(running, PATIENCE)
+        for process in running:
+            process.kill(signal.SIGTERM)
+        _wait(running, GRACE)
+    finally:    # also if the user loses patience
+        for process in running:
+            process.kill()
+        _wait(running, GRACE)
+
+
+def _wait(running, seconds):
+    until = time.monotonic() + seconds
+    while any(process.code is None for process in running) and time.monotonic() < until:
+        time.sleep(PAUSE)

@@ -1,0 +1,119 @@
+"""Runs of a study as processes: how they end, which are made again, time limits, and what a stop leaves."""
+
+import os
+import sys
+import time
+
+import pytest
+
+from parisph.base.errors import StoreError
+from parisph.io.lock import Lock
+from parisph.study import Study, conduct, processes
+from parisph.study.conduct import Held, end_of
+from parisph.study.prepared import prepare
+
+CASE = '''
+from parisph import Box, Case, Fluid, Numerics, Tank
+def case(spacing: float = 0.1) -> Case:
+    return Case(title="tank", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), gravity=(0.0, -9.81),
+                walls=Tank(width=1.0, height=1.0), numerics=Numerics(spacing=spacing), end_time=1.0)
+'''
+# In place of parisph: it notes its process id, leaves a summary, and ends as it is told.
+PROGRAM = '''
+import os, pathlib, sys, time
+out = pathlib.Path(sys.argv[1]); out.mkdir(parents=True, exist_ok=True)
+with open(out / "pids", "a") as file: file.write(f"{{os.getpid()}}\\n")
+time.sleep({seconds})
+(out / "summary.json").write_text("{{}}")
+print("parisph: error: it went wrong")
+sys.exit({code})
+'''
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch):
+    """A function that makes runs which end as told, and returns their ends; `bench.items` are the runs."""
+    (tmp_path / "tank.py").write_text(CASE)
+
+    def go(code=0, seconds=0.0, jobs=1, limit=None, beat=lambda: None):
+        monkeypatch.setattr(processes, "command", lambda words, ranks: [
+            sys.executable, "-c", PROGRAM.format(code=code, seconds=seconds), words[words.index("-o") + 1]])
+        return conduct.conduct(go.items, go.folder, jobs, limit, beat)
+
+    go.items = prepare(Study(case="tank.py", spacings=[0.1, 0.05]), tmp_path / "s.py")
+    go.folder = tmp_path / "the study"
+    conduct.make_folders(go.folder)
+    return go
+
+
+def pids(bench):
+    return [int(pid) for path in bench.folder.glob("runs/*/pids") for pid in path.read_text().split()]
+
+
+def is_running(pid):
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize(("code", "status", "again"), [
+    (0, "completed", False), (3, "diverged", False), (1, "failed", True), (5, "failed", True)])
+def test_how_runs_end_and_which_are_made_again(bench, code, status, again):
+    ends = [end for _, end in bench(code)]
+    assert [(end.code, end.status) for end in ends] == [(code, status)] * 2
+    assert all((end_of(item, bench.folder) is None) == again for item in bench.items)
+    assert code == 0 or "it went wrong" in ends[0].reason
+
+
+def test_another_code_or_a_lost_summary_makes_a_run_again(bench):
+    list(bench())
+    first, second = bench.items
+    (bench.folder / "runs" / first.folder / "summary.json").unlink()
+    assert end_of(first, bench.folder) is None and end_of(second, bench.folder) is not None
+    path = bench.folder / "ends" / f"{second.folder}.json"
+    path.write_text(path.read_text().replace(second.key, "0" * 32))
+    assert end_of(second, bench.folder) is None, "it does not match its digest"
+
+
+def test_a_run_is_ended_after_its_time(bench, monkeypatch):
+    monkeypatch.setattr(processes, "PATIENCE", 1.0)
+    ends = [end for _, end in bench(seconds=60.0, limit=0.5, jobs=2)]
+    assert [end.status for end in ends] == ["out of time"] * 2 and ends[0].reason == "out of time after 0.5 s"
+    assert not any(map(is_running, pids(bench)))
+    item = bench.items[0]
+    assert end_of(item, bench.folder, 0.4) is not None, "with less time it would not come farther"
+    assert end_of(item, bench.folder, 5.0) is None and end_of(item, bench.folder) is None
+
+
+def test_ctrl_c_ends_the_runs_and_nothing_else(bench):
+    def beat():
+        if len(pids(bench)) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(bench(seconds=60.0, jobs=2, beat=beat))
+    assert not any(map(is_running, pids(bench))) and is_running(os.getpid())
+    assert all(end_of(item, bench.folder) is None for item in bench.items)
+
+
+def test_jobs_are_how_many_run_at_once(bench):
+    began = time.monotonic()
+    assert len(list(bench(seconds=1.0, jobs=2))) == 2
+    assert time.monotonic() - began < 1.9
+
+
+def test_one_study_at_a_time_in_a_folder(tmp_path):
+    with Held(tmp_path / "s"):
+        with pytest.raises(StoreError, match="in use by process"):
+            Lock(tmp_path / "s")
+    with Held(tmp_path / "s"):
+        pass
+
+
+def test_surroundings_of_a_run():
+    found = processes.surroundings()
+    assert found["OMP_NUM_THREADS"] == "1" and not [name for name in found if name.startswith("OMPI_COMM_")]
+    assert processes.command(["run", "a.json"], 1)[1:] == ["-m", "parisph", "run", "a.json"]
+    assert processes.command(["run"], 2)[1:3] == ["-n", "2"]

@@ -1,0 +1,25 @@
+"""The studies of run_scripts/studies: each can be carried out, and says what it costs."""
+
+import ast
+
+import pytest
+
+from parisph.study.agenda import agenda
+from tests.launch import ROOT
+
+FOLDER = ROOT / "run_scripts" / "studies"
+FILES = sorted(FOLDER.glob("z*.py"))
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_every_run_of_a_study_is_valid(path, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    plan = agenda(path)
+    assert plan.items and plan.study.errors and plan.study.histories and plan.study.title
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_study_says_what_it_costs_and_is_listed(path):
+    text = path.read_text(encoding="utf-8")
+    assert "of CPU time" in ast.get_docstring(ast.parse(text)) and "METHODS = " in text
+    assert f"`{path.name}`" in (FOLDER / "README.md").read_text(encoding="utf-8")
