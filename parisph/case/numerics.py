@@ -100,18 +100,20 @@ class Numerics(Model):
 
     @field_validator("method")
     @classmethod
-    def _known_method(cls, name):
-        return _known("method", name, METHODS)
+    def _known_method(cls, name, info):
+        return name if info.context else _known("method", name, METHODS)
 
     @field_validator(*WORDS)
     @classmethod
     def _known_part(cls, word, info):
-        return word if word is None else _known(info.field_name, word, vocabulary.known(WORDS[info.field_name]))
+        if word is None or info.context:    # a run that is only looked at may have parts that are not here
+            return word
+        return _known(info.field_name, word, vocabulary.known(WORDS[info.field_name]))
 
     @field_validator(*LISTS)
     @classmethod
     def _known_parts(cls, words, info):
-        for word in words or ():
+        for word in () if info.context else words or ():
             _known(LISTS[info.field_name], word, vocabulary.known(LISTS[info.field_name]))
         return words
 

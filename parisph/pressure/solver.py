@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from mpi4py import MPI
 
 from parisph.base.errors import CaseError, ParisphError, SolverDiverged, agree
 from parisph.base.log import logger
