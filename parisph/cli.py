@@ -191,6 +191,7 @@ def _add_running(verbs):
     verb = _verb(verbs, "restart", _restart, "Continue a run from a checkpoint, on any number of ranks",
                  "mpirun -n 2 parisph restart DIR [options] [-- PETSc options]")
     verb.add_argument("path", type=arguments.path, metavar="DIR", help="Folder of a run, or a checkpoint file in it")
+    _add_parts(verb)
     verb.add_argument("--until", type=arguments.number, metavar="T", help="Set a new end time [s]")
     verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
                       help="Write to this folder (default: that of the run, only from its last checkpoint)")
@@ -224,6 +225,12 @@ def _add_case(verb):
     verb.add_argument("case", type=arguments.path, metavar="CASE", help="Python file with a function case(...), or the case.json of a run")
     verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
                       help="Set parameters of case(...), such as --set spacing=1/40 end_time=2")
+    _add_parts(verb)
+
+
+def _add_parts(verb):
+    verb.add_argument("--parts", action="append", default=[], type=arguments.path, metavar="FILE",
+                      help="Run a Python file first that registers parts of methods (may be repeated)")
 
 
 def _add_progress(verb):
@@ -292,19 +299,38 @@ def _run(args):
     if environment.launched()[1] > 1:
         _world()
         from parisph.driver import run  # noqa: F401  starts PETSc, on all ranks together: the case file may import it on one
-    text, out = _on_first(lambda: (_load(args).model_dump_json(), _folder(args)))
+    text, out, parts = _on_first(lambda: (_load(args).model_dump_json(), _folder(args), _files_of_parts(args)))
     _stop_if_asked()
     comm = _world()
     from parisph import driver
     from parisph.case.schema import Case
 
+    if comm.rank:
+        _register(parts)
     case = Case.model_validate_json(text)    # that of rank 0: a case file may depend on host, clock or rank
     summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite, force=args.force)
     _tell(comm, summary, out)
 
 
+def _files_of_parts(args):
+    """Return the files that have registered parts from outside: those of --parts, and the case file if it has."""
+    from parisph.base import vocabulary
+
+    is_stored = str(args.case).endswith(".json")
+    return [*args.parts, *([args.case] if vocabulary.outside() and not is_stored else [])]
+
+
+def _register(files):
+    """Run the Python files that register parts of methods. Not collective: each rank does it."""
+    from parisph.case.load import register_parts
+
+    for file in files:
+        register_parts(file)
+
+
 def _restart(args):
     comm = _world()
+    _everywhere(lambda: _register(args.parts))
     from parisph import driver
     from parisph.io.layout import run_of
 
@@ -354,6 +380,7 @@ def _completion(args):
 def _load(args):
     from parisph.case.load import load
 
+    _register(args.parts)
     return load(args.case, args.set)
 
 

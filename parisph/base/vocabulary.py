@@ -18,6 +18,14 @@ WORDS: dict[str, list[str]] = {
 }
 
 
+_OURS = {what: tuple(words) for what, words in WORDS.items()}
+
+
+def outside() -> list[str]:
+    """Return the words of parts that were registered from outside the package."""
+    return [word for what, words in WORDS.items() for word in words if word not in _OURS[what]]
+
+
 def known(what: str) -> tuple[str, ...]:
     """Return the words for one kind of part, the built-in ones first."""
     return tuple(WORDS[what])

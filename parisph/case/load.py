@@ -105,8 +105,27 @@ def _stored(file, path):
         raise CaseError(f"{named(path)}: {_what(error)}") from error
 
 
+def register_parts(path: str | os.PathLike) -> None:
+    """Run a Python file that registers parts of methods; a case file may be one. Do it on every rank.
+
+    Raises CaseError: the file cannot be read, or raises an error.
+    """
+    _module(_find(path), path)
+
+
 def _function(file, path):
-    """Run the case file and return its function `case`.
+    """Run the case file and return its function `case`."""
+    module = _module(file, path)
+    function = vars(module).get("case")
+    if not callable(function) or _users_code(lambda: inspect.iscoroutinefunction(function), file, path):
+        there = "has no function case(...)" if function is None else f"`case` is a {class_name(function)}, not a plain function"
+        raise CaseError(f"{named(path)}: {there}; write: def case(...) -> Case")
+    _check_parameters(function, path)
+    return function
+
+
+def _module(file, path):
+    """Run a Python file of the user and return its module.
 
     The text is compiled here and not imported: no __pycache__ beside the cases, on which ranks could race.
     """
@@ -119,12 +138,7 @@ def _function(file, path):
     finally:
         with suppress(ValueError):    # the case file may have taken it out
             sys.path.remove(str(file.parent))
-    function = vars(module).get("case")
-    if not callable(function) or _users_code(lambda: inspect.iscoroutinefunction(function), file, path):
-        there = "has no function case(...)" if function is None else f"`case` is a {class_name(function)}, not a plain function"
-        raise CaseError(f"{named(path)}: {there}; write: def case(...) -> Case")
-    _check_parameters(function, path)
-    return function
+    return module
 
 
 def _check_parameters(function, path):

@@ -112,8 +112,8 @@ class Compressible:
         p = self.flow.particles
         speed = float(np.sqrt((p.u**2).sum(axis=1).max(initial=0.0)))
         strongest = float(np.sqrt((p.pull**2).sum(axis=1).max(initial=0.0)))
-        most = p.comm.allreduce(np.array([speed, strongest]), op=MPI.MAX)
-        return weakly.longest_step(self.h, self.sound, most[0], self.flow.numerics.artificial_viscosity, most[1])
+        speed, strongest = _largest(p.comm, speed, strongest)
+        return weakly.longest_step(self.h, self.sound, speed, self.flow.numerics.artificial_viscosity, strongest)
 
     @property
     def columns(self) -> dict[str, str]:
@@ -201,9 +201,15 @@ class Compressible:
     def _report(self, dt):
         flow, p = self.flow, self.flow.particles
         fluid = p.kind == FLUID
-        mine = [float(np.abs(p.rho[fluid] / flow.density - 1.0).max(initial=0.0)),
-                float(np.sqrt((p.u[fluid] ** 2).sum(axis=1).max(initial=0.0)))]
-        compression, speed = p.comm.allreduce(np.array(mine), op=MPI.MAX)
+        compression, speed = _largest(p.comm, np.abs(p.rho[fluid] / flow.density - 1.0).max(initial=0.0),
+                                      np.sqrt((p.u[fluid] ** 2).sum(axis=1).max(initial=0.0)))
         surface = p.comm.allreduce(int(np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC)))))
         self.top_acceleration = float(np.sqrt((p.pull**2).sum(axis=1).max(initial=0.0)))
-        return CompressibleReport(dt, surface, 0, flow.budget.works(p.comm), float(compression), float(speed))
+        return CompressibleReport(dt, surface, 0, flow.budget.works(p.comm), compression, speed)
+
+
+def _largest(comm, *values):
+    """Return the largest of each value on all ranks. Collective."""
+    found = np.array(values, float)
+    comm.Allreduce(MPI.IN_PLACE, found, op=MPI.MAX)
+    return found.tolist()

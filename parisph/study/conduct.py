@@ -136,7 +136,7 @@ def _start(item, folder):
     with suppress(FileNotFoundError):
         (folder / ENDS / f"{item.folder}.json").unlink()
     # what an interrupted attempt has left is moved aside
-    words = ["run", str(case), "-o", str(out), "-q", "--overwrite"]
+    words = ["run", str(case), "-o", str(out), "-q", "--overwrite", *(f"--parts={path}" for path in item.parts)]
     return processes.Process(processes.command(words, item.point.ranks), folder / ENDS / f"{item.folder}.txt")
 
 

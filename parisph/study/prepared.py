@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import parisph
+from parisph.base import vocabulary
 from parisph.base.errors import CaseError
 from parisph.base.text import clipped, named, shown
 from parisph.case import load as case_file
@@ -36,6 +37,7 @@ class Prepared:
     ----------
     point : Point
     case : Case; stored : its JSON text, which is what runs
+    parts : Python files that register parts of methods, which the run needs
     key : digest of the case, the ranks and parisph's own code: a finished run with the same key is not made again
     """
 
@@ -43,6 +45,7 @@ class Prepared:
     case: Case
     stored: str
     key: str
+    parts: tuple[str, ...] = ()
 
     @property
     def folder(self) -> str:
@@ -100,7 +103,8 @@ def prepare(study: Study, file: Path, sets: Sequence[str] = ()) -> list[Prepared
             problems.setdefault(clipped(str(error).replace(str(case), study.case), 4 * LINE), point)
             continue
         text = to_json(made)
-        found.append(Prepared(point, made, text, _key(text, point.ranks)))
+        parts = (str(case),) if vocabulary.outside() and case.suffix == ".py" else ()
+        found.append(Prepared(point, made, text, _key(text, point.ranks), parts))
         for line in _faults(study, made, file.parent):
             problems.setdefault(line, point)
     if problems:

@@ -1,0 +1,104 @@
+"""Parts from outside the package: each is registered in a case file, in at most 25 lines, and runs through `parisph study`."""
+
+import json
+
+import pytest
+
+from tests.launch import ROOT, parisph
+
+HEAD = f"""
+import importlib.util
+import numpy as np
+found = importlib.util.spec_from_file_location("sloshing", {str(ROOT / "cases" / "small_sloshing.py")!r})
+sloshing = importlib.util.module_from_spec(found)
+found.loader.exec_module(sloshing)
+from parisph.methods import catalogue, parts
+
+def case(method: str = "ISPH_R", spacing: float = 0.1, laplacian: str = "rankine", gradient: str = "mixed",
+         surface_rule: str = "frozen", source: str = "mixed"):
+    sets = dict(laplacian=laplacian, gradient=gradient, surface_rule=surface_rule, source=source)
+    whole = sloshing.case(spacing=spacing, method=method, end_time=1.0)
+    return whole.changed(**{{f"numerics.{{name}}": word for name, word in sets.items()}})
+"""
+
+PARTS = {
+    "laplacian": '''
+class NearestNeighbours(parts.Laplacian):
+    """The mean of the neighbours within 1.2 spacings: finite differences on a lattice."""
+
+    name, reach, linear = "nearest", 1.2, False
+
+    def fill(self, rows, cloud, flux, u):
+        s = cloud.spacing
+        for i in np.flatnonzero(cloud.role[:len(cloud.indptr) - 1] == 0):
+            near = cloud.indices[cloud.indptr[i]:cloud.indptr[i + 1]]
+            near = near[(np.linalg.norm(cloud.x[near] - cloud.x[i], axis=1) < 1.2 * s) & (cloud.role[near] < 3)]
+            first, n = cloud.indptr[i], len(near)
+            rows.columns[first:first + n], rows.values[first:first + n] = near, 1.0 / n
+            rows.count[i], rows.measure[i] = n, s * s / n
+
+
+parts.LAPLACIANS.register(NearestNeighbours())
+''',
+    "gradient": '''
+class Halved(type(parts.GRADIENTS["mixed"])):
+    """Least squares within half as much more than a spacing."""
+
+    name, reach = "close", 1.9
+
+
+parts.GRADIENTS.register(Halved())
+''',
+    "surface_rule": '''
+class Topmost(parts.Surface):
+    """Fluid within half a spacing of the still level: for small waves."""
+
+    name, fields = "topmost", ("closing",)
+
+    def find(self, flow, seen):
+        p = flow.particles
+        fluid = p.kind == 0
+        p.role[fluid] = np.where(p.x[fluid, -1] > 0.5 - 0.5 * flow.spacing, 1, 0)
+
+
+parts.SURFACES.register(Topmost())
+''',
+    "source": '''
+class Weaker(parts.Source):
+    """Nine tenths of the divergence of the predicted velocity."""
+
+    name = "weaker"
+
+    def target(self, flow, dt):
+        return 0.9 * flow.density / dt * flow.rows.div
+
+
+parts.SOURCES.register(Weaker())
+''',
+}
+WORD = {"laplacian": "nearest", "gradient": "close", "surface_rule": "topmost", "source": "weaker"}
+
+
+@pytest.mark.parametrize("what", PARTS)
+def test_a_part_from_outside_runs_through_study(tmp_path, what):
+    assert len(PARTS[what].strip().splitlines()) <= 25
+    (tmp_path / "exact").symlink_to(ROOT / "cases" / "exact")
+    (tmp_path / "mine.py").write_text(HEAD + PARTS[what])
+    (tmp_path / "compare.py").write_text(f"""
+from parisph.study import Study, TruthError, Variant
+study = Study(case="mine.py", warm_up=False, errors=[TruthError("left")],
+              variants=[Variant(label="ours"), Variant(parameters={{"{what}": "{WORD[what]}"}}, label="mine")])
+""")
+    done = parisph("study", "compare.py", "-o", "out", cwd=tmp_path, timeout=200)
+    assert done.returncode == 0, done.stderr
+    ours, mine = json.loads((tmp_path / "out" / "results.json").read_text())["runs"]
+    assert ours["survived"] and mine["survived"] and mine["left"] < 0.6, (ours, mine)
+    # small waves keep their surface: the rule finds the same particles
+    assert (mine["left"] != ours["left"]) == (what != "surface_rule")
+
+
+def test_a_word_that_no_part_has_is_an_error_that_lists_them(tmp_path):
+    (tmp_path / "exact").symlink_to(ROOT / "cases" / "exact")
+    (tmp_path / "mine.py").write_text(HEAD)
+    done = parisph("check", "mine.py", "--set", "laplacian=nearest", cwd=tmp_path)
+    assert done.returncode == 2 and "unknown laplacian 'nearest'; known are rankine, " in done.stderr
