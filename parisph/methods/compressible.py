@@ -63,13 +63,14 @@ class Compressible:
         self.mass = flow.density * flow.spacing**flow.particles.dim
         self.pressure, self.density = EQUATIONS[n.equation_of_state]
         self.top_acceleration = 0.0
-        self._steps, self._speed = 0, 0.0
+        self._steps, self._begun = 0, False
 
     # -- what the driver asks for ----------------------------------------------------------
 
     def start(self, time: float) -> int:
         """Find densities from the pressure at the start, and the acceleration there; return 0. Collective."""
         flow, p = self.flow, self.flow.particles
+        self._begun = True
         flow.domain.refresh()
         p.rho[:] = self.density(p.p, self.sound, flow.density)
         self._pull(time)
@@ -79,6 +80,8 @@ class Compressible:
 
     def step(self, time: float, dt: float, usual: float | None = None) -> CompressibleReport:
         """Advance one step of dt [s]. Collective."""
+        if not self._begun:
+            self.start(time)
         flow, timers = self.flow, self.flow.timers
         p, budget = flow.particles, flow.budget
         budget.begin(p)
@@ -126,6 +129,7 @@ class Compressible:
 
     def resume(self, state: dict) -> None:
         """Continue from the state in a checkpoint."""
+        self._begun = True
 
     def about(self) -> Any:
         """Return the options of PETSc: none."""

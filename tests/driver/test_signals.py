@@ -51,12 +51,12 @@ SLOW_STEP = """
 from parisph.methods.projection import Projection
 step = Projection.step
 def wait(self, *args):
-    if self.particles.comm.size == 1:
+    if self.flow.particles.comm.size == 1:
         return step(self, *args)    # of the warm-up
-    if self.particles.comm.rank == 0:
+    if self.flow.particles.comm.rank == 0:
         open("waits", "w").close()
         time.sleep(300)
-    self.particles.comm.Barrier()
+    self.flow.particles.comm.Barrier()
 Projection.step = wait
 """
 
