@@ -69,6 +69,8 @@ FIELDS = {
         Field("pairs", "scalar", np.int32, "", "close pairs that share a correction", exchanged=False, migrates=False, written=False),
         Field("closing", "scalar", np.int8, "", "of a wall particle: 0 apart from fluid in front of it, 1 free, 2 closing fluid off (kernels.wetness)",
               exchanged=False, migrates=False, written=False),
+        Field("share", "scalar", np.float64, "", "part of the half cell at a wall particle for which fluid stands (kernels.halves), 1 for fluid",
+              exchanged=False, migrates=False, written=False),
         Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value"),
     )
 }

@@ -88,6 +88,7 @@ class Projection:
         self.top_acceleration = 0.0     # of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
         self.by_pressure = 0.0          # acceleration of owned particles by pressure alone, in this step [m/s^2]
         self.doubt = None               # of owned particles in their density error near the surface, in this step
+        self.rapid = None               # how rapid the strain around owned particles is in this step, 0 to 1
         self.knows_pressure = False     # whether particles have the pressure of an earlier step, or of the start
         self.rows = PressureRows(particles.dim, scheme, numerics.wall_rows, numerics.surface_offset,
                                  self.spacing, radii)
@@ -253,7 +254,7 @@ class Projection:
             divergence = divergence - self._put_off(force, dt, strain)
         target = self.density / dt * zeta * divergence
         if n.gamma > 0.0:
-            target -= n.gamma * self.density / dt**2 * regularise.compression(self, np.zeros(p.n_owned))
+            target -= n.gamma * self.density / dt**2 * regularise.compression(self, p.alpha, np.zeros(p.n_owned))
         target -= n.strain * self.density * strain
         return self._equation(target, force)
 

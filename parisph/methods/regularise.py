@@ -3,7 +3,7 @@
 import numpy as np
 
 from parisph.base.fields import FLUID
-from parisph.kernels import collisions, pairs, shifting, strain, wetness
+from parisph.kernels import collisions, halves, pairs, shifting, strain, wetness
 from parisph.kernels import surface as surfaces
 from parisph.methods import schemes
 from parisph.pressure.solver import SolveRecord
@@ -12,7 +12,7 @@ SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
 SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
 DOUBT = 0.02  # density error near the surface that is no more than disorder in calm fluid
-RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that
+RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that, and flow half rapid
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
 
 # Close pairs; lengths in spacings.
@@ -43,19 +43,21 @@ def strain_of_step(method, dt) -> np.ndarray | None:
     strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, radius, d.indptr, d.indices, method.axes)
     # a full closed tank does not notice a uniform force, which only its pressure balances
     small = 0.0 if method.closed else REST * np.sqrt(method.by_pressure / method.spacing)
-    method.doubt = _doubt(out, method.by_pressure / method.spacing)
+    method.rapid = _rapid(out, method.by_pressure / method.spacing)
+    method.doubt = DOUBT * (1.0 - method.rapid)
     return dt * out * out / np.maximum(out + small, np.finfo(float).tiny)
 
 
-def _doubt(rate, square):
-    """Return the density error near the surface that may be disorder: DOUBT, and less where strain is rapid: (n,).
+def _rapid(rate, square):
+    """Return how rapid a strain is, D^2/(D^2 + RAPID^2 a/s), from 0 in calm fluid to 1: (n,).
 
-    Rapid strain packs particles faster than disorder does, and all of that is compression.
+    Rapid strain packs particles faster than disorder does, and all of that is compression: the density error near
+    the surface that may be disorder is DOUBT times what is left to 1.
 
-    rate : (n,) of strain [1/s]; square : (n,), a/s of the acceleration a by pressure alone [1/s^2]
+    rate : (n,), D [1/s]; square : (n,), a/s of the acceleration a by pressure alone [1/s^2]
     """
     calm = RAPID**2 * square
-    return DOUBT * calm / np.maximum(calm + rate**2, np.finfo(float).tiny)
+    return 1.0 - calm / np.maximum(calm + rate**2, np.finfo(float).tiny)
 
 
 def velocity(method, dt, strained) -> int:
@@ -132,6 +134,7 @@ def positions(method, strained) -> SolveRecord | None:
     h = schemes.DENSITY * method.spacing
     d.update("x")
     walls = (p.x_all, method.seen(wetness.FREE), p.corner_all, p.normal_all)
+    _share(method)
     solve = _project(method, _strength(n.kappa, n.kappa_strain, strained, p.n_owned), walls, h) if n.kappa > 0.0 else None
     method.budget.mark(p, "projection")
     if n.shift > 0.0:
@@ -142,6 +145,36 @@ def positions(method, strained) -> SolveRecord | None:
         _keep_apart(method)
         method.budget.mark(p, "parting")
     return solve
+
+
+def _share(method):
+    """Find the part of the half cells at walls for which fluid stands. Collective.
+
+    Fluid that fills a closed tank started at all of its walls.
+    """
+    p, d = method.particles, method.domain
+    if not method.closed:
+        halves.wall_share(p.share, p.x_all, p.kind_all, p.volume_all, p.normal_all, method.spacing, d.indptr, d.indices,
+                          method.axes)
+        d.update("share")
+
+
+def _surplus(method, walls, h):
+    """Return what half cells at walls for which no fluid stands add to alpha (n_owned,), and to its gradient (n_owned, dim)."""
+    p, d = method.particles, method.domain
+    ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
+    if not method.closed:
+        x, kind, corner, normal = walls
+        halves.surplus(ratio, gradient, x, kind, p.share_all, corner, normal, h, method.full, d.indptr, d.indices, method.axes)
+    return ratio, gradient
+
+
+def _less_pushed(push, less, rapid):
+    """Return a push with the part of it that is due to a surplus left out in rapid flow, but without a pull: (n,).
+
+    push : (n,), with the surplus; less : (n,), without it; rapid : (n,), 0 to 1
+    """
+    return push + rapid * (np.minimum(push, np.maximum(less, 0.0)) - push)
 
 
 def _keep_apart(method):
@@ -180,6 +213,7 @@ def _shift(method, strained, walls, h):
     """
     p, d, n = method.particles, method.domain, method.numerics
     shifting.concentration_gradient(p.grad_alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
+    _push_off_less(method, _surplus(method, walls, h)[1])
     d.update("grad_alpha")
     move = np.empty_like(p.x)
     strength = _strength(n.shift, n.shift_strain, strained, p.n_owned)
@@ -193,16 +227,41 @@ def _shift(method, strained, walls, h):
     _move(method, move)
 
 
-def compression(method, doubt) -> np.ndarray:
+def _push_off_less(method, surplus):
+    """Leave out of grad alpha what pushes fluid off a wall by half cells for which no fluid stands, in rapid flow.
+
+    surplus : (n_owned, dim), the part of grad alpha by those
+    """
+    p = method.particles
+    size = np.linalg.norm(surplus, axis=1)
+    some = size > 0.0
+    towards = surplus[some] / size[some, None]
+    push = np.einsum("ia,ia->i", p.grad_alpha[some], towards)
+    p.grad_alpha[some] += (_less_pushed(push, push - size[some], method.rapid[some]) - push)[:, None] * towards
+
+
+def compression(method, alpha, doubt) -> np.ndarray:
     """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
 
-    doubt : (n_owned,)
+    alpha, doubt : (n_owned,)
     """
     p, d = method.particles, method.domain
     e = np.empty(p.n_owned)
-    shifting.compression(e, p.alpha, p.role_all, p.x_all, p.kind_all, 0.1, doubt, schemes.WALL * method.spacing,
+    shifting.compression(e, alpha, p.role_all, p.x_all, p.kind_all, 0.1, doubt, schemes.WALL * method.spacing,
                          d.indptr, d.indices, method.axes)
     return e
+
+
+def _compression(method, walls, h):
+    """Return the density error that the position projection removes: (n_owned,). Also writes alpha.
+
+    A wall for which no fluid stands does not lift rapid fluid off, nor attract it: e = min(e, max(e', 0)) with the
+    error e' without the surplus. In calm fluid, which loses nothing to a slow move, the wall keeps its weight.
+    """
+    p, d = method.particles, method.domain
+    surfaces.density_ratio(p.alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
+    e, surplus = compression(method, p.alpha, method.doubt), _surplus(method, walls, h)[0]
+    return _less_pushed(e, compression(method, p.alpha - surplus, method.doubt), method.rapid) if surplus.any() else e
 
 
 def _project(method, strength, walls, h):
@@ -211,8 +270,7 @@ def _project(method, strength, walls, h):
     strength : (n_owned,), kappa_i
     """
     p, d = method.particles, method.domain
-    surfaces.density_ratio(p.alpha, *walls, h, method.full, d.indptr, d.indices, method.axes)
-    e = strength * compression(method, method.doubt)
+    e = strength * _compression(method, walls, h)
     p.phi[:], solve = method.solver.solve_again(method.rows.right_hand_side(-e), p.phi, slack=SLACK)
     d.update("phi")
     move = -method.pressure_gradient(p.phi_all)
