@@ -32,7 +32,8 @@ class Flow:
     full : lattice value of the density ratio's sum
     force : (n_all, dim) [m/s^2], of this step
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
-    strained, doubt : (n_owned,) or None, of methods.strain in this step
+    strained, doubt, rapid : (n_owned,) or None, of methods.straining in this step
+    knows_share : whether the field share is that of this step
     top_acceleration : of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
     stale : names of fields that have changed since the ghosts got them; the same on all ranks
     collisions : pairs of owned particles that have collided in this step
@@ -52,6 +53,8 @@ class Flow:
         self.by_pressure: Any = 0.0
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None
+        self.rapid: np.ndarray | None = None
+        self.knows_share = False
         self.top_acceleration = 0.0
         self.collisions = 0
         self.stale: set[str] = set()

@@ -3,7 +3,7 @@
 import numpy as np
 
 from parisph.base.fields import FLUID
-from parisph.kernels import collisions, pairs, shifting, wetness
+from parisph.kernels import collisions, halves, pairs, shifting, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Regulariser
 
@@ -29,11 +29,14 @@ class PositionProjection(Regulariser):
     def wanted(self, numerics):
         return numerics.kappa > 0.0
 
+    def needs(self, numerics):
+        return (*self.fields, *_share_of(numerics))
+
     def apply(self, flow, dt):
         p, d, n = flow.particles, flow.domain, flow.numerics
         flow.fresh("x")
-        flow.density_ratio(flow.seen(wetness.FREE))
-        e = straining.strength(flow, n.kappa, n.kappa_strain) * compression(flow, flow.doubt)
+        find_share(flow)
+        e = straining.strength(flow, n.kappa, n.kappa_strain) * density_error(flow)
         p.phi[:], flow.position_solve = flow.solver.solve_again(flow.rows.right_hand_side(-e), p.phi, slack=SLACK)
         d.update("phi")
         move = -flow.pressure_gradient(p.phi_all)
@@ -71,7 +74,8 @@ class FickShift(Regulariser):
         return numerics.shift > 0.0
 
     def needs(self, numerics):
-        return (*self.fields, *(straining.FIELDS if numerics.shift_strain else ()))
+        strain = (*straining.FIELDS, *_share_of(numerics)) if numerics.shift_strain else ()
+        return (*self.fields, *strain)
 
     def apply(self, flow, dt):
         p, d, n = flow.particles, flow.domain, flow.numerics
@@ -79,6 +83,9 @@ class FickShift(Regulariser):
         flow.fresh("x", "role")
         shifting.concentration_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, h, flow.full,
                                         d.indptr, d.indices, flow.axes)
+        if n.shift_strain:
+            find_share(flow)
+            push_off_less(flow, surplus(flow)[1])
         turns = TURNS if n.shift_strain and not flow.closed else 1.0
         p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
         d.update("grad_alpha", "turn")
@@ -115,14 +122,74 @@ class KeepApart(Regulariser):
             displace(flow, move)
 
 
-def compression(flow, doubt) -> np.ndarray:
+def _share_of(numerics):
+    """Return the field of the walls' shares, if there may be walls that fluid comes to later."""
+    return () if numerics.surface_rule == "none" else ("share",)
+
+
+def find_share(flow) -> None:
+    """Find the part of the half cells at walls for which fluid stands, once in a step. Collective.
+
+    Fluid that fills a closed tank started at all of its walls.
+    """
+    p, d = flow.particles, flow.domain
+    if "share" in p.fields and not flow.knows_share:
+        halves.wall_share(p.share, p.x_all, p.kind_all, p.volume_all, p.normal_all, flow.spacing, d.indptr, d.indices, flow.axes)
+        d.update("share")
+        flow.knows_share = True
+
+
+def surplus(flow) -> tuple[np.ndarray, np.ndarray]:
+    """Return what half cells at walls for which no fluid stands add to alpha (n_owned,), and to its gradient (n_owned, dim)."""
+    p, d = flow.particles, flow.domain
+    ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
+    if "share" in p.fields:
+        halves.surplus(ratio, gradient, p.x_all, flow.seen(wetness.FREE), p.share_all, p.corner_all, p.normal_all,
+                       lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+    return ratio, gradient
+
+
+def less_pushed(push, less, rapid) -> np.ndarray:
+    """Return a push with the part of it that is due to a surplus left out in rapid flow, but without a pull: (n,).
+
+    push : (n,), with the surplus; less : (n,), without it; rapid : (n,), 0 to 1
+    """
+    return push + rapid * (np.minimum(push, np.maximum(less, 0.0)) - push)
+
+
+def push_off_less(flow, surplus) -> None:
+    """Leave out of grad alpha what pushes fluid off a wall by half cells for which no fluid stands, in rapid flow.
+
+    surplus : (n_owned, dim), the part of grad alpha by those
+    """
+    p = flow.particles
+    size = np.linalg.norm(surplus, axis=1)
+    some = size > 0.0
+    towards = surplus[some] / size[some, None]
+    push = np.einsum("ia,ia->i", p.grad_alpha[some], towards)
+    p.grad_alpha[some] += (less_pushed(push, push - size[some], flow.rapid[some]) - push)[:, None] * towards
+
+
+def density_error(flow) -> np.ndarray:
+    """Return the density error that the position projection removes: (n_owned,). Also writes alpha.
+
+    A wall for which no fluid stands does not lift rapid fluid off, nor attract it: e = min(e, max(e', 0)) with the
+    error e' without the surplus. In calm fluid, which loses nothing to a slow move, the wall keeps its weight.
+    """
+    p = flow.particles
+    flow.density_ratio(flow.seen(wetness.FREE))
+    e, more = compression(flow, p.alpha, flow.doubt), surplus(flow)[0]
+    return less_pushed(e, compression(flow, p.alpha - more, flow.doubt), flow.rapid) if more.any() else e
+
+
+def compression(flow, alpha, doubt) -> np.ndarray:
     """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
 
-    doubt : (n_owned,)
+    alpha, doubt : (n_owned,)
     """
     p, d = flow.particles, flow.domain
     e = np.empty(p.n_owned)
-    shifting.compression(e, p.alpha, p.role_all, p.x_all, p.kind_all, 0.1, doubt, lengths.WALL * flow.spacing,
+    shifting.compression(e, alpha, p.role_all, p.x_all, p.kind_all, 0.1, doubt, lengths.WALL * flow.spacing,
                          d.indptr, d.indices, flow.axes)
     return e
 

@@ -275,7 +275,7 @@ class Projection:
         """Apply regularisers in their order; the first one that needs the strain of the step has it measured."""
         flow = self.flow
         if regularisers is self.parts.velocity_regularisers:
-            flow.collisions, flow.position_solve = 0, None
+            flow.collisions, flow.position_solve, flow.knows_share = 0, None, False
             if self.parts.measures_strain:
                 straining.measure(flow, dt)
         for part in regularisers:

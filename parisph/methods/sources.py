@@ -28,7 +28,7 @@ class Mixed(Source):
             divergence = divergence - put_off(flow, dt, strain)
         target = density / dt * zeta * divergence
         if n.gamma > 0.0:
-            target -= n.gamma * density / dt**2 * compression(flow, np.zeros(flow.particles.n_owned))
+            target -= n.gamma * density / dt**2 * compression(flow, flow.particles.alpha, np.zeros(flow.particles.n_owned))
         target -= n.strain * density * strain
         return target
 
@@ -48,7 +48,7 @@ class DensityInvariance(Source):
     name, source, fields = "density", "Z14 Eq 18", ("alpha",)
 
     def target(self, flow, dt):
-        return -flow.density / dt**2 * compression(flow, np.zeros(flow.particles.n_owned))
+        return -flow.density / dt**2 * compression(flow, flow.particles.alpha, np.zeros(flow.particles.n_owned))
 
 
 class ErrorCompensating(Source):
@@ -62,7 +62,7 @@ class ErrorCompensating(Source):
 
     def target(self, flow, dt):
         p = flow.particles
-        e, before = compression(flow, np.zeros(p.n_owned)), np.empty(p.n_owned)
+        e, before = compression(flow, p.alpha, np.zeros(p.n_owned)), np.empty(p.n_owned)
         flow.rows.divergence(before, p.u_all, p.role_all)
         return flow.density / dt * (flow.rows.div + np.abs(e) * before - np.abs(before) * e)
 

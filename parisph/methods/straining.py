@@ -7,14 +7,14 @@ from parisph.methods import lengths
 
 SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
 DOUBT = 0.02  # density error near the surface that is no more than disorder in calm fluid
-RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that
+RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that, and flow half rapid
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
 
 FIELDS = ("grad_u", "strain_rate")
 
 
 def measure(flow, dt) -> None:
-    """Write flow.strained, dt sqrt(2 S:S) as the mean around each particle, and flow.doubt. Collective.
+    """Write flow.strained, dt sqrt(2 S:S) as the mean around each particle, flow.rapid and flow.doubt. Collective.
 
     Regularisation is in proportion to strain: fluid at rest or in rigid motion is left alone, and the effect over
     a time does not depend on the number of steps in it. A rate far below REST sqrt(a/s), with the
@@ -32,19 +32,21 @@ def measure(flow, dt) -> None:
     strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, radius, d.indptr, d.indices, flow.axes)
     # a full closed tank does not notice a uniform force, which only its pressure balances
     small = 0.0 if flow.closed else REST * np.sqrt(flow.by_pressure / flow.spacing)
-    flow.doubt = doubt(out, flow.by_pressure / flow.spacing)
+    flow.rapid = rapid(out, flow.by_pressure / flow.spacing)
+    flow.doubt = DOUBT * (1.0 - flow.rapid)
     flow.strained = dt * out * out / np.maximum(out + small, np.finfo(float).tiny)
 
 
-def doubt(rate, square) -> np.ndarray:
-    """Return the density error near the surface that may be disorder: DOUBT, and less where strain is rapid: (n,).
+def rapid(rate, square) -> np.ndarray:
+    """Return how rapid a strain is, D^2/(D^2 + RAPID^2 a/s), from 0 in calm fluid to 1: (n,).
 
-    Rapid strain packs particles faster than disorder does, and all of that is compression.
+    Rapid strain packs particles faster than disorder does, and all of that is compression: the density error near
+    the surface that may be disorder is DOUBT times what is left to 1.
 
-    rate : (n,) of strain [1/s]; square : (n,), a/s of the acceleration a by pressure alone [1/s^2]
+    rate : (n,), D [1/s]; square : (n,), a/s of the acceleration a by pressure alone [1/s^2]
     """
     calm = RAPID**2 * square
-    return DOUBT * calm / np.maximum(calm + rate**2, np.finfo(float).tiny)
+    return 1.0 - calm / np.maximum(calm + rate**2, np.finfo(float).tiny)
 
 
 def strength(flow, most, per_strain) -> np.ndarray:

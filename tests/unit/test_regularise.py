@@ -6,7 +6,7 @@ from mpi4py import MPI
 
 from parisph import Simulation
 from parisph.base.fields import FLUID, SURFACE
-from parisph.methods import straining
+from parisph.methods import positions, straining
 from tests.scenes import scene
 
 
@@ -100,9 +100,16 @@ def test_what_nothing_needs_is_not_computed():
     s.destroy()
 
 
-def test_the_doubt_in_the_density_error_is_for_calm_fluid():
-    """Below a wave it is whole; in rapid strain and in free fall everything is compression."""
+def test_strain_is_rapid_beside_the_pressure_of_calm_fluid():
+    """Below a wave it is calm; in rapid strain and in free fall everything is compression."""
     square = np.full(4, 9.81 / 0.05)
     rate = np.sqrt(square) * np.array([0.0, 0.02, straining.RAPID, 10.0])
-    np.testing.assert_allclose(straining.doubt(rate, square) / straining.DOUBT, [1.0, 1.0, 0.5, 0.0], atol=0.02)
-    np.testing.assert_array_equal(straining.doubt(rate, 0.0), 0.0)
+    np.testing.assert_allclose(straining.rapid(rate, square), [0.0, 0.0, 0.5, 1.0], atol=0.02)
+    np.testing.assert_array_equal(straining.rapid(rate, 0.0), 1.0)
+
+
+def test_a_wall_without_half_cells_does_not_push_rapid_fluid_off_nor_attract_it():
+    push, less = np.array([0.4, 0.4, 0.4, -0.1]), np.array([0.3, 0.1, -0.2, -0.5])
+    np.testing.assert_allclose(positions.less_pushed(push, less, 1.0), [0.3, 0.1, 0.0, -0.1], atol=1e-15)
+    np.testing.assert_allclose(positions.less_pushed(push, less, 0.5), [0.35, 0.25, 0.2, -0.1], atol=1e-15)
+    np.testing.assert_array_equal(positions.less_pushed(push, less, 0.0), push)

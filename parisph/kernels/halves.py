@@ -1,0 +1,93 @@
+"""The half cells beside walls: does any fluid stand for them?
+
+A wall particle takes the place of a neighbour one spacing away, thus fluid beside a wall is at rest in the
+kernel sums one spacing in front of it. Fluid that starts there represents the half cell at the wall as well,
+3/2 cells in all. Fluid that comes to the wall later represents one cell, and has its place at half a spacing:
+its images are its neighbours then, and a wall particle would be one too many.
+"""
+
+import math
+
+import numpy as np
+
+from parisph.base.fields import ABSENT, FLUID, WALL
+from parisph.kernels.jit import kernel
+from parisph.kernels.mirrors import casts_image, height, near_planes, reflect
+from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
+
+BEFORE = 1.5    # spacings from a wall within which fluid stands for its half cell there
+
+
+@kernel
+def wall_share(share, x, kind, volume, normal, spacing, indptr, indices, axes) -> None:
+    """Write the part of the half cells at owned wall particles that fluid in front of them stands for, 1 for fluid.
+
+    share_i = min(1, sum_j (1 - t_ij/s) b_j), b_j = min(1, max(0, 2 (V_j/s^dim - 1))), over the fluid closer than
+    `BEFORE` to the wall, with the distance t_ij < s along the wall.
+
+    share : (n_owned,) output; volume : (n_all,), for which particles stand [m^dim]
+    """
+    dim = len(axes)
+    for i in range(len(indptr) - 1):
+        share[i] = 1.0
+        if kind[i] != WALL:
+            continue
+        total = 0.0
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != FLUID:
+                continue
+            away, r2 = height(j, i, x, normal, axes), 0.0
+            for a in range(dim):
+                r2 += (x[j, a] - x[i, a]) ** 2
+            along = math.sqrt(max(r2 - away * away, 0.0)) / spacing
+            if 0.0 < away < BEFORE * spacing and along < 1.0:
+                total += (1.0 - along) * min(max(2.0 * (volume[j] / spacing**dim - 1.0), 0.0), 1.0)
+        share[i] = min(total, 1.0)
+
+
+@kernel
+def surplus(ratio, gradient, x, kind, share, corner, normal, h, full, indptr, indices, axes) -> None:
+    """Write the part of the density ratio, and of its gradient, that comes from half cells for which no fluid stands.
+
+    ratio_i = sum_j (1 - share_j) W_ij / sum W over wall particles and their mirror images (`surface.density_ratio`).
+
+    ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs for owned fluid, 0 for walls
+    kind : (n_all,), ABSENT for particles that are no neighbours; share : (n_all,), of `wall_share`
+    """
+    dim = len(axes)
+    member, image = np.empty(dim, np.int64), np.empty(dim)
+    for i in range(len(indptr) - 1):
+        ratio[i] = 0.0
+        gradient[i, :] = 0.0
+        if kind[i] != FLUID or not _lacks(i, kind, share, indptr, indices):
+            continue
+        planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
+        for subset in range(1 << planes):
+            for k in range(indptr[i], indptr[i + 1]):
+                j = indices[k]
+                if kind[j] != WALL or (subset and not casts_image(j, subset, member, x, kind, normal, 0.1 * h, axes)):
+                    continue
+                reflect(image, j, subset, member, x, normal, axes)
+                _add(ratio, gradient, i, image, x, (1.0 - share[j]) / full, h, axes)
+
+
+@kernel
+def _lacks(i, kind, share, indptr, indices):
+    """Return whether a wall particle in the list of i has less than its whole share."""
+    for k in range(indptr[i], indptr[i + 1]):
+        if kind[indices[k]] != ABSENT and share[indices[k]] < 1.0:
+            return True
+    return False
+
+
+@kernel
+def _add(ratio, gradient, i, place, x, weight, h, axes):
+    """Add a neighbour at a place to the sums of particle i."""
+    dim, r2 = len(axes), 0.0
+    for a in range(dim):
+        r2 += (place[a] - x[i, a]) ** 2
+    ratio[i] += weight * cubic_spline(math.sqrt(r2), h, dim)
+    slope = weight * cubic_spline_slope(math.sqrt(r2), h, dim)
+    for a in range(dim):
+        gradient[i, a] -= slope * (place[a] - x[i, a])

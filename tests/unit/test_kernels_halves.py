@@ -1,0 +1,83 @@
+"""The half cells beside walls, and what they add to the density where no fluid stands for them."""
+
+import numpy as np
+import pytest
+
+from parisph.base.fields import WALL
+from parisph.kernels import halves, surface
+from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
+from tests.pools import tank
+
+dims = pytest.mark.parametrize("dim", [2, 3])
+H = 1.3
+
+
+def filled(dim, **how):
+    return tank((9, 9) if dim == 2 else (7, 7, 7), **how)
+
+
+def shares(pool, cells):
+    """Return the shares if each fluid particle stands for so many cells of the lattice: a number, or (n,)."""
+    out = np.full(pool.n, np.nan)
+    volume = np.where(pool.fluid, cells, 0.0) * pool.spacing**pool.dim
+    halves.wall_share(out, pool.x, pool.kind, volume, pool.normal, pool.spacing, *pool.csr)
+    assert np.all(out[pool.fluid] == 1.0)
+    return out
+
+
+def extra(pool, share):
+    h = H * pool.spacing
+    ratio, gradient = np.full(pool.n, np.nan), np.full((pool.n, pool.dim), np.nan)
+    halves.surplus(ratio, gradient, pool.x, pool.kind, share, pool.corner, pool.normal, h,
+                   surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
+    return ratio, gradient
+
+
+@dims
+@pytest.mark.parametrize("cells, expected", [(0.5, 0.0), (1.0, 0.0), (1.25, 0.5), (1.5, 1.0), (2.25, 1.0)])
+def test_the_share_of_a_wall_is_the_half_cells_in_front_of_it(dim, cells, expected):
+    pool = filled(dim)
+    plane = (pool.kind == WALL) & (pool.corner == 0)
+    np.testing.assert_allclose(shares(pool, cells)[plane], expected, atol=1e-12)
+
+
+@dims
+def test_a_particle_between_two_of_a_wall_has_its_half_cell_at_both(dim):
+    pool = filled(dim)
+    i, ahead, behind = (pool.at(*(4,) * (dim - 2), k, *low) for k, low in ((4, (1,)), (4, (0,)), (5, (0,))))
+    pool.x[i, dim - 2] += 0.25 * pool.spacing
+    pool.relist()
+    share = shares(pool, np.where(np.arange(pool.n) == i, 1.5, 1.0))
+    np.testing.assert_allclose(share[[ahead, behind]], [0.75, 0.25], atol=1e-12)
+    assert share[pool.kind == WALL].sum() == pytest.approx(1.0)
+
+
+@dims
+def test_fluid_that_has_left_a_wall_stands_for_nothing_there(dim):
+    pool = filled(dim)
+    share = shares(pool, np.where(pool.far_inside(2), 1.5, 1.0))
+    np.testing.assert_allclose(share[(pool.kind == WALL) & (pool.corner == 0)], 0.0, atol=1e-12)
+
+
+@dims
+def test_the_surplus_is_the_sum_over_walls_without_a_share_and_their_images(dim):
+    pool = filled(dim, lid=True)
+    ratio, gradient = extra(pool, np.where(pool.fluid, 1.0, 0.25))
+    h = H * pool.spacing
+    full = surface.lattice_sum(pool.spacing, h, pool.axes)
+    offsets = np.stack(np.meshgrid(*[np.arange(-3, 4)] * dim, indexing="ij"), axis=-1).reshape(-1, dim)
+    for index in ([1] * dim, [3] * (dim - 1) + [1], [1] * (dim - 1) + [2]):
+        i = pool.at(*index)
+        walls = offsets[(np.array(index) + offsets == 0).any(axis=1)]    # on the planes, also beyond corners
+        r = pool.spacing * np.linalg.norm(walls, axis=1)
+        assert ratio[i] == pytest.approx(0.75 / full * sum(cubic_spline(d, h, dim) for d in r), rel=1e-12)
+        slope = [cubic_spline_slope(d, h, dim) for d in r]
+        np.testing.assert_allclose(gradient[i], -0.75 / full * pool.spacing * (slope @ walls), rtol=1e-10, atol=1e-10)
+        assert np.all(gradient[i] < 1e-10)    # density grows towards the walls
+    assert np.all(ratio[~pool.fluid] == 0.0) and np.all(gradient[~pool.fluid] == 0.0)
+
+
+@dims
+def test_walls_with_their_whole_share_add_no_surplus(dim):
+    ratio, gradient = extra(filled(dim, jitter=0.5), np.ones(filled(dim).n))
+    assert not ratio.any() and not gradient.any()
