@@ -184,19 +184,20 @@ class Fluid(Model):
     Attributes
     ----------
     shape : Box, Disc or Polygon
-    density : [kg/m3]; viscosity : kinematic [m2/s]; 0 for none
+    density : [kg/m3]
     velocity : components [m/s], numbers or expressions of x, y
     elevation : None, or the height of the free surface above the top of a Box [m], a number or
         an expression of x; the columns of particles are stretched linearly to reach it
+    viscosity : kinematic [m2/s], 0 for none
     """
 
     shape: Shape
     density: float = Field(gt=0, description="density [kg/m3]")
-    viscosity: float = Field(0.0, ge=0, description="kinematic viscosity [m2/s]")
     velocity: tuple[Number, ...] = Field((0.0, 0.0), description="start velocity (u, v) [m/s], numbers or expressions of x, y")
     elevation: Union[float, str, None] = Field(
         None, description="surface elevation above a Box [m], a number or an expression of x"
     )
+    viscosity: float = Field(0.0, ge=0, description="kinematic viscosity [m2/s]")
 
     @property
     def dim(self):

@@ -94,7 +94,7 @@ def test_presets_are_valid_and_complete():
     assert len({frozenset(values) for values in PRESETS.values()}) == 1
     optional = {name for name, field in Numerics.model_fields.items() if field.default is None}
     for method in METHODS.values():
-        assert {*PRESETS["violent"], *method.values} == optional - {"time_step", "max_time_step"}
+        assert {*PRESETS["violent"], *method.values} == optional - {"time_step", "max_time_step", "sound_speed"}
 
 
 def test_body_force_is_gravity_less_the_tanks_acceleration():
