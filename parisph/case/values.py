@@ -38,7 +38,7 @@ def _fault(item, kinds, positive):
     flag = isinstance(item, (bool, np.bool_))
     if kinds == {bool}:
         # a record is for pydantic, which knows whether the field may hold one
-        return None if flag or hasattr(item, "model_fields") else "True or False"
+        return None if flag or hasattr(type(item), "model_fields") else "True or False"
     if flag and bool not in kinds:
         return "a text" if kinds == {str} else "a number"
     if isinstance(item, (str, bytes)):
