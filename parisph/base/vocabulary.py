@@ -14,7 +14,8 @@ WORDS: dict[str, list[str]] = {
     "source": ["mixed", "divergence", "density", "compensating"],
     "stepping": ["midpoint", "start", "predicted", "symplectic"],
     "force": ["body", "viscous", "viscous_morris"],
-    "regulariser": ["filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart"],
+    "regulariser": ["filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart",
+                    "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"],
 }
 
 

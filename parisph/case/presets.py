@@ -39,9 +39,11 @@ PRESETS: dict[str, dict[str, Any]] = {
         "stepping": "midpoint",
         "rtol": 1e-6,
     },
-    # A closed tank full of viscous fluid: only positions are regularised.
+    # A closed tank full of viscous fluid: only positions are regularised, by a shift in proportion to strain. A position
+    # projection would keep cells more equal, but it takes a quarter of the energy of the flow in a cavity at Re = 400.
     "closed": {
         **USUAL,
+        "regularisers": ("wall_guard", "projection", "parting", "shift_tensile", "keep_apart"),
         "cfl": 0.25,
         "fall": 0.0,
         "zeta": 1.0,
@@ -51,8 +53,8 @@ PRESETS: dict[str, dict[str, Any]] = {
         "strain": 1.0,
         "kappa": 0.0,
         "kappa_strain": 56.0,
-        "shift": 0.1,
-        "shift_strain": 0.0,
+        "shift": 0.2,
+        "shift_strain": 12.0,
         "filter": 0.0,
         "filter_strain": 0.0,
         "collision_distance": 0.0,

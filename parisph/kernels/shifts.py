@@ -108,6 +108,53 @@ def surface_shift(shift, gradient, surface_normal, close, role, strength, beta, 
 
 
 @kernel
+def surface_normals(normal, close, gradient, role, x, kind, reach, indptr, indices, axes) -> None:
+    """Direction of the surface's grad C at fluid near a free surface, for `surface_shift`.
+
+    n_i = sum_j grad C_j/r_ij^2 over the surface particles within the reach, normalised; at a surface particle its own.
+
+    normal : (n_owned, dim) output, unit vectors, zero where there is no surface; close : (n_owned,) output of bool
+    gradient : (n_all, dim), grad C [1/m]; role, kind : (n_all,); reach : [m]
+    """
+    for i in range(len(indptr) - 1):
+        normal[i, :] = 0.0
+        close[i] = False
+        if kind[i] != FLUID:
+            continue
+        if role[i] != INNER:
+            for a in range(len(axes)):
+                normal[i, a] = gradient[i, a]
+        else:
+            for k in range(indptr[i], indptr[i + 1]):
+                _add_direction(normal, i, indices[k], gradient, role, x, kind, reach, axes)
+        norm2 = _square_of(normal, i, axes)
+        if norm2 > 0.0:
+            close[i] = True
+            for a in range(len(axes)):
+                normal[i, a] /= math.sqrt(norm2)
+
+
+@inlined
+def _add_direction(normal, i, j, gradient, role, x, kind, reach, axes):
+    if kind[j] != FLUID or role[j] == INNER:
+        return
+    r2 = 0.0
+    for a in range(len(axes)):
+        r2 += (x[j, a] - x[i, a]) ** 2
+    if 0.0 < r2 < reach * reach:
+        for a in range(len(axes)):
+            normal[i, a] += gradient[j, a] / r2
+
+
+@inlined
+def _square_of(vector, i, axes):
+    total = 0.0
+    for a in range(len(axes)):
+        total += vector[i, a] ** 2
+    return total
+
+
+@kernel
 def pressure_shift(shift, p, x, kind, corner, normal, role, radius, strength, cap, indptr, indices, axes) -> None:
     """Shift by the pressure gradient relative to a minimum pressure, after Sriram & Ma (2012).
 

@@ -13,6 +13,7 @@ SCENES = {
     # so small that it lies in two cells of the partition: one of three ranks has no particle
     "free_drop": dict(spacing=0.5),
     "rotating_patch": dict(spacing=0.1, jitter=0.4),
+    "lid_driven_cavity": dict(spacing=0.05),
 }
 STEPS = 20
 

@@ -15,6 +15,7 @@ from parisph.case.schema import (
     Momentum,
     PressureTap,
     SurfaceGauge,
+    VelocityProfile,
     Volume,
     WaterFront,
 )
@@ -29,6 +30,7 @@ ALL = [
     *(PressureTap(name=f"tap{k}", at=at) for k, at in enumerate(((0.0, 0.21), (0.5, 0.0), (1.0, 0.4)))),
     WaterFront(name="front"), ColumnHeight(name="left", at=0.0), ColumnHeight(name="middle", at=0.52),
     Energy(name="energy", current=True), Volume(name="volume"), Momentum(name="momentum"),
+    VelocityProfile(name="line", start=(0.1, 0.3), end=(0.9, 0.2), points=9),
 ]
 WAVE = {"spacing": 0.025, "elevation": "0.04*cos(3*pi*x)", "velocity": ("sin(pi*x)", "y"), "jitter": 0.5}
 

@@ -94,7 +94,7 @@ def numerics(**changes):
     # numerics and output
     (lambda: numerics(spacing=0.0), "Numerics.spacing = 0.0: must be greater than 0"),
     (lambda: numerics(method="ISHP"), "Numerics.method: unknown method 'ISHP'; known are ISPH_R, ISPH"),
-    (lambda: numerics(preset="calm"), "Numerics.preset: unknown preset 'calm'; known are violent, gentle"),
+    (lambda: numerics(preset="calm"), "Numerics.preset: unknown preset 'calm'; known are violent, closed, gentle"),
     (lambda: numerics(kapa=0.1), r"Numerics has no field 'kapa'; did you mean 'kappa'\?"),
     (lambda: numerics(surface_rule="gaps"), "Numerics.surface_rule: unknown surface_rule 'gaps'; known are gap, auxiliary"),
     (lambda: numerics(rtol=1.0), "Numerics.rtol = 1.0: must be less than 1"),

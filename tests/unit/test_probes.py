@@ -8,7 +8,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError
-from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case import probes as descriptions
 from parisph.case.schema import (
     Box,
@@ -18,6 +18,7 @@ from parisph.case.schema import (
     Momentum,
     PressureTap,
     SurfaceGauge,
+    VelocityProfile,
     Volume,
     WaterFront,
 )
@@ -371,10 +372,56 @@ def test_where_nothing_is_deep_there_is_no_volume():
     assert np.isnan(found[0]) and found[1] == 0.0
 
 
+# -- velocity profile ---------------------------------------------------------------------
+
+def quadratic(x):
+    """Return u, v and p (n, 3) of a flow that is quadratic in x (n, 2)."""
+    a, b = x.T
+    return np.column_stack([1.0 + 2.0 * a - b + 3.0 * a * b - b**2, a**2 - 0.5 * b + a * b, 7.0 - a + 4.0 * b**2])
+
+
+def flowing(arrays):
+    found = quadratic(arrays["x"])
+    arrays["u"][:], arrays["p"][:] = found[:, :2], found[:, 2]
+    arrays["role"][arrays["kind"] == WALL] = WET
+
+
+@pytest.mark.parametrize("start, end", [((0.0, 0.5), (1.0, 0.5)), ((0.5, 0.0), (0.5, 1.0)), ((0.0, 0.0), (1.0, 1.0))])
+def test_a_velocity_profile_is_exact_for_quadratic_flow(start, end):
+    """In disorder and up to the walls, corners included."""
+    probe = VelocityProfile(name="line", start=start, end=end, points=11)
+    watch = Watch(scene([probe], lid=True, depth=1.0, jitter=0.6), MPI.COMM_SELF, flowing)
+    found = np.reshape(watch.sample()["line"], (11, 3))
+    np.testing.assert_allclose(found, quadratic(np.linspace(start, end, 11)), atol=1e-11)
+    columns = watch.samplers[0].columns
+    assert len(columns) == 33 and list(columns)[:4] == ["u_0", "v_0", "p_0", "u_1"]
+    assert columns["u_0"] == columns["v_10"] == "m/s" and columns["p_10"] == "Pa"
+
+
+def test_a_velocity_profile_has_no_values_outside_the_fluid():
+    probe = VelocityProfile(name="line", start=(0.5, 0.0), end=(0.5, 1.0), points=5)
+    found = np.reshape(Watch(scene([probe], velocity=(0.3, 0.0)), MPI.COMM_SELF).sample()["line"], (5, 3))
+    assert np.isnan(found[3:]).all() and np.isfinite(found[1:3]).all()
+    np.testing.assert_allclose(found[1, :2], (0.3, 0.0), atol=1e-12)
+
+
+def test_a_velocity_profile_ignores_what_has_no_pressure_equation():
+    def change(arrays):
+        flowing(arrays)
+        stray = np.random.default_rng(3).random(len(arrays["x"])) < 0.1
+        arrays["role"][stray] = BALLISTIC
+        arrays["u"][stray] = 100.0
+
+    probe = VelocityProfile(name="line", start=(0.2, 0.3), end=(0.8, 0.7), points=7)
+    found = np.reshape(Watch(scene([probe], lid=True, depth=1.0), MPI.COMM_SELF, change).sample()["line"], (7, 3))
+    np.testing.assert_allclose(found, quadratic(probe.places), atol=1e-10)
+
+
 # -- all of them --------------------------------------------------------------------------
 
 ALL = [SurfaceGauge(name="gauge", at=0.42), PressureTap(name="tap", at=(0.0, 0.2)), WaterFront(name="front"),
-       ColumnHeight(name="column", at=0.3), Energy(name="energy"), Volume(name="volume"), Momentum(name="momentum")]
+       ColumnHeight(name="column", at=0.3), Energy(name="energy"), Volume(name="volume"), Momentum(name="momentum"),
+       VelocityProfile(name="line", start=(0.5, 0.1), end=(0.5, 0.4), points=3)]
 
 
 def test_every_probe_that_a_case_can_have_can_be_sampled():

@@ -1,0 +1,110 @@
+"""The shifts of particles in the literature, other than the Fick shift of `positions`.
+
+A case names one of them in place of "shift" among its regularisers. None of them turns close pairs.
+"""
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph.base.fields import FLUID
+from parisph.kernels import shifting, shifts, wetness
+from parisph.methods import lengths, straining
+from parisph.methods.parts import REGULARISERS, Regulariser
+from parisph.methods.positions import CAP, displace
+
+NEAR_SURFACE = 2.0      # spacings from a surface particle within which the shift of Lind et al. knows the surface
+
+
+class Shift(Regulariser):
+    """A shift with the weight and the strain of the numbers `shift` and `shift_strain`."""
+
+    cause, moves = "shift", True
+
+    def wanted(self, numerics):
+        return numerics.shift > 0.0
+
+    def needs(self, numerics):
+        return (*self.fields, *(straining.FIELDS if numerics.shift_strain else ()))
+
+    def apply(self, flow, dt):
+        move = np.empty_like(flow.particles.x)
+        self.write(move, flow, dt)
+        displace(flow, move)
+
+    def strength(self, flow):
+        """Return the weight of this step at owned particles (n_owned,)."""
+        return straining.strength(flow, flow.numerics.shift, flow.numerics.shift_strain)
+
+    def write(self, move, flow, dt):
+        """Write the displacement in a step of dt [s] of owned fluid to move (n_owned, dim) [m]. Collective."""
+        raise NotImplementedError
+
+
+class TensileShift(Shift):
+    """Shifts by C h^2 along -grad C with the term against pairs of particles; at the surface along it."""
+
+    name, source, words, fields = "shift_tensile", "Lind et al. 2012, Eqs 23 and 27", "shift with tensile term", ("grad_alpha",)
+
+    def write(self, move, flow, dt):
+        p, d = flow.particles, flow.domain
+        h = lengths.DENSITY * flow.spacing
+        tensile_gradient(flow)
+        shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, self.strength(flow) * h * h,
+                            CAP * flow.spacing, NEAR_SURFACE * flow.spacing, d.indptr, d.indices, flow.axes)
+
+
+def tensile_gradient(flow) -> None:
+    """Write the field grad_alpha, with the term against pairs of particles. Collective."""
+    p, d = flow.particles, flow.domain
+    shifts.tensile_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all,
+                            lengths.DENSITY * flow.spacing, flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+    d.update("grad_alpha")
+
+
+class XuShift(Shift):
+    """Shifts by C v dt from near neighbours, with the largest speed v of the fluid. For fluid without a free surface."""
+
+    name, source, words, reach = "shift_xu", "Xu et al. 2009, Eqs 25 and 26", "shift of Xu et al.", lengths.MLS
+
+    def write(self, move, flow, dt):
+        p, d = flow.particles, flow.domain
+        top = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0)
+        top = p.comm.allreduce(float(top), op=MPI.MAX)
+        shifts.xu_shift(move, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all, lengths.MLS * flow.spacing,
+                        self.strength(flow) * top * dt, CAP * flow.spacing, d.indptr, d.indices, flow.axes)
+
+
+class LindShift(Shift):
+    """Shifts by C h^2 along -grad C with the tensile term; particles of the surface move along it too."""
+
+    name, source, words = "shift_lind", "Lind et al. 2012, Eqs 23 to 27, beta = 0", "shift of Lind et al."
+    fields = ("grad_alpha",)
+
+    def write(self, move, flow, dt):
+        p, d = flow.particles, flow.domain
+        h = lengths.DENSITY * flow.spacing
+        tensile_gradient(flow)
+        normal, close = np.empty_like(p.x), np.empty(p.n_owned, bool)
+        shifts.surface_normals(normal, close, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, NEAR_SURFACE * flow.spacing,
+                               d.indptr, d.indices, flow.axes)
+        shifts.surface_shift(move, p.grad_alpha, normal, close, p.role, self.strength(flow) * h * h, 0.0, 0.0,
+                             CAP * flow.spacing, flow.axes)
+
+
+class PressureShift(Shift):
+    """Shifts by dt^2/(2 rho) times the excess of the gradient of pressure relative to the least one around each particle."""
+
+    name, source, words, reach = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure", lengths.MLS
+
+    def needs(self, numerics):
+        return self.fields
+
+    def write(self, move, flow, dt):
+        p, d = flow.particles, flow.domain
+        shifts.pressure_shift(move, p.p_all, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all,
+                              lengths.MLS * flow.spacing, 0.5 * dt * dt / flow.density, CAP * flow.spacing,
+                              d.indptr, d.indices, flow.axes)
+
+
+for part in (TensileShift(), XuShift(), LindShift(), PressureShift()):
+    REGULARISERS.register(part)

@@ -1,0 +1,63 @@
+"""The shifts of the literature as parts of a step: they run where fluid breaks, and spread clusters."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph import Box, Case, Fluid, Numerics, Simulation, Tank
+from parisph.base.fields import FLUID
+from parisph.methods.parts import REGULARISERS
+
+S = 0.05
+SHIFTS = ["shift", "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"]
+all_shifts = pytest.mark.parametrize("name", SHIFTS)
+
+
+def box(width, tank, lid=True, velocity=(0.0, 0.0), **numerics):
+    """Return the Simulation of a box of water 0.5 m high in a tank (width, height) [m]."""
+    case = Case(title="box", fluid=Fluid(Box(width=width, height=0.5), density=1000.0, velocity=velocity),
+                walls=Tank(width=tank[0], height=tank[1], lid=lid), gravity=(0.0, -9.81), end_time=1.0,
+                numerics=Numerics(spacing=S, time_step=0.004, **numerics))
+    return Simulation(case, MPI.COMM_SELF)
+
+
+@all_shifts
+def test_a_column_that_collapses_stays_whole(name):
+    s = box(0.5, (1.5, 1.0), jitter=0.4, regularisers=("collisions", "wall_guard", "projection", "parting", name, "keep_apart"))
+    p = s.particles
+    energy = 9.81 * p.x[p.kind == FLUID, 1].sum()
+    for _ in range(20):
+        report = s.advance()
+    fluid = p.kind == FLUID
+    assert report.reason >= 0 and np.isfinite(p.x).all()
+    assert 0.51 < p.x[fluid, 0].max() < 0.6
+    after = 0.5 * (p.u[fluid] ** 2).sum() + 9.81 * p.x[fluid, 1].sum()
+    assert abs(after / energy - 1.0) < 0.02
+    s.destroy()
+
+
+def nearest(p):
+    """Return the least distance of two particles of fluid, in spacings."""
+    x = p.x[p.kind == FLUID]
+    d = np.linalg.norm(x[:, None] - x[None], axis=2)
+    return d[d > 0.0].min() / S
+
+
+@all_shifts
+def test_a_cluster_in_a_full_tank_is_spread(name):
+    """Nine particles at three quarters of their distances, under the weight of still water."""
+    s = box(1.0, (1.0, 0.5), shift=0.1, shift_strain=0.0, kappa=0.0)
+    s.solve_start()
+    p, flow = s.particles, s.method.flow
+    cluster = (p.kind == FLUID) & (np.abs(p.x - (0.5, 0.25)).max(axis=1) < 1.5 * S)
+    p.x[cluster] = (0.5, 0.25) + 0.75 * (p.x[cluster] - (0.5, 0.25))
+    s.domain.refresh()
+    p.u[p.kind == FLUID] = (1.0, 0.0)    # a speed, to which one of them is in proportion
+    before = nearest(p)
+    flow.strained = np.ones(p.n_owned)
+    for _ in range(20):
+        s.domain.update("x")
+        REGULARISERS[name].apply(flow, 0.01)
+    assert before == pytest.approx(0.75)
+    assert nearest(p) > 0.8
+    s.destroy()

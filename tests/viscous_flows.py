@@ -1,0 +1,103 @@
+"""Exact solutions of viscous flow in closed rectangular tanks, and the cases that have them.
+
+There are no periodic boundaries. In the middle of a long closed tank with free-slip ends, the flow between bottom and
+lid is parallel, u(y, t), and its flux is zero: the pressure gradient along x is whatever keeps it so. The ends matter
+over about a fourth of the height.
+"""
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph import Box, Case, Fluid, Lid, Numerics, Simulation, Tank, VelocityProfile
+from parisph.watch import instruments
+
+LONG = 3.0      # length of a tank over its height
+
+
+def tank(spacing, viscosity, end_time, lid=0.0, no_slip=("bottom", "top"), gravity=(0.0, 0.0), velocity=(0.0, 0.0), length=LONG,
+         **numerics):
+    """Return the Case of a full closed tank of height 1 m, its profile at the mid-section as a probe.
+
+    spacing : [m]; viscosity : [m^2/s]; lid : its speed [m/s]; gravity : body force [m/s^2], velocity : at the start [m/s],
+    numbers or expressions
+    """
+    return Case(
+        title="tank", fluid=Fluid(Box(width=length, height=1.0), density=1.0, viscosity=viscosity, velocity=velocity),
+        walls=Tank(width=length, height=1.0, lid=Lid(lid), no_slip=no_slip), gravity=gravity, end_time=end_time,
+        numerics=Numerics(preset="closed", spacing=spacing, **{"max_time_step": 0.25 * spacing, **numerics}),
+        probes=[VelocityProfile("middle", start=(0.5 * length, 0.0), end=(0.5 * length, 1.0), points=21)],
+    )
+
+
+def run(case):
+    """Return the Simulation at the end of the case."""
+    s = Simulation(case, MPI.COMM_SELF)
+    while s.time < case.end_time * (1.0 - 1e-12):
+        s.advance(case.end_time)
+    return s
+
+
+def middle(s):
+    """Return u (21,) [m/s] at the mid-section, y = 0, .05, ..., 1."""
+    found = instruments.sample_all(instruments.build(s.case, s.comm), s.particles, s.domain, s.time)
+    return np.reshape(found["middle"], (-1, 3))[:, 0]
+
+
+def started_by_a_lid(y, time, viscosity, terms=30):
+    """Return u/U at heights y (n,) of 1, after a lid has moved with U for a time [s], the flux being zero.
+
+    u/U = 3 y^2 - 2 y - sum of a_n f_n(y) exp(-nu k_n^2 t). The f_n are zero at both walls and have no flux: sin(2 pi n z)
+    with z = y - 1/2, and cos(k z) - cos(k/2) with tan(k/2) = k/2.
+    """
+    z, fine = y - 0.5, np.linspace(-0.5, 0.5, 4001)
+    steady = 3.0 * y**2 - 2.0 * y
+    start = 3.0 * fine**2 - 0.25
+    weight = np.where(np.abs(fine) == 0.5, 0.5, 1.0)    # of the trapezoidal rule
+    for n in range(1, terms + 1):
+        steady -= (-1.0) ** (n + 1) / (np.pi * n) * np.sin(2.0 * np.pi * n * z) * np.exp(-viscosity * (2.0 * np.pi * n) ** 2 * time)
+        k = 2.0 * _tangent_root(n)
+        form = np.cos(k * fine) - np.cos(0.5 * k)
+        share = np.sum(weight * start * form) / np.sum(weight * form * form)
+        steady -= share * (np.cos(k * z) - np.cos(0.5 * k)) * np.exp(-viscosity * k**2 * time)
+    return steady
+
+
+def _tangent_root(n):
+    """Return the n-th positive root of tan q = q."""
+    low, high = n * np.pi, (n + 0.5) * np.pi
+    for _ in range(60):
+        q = 0.5 * (low + high)
+        low, high = (low, q) if (-1) ** n * (np.sin(q) - q * np.cos(q)) > 0.0 else (q, high)
+    return 0.5 * (low + high)
+
+
+def forced(amplitude, viscosity):
+    """Return the body force (x, y) that drives u = amplitude sin(2 pi y) (1 - exp(-nu 4 pi^2 t)) between walls that fluid sticks to."""
+    return (f"{4.0 * np.pi**2 * viscosity * amplitude!r}*sin(2*pi*y)", 0.0)
+
+
+VORTEX = ("sin(pi*x)*cos(pi*y)", "-cos(pi*x)*sin(pi*y)")    # in a square with free-slip walls decays as exp(-2 nu pi^2 t)
+
+
+def vortex(x):
+    """Return the velocity of VORTEX at x (n, 2): (n, 2) [m/s]."""
+    a, b = np.pi * x.T
+    return np.stack([np.sin(a) * np.cos(b), -np.cos(a) * np.sin(b)], axis=1)
+
+
+def damped_wave(t, y, rates, frequencies):
+    """Return the rate [1/s] and frequency [rad/s] of exp(-rate t) cos(frequency t + phase) + level fitted to y (n,) at t (n,).
+
+    rates, frequencies : first and last value between which they are looked for
+    """
+    for _ in range(5):
+        ranges = [np.linspace(*limits, 11) for limits in (rates, frequencies)]
+        _, rate, frequency = min((_residual(t, y, g, w), g, w) for g in ranges[0] for w in ranges[1])
+        (rates, frequencies) = ((c - 1.5 * (r[1] - r[0]), c + 1.5 * (r[1] - r[0])) for c, r in zip((rate, frequency), ranges))
+    return rate, frequency
+
+
+def _residual(t, y, rate, frequency):
+    decay = np.exp(-rate * t)
+    basis = np.stack([decay * np.cos(frequency * t), decay * np.sin(frequency * t), np.ones(len(t))], axis=1)
+    return float(np.sum((y - basis @ np.linalg.lstsq(basis, y, rcond=None)[0]) ** 2))
