@@ -17,6 +17,7 @@ from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, Velocit
 from parisph.case.shapes import Box, check_components
 from parisph.case.values import LARGEST
 
+SOUND = 10.0    # speed of sound of weakly compressible fluid, over the fastest speed to expect
 ABSURD = 10.0   # a fixed time step this many times the stable one is taken for a mistake
 LEAST = 4       # particles in a body of fluid
 FAR = 1e9       # spacings from the origin at which float64 still tells places apart well
@@ -301,6 +302,11 @@ def _files(case):
             f"output.probe_interval = {interval:g} s: takes {case.end_time / interval:.1e} samples until "
             f"end_time = {case.end_time:g} s, at most {MOST_SAMPLES:g} are written; use a longer time"
         )
+
+
+def sound_speed(case) -> float:
+    """Return the speed of sound of weakly compressible fluid [m/s]: that of the case, or SOUND times the fastest to expect."""
+    return case.numerics.sound_speed or SOUND * fastest(case)
 
 
 def fastest(case):

@@ -6,8 +6,11 @@ import numpy as np
 
 from parisph.base import memory
 from parisph.case import geometry, scales, size
+from parisph.case.checks import sound_speed
+from parisph.case.methods import METHODS
 from parisph.driver import cost
-from parisph.methods import catalogue
+from parisph.kernels import viscous, weakly
+from parisph.methods import catalogue, lengths
 
 BRISK = 1.5    # as methods.timestep.BRISK, whose module needs MPI
 
@@ -75,7 +78,7 @@ def estimated_steps(case, numerics, expected):
     numerics : resolved Numerics; expected : scales.Scales of the case
     """
     if numerics.time_step is not None:
-        return round(case.end_time / numerics.time_step)
+        return round(case.end_time / min(numerics.time_step, stable_step(case)))
     move = numerics.cfl * numerics.spacing
     longest = min(_longest_step(case, numerics), math.sqrt(2.0 * move / expected.force) if expected.force else math.inf, case.end_time)
     brisk = np.minimum(BRISK * expected.accelerations, expected.force)    # see methods.timestep.next_step
@@ -85,14 +88,23 @@ def estimated_steps(case, numerics, expected):
     return math.ceil(case.end_time * np.mean(np.max(rates, axis=0)))
 
 
+def stable_step(case) -> float:
+    """Return the longest step [s] that viscosity, or the sound of weakly compressible fluid, allows; infinite without them."""
+    n, s = case.numerics, case.numerics.spacing
+    if METHODS[n.method].step == "compressible":
+        return weakly.longest_step(lengths.SPH * s, sound_speed(case), 0.0, n.artificial_viscosity, 0.0)
+    return viscous.STABLE * s * s / case.fluid.viscosity if case.fluid.viscosity else math.inf
+
+
 def _longest_step(case, n):
     """Return the longest step [s] that the case allows, whatever the flow."""
-    return min(case.frame.longest_step, n.max_time_step or math.inf)
+    return min(case.frame.longest_step, n.max_time_step or math.inf, stable_step(case))
 
 
 def _steps(case, n, steps):
     if n.time_step is not None:
-        return f"{steps} of {n.time_step:.3g} s"
+        shorter = stable_step(case) < n.time_step
+        return f"{'about ' * shorter}{steps} of {min(n.time_step, stable_step(case)):.3g} s" + ", which is stable" * shorter
     longest = _longest_step(case, n)
     limits = f"at most {n.cfl:g} spacings a step" + (f" and {longest:.3g} s" if longest < math.inf else "")
     return f"about {_rounded(steps)}, adaptive: {limits}"

@@ -11,7 +11,7 @@ from mpi4py import MPI
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
 from parisph.case import geometry, scales
-from parisph.case.checks import fastest, stable_time_step
+from parisph.case.checks import sound_speed, stable_time_step
 from parisph.case.methods import METHODS
 from parisph.case.schema import Case
 from parisph.driver import room, warmup
@@ -34,7 +34,6 @@ from parisph.watch.sampling import Scene
 
 SKIN = 1.0        # spacings a particle moves until particles are redistributed and sorted
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
-SOUND = 10.0      # speed of sound of weakly compressible fluid, over the fastest speed to expect
 SETTLE = 10.0     # time that weakly compressible water at rest settles before the start, over that of a fall
 SHORTEST = 1e-5   # of the stable step of the case: a run that needs a shorter one has diverged
 
@@ -305,7 +304,7 @@ def _parts(case, comm):
 def _method(case, flow, parts, petsc_options):
     """Return the method of the case, ready to start. Collective."""
     if METHODS[case.numerics.method].step == "compressible":
-        return Compressible(flow, parts, case.numerics.sound_speed or SOUND * fastest(case), SETTLE * scales.fall_time(case))
+        return Compressible(flow, parts, sound_speed(case), SETTLE * scales.fall_time(case))
     return Projection(flow, parts, petsc_options)
 
 

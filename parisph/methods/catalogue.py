@@ -9,7 +9,17 @@ from parisph.base.errors import CaseError
 from parisph.base.fields import FieldSet
 from parisph.case.methods import METHODS
 from parisph.case.numerics import Numerics
-from parisph.methods import forces, further_shifts, lengths, operators, positions, sources, straining, surfaces, velocities  # noqa: F401 (they register)
+from parisph.methods import (  # noqa: F401 (they register)
+    forces,
+    further_shifts,
+    lengths,
+    operators,
+    positions,
+    sources,
+    straining,
+    surfaces,
+    velocities,
+)
 from parisph.methods.parts import (
     DIVERGENCES,
     FORCES,
