@@ -52,7 +52,8 @@ METHODS = {
         Method("ISPH", "Z14 Eq 20a", {"laplacian": "sph", "surface_gradient": "same"}),
         Method("CISPH1", "Z14 Eqs 20b and 20c, sign corrected", {"laplacian": "cisph1", "surface_gradient": "same"}),
         Method("CISPH2", "Z14 Eqs 20b and 20d, sign corrected", {"laplacian": "cisph2"}),
-        Method("GFD", "generalised finite differences", {"laplacian": "gfd"}),
+        # with the filter of the gentle preset, 0.03, an error of rounding grows to 6e-6 sqrt(g d) in 10,000 steps of water at rest
+        Method("GFD", "generalised finite differences", {"laplacian": "gfd", "filter": 0.06}),
         Method("ISPH_R2", "Z14 Eqs 21-23 with quadratic moving least squares", {"laplacian": "rankine_quadratic"}),
         Method("FM", "Fatehi and Manzari 2011", {"laplacian": "fatehi"}),
         Method("ISPH_R_printed", "Z14 Eq 23 as printed, for comparison only", {"laplacian": "rankine_printed"},
