@@ -132,6 +132,25 @@ def test_shift_along_and_across_a_surface(dim):
 
 
 @dims
+def test_directions_of_a_surface(dim):
+    pool = block(dim, 5, jitter=0.4)
+    pool.role[pool.index[:, -1] == pool.index[:, -1].max()] = SURFACE
+    pool.kind[0] = 1
+    g = np.random.default_rng(4).normal(size=(pool.n, dim))
+    normal, close = np.full((pool.n, dim), np.nan), np.empty(pool.n, bool)
+    reach = 2.0 * pool.spacing
+    shifts.surface_normals(normal, close, g, pool.role, pool.x, pool.kind, reach, *pool.csr)
+    for i in range(1, pool.n):
+        d = np.linalg.norm(pool.x - pool.x[i], axis=1)
+        j = np.flatnonzero((pool.role == SURFACE) & (d > 0.0) & (d < reach) & (pool.kind == 0))
+        expected = g[i] if pool.role[i] == SURFACE else (g[j] / d[j, None] ** 2).sum(axis=0)
+        assert close[i] == (pool.role[i] == SURFACE or len(j) > 0)
+        if close[i]:
+            np.testing.assert_allclose(normal[i], expected / np.linalg.norm(expected), rtol=1e-10, atol=1e-12)
+    assert not close[0] and not normal[~close].any()
+
+
+@dims
 def test_sum_of_the_pressure_shift(dim):
     pool = block(dim, 5, jitter=0.8)
     p = 10.0 + np.random.default_rng(2).random(pool.n)
