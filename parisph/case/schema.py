@@ -114,9 +114,13 @@ class Case(Model):
 
     def complete_numerics(self) -> Numerics:
         """Return the numerics in which every value is set; a closed case has no free surface."""
-        values = preset_values(self.numerics.preset, self.closed)
-        own = {name: values[name] for name in CLOSED if getattr(self.numerics, name) is None}
-        return self.numerics.resolved().model_copy(update=own)
+        numerics = self.numerics
+        if not self.closed:
+            return numerics.resolved()
+        values, method = preset_values(numerics.preset, closed=True), METHODS[numerics.method].values
+        own = {name: values[name] for name in CLOSED
+               if getattr(numerics, name) is None and (name == "surface_rule" or name not in method)}
+        return numerics.resolved().model_copy(update=own)
 
     def resolved(self, numerics: Numerics) -> "Case":
         """Return the case with the resolved `numerics`; `asked` keeps those given by the user."""

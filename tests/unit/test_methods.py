@@ -153,3 +153,14 @@ def test_position_projection_spreads_what_is_too_dense():
     assert (p.alpha[inner] - 1.0).mean() < 0.6 * (before[inner] - 1.0).mean()
     assert np.all(p.u == 0.0)
     simulation.destroy()
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_method_sets_what_it_says_unless_the_case_does(closed):
+    for name, method in METHODS.items():
+        case = dam(method=name, restitution=0.7)
+        if closed:
+            case = case.changed(fluid=Fluid(Box(width=1.5, height=1.0), density=1000.0))
+        found = case.complete_numerics()
+        due = {**method.values, **({"surface_rule": "none"} if closed else {})}
+        assert {key: getattr(found, key) for key in due} == due and found.restitution == 0.7, name
