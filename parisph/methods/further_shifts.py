@@ -4,7 +4,6 @@ A case names one of them in place of "shift" among its regularisers. None of the
 """
 
 import numpy as np
-from mpi4py import MPI
 
 from parisph.base.fields import FLUID
 from parisph.kernels import shifting, shifts, wetness
@@ -69,7 +68,7 @@ class XuShift(Shift):
     def write(self, move, flow, dt):
         p, d = flow.particles, flow.domain
         top = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0)
-        top = p.comm.allreduce(float(top), op=MPI.MAX)
+        top = max(p.comm.allgather(float(top)))
         shifts.xu_shift(move, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all, lengths.MLS * flow.spacing,
                         self.strength(flow) * top * dt, CAP * flow.spacing, d.indptr, d.indices, flow.axes)
 

@@ -98,7 +98,7 @@ def test_the_users_own_file_for_matplotlib_is_read(folder, name, width):
     """It may be named relative to the current folder; 1.5 is matplotlib's own value."""
     (folder / "work" / "matplotlibrc").write_text("lines.linewidth: 9\n")
     (folder / "mine").write_text("lines.linewidth: 7\n")
-    script = "from parisph.io import style; style.drawing(); import matplotlib, os; print(matplotlib.rcParams['lines.linewidth'], os.getcwd())"
+    script = "from parisph.pictures import style; style.drawing(); import matplotlib, os; print(matplotlib.rcParams['lines.linewidth'], os.getcwd())"
     settings = {} if name is None else {"MATPLOTLIBRC": name}
     done = run([sys.executable, "-c", script], cwd=folder / "work", HOME=str(folder / "my home"), **settings)
     assert done.stdout.split() == [str(width), str(folder / "work")], done.stderr

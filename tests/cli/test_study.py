@@ -20,7 +20,7 @@ study = Study(
     variants=[
         Variant(methods=["ISPH", "ISPH_R"], time_steps=[0.032]),
         Variant(methods=["ISPH_R"], spacings=[0.1], time_steps=[0.032], ranks=[2], label="two ranks"),
-        Variant(methods=["ISPH"], spacings=[0.05], time_steps=[0.2], parameters={{"end_time": 60}}, label="long steps"),
+        Variant(methods=["Z17_ISPH"], spacings=[0.05], time_steps=[0.032], parameters={{"jitter": 0.4}}, label="no balance"),
     ],
     errors=[TruthError("left"), Quantity("volume_drift", absolute=True, name="volume"), FinestError("left")],
     required=[Required("left", must=1e-9, where={{"label": "two ranks"}})],
@@ -51,7 +51,7 @@ def test_table_files_and_verdict(made):
         lines = list(csv.DictReader(file))
     content = json.loads((out / "results.json").read_text())
     assert len(lines) == len(content["runs"]) == 6 and content["missing"] == 0
-    assert [line["label"] for line in lines] == ["ISPH", "ISPH", "ISPH_R", "ISPH_R", "two ranks", "long steps"]
+    assert [line["label"] for line in lines] == ["ISPH", "ISPH", "ISPH_R", "ISPH_R", "two ranks", "no balance"]
     assert all(0.0 < line["left"] < 1.0 for line in content["runs"] if line["label"] == "ISPH_R")
     one, two = content["runs"][2], content["runs"][4]
     assert two["ranks"] == 2 and two["left"] == pytest.approx(one["left"], rel=1e-3) and two["steps"] == one["steps"]
@@ -64,7 +64,7 @@ def test_table_files_and_verdict(made):
 def test_a_run_that_blows_up_is_a_result(made):
     line = json.loads((made[0] / "the results" / "results.json").read_text())["runs"][5]
     assert line["survived"] is False and line["left"] is None and "(reached t = " in line["reason"]
-    assert json.loads(next((made[0] / "the results" / "ends").glob("long_steps*.json")).read_text())["code"] == 3
+    assert json.loads(next((made[0] / "the results" / "ends").glob("no_balance*.json")).read_text())["code"] == 3
 
 
 def test_nothing_is_made_twice(made):

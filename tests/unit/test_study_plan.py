@@ -118,7 +118,7 @@ def test_two_equal_runs_are_an_error(folder):
 
 
 @pytest.mark.parametrize(("fields", "says"), [
-    (dict(methods=["SPH"]), "unknown method 'SPH'"),
+    (dict(methods=["MPS"]), "unknown method 'MPS'"),
     (dict(parameters={"depht": 1.0}), "did you mean 'depth'"),
     (dict(parameters={"numerics.gama": 1.0}), "did you mean 'gamma'"),
     (dict(parameters={"numerics.gamma": 3.0}), "gamma = 3"),
