@@ -2,12 +2,15 @@
 
 from time import thread_time
 
-from parisph.methods import projection, regularise
+from parisph.methods import flow as flows
+from parisph.methods import operators, positions, projection, straining, surfaces, velocities
 from parisph.parallel import domain
 from parisph.pressure import rows
 
-_CALLED_FROM = {projection: ("gradients", "surfaces"), regularise: ("collisions", "pairs", "shifting", "strain", "surfaces"),
-                rows: ("laplacian", "rankine", "surface_rows", "walls", "compress"), domain: ("neighbour_lists",)}
+_CALLED_FROM = {projection: ("gradients",), surfaces: ("surface",), velocities: ("collisions",), straining: ("strain",),
+                positions: ("collisions", "halves", "pairs", "shifting"), flows: ("surface",),
+                operators: ("gradient", "laplacian", "rankine", "walls"), rows: ("rankine", "surface_rows", "compress"),
+                domain: ("neighbour_lists",)}
 
 
 class KernelTime:

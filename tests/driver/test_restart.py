@@ -93,7 +93,8 @@ def test_snapshots_are_those_of_a_run_that_never_stopped(folder):
 def test_summary_counts_the_whole_run(folder):
     whole, both, part = (json.loads((folder / name).read_text()) for name in
                          ("whole/summary.json", "part/summary.json", "part-summary.json"))
-    assert both["status"] == whole["status"] == "completed" and both["ranks"] == 3
+    assert both["status"].startswith("completed") and both["ranks"] == 3
+    assert (both["status"], len(both["warnings"])) == (whole["status"], len(whole["warnings"]))
     assert (both["steps"], both["time"], both["fallbacks"]) == (whole["steps"], pytest.approx(whole["time"]), whole["fallbacks"])
     times = reader.open_run(folder / "whole").steps["time"]
     assert part["time"] == pytest.approx(times[part["steps"] - 1], rel=1e-12) and 0.45 < part["steps"] / whole["steps"] < 0.55
