@@ -129,11 +129,12 @@ class CompressibleParts:
     """What a scene needs for weakly compressible SPH, as `catalogue.Parts` is for projections."""
 
     reach = 2.0 * lengths.SPH
-    fields = FieldSet(("rho", "pull"))
     causes = ("pressure",)
 
     def __init__(self, numerics: Numerics):
         self.numerics = numerics
+        self.keeps_surface = numerics.surface_rule == "frozen"
+        self.fields = FieldSet(("rho", "pull", *(("start_role",) if self.keeps_surface else ())))
 
     def stages(self, closed: bool) -> list[str]:
         """Return the names of the stages of a step, in order."""

@@ -190,9 +190,12 @@ class Compressible:
         p.pull[p.kind == FLUID] += force[:p.n_owned][p.kind == FLUID]
 
     def _find_surface(self):
-        """Give fluid its role, for probes and pictures: on the surface where div r is small (Lee et al. 2008)."""
+        """Give fluid its role, for probes and pictures: that of the start, or on the surface where div r is small (Lee et al. 2008)."""
         flow = self.flow
         p, d = flow.particles, flow.domain
+        if self.parts.keeps_surface:
+            p.role[p.kind == FLUID] = p.start_role[p.kind == FLUID]
+            return
         spread = np.empty(p.n_owned)
         d.update("role")
         seen = np.where(p.role_all == DRY, np.int8(ABSENT), p.kind_all)     # walls above the water would fill its surface up
