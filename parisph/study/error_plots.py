@@ -14,6 +14,7 @@ from parisph.study.results import Result
 
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 FRONT = "Pareto front"
+MANY = 9           # entries of a legend that fit into a picture; more of them are below it
 OTHER_MARKS = ("*", "h", "p", "d", "8", "H")
 
 
@@ -41,7 +42,7 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
     if not dots:
         return False
     both = axis is not None and len({dot.x for group in dots.values() for dot in group}) > 1
-    picture = style.drawing().Figure(figsize=(10.4 if both else 6.0, 4.6), layout="constrained")
+    picture = style.drawing().Figure(figsize=(10.4 if both else 6.0, 4.6 + 0.11 * max(0, len(dots) - MANY)), layout="constrained")
     panels = picture.subplots(1, 2 if both else 1, sharey=True, squeeze=False)[0]
     looks = dict(zip(report.curves(results), style.line_looks(len(report.curves(results)))))
     marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(report.curves(results))}
@@ -126,7 +127,11 @@ def _legend(axes, curves):
     own = [pair for pair in pairs if any(pair[1].startswith(name) for name in names)]
     first = [pair for pair in pairs if pair[1] == FRONT]
     rest = [pair for pair in pairs if pair not in own and pair not in first]
-    axes.legend(*zip(*first, *own, *rest), loc="best", fontsize=8, framealpha=0.8)
+    pairs = [*first, *own, *rest]
+    if len(pairs) <= MANY:
+        axes.legend(*zip(*pairs), loc="best", fontsize=8, framealpha=0.8)
+    else:    # inside, it would hide the curves
+        axes.legend(*zip(*pairs), loc="upper center", bbox_to_anchor=(0.5, -0.14), fontsize=7, ncols=2, frameon=False)
 
 
 def _logarithmic(axes, values):
