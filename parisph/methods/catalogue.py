@@ -110,7 +110,7 @@ class Parts:
         if self.surface.open and n.surface_rule != "frozen":
             found.append(f"surface ({self.surface.name})")
         further = [f"{part.name} force" for part in self.forces if part.name != "body"]
-        source = ", strain source" if n.strain else ""
+        source = ", strain source" if n.strain and self.source.name == "mixed" else ""
         flux = f", {self.divergence.name} divergence" if not self.laplacian.gives_flux else ""
         surface = f", {self.surface_gradient.name} at the surface" if self.surface_gradient.name != "same" and self.surface.open else ""
         return [*found, *further, f"assemble ({n.method}, {self.wall_rows.name} walls{flux}{source})",

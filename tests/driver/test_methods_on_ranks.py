@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from parisph.case.methods import METHODS
+from tests.launch import ROOT, parisph
 from tests.scenes import difference, on_ranks
 
 STEPS = 20
@@ -42,6 +43,15 @@ def test_ranks_agree(results, name):
         np.testing.assert_array_equal(more["role"], one["role"])
         for field in ("x", "u", "p"):
             assert difference(more[field], one[field]) < 1e-9, (ranks, field)
+
+
+def test_a_weakly_compressible_run_is_stored_continued_and_drawn(tmp_path):
+    """Densities are in its checkpoint; nothing that looks at a run asks for a pressure solve."""
+    for words in (("run", ROOT / "cases" / "dam_break.py", "--set", "method=SPH", "spacing=0.1", "end_time=0.2", "-o", "run"),
+                  ("restart", "run", "--until", "0.1", "-o", "more"), ("info", "more"), ("plot", "run", "-o", "run.png")):
+        done = parisph(*words, cwd=tmp_path, timeout=120)
+        assert done.returncode == 0, done.stderr
+    assert (tmp_path / "run.png").stat().st_size > 10_000
 
 
 COUNTED = """
