@@ -167,11 +167,6 @@ class Simulation:
         return replace(report, left=self.left.particles)
 
     @property
-    def solver(self):
-        """The solver of the pressure equation."""
-        return self.method.solver
-
-    @property
     def columns(self) -> dict[str, str]:
         """Columns of steps.csv with their units."""
         unit = "J/m" if self.case.dim == 2 else "J"
@@ -304,7 +299,8 @@ def _parts(case, comm):
 def _method(case, flow, parts, petsc_options):
     """Return the method of the case, ready to start. Collective."""
     if METHODS[case.numerics.method].step == "compressible":
-        return Compressible(flow, parts, sound_speed(case), SETTLE * scales.fall_time(case))
+        return Compressible(flow, parts, sound_speed(case), SETTLE * scales.fall_time(case),
+                            Scene.of(case).gravity)
     return Projection(flow, parts, petsc_options)
 
 

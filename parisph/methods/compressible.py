@@ -50,12 +50,13 @@ class Compressible:
     sound : speed of sound [m/s]
     settle : time [s] for which water at rest settles before the start, 0 for none. Sums over pairs lack half their
         neighbours at the surface, which sinks by a third of a spacing until the rest of them balance gravity
+    gravity : (dim,) [m/s^2], in which it settles: a tank that moves is at rest until then
     """
 
-    solver = None
-
-    def __init__(self, flow: Flow, parts: CompressibleParts, sound: float, settle: float = 0.0):
-        self.flow, self.parts, self.sound, self.settle, n = flow, parts, sound, settle, flow.numerics
+    def __init__(self, flow: Flow, parts: CompressibleParts, sound: float, settle: float = 0.0,
+                 gravity: np.ndarray | None = None):
+        self.flow, self.parts, self.sound, n = flow, parts, sound, flow.numerics
+        self.settle, self.gravity, self._mass = settle, gravity, np.empty(0)
         if flow.viscosity:
             raise CaseError(f"fluid.viscosity = {flow.viscosity:g}: weakly compressible SPH has its artificial viscosity alone; "
                             "set numerics.artificial_viscosity, or choose a projection method")
@@ -71,10 +72,11 @@ class Compressible:
         """Find densities from the pressure at the start, and the acceleration there; return 0. Collective."""
         flow, p = self.flow, self.flow.particles
         self._begun = True
-        flow.domain.refresh()
+        flow.domain.refresh("u")
         p.rho[:] = self.density(p.p, self.sound, flow.density)
+        if self.settle:
+            self._settle(time)
         self._pull(time)
-        self._settle(time)
         self._find_surface()
         return 0
 
@@ -91,8 +93,7 @@ class Compressible:
             flow.domain.update("u")
             p.x[fluid] += dt * self._moving()[fluid]
         with timers("redistribute"):
-            flow.domain.refresh()
-            flow.domain.update("u")
+            flow.domain.refresh("u")
         with timers("correct"):
             self._densities(dt)
             self._pull(time + dt)
@@ -125,11 +126,12 @@ class Compressible:
 
     def state(self) -> dict[str, float]:
         """Return what a checkpoint needs beside the particles."""
-        return {}
+        return {"acceleration": self.top_acceleration, "surface_steps": self._steps}
 
     def resume(self, state: dict) -> None:
         """Continue from the state in a checkpoint."""
         self._begun = True
+        self.top_acceleration, self._steps = state.get("acceleration", 0.0), state.get("surface_steps", 0)
 
     def about(self) -> Any:
         """Return the options of PETSc: none."""
@@ -142,16 +144,25 @@ class Compressible:
 
     def _settle(self, time):
         """Let water come to rest, its velocity damped within a hundredth of the whole time that this takes. Collective."""
-        p, left = self.flow.particles, self.settle
+        flow, left = self.flow, self.settle
+        p, body = flow.particles, flow.body
+        flow.body = lambda x, t: np.tile(self.gravity, (len(x), 1))
+        self._pull(time)
         while left > 0.0:
             dt = min(self.longest_step(), left)
             p.u[:] *= max(0.0, 1.0 - 100.0 * dt / self.settle)
             self.step(time, dt)
             left -= dt
         p.u[:] = 0.0
+        flow.body, self._steps = body, 0
+        flow.domain.refresh("u")
 
     def _masses(self):
-        return np.full(self.flow.particles.n_all, self.mass)
+        """Return the masses of all local particles (n_all,), which are equal."""
+        n = self.flow.particles.n_all
+        if len(self._mass) < n:
+            self._mass = np.full(n + n // 8, self.mass)
+        return self._mass[:n]
 
     def _moving(self):
         """Return the velocity with which particles move (n_owned, dim) [m/s] (Eq 9)."""
@@ -177,7 +188,7 @@ class Compressible:
         """Continue pressure to the walls, and write the acceleration of fluid (Eqs 6 and 8)."""
         flow = self.flow
         p, d, n = flow.particles, flow.domain, flow.numerics
-        d.update("p", "rho", "u")
+        d.update("p", "rho")
         force = flow.body(p.x_all, time)
         weakly.wall_pressure(p.p, p.x_all, p.p_all, p.rho_all, force, np.zeros_like(p.u), p.kind_all, self.h,
                              d.indptr, d.indices, flow.axes)
@@ -208,10 +219,10 @@ class Compressible:
     def _report(self, dt):
         flow, p = self.flow, self.flow.particles
         fluid = p.kind == FLUID
-        compression, speed = _largest(p.comm, np.abs(p.rho[fluid] / flow.density - 1.0).max(initial=0.0),
-                                      np.sqrt((p.u[fluid] ** 2).sum(axis=1).max(initial=0.0)))
+        compression, speed, self.top_acceleration = _largest(
+            p.comm, np.abs(p.rho[fluid] / flow.density - 1.0).max(initial=0.0),
+            np.sqrt((p.u[fluid] ** 2).sum(axis=1).max(initial=0.0)), np.sqrt((p.pull**2).sum(axis=1).max(initial=0.0)))
         surface = p.comm.allreduce(int(np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC)))))
-        self.top_acceleration = float(np.sqrt((p.pull**2).sum(axis=1).max(initial=0.0)))
         return CompressibleReport(dt, surface, 0, flow.budget.works(p.comm), compression, speed)
 
 

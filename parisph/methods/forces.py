@@ -13,7 +13,7 @@ class Body(Force):
 
     name = "body"
 
-    def add(self, out, flow, time):
+    def add(self, out, flow, time) -> None:
         out += flow.body(flow.particles.x_all, time)
 
 
@@ -23,10 +23,10 @@ class Viscous(Force):
     name, source, reach, viscous = "viscous", "Z14 Eq 2", lengths.VISCOUS, True
     fields = ("no_slip", "wall_u", "nu", "viscous")
 
-    def needs(self, numerics):
+    def needs(self, numerics) -> tuple[str, ...]:
         return (*self.fields, *(straining.FIELDS if numerics.smagorinsky else ()))
 
-    def add(self, out, flow, time):
+    def add(self, out, flow, time) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
         wall = p.kind == WALL
         p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
@@ -39,13 +39,13 @@ class Viscous(Force):
         d.update("viscous")
         out += p.viscous_all
 
-    def laplacian(self, out, flow):
+    def laplacian(self, out, flow) -> None:
         """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2]."""
         p, d, s = flow.particles, flow.domain, flow.spacing
         viscous.corrected(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
                           lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
 
-    def longest_step(self, flow):
+    def longest_step(self, flow) -> float:
         p = flow.particles
         nu = flow.viscosity + (p.nu.max(initial=0.0) if flow.numerics.smagorinsky else 0.0)
         return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
@@ -66,7 +66,7 @@ class MorrisViscous(Viscous):
 
     name, source = "viscous_morris", "Morris et al. 1997, Eq 22"
 
-    def laplacian(self, out, flow):
+    def laplacian(self, out, flow) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
         viscous.morris(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.no_slip_all,
                        lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)

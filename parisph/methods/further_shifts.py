@@ -3,6 +3,8 @@
 A case names one of them in place of "shift" among its regularisers. None of them turns close pairs.
 """
 
+from abc import abstractmethod
+
 import numpy as np
 
 from parisph.base.fields import FLUID
@@ -19,24 +21,24 @@ class Shift(Regulariser):
 
     cause, moves = "shift", True
 
-    def wanted(self, numerics):
+    def wanted(self, numerics) -> bool:
         return numerics.shift > 0.0
 
-    def needs(self, numerics):
+    def needs(self, numerics) -> tuple[str, ...]:
         return (*self.fields, *(straining.FIELDS if numerics.shift_strain else ()))
 
-    def apply(self, flow, dt):
+    def apply(self, flow, dt) -> None:
         move = np.empty_like(flow.particles.x)
         self.write(move, flow, dt)
         displace(flow, move)
 
-    def strength(self, flow):
+    def strength(self, flow) -> np.ndarray:
         """Return the weight of this step at owned particles (n_owned,)."""
         return straining.strength(flow, flow.numerics.shift, flow.numerics.shift_strain)
 
-    def write(self, move, flow, dt):
+    @abstractmethod
+    def write(self, move, flow, dt) -> None:
         """Write the displacement in a step of dt [s] of owned fluid to move (n_owned, dim) [m]. Collective."""
-        raise NotImplementedError
 
 
 class TensileShift(Shift):
@@ -44,7 +46,7 @@ class TensileShift(Shift):
 
     name, source, words, fields = "shift_tensile", "Lind et al. 2012, Eqs 23 and 27", "shift with tensile term", ("grad_alpha",)
 
-    def write(self, move, flow, dt):
+    def write(self, move, flow, dt) -> None:
         p, d = flow.particles, flow.domain
         h = lengths.DENSITY * flow.spacing
         tensile_gradient(flow)
@@ -65,7 +67,7 @@ class XuShift(Shift):
 
     name, source, words, reach = "shift_xu", "Xu et al. 2009, Eqs 25 and 26", "shift of Xu et al.", lengths.MLS
 
-    def write(self, move, flow, dt):
+    def write(self, move, flow, dt) -> None:
         p, d = flow.particles, flow.domain
         top = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0)
         top = max(p.comm.allgather(float(top)))
@@ -79,7 +81,7 @@ class LindShift(Shift):
     name, source, words = "shift_lind", "Lind et al. 2012, Eqs 23 to 27, beta = 0", "shift of Lind et al."
     fields = ("grad_alpha",)
 
-    def write(self, move, flow, dt):
+    def write(self, move, flow, dt) -> None:
         p, d = flow.particles, flow.domain
         h = lengths.DENSITY * flow.spacing
         tensile_gradient(flow)
@@ -95,10 +97,10 @@ class PressureShift(Shift):
 
     name, source, words, reach = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure", lengths.MLS
 
-    def needs(self, numerics):
+    def needs(self, numerics) -> tuple[str, ...]:
         return self.fields
 
-    def write(self, move, flow, dt):
+    def write(self, move, flow, dt) -> None:
         p, d = flow.particles, flow.domain
         shifts.pressure_shift(move, p.p_all, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all,
                               lengths.MLS * flow.spacing, 0.5 * dt * dt / flow.density, CAP * flow.spacing,

@@ -4,6 +4,7 @@ A part gets the Flow and arrays, never the method. What a scene needs follows fr
 neighbour lists reach, which dimensions it can have, its longest time step, and the stages that `parisph check` prints.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, Generic, TypeVar
 
@@ -14,7 +15,7 @@ from parisph.case.numerics import Numerics
 from parisph.pressure.rows import Cloud, Flux, Rows
 
 
-class Part:
+class Part(ABC):
     """What every part declares. Values that depend on numbers of the case are asked for with them.
 
     Attributes
@@ -62,39 +63,39 @@ class Laplacian(Part):
     gives_flux: ClassVar[bool] = False
     linear: ClassVar[bool] = True
 
+    @abstractmethod
     def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
         """Write count, columns, values and measure of inner particles. Not collective.
 
         u : (n_all, dim) [m/s], for the flux divergence if it gives it
         """
-        raise NotImplementedError
 
 
 class Divergence(Part):
     """Stencils of the divergence: div u_I = sum_J flux_J . (u_J - u_I) at inner particles."""
 
+    @abstractmethod
     def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
         """Write count, columns and flux of inner particles, and div of u (n_all, dim). Not collective."""
-        raise NotImplementedError
 
 
 class WallRows(Part):
     """Rows of wet wall particles: row_I(p) = -measure_I n . grad p."""
 
+    @abstractmethod
     def fill(self, rows: Rows, cloud: Cloud) -> None:
         """Write count, columns, values and measure of wet wall particles. Not collective."""
-        raise NotImplementedError
 
 
 class Gradient(Part):
     """The gradient of pressure at fluid particles."""
 
+    @abstractmethod
     def write(self, out: np.ndarray, f: np.ndarray, flow: Any) -> None:
         """Write the gradient of f (n_all,) at owned fluid particles to out (n_owned, dim). Not collective.
 
         A particle with too few neighbours gets a zero gradient, and the role BALLISTIC.
         """
-        raise NotImplementedError
 
 
 class Surface(Part):
@@ -105,20 +106,20 @@ class Surface(Part):
 
     open: ClassVar[bool] = True
 
+    @abstractmethod
     def find(self, flow: Any, seen: np.ndarray) -> None:
         """Write the roles of owned fluid particles. Not collective.
 
         seen : (n_all,) kind, ABSENT for walls that do not count
         """
-        raise NotImplementedError
 
 
 class Source(Part):
     """The right-hand side of the pressure equation."""
 
+    @abstractmethod
     def target(self, flow: Any, dt: float) -> np.ndarray:
         """Return what lap p shall be at owned particles (n_owned,) [Pa/m^2], before a step of dt [s]. Collective."""
-        raise NotImplementedError
 
 
 class Force(Part):
@@ -129,9 +130,9 @@ class Force(Part):
 
     viscous: ClassVar[bool] = False
 
+    @abstractmethod
     def add(self, out: np.ndarray, flow: Any, time: float) -> None:
         """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""
-        raise NotImplementedError
 
 
 class Regulariser(Part):
@@ -148,9 +149,9 @@ class Regulariser(Part):
     cause: ClassVar[str]
     words: ClassVar[str]
 
+    @abstractmethod
     def apply(self, flow: Any, dt: float) -> None:
         """Change the velocities or positions of owned fluid in a step of dt [s]. Collective."""
-        raise NotImplementedError
 
 
 P = TypeVar("P", bound=Part)

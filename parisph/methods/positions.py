@@ -26,13 +26,13 @@ class PositionProjection(Regulariser):
 
     name, cause, words, moves, fields = "projection", "projection", "position projection", True, (*straining.FIELDS, "alpha", "phi")
 
-    def wanted(self, numerics):
+    def wanted(self, numerics) -> bool:
         return numerics.kappa > 0.0
 
-    def needs(self, numerics):
+    def needs(self, numerics) -> tuple[str, ...]:
         return (*self.fields, *_share_of(numerics))
 
-    def apply(self, flow, dt):
+    def apply(self, flow, dt) -> None:
         p, d, n = flow.particles, flow.domain, flow.numerics
         flow.fresh("x")
         find_share(flow)
@@ -49,10 +49,10 @@ class Parting(Regulariser):
 
     name, cause, words, moves, strain, fields = "parting", "parting", "parting of close pairs", True, False, ("pairs",)
 
-    def wanted(self, numerics):
+    def wanted(self, numerics) -> bool:
         return numerics.shift > 0.0
 
-    def apply(self, flow, dt):
+    def apply(self, flow, dt) -> None:
         p, d = flow.particles, flow.domain
         distance = PART_WITHIN * flow.spacing
         flow.fresh("x", "role")
@@ -70,14 +70,14 @@ class FickShift(Regulariser):
     name, source, cause, words, moves = "shift", "Lind et al. 2012", "shift", "Fick shift", True
     fields = ("grad_alpha", "turn")
 
-    def wanted(self, numerics):
+    def wanted(self, numerics) -> bool:
         return numerics.shift > 0.0
 
-    def needs(self, numerics):
+    def needs(self, numerics) -> tuple[str, ...]:
         strain = (*straining.FIELDS, *_share_of(numerics)) if numerics.shift_strain else ()
         return (*self.fields, *strain)
 
-    def apply(self, flow, dt):
+    def apply(self, flow, dt) -> None:
         p, d, n = flow.particles, flow.domain, flow.numerics
         h = lengths.DENSITY * flow.spacing
         flow.fresh("x", "role")
@@ -107,10 +107,10 @@ class KeepApart(Regulariser):
 
     name, cause, words, moves, strain = "keep_apart", "parting", "least distance", True, False
 
-    def wanted(self, numerics):
+    def wanted(self, numerics) -> bool:
         return numerics.shift > 0.0
 
-    def apply(self, flow, dt):
+    def apply(self, flow, dt) -> None:
         p, d = flow.particles, flow.domain
         move, near = np.empty_like(p.x), np.ones(p.n_owned, bool)
         for _ in range(SWEEPS):

@@ -16,10 +16,10 @@ class Mixed(Source):
 
     name, source = "mixed", "Z14 Eqs 17-19"
 
-    def needs(self, numerics):
+    def needs(self, numerics) -> tuple[str, ...]:
         return ("alpha",) if numerics.gamma > 0.0 else ()
 
-    def target(self, flow, dt):
+    def target(self, flow, dt) -> np.ndarray:
         n, density = flow.numerics, flow.density
         zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
         strain = strain_source(flow, dt) if n.strain > 0.0 or n.residual_strain > 0.0 else 0.0
@@ -38,7 +38,7 @@ class VelocityDivergence(Source):
 
     name, source = "divergence", "Z14 Eq 17"
 
-    def target(self, flow, dt):
+    def target(self, flow, dt) -> np.ndarray:
         return flow.density / dt * flow.rows.div
 
 
@@ -47,7 +47,7 @@ class DensityInvariance(Source):
 
     name, source, fields = "density", "Z14 Eq 18", ("alpha",)
 
-    def target(self, flow, dt):
+    def target(self, flow, dt) -> np.ndarray:
         return -flow.density / dt**2 * compression(flow, flow.particles.alpha, np.zeros(flow.particles.n_owned))
 
 
@@ -60,7 +60,7 @@ class ErrorCompensating(Source):
 
     name, source, fields = "compensating", "Khayyer and Gotoh 2011", ("alpha",)
 
-    def target(self, flow, dt):
+    def target(self, flow, dt) -> np.ndarray:
         p = flow.particles
         e, before = compression(flow, p.alpha, np.zeros(p.n_owned)), np.empty(p.n_owned)
         flow.rows.divergence(before, p.u_all, p.role_all)

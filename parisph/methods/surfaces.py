@@ -37,7 +37,7 @@ class Closed(Surface):
 
     name, open = "none", False
 
-    def find(self, flow, seen):
+    def find(self, flow, seen) -> None:
         p = flow.particles
         p.role[:] = np.where(p.kind == FLUID, INNER, WET)
 
@@ -47,7 +47,7 @@ class Frozen(Surface):
 
     name, fields = "frozen", ("closing", "start_role")
 
-    def find(self, flow, seen):
+    def find(self, flow, seen) -> None:
         p, d = flow.particles, flow.domain
         radius, power, floor = GRADIENTS[flow.numerics.gradient].form(flow.spacing)
         p.role[:] = np.where((p.kind == FLUID) & (p.role != BALLISTIC), p.start_role, p.role)
@@ -59,7 +59,7 @@ class AngularGap(Surface):
 
     name, reach, fields = "gap", lengths.SURFACE_GAP, ("closing", "alpha")
 
-    def find(self, flow, seen):
+    def find(self, flow, seen) -> None:
         p, d = flow.particles, flow.domain
         surface.surface_by_gap(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all, p.alpha,
                                lengths.SURFACE_GAP * flow.spacing, 2.3, 1.4, 0.55, d.indptr, d.indices, flow.axes)
@@ -70,7 +70,7 @@ class Auxiliary(Surface):
 
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
 
-    def find(self, flow, seen):
+    def find(self, flow, seen) -> None:
         p, d = flow.particles, flow.domain
         surface.surface_by_auxiliary_functions(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all, p.alpha,
                                                lengths.WALL * flow.spacing, 0.9, d.indptr, d.indices, flow.axes)
@@ -81,7 +81,7 @@ class DensityRatio(Surface):
 
     name, fields = "density", ("closing", "alpha")
 
-    def find(self, flow, seen):
+    def find(self, flow, seen) -> None:
         p, d = flow.particles, flow.domain
         surface.surface_by_density(p.role_all, p.kind_all, p.alpha, 0.9, d.indptr)
 

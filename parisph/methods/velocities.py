@@ -13,13 +13,13 @@ class Filter(Regulariser):
 
     name, cause, words, reach = "filter", "filter", "velocity filter", lengths.MLS
 
-    def wanted(self, numerics):
+    def wanted(self, numerics) -> bool:
         return numerics.filter > 0.0
 
-    def needs(self, numerics):
+    def needs(self, numerics) -> tuple[str, ...]:
         return straining.FIELDS if numerics.filter_strain else ()
 
-    def apply(self, flow, dt):
+    def apply(self, flow, dt) -> None:
         p, d, n = flow.particles, flow.domain, flow.numerics
         flow.fresh("u", "role")
         change = np.empty_like(p.u)
@@ -35,10 +35,10 @@ class Collisions(Regulariser):
 
     name, cause, words, fields = "collisions", "collisions", "pair collisions", (*straining.FIELDS, "pairs")
 
-    def wanted(self, numerics):
+    def wanted(self, numerics) -> bool:
         return numerics.collision_distance > 0.0
 
-    def apply(self, flow, dt):
+    def apply(self, flow, dt) -> None:
         p, d, n = flow.particles, flow.domain, flow.numerics
         distance = n.collision_distance * flow.spacing
         flow.fresh("u")
@@ -56,10 +56,10 @@ class WallGuard(Regulariser):
 
     name, cause, words = "wall_guard", "guard", "wall guard"
 
-    def wanted(self, numerics):
+    def wanted(self, numerics) -> bool:
         return numerics.wall_guard > 0.0
 
-    def apply(self, flow, dt):
+    def apply(self, flow, dt) -> None:
         guard(flow, flow.particles.u_all, dt)
         flow.stale.add("u")
 

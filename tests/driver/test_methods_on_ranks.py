@@ -54,6 +54,17 @@ def test_a_weakly_compressible_run_is_stored_continued_and_drawn(tmp_path):
     assert (tmp_path / "run.png").stat().st_size > 10_000
 
 
+ADAPTIVE = """
+s = Simulation(scene("dam_break", spacing=0.1, method="SPH", time_step="none"), comm)
+times = [s.advance() and s.time for _ in range(30)]
+assert comm.allgather(times) == [times] * comm.size
+"""
+
+
+def test_adaptive_steps_of_weakly_compressible_fluid_are_the_same_on_all_ranks(tmp_path):
+    on_ranks(3, ADAPTIVE, tmp_path)
+
+
 COUNTED = """
 import json
 from collections import Counter
