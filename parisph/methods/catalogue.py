@@ -107,11 +107,11 @@ class Parts:
         """Return the names of the stages of a step, in order. closed : whether the fluid fills a closed tank."""
         n = self.numerics
         found = ["predict", "redistribute"]
-        if self.surface.open and n.surface_rule != "frozen":
+        if self.surface.open and not self.surface.keeps:
             found.append(f"surface ({self.surface.name})")
-        further = [f"{part.name} force" for part in self.forces if part.name != "body"]
-        source = ", strain source" if n.strain and self.source.name == "mixed" else ""
-        flux = f", {self.divergence.name} divergence" if not self.laplacian.gives_flux else ""
+        further = [part.words for part in self.forces if part.words]
+        source = self.source.words(n) and f", {self.source.words(n)}"
+        flux = f", {self.divergence.name} divergence" if self.laplacian.gives != self.divergence.name else ""
         surface = f", {self.surface_gradient.name} at the surface" if self.surface_gradient.name != "same" and self.surface.open else ""
         return [*found, *further, f"assemble ({n.method}, {self.wall_rows.name} walls{flux}{source})",
                 "solve" + (" (null space)" if closed else ""), f"correct ({self.gradient.name} gradient{surface})",
@@ -133,7 +133,7 @@ class CompressibleParts:
 
     def __init__(self, numerics: Numerics):
         self.numerics = numerics
-        self.keeps_surface = numerics.surface_rule == "frozen"
+        self.keeps_surface = SURFACES[numerics.surface_rule].keeps
         self.fields = FieldSet(("rho", "pull", *(("start_role",) if self.keeps_surface else ())))
 
     def stages(self, closed: bool) -> list[str]:

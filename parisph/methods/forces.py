@@ -20,7 +20,7 @@ class Body(Force):
 class Viscous(Force):
     """nu lap u by a quadratic fit, exact for quadratic velocities; at walls its normal part is that of the fluid before them."""
 
-    name, source, reach, viscous = "viscous", "Z14 Eq 2", lengths.VISCOUS, True
+    name, source, reach, viscous, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, True, "viscous force"
     fields = ("no_slip", "wall_u", "nu", "viscous")
 
     def needs(self, numerics) -> tuple[str, ...]:
@@ -64,7 +64,7 @@ class Viscous(Force):
 class MorrisViscous(Viscous):
     """nu lap u by the form of Morris, which conserves momentum."""
 
-    name, source = "viscous_morris", "Morris et al. 1997, Eq 22"
+    name, source, words = "viscous_morris", "Morris et al. 1997, Eq 22", "viscous force of Morris"
 
     def laplacian(self, out, flow) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing

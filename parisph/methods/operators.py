@@ -23,7 +23,7 @@ class Rankine(Laplacian):
     """ISPH_R: the mean over a circle of moving least squares, normalised by its result for a parabola."""
 
     name, source, reach = "rankine", "Z14 Eq 23, normalised", lengths.MLS
-    gives_flux = True
+    gives = "flux"
     normalised = True
 
     def fill(self, rows, cloud, flux, u) -> None:

@@ -56,11 +56,11 @@ class Part(ABC):
 class Laplacian(Part):
     """Rows of inner particles. With row_I(p) = p_I - sum_J values_J p_J they mean row_I(p) = -measure_I lap p.
 
-    gives_flux : whether `fill` also writes the stencils of the flux divergence
+    gives : name of the divergence whose stencils `fill` writes as well, or ""
     linear : whether the rows are exact for linear pressure on any particles; else the step balances the body force
     """
 
-    gives_flux: ClassVar[bool] = False
+    gives: ClassVar[str] = ""
     linear: ClassVar[bool] = True
 
     @abstractmethod
@@ -102,9 +102,11 @@ class Surface(Part):
     """A rule for the free surface.
 
     open : whether there may be a free surface at all
+    keeps : whether particles on it stay on it
     """
 
     open: ClassVar[bool] = True
+    keeps: ClassVar[bool] = False
 
     @abstractmethod
     def find(self, flow: Any, seen: np.ndarray) -> None:
@@ -117,6 +119,10 @@ class Surface(Part):
 class Source(Part):
     """The right-hand side of the pressure equation."""
 
+    def words(self, numerics: Numerics) -> str:
+        """Return what `parisph check` says of it with the numbers of a case, or nothing."""
+        return ""
+
     @abstractmethod
     def target(self, flow: Any, dt: float) -> np.ndarray:
         """Return what lap p shall be at owned particles (n_owned,) [Pa/m^2], before a step of dt [s]. Collective."""
@@ -126,9 +132,11 @@ class Force(Part):
     """A force per unit mass.
 
     viscous : whether only viscous fluid feels it
+    words : what `parisph check` calls it, or "" for what every scene has
     """
 
     viscous: ClassVar[bool] = False
+    words: ClassVar[str] = ""
 
     @abstractmethod
     def add(self, out: np.ndarray, flow: Any, time: float) -> None:

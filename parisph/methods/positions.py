@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.fields import FLUID
 from parisph.kernels import collisions, halves, pairs, shifting, wetness
 from parisph.methods import lengths, straining
-from parisph.methods.parts import REGULARISERS, Regulariser
+from parisph.methods.parts import REGULARISERS, SURFACES, Regulariser
 
 SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
@@ -124,7 +124,7 @@ class KeepApart(Regulariser):
 
 def _share_of(numerics):
     """Return the field of the walls' shares, if there may be walls that fluid comes to later."""
-    return () if numerics.surface_rule == "none" else ("share",)
+    return ("share",) if SURFACES[numerics.surface_rule].open else ()
 
 
 def find_share(flow) -> None:

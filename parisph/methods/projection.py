@@ -87,6 +87,7 @@ class Projection:
             self._correct_velocity(dt)
             budget.mark(p, "pressure")
             flow.fresh("role", "u")
+            self._begin_regularising(dt)
             self._regularise(parts.velocity_regularisers, dt)
             self._move(start, dt)
             budget.mark(p, "pressure")
@@ -271,13 +272,16 @@ class Projection:
             mine = float(np.sqrt((acceleration**2).sum(axis=1).max(initial=0.0)))
             flow.top_acceleration = p.comm.allreduce(mine, op=MPI.MAX)
 
-    def _regularise(self, regularisers, dt):
-        """Apply regularisers in their order; the first one that needs the strain of the step has it measured."""
+    def _begin_regularising(self, dt):
+        """Forget what the regularisers found in the last step, and measure the strain of this one if any part needs it."""
         flow = self.flow
-        if regularisers is self.parts.velocity_regularisers:
-            flow.collisions, flow.position_solve, flow.knows_share = 0, None, False
-            if self.parts.measures_strain:
-                straining.measure(flow, dt)
+        flow.collisions, flow.position_solve, flow.knows_share = 0, None, False
+        if self.parts.measures_strain:
+            straining.measure(flow, dt)
+
+    def _regularise(self, regularisers, dt):
+        """Apply regularisers in their order."""
+        flow = self.flow
         for part in regularisers:
             part.apply(flow, dt)
             flow.budget.mark(flow.particles, part.cause)

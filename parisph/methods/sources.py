@@ -16,6 +16,9 @@ class Mixed(Source):
 
     name, source = "mixed", "Z14 Eqs 17-19"
 
+    def words(self, numerics) -> str:
+        return "strain source" if numerics.strain else ""
+
     def needs(self, numerics) -> tuple[str, ...]:
         return ("alpha",) if numerics.gamma > 0.0 else ()
 

@@ -45,7 +45,7 @@ class Closed(Surface):
 class Frozen(Surface):
     """Fluid keeps the role of the start, also particles that have flown freely and have neighbours again."""
 
-    name, fields = "frozen", ("closing", "start_role")
+    name, keeps, fields = "frozen", True, ("closing", "start_role")
 
     def find(self, flow, seen) -> None:
         p, d = flow.particles, flow.domain

@@ -96,7 +96,7 @@ class PressureRows:
     def __init__(self, dim: int, laplacian: Any, divergence: Any, walls: Any, offset: float, radius: float):
         self.laplacian, self.divergence_part, self.walls = laplacian, divergence, walls
         self.offset, self.radius = offset, radius
-        self.own_flux = not (laplacian.gives_flux and divergence.name == "flux")
+        self.own_flux = laplacian.gives != divergence.name
         self.rows, self.flux = Rows(), Flux(dim)
 
     def fill(self, u: np.ndarray, cloud: Cloud) -> None:
