@@ -12,8 +12,11 @@ ROUNDING = 1e-9    # of the approach by a linear velocity: what differs from it 
 
 
 @kernel
-def count_collisions(number, u, x, g, kind, distance, indptr, indices, axes) -> None:
-    """Number of fluid neighbours that each owned particle collides with: (n_owned,). See pair_collisions."""
+def count_collisions(number, u, x, kind, distance, indptr, indices, axes) -> None:
+    """Number of fluid neighbours closer than the distance that each owned particle approaches: (n_owned,).
+
+    These are at least as many as it collides with (pair_collisions).
+    """
     for i in range(len(indptr) - 1):
         number[i] = 0
         if kind[i] != FLUID:
@@ -21,7 +24,10 @@ def count_collisions(number, u, x, g, kind, distance, indptr, indices, axes) -> 
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             if kind[j] == FLUID:
-                r2, approach = _approach(i, j, x, u, g, axes)
+                r2, approach = 0.0, 0.0
+                for a in range(len(axes)):
+                    r2 += (x[j, a] - x[i, a]) ** 2
+                    approach += (x[j, a] - x[i, a]) * (u[i, a] - u[j, a])
                 number[i] += 0.0 < r2 < distance * distance and approach > 0.0
 
 
@@ -31,7 +37,7 @@ def pair_collisions(change, number, u, x, g, kind, volume, distance, restitution
 
     What counts is the approach beyond that of a linear velocity, d . (u_i - u_j) + d . (g_i + g_j) d/2
     with d = x_j - x_i, or all of it if that is less: smooth strain never collides. Each impulse is
-    divided by the larger number of collisions of the two. Momentum is then conserved (with masses in
+    divided by the larger `number` of the two. Momentum is then conserved (with masses in
     proportion to the volumes), and energy does not rise as long as no mass is more than 1/(1 +
     restitution) of the two. Impulses are computed from the velocities before the collisions: the
     result depends neither on the order of the pairs nor on the rank that owns a particle.

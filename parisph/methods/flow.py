@@ -33,8 +33,8 @@ class Flow:
     force : (n_all, dim) [m/s^2], of this step
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
     strained, doubt, rapid : (n_owned,) or None, of methods.straining in this step
-    knows_share : whether the field share is that of this step
     top_acceleration : of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
+    top_speed : of fluid, on all ranks [m/s]; known in steps with a part that needs it
     stale : names of fields that have changed since the ghosts got them; the same on all ranks
     collisions : pairs of owned particles that have collided in this step
     rows, solver, pressure_gradient : PressureRows, PressureSolver, and a function of f (n_all,), of a projection; else None
@@ -54,8 +54,7 @@ class Flow:
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None
         self.rapid: np.ndarray | None = None
-        self.knows_share = False
-        self.top_acceleration = 0.0
+        self.top_acceleration = self.top_speed = 0.0
         self.collisions = 0
         self.stale: set[str] = set()
         # of a projection: its rows and solver, and what computes gradients with them
@@ -72,8 +71,11 @@ class Flow:
                      self.spacing, self.axes)
 
     def fresh(self, *names: str) -> None:
-        """Send the fields that have changed to the ghosts, in one message, if any of `names` is among them. Collective."""
-        if self.stale.intersection(names):
+        """Send the fields that have changed to the ghosts, in one message, if any of `names` is among them. Collective.
+
+        Without names, all that have changed.
+        """
+        if self.stale and (not names or self.stale.intersection(names)):
             self.domain.update(*sorted(self.stale))
             self.stale.clear()
 

@@ -6,12 +6,13 @@ A case names one of them in place of "shift" among its regularisers. None of the
 from abc import abstractmethod
 
 import numpy as np
+from mpi4py import MPI
 
 from parisph.base.fields import FLUID
 from parisph.kernels import shifting, shifts, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Regulariser
-from parisph.methods.positions import CAP, displace
+from parisph.methods.positions import CAP
 
 NEAR_SURFACE = 2.0      # spacings from a surface particle within which the shift of Lind et al. knows the surface
 
@@ -27,10 +28,10 @@ class Shift(Regulariser):
     def needs(self, numerics) -> tuple[str, ...]:
         return (*self.fields, *(straining.FIELDS if numerics.shift_strain else ()))
 
-    def apply(self, flow, dt) -> None:
+    def change(self, flow, dt) -> np.ndarray:
         move = np.empty_like(flow.particles.x)
         self.write(move, flow, dt)
-        displace(flow, move)
+        return move
 
     def strength(self, flow) -> np.ndarray:
         """Return the weight of this step at owned particles (n_owned,)."""
@@ -38,7 +39,7 @@ class Shift(Regulariser):
 
     @abstractmethod
     def write(self, move, flow, dt) -> None:
-        """Write the displacement in a step of dt [s] of owned fluid to move (n_owned, dim) [m]. Collective."""
+        """Write the displacement in a step of dt [s] of owned fluid to move (n_owned, dim) [m]. Not collective."""
 
 
 class TensileShift(Shift):
@@ -46,20 +47,22 @@ class TensileShift(Shift):
 
     name, source, words, fields = "shift_tensile", "Lind et al. 2012, Eqs 23 and 27", "shift with tensile term", ("grad_alpha",)
 
+    def prepare(self, flow, dt) -> None:
+        tensile_gradient(flow)
+
     def write(self, move, flow, dt) -> None:
         p, d = flow.particles, flow.domain
         h = lengths.DENSITY * flow.spacing
-        tensile_gradient(flow)
         shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, self.strength(flow) * h * h,
                             CAP * flow.spacing, NEAR_SURFACE * flow.spacing, d.indptr, d.indices, flow.axes)
 
 
 def tensile_gradient(flow) -> None:
-    """Write the field grad_alpha, with the term against pairs of particles. Collective."""
+    """Write the field grad_alpha, with the term against pairs of particles, and name it in flow.stale. Not collective."""
     p, d = flow.particles, flow.domain
     shifts.tensile_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all,
                             lengths.DENSITY * flow.spacing, flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
-    d.update("grad_alpha")
+    flow.stale.add("grad_alpha")
 
 
 class XuShift(Shift):
@@ -67,12 +70,15 @@ class XuShift(Shift):
 
     name, source, words, reach = "shift_xu", "Xu et al. 2009, Eqs 25 and 26", "shift of Xu et al.", lengths.MLS
 
+    def prepare(self, flow, dt) -> None:
+        p = flow.particles
+        top = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0)
+        flow.top_speed = p.comm.allreduce(float(top), op=MPI.MAX)
+
     def write(self, move, flow, dt) -> None:
         p, d = flow.particles, flow.domain
-        top = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0)
-        top = max(p.comm.allgather(float(top)))
         shifts.xu_shift(move, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all, lengths.MLS * flow.spacing,
-                        self.strength(flow) * top * dt, CAP * flow.spacing, d.indptr, d.indices, flow.axes)
+                        self.strength(flow) * flow.top_speed * dt, CAP * flow.spacing, d.indptr, d.indices, flow.axes)
 
 
 class LindShift(Shift):
@@ -81,10 +87,12 @@ class LindShift(Shift):
     name, source, words = "shift_lind", "Lind et al. 2012, Eqs 23 to 27, beta = 0", "shift of Lind et al."
     fields = ("grad_alpha",)
 
+    def prepare(self, flow, dt) -> None:
+        tensile_gradient(flow)
+
     def write(self, move, flow, dt) -> None:
         p, d = flow.particles, flow.domain
         h = lengths.DENSITY * flow.spacing
-        tensile_gradient(flow)
         normal, close = np.empty_like(p.x), np.empty(p.n_owned, bool)
         shifts.surface_normals(normal, close, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, NEAR_SURFACE * flow.spacing,
                                d.indptr, d.indices, flow.axes)

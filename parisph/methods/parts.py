@@ -150,12 +150,33 @@ class Regulariser(Part):
     strain : whether its strength is in proportion to the strain of the step
     cause : column of the energy budget
     words : what `parisph check` calls it
+
+    All regularisers of velocities see the same state, and so do those of positions: each is prepared, one message
+    brings the ghosts all that is needed, and then the changes are computed, and added in their order.
     """
 
     moves: ClassVar[bool] = False
     strain: ClassVar[bool] = True
     cause: ClassVar[str]
     words: ClassVar[str]
+
+    def prepare(self, flow: Any, dt: float) -> None:
+        """Write the fields that `change` needs of neighbours, and put their names into flow.stale. Collective."""
+
+    @abstractmethod
+    def change(self, flow: Any, dt: float) -> np.ndarray:
+        """Return the change of velocity [m/s], or of position [m], of owned particles (n_owned, dim). Not collective.
+
+        dt : of the step [s]
+        """
+
+
+class Limiter(Regulariser):
+    """A regulariser that acts on what those before it have left."""
+
+    def change(self, flow: Any, dt: float) -> np.ndarray:
+        """Return no change, because it is not known before the others have acted."""
+        return np.zeros_like(flow.particles.x)
 
     @abstractmethod
     def apply(self, flow: Any, dt: float) -> None:

@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.fields import FLUID
 from parisph.kernels import collisions, halves, pairs, shifting, wetness
 from parisph.methods import lengths, straining
-from parisph.methods.parts import REGULARISERS, SURFACES, Regulariser
+from parisph.methods.parts import REGULARISERS, SURFACES, Limiter, Regulariser
 
 SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
@@ -32,16 +32,17 @@ class PositionProjection(Regulariser):
     def needs(self, numerics) -> tuple[str, ...]:
         return (*self.fields, *_share_of(numerics))
 
-    def apply(self, flow, dt) -> None:
-        p, d, n = flow.particles, flow.domain, flow.numerics
-        flow.fresh("x")
-        find_share(flow)
+    def prepare(self, flow, dt) -> None:
+        p, n = flow.particles, flow.numerics
         e = straining.strength(flow, n.kappa, n.kappa_strain) * density_error(flow)
         p.phi[:], flow.position_solve = flow.solver.solve_again(flow.rows.right_hand_side(-e), p.phi, slack=SLACK)
-        d.update("phi")
+        flow.stale.add("phi")
+
+    def change(self, flow, dt) -> np.ndarray:
+        p = flow.particles
         move = -flow.pressure_gradient(p.phi_all)
         shifting.limit_lengths(move, p.n_owned, CAP * flow.spacing, flow.axes)
-        displace(flow, move)
+        return move
 
 
 class Parting(Regulariser):
@@ -52,16 +53,17 @@ class Parting(Regulariser):
     def wanted(self, numerics) -> bool:
         return numerics.shift > 0.0
 
-    def apply(self, flow, dt) -> None:
+    def prepare(self, flow, dt) -> None:
         p, d = flow.particles, flow.domain
-        distance = PART_WITHIN * flow.spacing
-        flow.fresh("x", "role")
-        pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, distance, d.indptr, d.indices, flow.axes)
-        d.update("pairs")
+        pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, PART_WITHIN * flow.spacing, d.indptr, d.indices, flow.axes)
+        flow.stale.add("pairs")
+
+    def change(self, flow, dt) -> np.ndarray:
+        p, d = flow.particles, flow.domain
         move = np.empty_like(p.x)
-        pairs.part_pairs(move, p.pairs_all, p.x_all, p.kind_all, p.role_all, p.id_all, distance, PART,
+        pairs.part_pairs(move, p.pairs_all, p.x_all, p.kind_all, p.role_all, p.id_all, PART_WITHIN * flow.spacing, PART,
                          d.indptr, d.indices, flow.axes)
-        displace(flow, move)
+        return move
 
 
 class FickShift(Regulariser):
@@ -77,28 +79,30 @@ class FickShift(Regulariser):
         strain = (*straining.FIELDS, *_share_of(numerics)) if numerics.shift_strain else ()
         return (*self.fields, *strain)
 
-    def apply(self, flow, dt) -> None:
+    def prepare(self, flow, dt) -> None:
         p, d, n = flow.particles, flow.domain, flow.numerics
         h = lengths.DENSITY * flow.spacing
-        flow.fresh("x", "role")
         shifting.concentration_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, h, flow.full,
                                         d.indptr, d.indices, flow.axes)
         if n.shift_strain:
-            find_share(flow)
             push_off_less(flow, surplus(flow)[1])
         turns = TURNS if n.shift_strain and not flow.closed else 1.0
         p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
-        d.update("grad_alpha", "turn")
+        flow.stale.update(self.fields)
+
+    def change(self, flow, dt) -> np.ndarray:
+        p, d, n = flow.particles, flow.domain, flow.numerics
+        h = lengths.DENSITY * flow.spacing
         move = np.empty_like(p.x)
         shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all,
                             straining.strength(flow, n.shift, n.shift_strain) * h * h, CAP * flow.spacing,
                             2.0 * flow.spacing, d.indptr, d.indices, flow.axes)
         pairs.turn_pairs(move, p.x_all, p.kind_all, p.role_all, p.id_all, TURN_WITHIN * flow.spacing, p.turn_all,
                          d.indptr, d.indices, flow.axes)
-        displace(flow, move)
+        return move
 
 
-class KeepApart(Regulariser):
+class KeepApart(Limiter):
     """Brings all pairs of fluid to a least distance, as far as a few sweeps can.
 
     Columns and jets one or two particles wide have no pressure. When they fall on something, their particles would end
@@ -123,20 +127,8 @@ class KeepApart(Regulariser):
 
 
 def _share_of(numerics):
-    """Return the field of the walls' shares, if there may be walls that fluid comes to later."""
+    """Return the field of the walls' shares (methods.surfaces), if there may be walls that fluid comes to later."""
     return ("share",) if SURFACES[numerics.surface_rule].open else ()
-
-
-def find_share(flow) -> None:
-    """Find the part of the half cells at walls for which fluid stands, once in a step. Collective.
-
-    Fluid that fills a closed tank started at all of its walls.
-    """
-    p, d = flow.particles, flow.domain
-    if "share" in p.fields and not flow.knows_share:
-        halves.wall_share(p.share, p.x_all, p.kind_all, p.volume_all, p.normal_all, flow.spacing, d.indptr, d.indices, flow.axes)
-        d.update("share")
-        flow.knows_share = True
 
 
 def surplus(flow) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ from mpi4py import MPI
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels import balance
 from parisph.kernels import gradient as gradients
-from parisph.methods import lengths, straining, surfaces
+from parisph.methods import lengths, regularising, straining, surfaces
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.reports import ProjectionReport
@@ -86,15 +86,14 @@ class Projection:
             start = p.u.copy()
             self._correct_velocity(dt)
             budget.mark(p, "pressure")
-            flow.fresh("role", "u")
-            self._begin_regularising(dt)
-            self._regularise(parts.velocity_regularisers, dt)
+            self._regularise_velocity(dt)
             self._move(start, dt)
             budget.mark(p, "pressure")
         if parts.position_regularisers:
             with timers("regularise"):
                 flow.fresh("x")
-                self._regularise(parts.position_regularisers, dt)
+                regularising.prepare(flow, parts.position_regularisers, dt)
+                regularising.change(flow, parts.position_regularisers, dt)
         over = self._mean_time(dt, usual)
         if dt < over and self.knows_pressure:
             self._average_pressure(earlier, dt / over)
@@ -272,19 +271,17 @@ class Projection:
             mine = float(np.sqrt((acceleration**2).sum(axis=1).max(initial=0.0)))
             flow.top_acceleration = p.comm.allreduce(mine, op=MPI.MAX)
 
-    def _begin_regularising(self, dt):
-        """Forget what the regularisers found in the last step, and measure the strain of this one if any part needs it."""
-        flow = self.flow
-        flow.collisions, flow.position_solve, flow.knows_share = 0, None, False
-        if self.parts.measures_strain:
-            straining.measure(flow, dt)
-
-    def _regularise(self, regularisers, dt):
-        """Apply regularisers in their order."""
-        flow = self.flow
-        for part in regularisers:
-            part.apply(flow, dt)
-            flow.budget.mark(flow.particles, part.cause)
+    def _regularise_velocity(self, dt):
+        """Regularise the velocity, and measure the strain of the step if any part needs it, with the same message."""
+        flow, regularisers, strains = self.flow, self.parts.velocity_regularisers, self.parts.measures_strain
+        flow.collisions, flow.position_solve = 0, None
+        flow.fresh("role", "u")
+        if strains:
+            straining.begin(flow)
+        regularising.prepare(flow, regularisers, dt)
+        if strains:
+            straining.finish(flow, dt)
+        regularising.change(flow, regularisers, dt)
 
     def _mean_time(self, dt, usual):
         """Return the time [s] over which the pressure of a step of dt is averaged; 0 for its own pressure. Collective."""

@@ -13,23 +13,27 @@ REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as 
 FIELDS = ("grad_u", "strain_rate")
 
 
-def measure(flow, dt) -> None:
+def begin(flow) -> None:
+    """Write the fields grad_u and strain_rate, and name them in flow.stale. Collective."""
+    p, d = flow.particles, flow.domain
+    flow.fresh("role", "u")
+    strain.velocity_gradient(p.grad_u, p.strain_rate, p.u_all, p.x_all, p.kind_all, p.role_all, lengths.MLS * flow.spacing, SPAN,
+                             d.indptr, d.indices, flow.axes)
+    flow.stale.update(FIELDS)
+
+
+def finish(flow, dt) -> None:
     """Write flow.strained, dt sqrt(2 S:S) as the mean around each particle, flow.rapid and flow.doubt. Collective.
 
     Regularisation is in proportion to strain: fluid at rest or in rigid motion is left alone, and the effect over
     a time does not depend on the number of steps in it. A rate far below REST sqrt(a/s), with the
     acceleration a by pressure alone, counts for less, with its square: in still water of disordered particles,
-    moves in proportion to a small velocity would make it grow. Also computes the velocity gradient, for pair
-    collisions.
+    moves in proportion to a small velocity would make it grow.
     """
     p, d = flow.particles, flow.domain
-    flow.fresh("u", "role")
-    radius = lengths.MLS * flow.spacing
-    strain.velocity_gradient(p.grad_u, p.strain_rate, p.u_all, p.x_all, p.kind_all, p.role_all, radius, SPAN,
-                             d.indptr, d.indices, flow.axes)
-    d.update("grad_u", "strain_rate")
+    flow.fresh(*FIELDS)
     out = np.empty(p.n_owned)
-    strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, radius, d.indptr, d.indices, flow.axes)
+    strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr, d.indices, flow.axes)
     # a full closed tank does not notice a uniform force, which only its pressure balances
     small = 0.0 if flow.closed else REST * np.sqrt(flow.by_pressure / flow.spacing)
     flow.rapid = rapid(out, flow.by_pressure / flow.spacing)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, FLUID, INNER, WET
-from parisph.kernels import gradient, surface, wetness
+from parisph.kernels import gradient, halves, surface, wetness
 from parisph.methods import lengths
 from parisph.methods.parts import GRADIENTS, SURFACES, Surface
 
@@ -13,6 +13,9 @@ REGAIN = 1.5    # times the floor of the gradient: when free flight of a kept su
 def classify(flow, rule, dt) -> None:
     """Find the free surface and the wet walls, and write the field role. Collective.
 
+    Where a part needs it, also the field share, of the half cells at walls for which fluid stands: fluid that fills a
+    closed tank started at all of its walls.
+
     flow.force : (n_all, dim) [m/s^2], and dt [s]: of the step that begins
     """
     p, d = flow.particles, flow.domain
@@ -21,7 +24,9 @@ def classify(flow, rule, dt) -> None:
         return
     wetness.closing_walls(p.closing_all, p.role_all, p.x_all, p.u_all, flow.force, p.kind_all, p.normal_all,
                           flow.spacing, dt, d.indptr, d.indices, flow.axes)
-    d.update("closing")
+    if "share" in p.fields:
+        halves.wall_share(p.share, p.x_all, p.kind_all, p.volume_all, p.normal_all, flow.spacing, d.indptr, d.indices, flow.axes)
+    d.update(*(name for name in ("closing", "share") if name in p.fields))
     seen = flow.seen(wetness.CLOSING)
     if "alpha" in p.fields:
         flow.density_ratio(seen)

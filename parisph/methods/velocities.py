@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.fields import FLUID
 from parisph.kernels import collisions
 from parisph.methods import lengths, straining
-from parisph.methods.parts import REGULARISERS, Regulariser
+from parisph.methods.parts import REGULARISERS, Limiter, Regulariser
 
 
 class Filter(Regulariser):
@@ -19,15 +19,13 @@ class Filter(Regulariser):
     def needs(self, numerics) -> tuple[str, ...]:
         return straining.FIELDS if numerics.filter_strain else ()
 
-    def apply(self, flow, dt) -> None:
+    def change(self, flow, dt) -> np.ndarray:
         p, d, n = flow.particles, flow.domain, flow.numerics
-        flow.fresh("u", "role")
         change = np.empty_like(p.u)
         collisions.smooth_velocity(change, p.u_all, p.x_all, p.kind_all, p.role_all,
                                    straining.strength(flow, n.filter, n.filter_strain), lengths.MLS * flow.spacing,
                                    d.indptr, d.indices, flow.axes)
-        p.u[:] += change
-        flow.stale.add("u")
+        return change
 
 
 class Collisions(Regulariser):
@@ -38,20 +36,22 @@ class Collisions(Regulariser):
     def wanted(self, numerics) -> bool:
         return numerics.collision_distance > 0.0
 
-    def apply(self, flow, dt) -> None:
+    def prepare(self, flow, dt) -> None:
+        p, d = flow.particles, flow.domain
+        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.kind_all, flow.numerics.collision_distance * flow.spacing,
+                                    d.indptr, d.indices, flow.axes)
+        flow.stale.add("pairs")
+
+    def change(self, flow, dt) -> np.ndarray:
         p, d, n = flow.particles, flow.domain, flow.numerics
-        distance = n.collision_distance * flow.spacing
-        flow.fresh("u")
-        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.grad_u_all, p.kind_all, distance, d.indptr, d.indices, flow.axes)
-        d.update("pairs")
         change = np.empty_like(p.u)
         flow.collisions = collisions.pair_collisions(change, p.pairs_all, p.u_all, p.x_all, p.grad_u_all, p.kind_all,
-                                                     p.volume_all, distance, n.restitution, d.indptr, d.indices, flow.axes)
-        p.u[:] += change
-        flow.stale.add("u")
+                                                     p.volume_all, n.collision_distance * flow.spacing, n.restitution,
+                                                     d.indptr, d.indices, flow.axes)
+        return change
 
 
-class WallGuard(Regulariser):
+class WallGuard(Limiter):
     """Stops particles before they pass a wall."""
 
     name, cause, words = "wall_guard", "guard", "wall guard"

@@ -84,7 +84,8 @@ def test_eddy_viscosity_of_a_shear():
     p, flow = s.particles, s.method.flow
     p.u[:, 0], p.u[:, 1] = shear * p.x[:, 1], 0.0
     flow.domain.update("u")
-    straining.measure(flow, 0.01)
+    straining.begin(flow)
+    straining.finish(flow, 0.01)
     s.method.parts.forces[1].add(np.zeros_like(p.x_all), flow, 0.0)
     inside = (p.kind == FLUID) & (np.abs(p.x - 0.5).max(axis=1) < 0.45)
     np.testing.assert_allclose(p.nu[inside], 1e-6 + (constant * spacing) ** 2 * shear, rtol=1e-10)

@@ -11,14 +11,14 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 
 def collided(pool, u, distance=0.85, restitution=0.2, volume=None, gradient=None):
-    """Return (velocity change (n, dim), number of collisions)."""
+    """Return (velocity change (n, dim), number of collisions). Pairs that approach in smooth strain do not collide."""
     volume = np.ones(pool.n) if volume is None else volume
     gradient = np.zeros((pool.n, pool.dim, pool.dim)) if gradient is None else gradient
     change, number = np.full((pool.n, pool.dim), np.nan), np.full(pool.n, -1, np.int32)
-    collisions.count_collisions(number, u, pool.x, gradient, pool.kind, distance * pool.spacing, *pool.csr)
+    collisions.count_collisions(number, u, pool.x, pool.kind, distance * pool.spacing, *pool.csr)
     pairs = collisions.pair_collisions(change, number, u, pool.x, gradient, pool.kind, volume, distance * pool.spacing, restitution,
                                        *pool.csr)
-    assert pairs == number.sum()
+    assert pairs == number.sum() or gradient.any() and pairs < number.sum()
     return change, pairs
 
 

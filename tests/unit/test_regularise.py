@@ -6,7 +6,7 @@ from mpi4py import MPI
 
 from parisph import Simulation
 from parisph.base.fields import FLUID, SURFACE
-from parisph.methods import positions, straining
+from parisph.methods import positions, regularising, straining
 from tests.scenes import scene
 
 
@@ -23,13 +23,14 @@ def falling():
 def apply(method, regularisers):
     """Apply regularisers after ghosts have their positions."""
     method.flow.domain.update("x")
-    for part in regularisers:
-        part.apply(method.flow, 0.01)
+    regularising.prepare(method.flow, regularisers, 0.01)
+    regularising.change(method.flow, regularisers, 0.01)
 
 
 def strain_of_step(method, dt):
     """Return the strain of a step (n_owned,)."""
-    straining.measure(method.flow, dt)
+    straining.begin(method.flow)
+    straining.finish(method.flow, dt)
     return method.flow.strained
 
 

@@ -6,6 +6,7 @@ from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, Simulation, Tank
 from parisph.base.fields import FLUID
+from parisph.methods import regularising
 from parisph.methods.parts import REGULARISERS
 
 S = 0.05
@@ -57,7 +58,8 @@ def test_a_cluster_in_a_full_tank_is_spread(name):
     flow.strained = np.ones(p.n_owned)
     for _ in range(20):
         s.domain.update("x")
-        REGULARISERS[name].apply(flow, 0.01)
+        regularising.prepare(flow, [REGULARISERS[name]], 0.01)
+        regularising.change(flow, [REGULARISERS[name]], 0.01)
     assert before == pytest.approx(0.75)
     assert nearest(p) > 0.8
     s.destroy()

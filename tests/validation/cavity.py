@@ -46,7 +46,7 @@ def rows(bench: Bench) -> list[Row]:
             print(f"  {name}: left out, {error}", flush=True)
             continue
         run, summary = bench.run(f"cavity_{flow.reynolds}", "lid_driven_cavity", reynolds=flow.reynolds,
-                                 spacing=f"1/{flow.side}", end_time=flow.end, time_step=flow.step, points=POINTS)
+                                 spacing=1.0 / flow.side, end_time=flow.end, time_step=flow.step, points=POINTS)
         found += [Row(f"{name}: rms of {component}", errors(run, flow.reynolds, line), flow.most, aim=flow.aim,
                       cost=summary["cpu_seconds"]) for line, (_, _, component) in LINES.items()]
         if flow.reynolds == 1000:
