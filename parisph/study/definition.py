@@ -7,7 +7,7 @@ from pydantic import Field, field_validator, model_validator
 
 from parisph.base.text import shown
 from parisph.case.model import Model
-from parisph.study.measures import AnyMeasure, name_of
+from parisph.study.measures import AnyMeasure, is_error, name_of
 
 # Parameters that have a field of their own here.
 OWN = {"method": "methods", "spacing": "spacings", "time_step": "time_steps", "seed": "seeds"}
@@ -130,6 +130,7 @@ class Study(Choices):
     errors : list of measures: TruthError, SeriesError, FinestError, Quantity, Function
     required : list of Required
     others : list of OtherCodes, for the pictures
+    levels : {name of a measure: errors}, for which the CPU times of the methods are compared
     histories : names of probes whose series are drawn side by side, with their truth
     time_limit : longest time of a run on the clock [s], None for no limit
     warm_up : whether a step of each method is made first, so that no run's CPU time includes the compilation of kernels
@@ -145,6 +146,8 @@ class Study(Choices):
     errors: tuple[AnyMeasure, ...] = ()
     required: tuple[Required, ...] = ()
     others: tuple[OtherCodes, ...] = ()
+    levels: dict[str, tuple[Positive, ...]] = Field(
+        default_factory=dict, description="errors at which costs are compared, each greater than 0, by the name of a measure")
     histories: tuple[str, ...] = ()
     time_limit: Optional[float] = Field(None, gt=0, description="longest time of a run on the clock [s]")
     warm_up: bool = True
@@ -166,6 +169,7 @@ class Study(Choices):
             raise ValueError(f"a measure is named {shown(name)}, as a column of the table: give it another name=")
         _check_known((item.of for item in self.required), [*names, *COLUMNS], "required")
         _check_known((item.of for item in self.others if item.of), names, "others")
+        _check_known(self.levels, [name_of(measure) for measure in self.errors if is_error(measure)], "levels")
         return self
 
 

@@ -1,4 +1,4 @@
-"""Orders of convergence and the Pareto front of cost and error. Pure functions."""
+"""Orders of convergence, the Pareto front of cost and error, and the cost of a given error. Pure functions."""
 
 from collections.abc import Sequence
 
@@ -30,3 +30,23 @@ def pareto(costs: Sequence[float], errors: Sequence[float]) -> list[int]:
             front.append(k)
             best = errors[k]
     return front
+
+
+def cost_at(level: float, costs: Sequence[float], errors: Sequence[float]) -> tuple[float, bool] | None:
+    """Return the least cost of an error of at most `level`, and whether it is only known not to be above this; or None.
+
+    Between the points of the Pareto front, log(cost) is linear in log(error). If the cheapest point errs less than
+    that, the cost may be lower. None if no point errs as little.
+
+    costs, errors : (n,), greater than 0
+    """
+    front = [(costs[k], errors[k]) for k in pareto(costs, errors)]
+    reached = next((k for k, (_, error) in enumerate(front) if error <= level), None)
+    if reached is None:
+        return None
+    cost, error = front[reached]
+    if reached == 0:
+        return cost, error < level
+    cheaper, larger = front[reached - 1]
+    part = np.log(larger / level) / np.log(larger / error)
+    return float(cheaper * (cost / cheaper) ** part), False

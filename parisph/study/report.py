@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from parisph.study import measures
+from parisph.study import equal_error, measures
 from parisph.study.definition import Study
 from parisph.study.fits import fitted_order
 from parisph.study.plan import text
@@ -67,6 +67,7 @@ def table(results: Sequence[Result], study: Study) -> str:
     constant = _constant(results)
     parts += [f"All runs: {constant}."] if constant else []
     parts += _orders(results, errors)
+    parts += equal_error.lines(results, study)
     parts += [f"{name_of(one)}: {one.reason}" for one in results if one.reason]
     return "\n\n".join(parts[:1] + ["\n".join(parts[1:])]) if parts[1:] else parts[0]
 

@@ -8,7 +8,7 @@ from parisph.study.agenda import agenda
 from tests.launch import ROOT
 
 FOLDER = ROOT / "run_scripts" / "studies"
-FILES = sorted(FOLDER.glob("z*.py"))
+FILES = sorted(set(FOLDER.glob("*.py")) - {FOLDER / "dam_break_measures.py"})
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
@@ -21,5 +21,5 @@ def test_every_run_of_a_study_is_valid(path, tmp_path, monkeypatch):
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_a_study_says_what_it_costs_and_is_listed(path):
     text = path.read_text(encoding="utf-8")
-    assert "of CPU time" in ast.get_docstring(ast.parse(text)) and "METHODS = " in text
+    assert "of CPU time" in ast.get_docstring(ast.parse(text)) and "METHODS" in text
     assert f"`{path.name}`" in (FOLDER / "README.md").read_text(encoding="utf-8")

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from parisph.base.errors import CaseError
-from parisph.study import OtherCodes, Required, Study, TruthError, limits, other_codes, report, results
+from parisph.study import OtherCodes, Required, Study, TruthError, equal_error, limits, other_codes, report, results
 from parisph.study.conduct import End
 from parisph.study.error_plots import draw
-from parisph.study.fits import fitted_order, pareto
+from parisph.study.fits import cost_at, fitted_order, pareto
 from parisph.study.prepared import prepare
 from parisph.study.results import Result
 from tests.unit.test_study_plan import CASE
@@ -111,6 +111,27 @@ def test_fitted_order():
 ])
 def test_pareto_front(costs, errors, front):
     assert pareto(costs, errors) == front
+
+
+@pytest.mark.parametrize(("level", "cost"), [
+    (0.1, (4.0, False)), (0.05, (8.0, False)), (0.2, (2.0, False)), (0.4, (2.0, True)), (0.02, None),
+])
+def test_cost_of_an_error_lies_between_the_points_of_the_front(level, cost):
+    """Costs in inverse proportion to the error, and a point that is beaten."""
+    found = cost_at(level, [2.0, 8.0, 9.0], [0.2, 0.05, 0.15])
+    assert found is None if cost is None else found == (pytest.approx(cost[0]), cost[1])
+
+
+def test_methods_are_compared_at_equal_error(found):
+    """Errors are 4, CPU times 2 over the spacing: ISPH needs spacings smaller by the root of 3, and one start of it failed."""
+    study, _, made = found
+    levels = study.model_copy(update={"levels": {"left": (0.04, 0.02, 0.001)}})
+    swapped = [one for one in made if one.item.method == "ISPH_R"] + [one for one in made if one.item.method == "ISPH"]
+    first, second, third = equal_error.lines(swapped, levels)
+    assert first.startswith("CPU s for left = 0.04: ISPH_R 21.4 (21 to 21.9); ISPH ")
+    assert "ISPH does not reach it" in second and third.count("does not reach it") == 2
+    with pytest.raises(CaseError, match="levels: there is no measure 'right'; there are left"):
+        Study(case="tank.py", errors=[TruthError("left")], levels={"right": [0.1]})
 
 
 def test_other_codes_are_read(tmp_path):

@@ -1,0 +1,20 @@
+"""A standing wave by every method, with 800 and 3200 particles: which ones complete, with what error, at what cost.
+
+    parisph study run_scripts/studies/all_methods_wave.py
+
+About ten minutes of CPU time. A method that blows up is a result too.
+"""
+
+from parisph.case.methods import METHODS
+from parisph.study import Study, TruthError
+
+study = Study(
+    title="A standing wave by every method",
+    case="../../cases/standing_wave.py",
+    methods=list(METHODS),
+    spacings=[0.05, 0.025],             # over d
+    parameters={"refine_time": True},
+    errors=[TruthError("centre", name="wave part")],
+    histories=["centre", "energy"],
+    time_limit=900.0,
+)
