@@ -127,7 +127,7 @@ _FIELDS = (
     AnalyticField("exponential", _exponential, lambda x: _beside(2.0 * _exponential(x), 3.0 * _exponential(x), x),
                   lambda x: 13.0 * _exponential(x), "exp(2x + 3y)"),    # Z17
     AnalyticField("smooth", lambda x: np.sin(x @ _numbers(x)), lambda x: np.cos(x @ _numbers(x))[:, None] * _numbers(x),
-                  lambda x: -(_numbers(x) @ _numbers(x)) * np.sin(x @ _numbers(x)), "sin(x + 2y [+ 3z])"),
+                  lambda x: -(_numbers(x) @ _numbers(x)) * np.sin(x @ _numbers(x)), "sin(x + 2y)"),    # in 3D sin(x + 2y + 3z)
     AnalyticField("harmonic", _harmonic, _harmonic_gradient, lambda x: np.zeros(len(x)), "exp(2y) cos(2x + 0.3)"),
 )
 FIELD_OF: Mapping[str, AnalyticField] = MappingProxyType({field.name: field for field in _FIELDS})

@@ -75,8 +75,11 @@ def _dots(group, name, axis):
 
 
 def convergence(axes: Any, dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, dict], marks: Mapping[str, str], label: str,
-                others: Sequence[OtherPoint] = ()) -> None:
-    """Draw errors against spacing with their fitted orders. dots : {curve: dots}; label : of the axis."""
+                others: Sequence[OtherPoint] = (), most: int = MANY) -> None:
+    """Draw errors against spacing with their fitted orders.
+
+    dots : {curve: dots}; label : of the axis; most : entries of a legend inside, more of them are below
+    """
     for curve, group in dots.items():
         x, y = [dot.x for dot in group], [dot.mean for dot in group]
         order = fitted_order(x, y)
@@ -90,7 +93,7 @@ def convergence(axes: Any, dots: Mapping[str, Sequence[Dot]], looks: Mapping[str
     _logarithmic(axes, [dot.x for group in dots.values() for dot in group] + [one.spacing for one in others])
     axes.set_yscale("log")
     axes.set_xlabel(label)
-    add_legend(axes, dots)
+    add_legend(axes, dots, most)
 
 
 def _costs(axes, dots, looks, marks, others):
@@ -124,7 +127,7 @@ def _draw_others(axes, others, of, note):
                   label=style.literal(f"{code}{note}", 60))
 
 
-def add_legend(axes: Any, curves: Iterable[str]) -> None:
+def add_legend(axes: Any, curves: Iterable[str], most: int = MANY) -> None:
     """Add a legend: first what is said of all, then our curves, then other codes."""
     pairs = list(zip(*axes.get_legend_handles_labels()))
     names = [style.literal(curve, 60) for curve in curves]
@@ -132,7 +135,7 @@ def add_legend(axes: Any, curves: Iterable[str]) -> None:
     first = [pair for pair in pairs if pair[1] == FRONT]
     rest = [pair for pair in pairs if pair not in own and pair not in first]
     pairs = [*first, *own, *rest]
-    if len(pairs) <= MANY:
+    if len(pairs) <= most:
         axes.legend(*zip(*pairs), loc="best", fontsize=8, framealpha=0.8)
     else:    # inside, it would hide the curves
         axes.legend(*zip(*pairs), loc="upper center", bbox_to_anchor=(0.5, -0.14), fontsize=7, ncols=2, frameon=False)

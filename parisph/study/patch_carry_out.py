@@ -1,9 +1,9 @@
 """Carry out a patch study, and write its tables and pictures. In this process alone.
 
-    DIR/results.md, .csv, .json           the tables: seeds in one line; one line for each test, and the histograms
-    DIR/KIND_PATCH_FIELD_kK.png           errors against spacing; KIND_PATCH_FIELD_sS.png: against disorder
-    DIR/histogram_sS_kK.png               particles by their error
-    DIR/run.lock                          names the process that writes; removed at the end
+    DIR/results.md, .csv, .json                the tables: seeds in one line; one line for each test, and the histograms
+    DIR/KIND_PATCH_FIELD[_ROWS-walls]_kK.png   errors against spacing; with _sS: against disorder
+    DIR/histogram_sS_kK.png                    particles by their error
+    DIR/run.lock                               names the process that writes; removed at the end
 """
 
 import sys

@@ -12,14 +12,16 @@ from parisph.study.patch_results import NORMS, PatchResult
 from parisph.study.patch_study import Histogram, PatchStudy
 
 ACROSS = 2
-SIZE = 5.2, 4.2    # of a panel [inch]
+SIZE = 5.2, 4.0    # of a panel [inch]
+INSIDE = 4         # entries of a legend that hide no curve
 
 
 def pictures(results: Sequence[PatchResult], study: PatchStudy) -> Iterator[tuple[str, str, list[PatchResult]]]:
     """Yield (name, axis, results) of each picture that a study asks for; axis is "spacing" or "jitter"."""
     for group in patch_report.groups(results).values():
         task, seen = group[0].task, set()
-        base = f"{task.operator.kind}_{task.patch}_{task.field.name}"
+        walls = f"_{task.operator.walls}-walls" if task.operator.walls else ""
+        base = f"{task.operator.kind}_{task.patch}_{task.field.name}{walls}"
         for sweep in study.sweeps:
             along_s = len(sweep.spacings) > 1
             for fixed in sweep.jitters if along_s else sweep.spacings if len(sweep.jitters) > 1 else ():
@@ -38,26 +40,28 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
     """
     names, curves = patch_report.names_in(results), patch_report.curves(results)
     down = -(-len(names) // ACROSS)
-    picture = style.drawing().Figure(figsize=(SIZE[0] * ACROSS, SIZE[1] * down), layout="constrained")
+    picture = style.drawing().Figure(figsize=(SIZE[0] * ACROSS, (SIZE[1] + 0.12 * (len(curves) + 1)) * down), layout="constrained")
     panels = picture.subplots(down, ACROSS, squeeze=False)
     looks = dict(zip(curves, style.line_looks(len(curves))))
     marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(curves)}
     for axes, name in zip(panels.flat, names):
         dots = {curve: found for curve, group in curves.items() if (found := _dots(group, name, axis))}
+        exact = [curve for curve in curves if curve not in dots]
+        if exact:
+            axes.set_title(style.literal(f"exact: {', '.join(exact)}", 90), fontsize=8, loc="left")
+        axes.set_ylabel(style.literal(NORMS[name], 60), fontsize=8)
+        axes.tick_params(direction="in", which="both", top=True, right=True)
         if not dots:
-            axes.axis("off")
             continue
         if axis == "spacing":
-            error_plots.convergence(axes, dots, looks, marks, "spacing $s$")
+            error_plots.convergence(axes, dots, looks, marks, "spacing $s$", most=INSIDE)
         else:
             for curve, group in dots.items():
                 error_plots.error_bars(axes, [dot.x for dot in group], group, looks[curve], marks[curve], curve)
             axes.set_yscale("log")
             axes.set_xlabel("disorder $k$")
-            error_plots.add_legend(axes, dots)
-        axes.set_ylabel(style.literal(NORMS[name], 60), fontsize=8)
+            error_plots.add_legend(axes, dots, INSIDE)
         axes.grid(True, which="both", linewidth=0.4, alpha=0.4)
-        axes.tick_params(direction="in", which="both", top=True, right=True)
     for axes in list(panels.flat)[len(names):]:
         axes.axis("off")
     task = results[0].task
@@ -98,9 +102,10 @@ def _title(picture, text):
 
 
 def _dots(group, name, axis):
+    """Return the dots of a curve, without those that only rounding keeps from zero."""
     found = []
     for family in patch_report.families(group).values():
-        values = [one.norms[name] for one in family if one.norms.get(name, 0.0) > 0.0]
-        if values:
+        values = [one.norms[name] for one in family if name in one.norms]
+        if values and max(values) > patch_report.ROUNDING:
             found.append(Dot(getattr(family[0].task, axis), 0.0, float(np.mean(values)), min(values), max(values)))
     return sorted(found, key=lambda dot: dot.x)

@@ -16,17 +16,20 @@ from parisph.study.patch_study import Histogram, PatchStudy
 from parisph.study.prepared import code_version
 from parisph.study.report import markdown
 
+ROUNDING = 1e-11    # an error below which an operator is exact
+
+LOST = "- lost: particles without a value, which are left out; in a solution, their row is the mean of their neighbours"
 KINDS = {"laplacian": "Laplacian", "gradient": "Gradient"}
 PATCHES = {
-    "interior": "in the interior", "dirichlet": "solution of the Poisson problem, Dirichlet sides",
-    "neumann": "solution of the Poisson problem, Neumann walls and p given on the last side",
-    "closed": "solution of the Poisson problem, Neumann walls on all sides", "walls": "beside walls", "surface": "at a free surface",
+    "interior": "in the interior", "square": "in the square, rim included", "dirichlet": "solution with p given on all sides",
+    "neumann": "solution with walls on all sides but one",
+    "closed": "solution with walls on all sides", "walls": "beside walls", "surface": "at a free surface",
 }
 
 
-def groups(results: Iterable[PatchResult]) -> dict[tuple[str, str, str], list[PatchResult]]:
-    """Return results by kind of operator, patch and field."""
-    found: dict[tuple[str, str, str], list[PatchResult]] = {}
+def groups(results: Iterable[PatchResult]) -> dict[tuple[str, ...], list[PatchResult]]:
+    """Return results by what tables do not mix, see Task.group."""
+    found: dict[tuple[str, ...], list[PatchResult]] = {}
     for one in results:
         found.setdefault(one.task.group, []).append(one)
     return found
@@ -52,7 +55,8 @@ def heading(results: Sequence[PatchResult]) -> str:
     """Return what the results of a group are of, for people."""
     task = results[0].task
     formula = f" = {task.field.formula}" if task.field.formula else ""
-    return f"{KINDS[task.operator.kind]} {PATCHES[task.patch]}: {task.field.name}{formula}"
+    walls = f" ({task.operator.walls} rows)" if task.operator.walls else ""
+    return f"{KINDS[task.operator.kind]} {PATCHES[task.patch]}{walls}: {task.field.name}{formula}"
 
 
 def names_in(results: Iterable[PatchResult]) -> list[str]:
@@ -68,36 +72,40 @@ def table(results: Sequence[PatchResult], study: PatchStudy) -> str:
     parts = []
     for group in groups(results).values():
         names = names_in(group)
-        rows = [[label, f"{s:.4g}", f"{k:g}", str(len(family)), _many(family, "particles"), *([_many(family, "lost")]),
+        rows = [[label, f"{s:.4g}", f"{k:g}", str(len(family)), _many(family, "particles"), _many(family, "lost"),
                  *(_spread(family, name) for name in names)] for (label, k, s), family in families(group).items()]
         head = ["operator", "spacing", "k", "seeds", "particles", "lost", *names]
         parts += [f"## {heading(group)}", markdown(head, rows)]
-        notes = [*_orders(group, names), *(f"{one.task.described()}: {one.problem}" for one in group if one.problem)]
-        parts += ["\n".join(notes)] if notes else []
+        parts += _orders(group, names)
+        problems = [f"{one.task.described()}: {one.problem}" for one in group if one.problem]
+        parts += ["\n".join(problems)] if problems else []
     for histogram in study.histograms:
         parts += _counted(results, histogram)
-    parts.append("\n".join(f"{name}: {NORMS[name]}" for name in names_in(results)))
+    parts.append("\n".join([*(f"- {name}: {NORMS[name]}" for name in names_in(results)), LOST]))
     return "\n\n".join(parts)
 
 
 def orders(results: Sequence[PatchResult], name: str) -> dict[tuple[str, float], float]:
-    """Return the fitted order of a norm in the spacing by operator and jitter, where there are two spacings or more."""
+    """Return the fitted order of a norm in the spacing by operator and jitter, where there are two spacings or more.
+
+    There is none for an operator that is exact: rounding has no order.
+    """
     found = {}
     for label, curve in curves(results).items():
         for k in dict.fromkeys(one.task.jitter for one in curve):
             dots = [(s, _mean(family, name)) for (_, jitter, s), family in families(curve).items() if jitter == k]
             order = fitted_order([s for s, _ in dots], [mean for _, mean in dots])
-            if order is not None:
+            if order is not None and not all(mean is None or mean < ROUNDING for _, mean in dots):
                 found[label, k] = order
     return found
 
 
 def _orders(results, names):
-    """Yield a line with the fitted orders of each operator and jitter."""
+    """Return the table of the fitted orders of each operator and jitter with its title, or nothing."""
     found = {name: orders(results, name) for name in names}
-    for place in dict.fromkeys(place for one in found.values() for place in one):
-        said = ", ".join(f"{name} {one[place]:.2f}" for name, one in found.items() if place in one)
-        yield f"Fitted order in the spacing, {place[0]}, k = {place[1]:g}: {said}"
+    places = dict.fromkeys(place for one in found.values() for place in one)
+    rows = [[label, f"{k:g}", *(f"{one[label, k]:.2f}" if (label, k) in one else "-" for one in found.values())] for label, k in places]
+    return ["Fitted orders in the spacing:", markdown(["operator", "k", *names], rows)] if rows else []
 
 
 def ranges(histogram: Histogram) -> list[str]:
@@ -151,7 +159,7 @@ def listing(study: PatchStudy, only: Sequence[str] = ()) -> str:
     """Return what a study does as text. Raises CaseError as patch_results.tasks."""
     found = groups(PatchResult(task) for task in tasks(study, only))
     rows = [[heading(group), ", ".join(dict.fromkeys(one.task.operator.label for one in group)), str(len(group)),
-             f"{len(families(group))}"] for group in found.values()]
+             str(len(families(group)))] for group in found.values()]
     return "\n\n".join([study.title or "patch study", markdown(["patch", "operators", "tests", "points"], rows)])
 
 

@@ -30,7 +30,11 @@ NORMS = {
 
 @dataclass(frozen=True)
 class Operator:
-    """An operator: its kind, "laplacian" or "gradient", its word, and that of the walls or the surface with it, or ""."""
+    """An operator.
+
+    kind : "laplacian" or "gradient"; word : of its registry
+    further : word of the rows of walls that a Laplacian has beside it; of the gradient that replaces one at the surface; or ""
+    """
 
     kind: str
     word: str
@@ -38,9 +42,13 @@ class Operator:
 
     @property
     def label(self) -> str:
-        """Its name for people."""
-        where = "at walls" if self.kind == "laplacian" else "at the surface"
-        return f"{self.word}, {self.further} {where}" if self.further else self.word
+        """Its name in tables."""
+        return f"{self.further} (at the surface)" if self.kind == "gradient" and self.further else self.word
+
+    @property
+    def walls(self) -> str:
+        """Word of the rows of walls, or ""."""
+        return self.further if self.kind == "laplacian" else ""
 
     @property
     def parts(self) -> tuple[Any, ...]:
@@ -61,13 +69,14 @@ class Task:
     seed: int
 
     @property
-    def group(self) -> tuple[str, str, str]:
-        """What tables and pictures do not mix: kind of operator, patch, field."""
-        return self.operator.kind, self.patch, self.field.name
+    def group(self) -> tuple[str, ...]:
+        """What tables and pictures do not mix: kind of operator, patch, field, rows of walls if there are walls."""
+        return self.operator.kind, self.patch, self.field.name, *([self.operator.walls] if self.operator.walls else [])
 
     def described(self) -> str:
         """Return what it is, for people."""
-        return (f"{self.operator.kind} {self.operator.label}, {self.patch}, {self.field.name}, spacing {self.spacing:.4g}, "
+        walls = f" with {self.operator.walls} walls" if self.operator.walls else ""
+        return (f"{self.operator.kind} {self.operator.label}{walls}, {self.patch}, {self.field.name}, spacing {self.spacing:.4g}, "
                 f"k = {self.jitter:g}, seed {self.seed}")
 
 
@@ -75,7 +84,8 @@ class Task:
 class PatchResult:
     """What a task gave.
 
-    particles : that were compared; lost : of these, without a value, left out of the norms
+    particles : that were compared
+    lost : of these, without a value, left out of the norms; in a solution, with the mean of their neighbours for an equation
     norms : {name in NORMS: number}, empty if there is none; problem : why, in one line
     sizes : (particles - lost,) |error| of Laplacians over their amplitude, if a histogram needs them, else empty
     """
@@ -90,7 +100,7 @@ class PatchResult:
     def line(self) -> dict[str, Any]:
         """Return the line of the table as {column: value}."""
         task = self.task
-        return {"operator": task.operator.label, "kind": task.operator.kind, "patch": task.patch, "field": task.field.name,
+        return {"operator": task.operator.label, "walls": task.operator.walls, "kind": task.operator.kind, "patch": task.patch, "field": task.field.name,
                 "spacing": task.spacing, "jitter": task.jitter, "seed": task.seed, "particles": self.particles, "lost": self.lost,
                 **{name: self.norms.get(name) for name in NORMS}, "problem": self.problem}
 
@@ -102,8 +112,8 @@ def operators(study: PatchStudy, patch: str) -> list[Operator]:
         walls = study.wall_rows if patch in ON_TANKS else ("",)
         found += [Operator("laplacian", word, further) for word in study.laplacians for further in walls]
     if patch in OF_GRADIENTS:
-        surfaces = study.surface_gradients if patch == "surface" else ("",)
-        found += [Operator("gradient", word, further) for word in study.gradients for further in surfaces]
+        found += [Operator("gradient", word) for word in study.gradients]
+        found += [Operator("gradient", study.gradients[0], word) for word in study.surface_gradients if patch == "surface"]
     return found
 
 
@@ -124,7 +134,7 @@ def tasks(study: PatchStudy, only: Sequence[str] = ()) -> list[Task]:
     for analytic in study.analytic:
         for patch in study.patches:
             for operator in operators(study, patch):
-                if only and operator.word not in only:
+                if only and operator.word not in only and operator.label not in only:
                     continue
                 _check(operator, study.dim)
                 for s, k, seed in _places(study, patch, operator):
@@ -182,7 +192,7 @@ def _derivative(task: Task, study: PatchStudy) -> PatchResult:
             result.sizes = np.abs(found - exact) / amplitude
         result.norms |= {"Er": patch_norms.z14(found - exact, amplitude, volume),
                          "Er_max": patch_norms.z14_largest(found - exact, amplitude)}
-    else:
+    elif task.patch in ("interior", "square"):
         result.norms |= {f"Er_{AXES[b]}": patch_norms.z17((found - exact)[:, b]) for b in range(a.dim)}
     return result
 
@@ -210,9 +220,9 @@ def _arrangement(task: Task, study: PatchStudy) -> Arrangement:
     if task.patch in ON_TANKS:
         return arrangement.tank([cells] * study.dim, task.jitter, task.seed, lid=task.patch == "closed", spacing=1.0 / cells)
     layers = 0
-    if task.patch == "dirichlet" or study.beyond:
+    if task.patch == "dirichlet" or (task.patch == "interior" and study.beyond):
         layers = int(np.ceil(max(part.reach for part in task.operator.parts))) + 1
-    return arrangement.block(cells, task.jitter, task.seed, study.dim, layers, centred=task.patch == "interior")
+    return arrangement.block(cells, task.jitter, task.seed, study.dim, layers, centred=task.patch != "dirichlet")
 
 
 def _compared(a: Arrangement, patch: str, margin: float) -> np.ndarray:
@@ -223,4 +233,4 @@ def _compared(a: Arrangement, patch: str, margin: float) -> np.ndarray:
         beside = np.minimum(a.index, a.cells - a.index)
         beside[:, -1] = a.index[:, -1]    # the last axis ends at the surface
         return a.inside & (beside.min(axis=1) <= NEAR_WALL) & (a.index[:, -1] <= a.cells[-1] - FROM_SURFACE)
-    return a.inside & np.all(np.abs(a.x - 0.5) <= 0.5 - margin, axis=1) if margin > 0.0 else a.inside
+    return a.inside if patch == "square" else a.inside & np.all(np.abs(a.x - 0.5) <= 0.5 - margin, axis=1)

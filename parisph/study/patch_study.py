@@ -9,8 +9,8 @@ from parisph.base.text import listed, shown
 from parisph.case.model import Model
 from parisph.patch.analytic import FIELD_OF, AnalyticField
 
-OF_LAPLACIANS = ("interior", "dirichlet", "neumann", "closed")
-OF_GRADIENTS = ("interior", "walls", "surface")
+OF_LAPLACIANS = ("interior", "square", "dirichlet", "neumann", "closed")
+OF_GRADIENTS = ("interior", "square", "walls", "surface")
 SOLUTIONS = ("dirichlet", "neumann", "closed")
 ON_TANKS = ("neumann", "closed", "walls", "surface")
 MOST_CELLS = {2: 2000, 3: 100}    # across the unit square, and the unit cube
@@ -78,6 +78,7 @@ class PatchStudy(Model):
     patches : what is measured
 
         "interior"   Laplacians and gradients themselves, at particles farther than `margin` from the sides
+        "square"     the same at all particles of a square with nothing around it
         "dirichlet"  solution of lap p = lap f with p = f on all particles around the square
         "neumann"    the same with walls on all sides but the last, where p = f; n . grad p = n . grad f at the walls
         "closed"     the same with walls on all sides, up to a constant
@@ -86,10 +87,10 @@ class PatchStudy(Model):
     sweeps : list of Sweep
     seeds : of the disorder; results are given as mean and range over them
     dim : 2 or 3
-    margin : distance from the sides of the particles that count in the interior; 0 for all
-    beyond : whether the lattice goes on beyond the sides of "interior", so that no support is cut off
+    margin : distance from the sides of the particles that count in the interior
+    beyond : whether the lattice of "interior" goes on beyond the sides, so that no support is cut off, however wide
     wall_rows : words, with each of which problems with walls are solved
-    surface_gradients : words, with each of which gradients at the surface are found
+    surface_gradients : words of gradients that replace others at the surface, for "surface"
     histograms : list of Histogram, of Laplacians in the interior
     title : one line for tables and pictures
 
@@ -103,14 +104,14 @@ class PatchStudy(Model):
     sweeps: tuple[Sweep, ...] = Field(min_length=1, description="a list of Sweep(spacings=[...], jitters=[...])")
     laplacians: tuple[str, ...] = ()
     gradients: tuple[str, ...] = ()
-    patches: tuple[Literal["interior", "dirichlet", "neumann", "closed", "walls", "surface"], ...] = Field(
+    patches: tuple[Literal["interior", "square", "dirichlet", "neumann", "closed", "walls", "surface"], ...] = Field(
         ("interior",), min_length=1, description="what is measured")
     seeds: tuple[Whole, ...] = Field((1, 2, 3), min_length=1, description="seeds, each a whole number of at least 0")
     dim: int = Field(2, ge=2, le=3, description="number of dimensions")
     margin: float = Field(0.2, ge=0, le=0.4, description="distance of the interior from the sides")
     beyond: bool = True
     wall_rows: tuple[str, ...] = Field(("sfdi",), min_length=1, description="names of wall rows")
-    surface_gradients: tuple[str, ...] = Field(("same",), min_length=1, description="names of gradients at the surface")
+    surface_gradients: tuple[str, ...] = ()
     histograms: tuple[Histogram, ...] = ()
     title: str = Field("", max_length=200, description="one line for people")
 
@@ -163,6 +164,8 @@ class PatchStudy(Model):
         for name, of in (("laplacians", OF_LAPLACIANS), ("gradients", OF_GRADIENTS)):
             if getattr(self, name) and not set(of) & set(self.patches):
                 yield f"{name}: none of the patches is for them; add one of {listed(map(shown, of))}"
+        if self.surface_gradients and ("surface" not in self.patches or not self.gradients):
+            yield "surface_gradients: need gradients=[...] and the patch 'surface'"
         if self.histograms and ("interior" not in self.patches or not self.laplacians):
             yield "histograms: need laplacians=[...] and the patch 'interior'"
 
