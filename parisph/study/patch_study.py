@@ -28,8 +28,8 @@ class Sweep(Model):
     spacings : s, of which a whole number fits into 1; jitters : k of a displacement by k s (Rn - 1/2)
     """
 
-    spacings: tuple[Spacing, ...] = Field(min_length=1, description=f"spacings, each greater than 0 and at most 1/{FEWEST_CELLS}")
-    jitters: tuple[Jitter, ...] = Field(min_length=1, description="disorders k, each 0 to 2")
+    spacings: tuple[Spacing, ...] = Field(description=f"spacings, each greater than 0 and at most 1/{FEWEST_CELLS}")
+    jitters: tuple[Jitter, ...] = Field(description="disorders k, each 0 to 2")
 
     @field_validator("spacings", "jitters", mode="before")
     @classmethod
@@ -39,7 +39,7 @@ class Sweep(Model):
     @field_validator("spacings", "jitters")
     @classmethod
     def _once(cls, values):
-        return _each_once(values)
+        return _some(_each_once(values))
 
     @field_validator("spacings")
     @classmethod
@@ -58,7 +58,12 @@ class Histogram(Model):
     spacing: Spacing = Field(description="spacing")
     jitter: Jitter = Field(description="disorder k")
     edges: tuple[Annotated[float, Field(ge=0)], ...] = Field(
-        tuple(k / 10 for k in range(1, 11)), min_length=1, description="edges of the ranges, which increase")
+        tuple(k / 10 for k in range(1, 11)), description="edges of the ranges, which increase")
+
+    @field_validator("edges")
+    @classmethod
+    def _at_least_one(cls, values):
+        return _some(values)
 
     @model_validator(mode="after")
     def _increases(self):
@@ -100,17 +105,17 @@ class PatchStudy(Model):
     """
 
     kind: Literal["patch"] = "patch"
-    fields: tuple[Union[str, AnalyticField], ...] = Field(min_length=1, description="names of fields, or AnalyticField(...)")
-    sweeps: tuple[Sweep, ...] = Field(min_length=1, description="a list of Sweep(spacings=[...], jitters=[...])")
+    fields: tuple[Union[str, AnalyticField], ...] = Field(description="names of fields, or AnalyticField(...)")
+    sweeps: tuple[Sweep, ...] = Field(description="a list of Sweep(spacings=[...], jitters=[...])")
     laplacians: tuple[str, ...] = ()
     gradients: tuple[str, ...] = ()
     patches: tuple[Literal["interior", "square", "dirichlet", "neumann", "closed", "walls", "surface"], ...] = Field(
-        ("interior",), min_length=1, description="what is measured")
-    seeds: tuple[Whole, ...] = Field((1, 2, 3), min_length=1, description="seeds, each a whole number of at least 0")
+        ("interior",), description="what is measured")
+    seeds: tuple[Whole, ...] = Field((1, 2, 3), description="seeds, each a whole number of at least 0")
     dim: int = Field(2, ge=2, le=3, description="number of dimensions")
     margin: float = Field(0.2, ge=0, le=0.4, description="distance of the interior from the sides")
     beyond: bool = True
-    wall_rows: tuple[str, ...] = Field(("sfdi",), min_length=1, description="names of wall rows")
+    wall_rows: tuple[str, ...] = Field(("sfdi",), description="names of wall rows")
     surface_gradients: tuple[str, ...] = ()
     histograms: tuple[Histogram, ...] = ()
     title: str = Field("", max_length=200, description="one line for people")
@@ -125,6 +130,11 @@ class PatchStudy(Model):
     @classmethod
     def _once(cls, values):
         return _each_once(values)
+
+    @field_validator("fields", "sweeps", "patches", "seeds", "wall_rows")
+    @classmethod
+    def _at_least_one(cls, values):
+        return _some(values)
 
     @model_validator(mode="after")
     def _fits(self):
@@ -197,6 +207,12 @@ def cells_of(spacing: float) -> int:
 def _list(values: object) -> object:
     if isinstance(values, (str, int, float, Model)) and not isinstance(values, bool):
         raise ValueError(f"{shown(values)}: must be a list; write [...]")
+    return values
+
+
+def _some(values):
+    if not values:
+        raise ValueError("must be a list of at least one")
     return values
 
 

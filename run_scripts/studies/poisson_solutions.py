@@ -2,7 +2,7 @@
 
     parisph study run_scripts/studies/poisson_solutions.py
 
-About TIME of CPU time. The error of a Laplacian says little about that of the solution, which averages over it (Z14 Sec. 2.2 looks
+About 2 min of CPU time. The error of a Laplacian says little about that of the solution, which averages over it (Z14 Sec. 2.2 looks
 at the Laplacian alone). Fields: the paper's wave, and two that the particles resolve well: sin(x + 2y), and one with lap f = 0. The rows
 of walls are those of first order ("sfdi", Z14 Eq 26b) and those exact for harmonic pressure ("harmonic").
 """

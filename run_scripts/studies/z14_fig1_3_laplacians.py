@@ -2,7 +2,7 @@
 
     parisph study run_scripts/studies/z14_fig1_3_laplacians.py
 
-About TIME of CPU time. The paper's methods are sph (Eq 20a), cisph1 (Eqs 20b, 20c) and cisph2 (20b, 20d), with h = 1.8 s. Its
+About 20 s of CPU time. The paper's methods are sph (Eq 20a), cisph1 (Eqs 20b, 20c) and cisph2 (20b, 20d), with h = 1.8 s. Its
 square 2 <= x, y <= 3 is the unit square here, because the field has the period 1; particles are in it alone, so that supports
 are cut off for s = 0.1, and errors are those of 0.2 <= x, y <= 0.8. The paper has one random arrangement, here there are ten.
 """
