@@ -14,6 +14,7 @@ from parisph.study.patch_study import Histogram, PatchStudy
 ACROSS = 2
 SIZE = 5.2, 4.0    # of a panel [inch]
 INSIDE = 4         # entries of a legend that hide no curve
+NARROW = 2.0       # largest over smallest error of a panel that would magnify what does not matter
 
 
 def pictures(results: Sequence[PatchResult], study: PatchStudy) -> Iterator[tuple[str, str, list[PatchResult]]]:
@@ -46,7 +47,7 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
     marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(curves)}
     for axes, name in zip(panels.flat, names):
         dots = {curve: found for curve, group in curves.items() if (found := _dots(group, name, axis))}
-        exact = [curve for curve in curves if curve not in dots]
+        exact = [curve for curve, group in curves.items() if curve not in dots and any(name in one.norms for one in group)]
         if exact:
             axes.set_title(style.literal(f"exact: {', '.join(exact)}", 90), fontsize=8, loc="left")
         axes.set_ylabel(style.literal(NORMS[name], 60), fontsize=8)
@@ -61,6 +62,7 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
             axes.set_yscale("log")
             axes.set_xlabel("disorder $k$")
             error_plots.add_legend(axes, dots, INSIDE)
+        _widen(axes, [dot for group in dots.values() for dot in group])
         axes.grid(True, which="both", linewidth=0.4, alpha=0.4)
     for axes in list(panels.flat)[len(names):]:
         axes.axis("off")
@@ -68,6 +70,14 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
     fixed = f"k = {task.jitter:g}" if axis == "spacing" else f"s = {task.spacing:.4g}"
     _title(picture, f"{title}\n{patch_report.heading(results)}, {fixed}")
     style.save(picture, path)
+
+
+def _widen(axes, dots):
+    """Show half a decade at least: an error that is the same everywhere is a flat line."""
+    low, high = min(dot.low for dot in dots), max(dot.high for dot in dots)
+    if high < NARROW * low:
+        middle = (low * high) ** 0.5
+        axes.set_ylim(middle / NARROW, middle * NARROW)
 
 
 def draw_histogram(results: Sequence[PatchResult], histogram: Histogram, title: str, path: Path) -> bool:
@@ -86,7 +96,7 @@ def draw_histogram(results: Sequence[PatchResult], histogram: Histogram, title: 
         x = np.arange(len(names)) + (number - 0.5 * (len(found) - 1)) * width
         spread = [mean - seeds.min(axis=0), seeds.max(axis=0) - mean]
         axes.bar(x, mean, width, yerr=spread if len(seeds) > 1 else None, color=look["color"], capsize=2, error_kw={"linewidth": 0.8},
-                 hatch=None if look["linestyle"] == "-" else "//", label=style.literal(label, 60))
+                 edgecolor="white", hatch=None if look["linestyle"] == "-" else "//", label=style.literal(label, 60))
     axes.set_xticks(np.arange(len(names)), names, rotation=30, fontsize=8)
     axes.set_xlabel("error of the Laplacian over its amplitude")
     axes.set_ylabel("particles")
