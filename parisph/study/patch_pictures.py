@@ -102,7 +102,7 @@ def draw_histogram(results: Sequence[PatchResult], histogram: Histogram, title: 
     axes.set_ylabel("particles")
     axes.grid(True, axis="y", linewidth=0.4, alpha=0.5)
     axes.legend(fontsize=8)
-    _title(picture, f"{title}\ns = {histogram.spacing:.4g}, k = {histogram.jitter:g}")
+    _title(picture, f"{title}\nLaplacian in the interior, s = {histogram.spacing:.4g}, k = {histogram.jitter:g}")
     style.save(picture, path)
     return True
 
