@@ -53,7 +53,7 @@ class Operator:
     @property
     def parts(self) -> tuple[Any, ...]:
         """Its parts. Raises KeyError for a word without one."""
-        kinds = (LAPLACIANS, WALL_ROWS) if self.kind == "laplacian" else (GRADIENTS, SURFACE_GRADIENTS)
+        kinds: tuple[Any, ...] = (LAPLACIANS, WALL_ROWS) if self.kind == "laplacian" else (GRADIENTS, SURFACE_GRADIENTS)
         return tuple(kind[word] for kind, word in zip(kinds, (self.word, self.further)) if word)
 
 
