@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from parisph.base.errors import CaseError, Interrupted
+from parisph.base.errors import CaseError, Interrupted, SolverDiverged
 from parisph.cli import execute
 from parisph.study import AnalyticField, Histogram, PatchStudy, Sweep, patch_results, study_file
 from parisph.study.patch_report import orders, table
@@ -81,6 +81,17 @@ def test_a_field_without_a_relative_error_says_so():
     made = carry_out(tasks(study(fields=["harmonic"]))[0], study())
     assert made.norms == {} and "the exact value is zero" in made.problem
     assert "the exact value is zero" in table([made], study())
+
+
+def test_a_problem_that_cannot_be_solved_is_a_result(monkeypatch):
+    def diverges(*_):
+        raise SolverDiverged("no attempt\n  reached the tolerance")
+
+    monkeypatch.setattr(patch_results, "solution", diverges)
+    whole = study(patches=["dirichlet"])
+    made = [carry_out(task, whole) for task in tasks(whole)]
+    assert all(one.norms == {} and one.problem == "no attempt" for one in made)
+    assert "seed 2: no attempt" in table(made, whole)
 
 
 def test_a_field_of_functions_in_three_dimensions():
