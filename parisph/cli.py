@@ -206,10 +206,11 @@ def _add_study(verbs):
                  "parisph study FILE [options]. A repeated command makes only the runs that are not done. "
                  "Exit code 1: a run failed, or something that the study requires is not met")
     verb.add_argument("study", type=arguments.path, metavar="FILE",
-                      help="Python file with study = Study(...), or JSON file with its fields")
+                      help="Python file with study = Study(...) or PatchStudy(...), or JSON file with its fields")
+    _add_parts(verb)
     verb.add_argument("-l", "--list", action="store_true", help="Only list the runs, with their estimated costs")
     verb.add_argument("--only", action="append", default=[], metavar="METHOD",
-                      help="Make only the runs of this method or label (may be repeated)")
+                      help="Make only the runs of this method or label, or the tests of this operator (may be repeated)")
     verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
                       help="Set parameters of all runs, such as --set end_time=2 numerics.gamma=0.01")
     verb.add_argument("-j", "--jobs", type=arguments.count, default=1, metavar="J",
@@ -348,15 +349,37 @@ def _check(args):
 
 
 def _study(args):
-    from parisph.study.agenda import agenda, listing
+    from parisph.study import study_file
+    from parisph.study.agenda import listing, of_study
     from parisph.study.carry_out import carry_out
+    from parisph.study.definition import Study
 
-    plan = agenda(args.study, args.set, args.only, args.out, args.limit)
+    _register(args.parts)
+    study, file = study_file.read(args.study)
+    if not isinstance(study, Study):
+        return _patch_study(args, study, file)
+    plan = of_study(study, file, args.set, args.only, args.out, args.limit, args.parts)
     if args.list:
         print(listing(plan))
         return 0
     libraries.require(*libraries.ENGINE)
     return carry_out(plan, args.jobs, not args.quiet, args.force, output.show)
+
+
+def _patch_study(args, study, file):
+    for option, given in (("--set", args.set), ("--limit", args.limit is not None), ("-j", args.jobs > 1)):
+        if given:
+            raise CaseError(f"{option}: a patch study has no runs of a case, and takes seconds in this process; leave it out")
+    libraries.require(*libraries.ENGINE)
+    from parisph.study import patch_report
+    from parisph.study.agenda import folder_for
+    from parisph.study.patch_carry_out import carry_out
+
+    folder = folder_for(file, args.out)
+    if args.list:
+        print(patch_report.listing(study, args.only))
+        return 0
+    return carry_out(study, file, folder, args.only, not args.quiet, args.force, output.show)
 
 
 def _doctor(args):

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parisph.base.fields import CONTACT, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.fields import FLUID, INNER
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
 from parisph.kernels.moments import second_moment
+from parisph.patch import arrangement
 
 
 @dataclass
@@ -100,21 +101,8 @@ def tank(cells, lid=False, jitter=0.0, spacing=0.1, reach=2.6, seed=0):
     Walls lie on lattice planes, fluid one spacing inside. Without a lid the last axis ends at the
     free surface, which lies on the lattice plane `cells[-1]` and is not jittered.
     """
-    cells = np.array(cells)
-    dim = len(cells)
-    index = np.stack(np.meshgrid(*[np.arange(c + 1) for c in cells], indexing="ij"), axis=-1).reshape(-1, dim)
-    upper = index == cells
-    upper[:, -1] &= lid
-    inward = (index == 0).astype(float) - upper
-    planes = np.abs(inward).sum(axis=1)
-    kind = np.where(planes > 0, WALL, FLUID).astype(np.int8)
-    surface = ~upper[:, -1] & (index[:, -1] == cells[-1])
-    role = np.where(kind == WALL, np.where(surface, CONTACT, WET), np.where(surface, SURFACE, INNER))
-    x = spacing * index
-    moved = (kind == FLUID) & ~surface
-    x[moved] += jitter * spacing * (np.random.default_rng(seed).random((np.count_nonzero(moved), dim)) - 0.5)
-    normal = np.where(planes[:, None] > 0, inward / np.sqrt(np.maximum(planes, 1))[:, None], 0.0)
-    return Pool(x, kind, (planes > 1).astype(np.int8), normal, role.astype(np.int8), index, cells, spacing, reach)
+    a = arrangement.tank(cells, jitter, seed, lid, spacing)
+    return Pool(a.x, a.kind, a.corner, a.normal, a.role, a.index, a.cells, spacing, reach)
 
 
 class Rows:

@@ -11,12 +11,12 @@ import pytest
 from tests.launch import ROOT, clean_environment
 
 # A module imports only from its own part and from those that stand before it.
-ORDER = ("base", "case", "kernels", "parallel", "pressure", "methods", "truth", "watch", "io", "pictures", "driver", "study", "doctor", "arguments", "completion", "cli", "__main__")
+ORDER = ("base", "case", "kernels", "parallel", "pressure", "methods", "truth", "patch", "watch", "io", "pictures", "driver", "study", "doctor", "arguments", "completion", "cli", "__main__")
 
 # Where these may be imported, as beginnings of module names; nowhere else.
 ONLY_IN = {
     "petsc4py": ("parallel.petsc",),    # which starts PETSc as it should be started
-    "mpi4py": ("parallel", "pressure", "methods", "truth", "watch", "io", "pictures", "driver", "study", "doctor", "completion", "cli", "__main__"),
+    "mpi4py": ("parallel", "pressure", "methods", "truth", "patch", "watch", "io", "pictures", "driver", "study", "doctor", "completion", "cli", "__main__"),
     "numba": ("kernels", "parallel", "doctor"),
     "h5py": ("io", "doctor"),
     "matplotlib": ("pictures", "study"),

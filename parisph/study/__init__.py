@@ -1,8 +1,11 @@
-"""Studies: many runs of one case, by method, spacing, time step, seed and ranks, with a table of errors and costs."""
+"""Studies: many runs of one case, by method, spacing, time step, seed and ranks, with a table of errors and costs; patch tests."""
 
+from parisph.patch.analytic import AnalyticField
 from parisph.study.definition import OtherCodes, Required, Study, Variant
 from parisph.study.measures import FinestError, Function, Quantity, SeriesError, TruthError
+from parisph.study.patch_study import Histogram, PatchStudy, Sweep
 
 __all__ = [
-    "FinestError", "Function", "OtherCodes", "Quantity", "Required", "SeriesError", "Study", "TruthError", "Variant",
+    "AnalyticField", "FinestError", "Function", "Histogram", "OtherCodes", "PatchStudy", "Quantity", "Required", "SeriesError",
+    "Study", "Sweep", "TruthError", "Variant",
 ]

@@ -56,16 +56,30 @@ def agenda(path: str | os.PathLike, sets: Sequence[str] = (), only: Sequence[str
     CaseError : the file, a run, a measure or a limit is wrong.
     """
     study, file = study_file.read(path)
-    items = prepared.prepare(study, file, sets)
+    if not isinstance(study, Study):
+        raise CaseError(f"{named(path)}: a {type(study).__name__} has no runs of a case")
+    return of_study(study, file, sets, only, out, limit)
+
+
+def of_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequence[str] = (), out: str | os.PathLike | None = None,
+             limit: float | None = None, parts: Sequence[str | os.PathLike] = ()) -> Agenda:
+    """Return the Agenda of a Study, as `agenda`. file : absolute path of its file; parts : files that its runs need."""
+    items = prepared.prepare(study, file, sets, parts)
+    folder = folder_for(file, out)
+    if limit is not None and not limit > 0.0:
+        raise CaseError(f"--limit {limit:g}: must be greater than 0, the longest time of a run on the clock [s]")
+    chosen = prepared.selected(items, only)
+    return Agenda(study, file.parent, tuple(items), tuple(chosen), folder, limit or study.time_limit)
+
+
+def folder_for(file: Path, out: str | os.PathLike | None) -> Path:
+    """Return the folder of the study in a file: `out`, or studies/NAME. Raises CaseError if it cannot be one."""
     folder = Path("studies") / file.stem if out is None else paths.checked(out, "out")
     if (folder / "case.json").exists():
         raise CaseError(f"{named(folder)} holds a run: give another folder for the study with -o DIR")
     if folder.exists() and not folder.is_dir():
         raise CaseError(f"{named(folder)} is a file: give a folder for the study with -o DIR")
-    if limit is not None and not limit > 0.0:
-        raise CaseError(f"--limit {limit:g}: must be greater than 0, the longest time of a run on the clock [s]")
-    chosen = prepared.selected(items, only)
-    return Agenda(study, file.parent, tuple(items), tuple(chosen), folder, limit or study.time_limit)
+    return folder
 
 
 def listing(plan: Agenda) -> str:

@@ -46,7 +46,7 @@ def carry_out(plan: Agenda, jobs: int = 1, progress: bool = True, force: bool = 
     StoreError : the folder cannot be written, or another process writes there; MissingLibrary : no mpirun
     """
     processes.command([], max(item.point.ranks for item in plan.chosen))    # an error if there is no mpirun
-    with conduct.Held(plan.folder, force) as held, _terminated_as_interrupted():
+    with conduct.Held(plan.folder, force) as held, terminated_as_interrupted():
         tell = _Progress(plan, progress)
         found, stopped = _run(plan, jobs, tell, held.beat)
         found = [found[item.key] for item in plan.items if item.key in found]
@@ -125,10 +125,10 @@ def _pictures(plan: Agenda, found: Sequence[Result], tell) -> list[Path]:
                       for point in other_codes.read(other, plan.place)]
             if not measures.is_error(measure):
                 continue
-            path = plan.folder / f"error_{_file_name(name)}.png"
+            path = plan.folder / f"error_{file_name(name)}.png"
             made += [path] if error_plots.draw(found, name, measures.label_of(measure), title, path, others) else []
         for probe in study.histories:
-            path = plan.folder / f"history_{_file_name(probe)}.png"
+            path = plan.folder / f"history_{file_name(probe)}.png"
             made += [path] if history_plots.draw(found, probe, study, plan.place, path) else []
     except MissingLibrary as error:
         tell.say(f"no pictures: {error}")
@@ -137,7 +137,8 @@ def _pictures(plan: Agenda, found: Sequence[Result], tell) -> list[Path]:
     return made
 
 
-def _file_name(name):
+def file_name(name: str) -> str:
+    """Return a name as a part of names of files."""
     return clipped(re.sub(r"[^A-Za-z0-9.+-]+", "_", name).strip("_.") or "measure", 60)
 
 
@@ -167,7 +168,7 @@ class _Progress:
 
 
 @contextmanager
-def _terminated_as_interrupted() -> Iterator[None]:
+def terminated_as_interrupted() -> Iterator[None]:
     """Let SIGTERM, or the loss of the terminal, end a study as Ctrl-C does, so that it ends its own runs."""
     if threading.current_thread() is not threading.main_thread():
         yield

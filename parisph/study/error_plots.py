@@ -1,8 +1,9 @@
 """Pictures of a study: error against spacing with the fitted order, and cost against error with the Pareto front."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -48,7 +49,7 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
     marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(report.curves(results))}
     if both:
         there = [one for one in others if one.error and one.spacing and axis == "spacing"]
-        _convergence(panels[0], dots, looks, marks, of_axis, there)
+        convergence(panels[0], dots, looks, marks, of_axis, there)
         panels[0].set_ylabel(style.literal(label, 60))
     _costs(panels[-1], dots, looks, marks, [one for one in others if one.error and one.cpu])
     if not both:
@@ -73,11 +74,16 @@ def _dots(group, name, axis):
     return sorted(found, key=lambda dot: dot.x)
 
 
-def _convergence(axes, dots, looks, marks, label, others):
+def convergence(axes: Any, dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, dict], marks: Mapping[str, str], label: str,
+                others: Sequence[OtherPoint] = (), most: int = MANY) -> None:
+    """Draw errors against spacing with their fitted orders.
+
+    dots : {curve: dots}; label : of the axis; most : entries of a legend inside, more of them are below
+    """
     for curve, group in dots.items():
         x, y = [dot.x for dot in group], [dot.mean for dot in group]
         order = fitted_order(x, y)
-        _plot(axes, x, group, looks[curve], marks[curve], curve if order is None else f"{curve} (order {order:.2f})")
+        error_bars(axes, x, group, looks[curve], marks[curve], curve if order is None else f"{curve} (order {order:.2f})")
         if order is not None and len(x) > 2:
             ends = np.array([min(x), max(x)])
             middle = np.exp(np.mean(np.log(x))), np.exp(np.mean(np.log(y)))
@@ -87,7 +93,7 @@ def _convergence(axes, dots, looks, marks, label, others):
     _logarithmic(axes, [dot.x for group in dots.values() for dot in group] + [one.spacing for one in others])
     axes.set_yscale("log")
     axes.set_xlabel(label)
-    _legend(axes, dots)
+    add_legend(axes, dots, most)
 
 
 def _costs(axes, dots, looks, marks, others):
@@ -97,15 +103,16 @@ def _costs(axes, dots, looks, marks, others):
               marker="o", markersize=11, zorder=1, label=FRONT)
     for curve, group in dots.items():
         group = sorted(group, key=lambda dot: dot.cpu)
-        _plot(axes, [dot.cpu for dot in group], group, looks[curve], marks[curve], curve)
+        error_bars(axes, [dot.cpu for dot in group], group, looks[curve], marks[curve], curve)
     _draw_others(axes, others, "cpu", " (other computer)")
     _logarithmic(axes, [dot.cpu for dot in everything] + [one.cpu for one in others])
     axes.set_yscale("log")
     axes.set_xlabel("CPU time of all ranks [s]")
-    _legend(axes, dots)
+    add_legend(axes, dots)
 
 
-def _plot(axes, x, group, look, mark, label):
+def error_bars(axes: Any, x: Sequence[float], group: Sequence[Dot], look: dict, mark: str, label: str) -> None:
+    """Draw the mean of each dot at a place of the axis, with a bar from the least to the largest."""
     y = np.array([dot.mean for dot in group])
     spread = np.array([[dot.mean - dot.low for dot in group], [dot.high - dot.mean for dot in group]])
     axes.errorbar(x, y, yerr=spread if spread.any() else None, marker=mark, markersize=5, linewidth=1.2, capsize=3,
@@ -120,7 +127,7 @@ def _draw_others(axes, others, of, note):
                   label=style.literal(f"{code}{note}", 60))
 
 
-def _legend(axes, curves):
+def add_legend(axes: Any, curves: Iterable[str], most: int = MANY) -> None:
     """Add a legend: first what is said of all, then our curves, then other codes."""
     pairs = list(zip(*axes.get_legend_handles_labels()))
     names = [style.literal(curve, 60) for curve in curves]
@@ -128,7 +135,7 @@ def _legend(axes, curves):
     first = [pair for pair in pairs if pair[1] == FRONT]
     rest = [pair for pair in pairs if pair not in own and pair not in first]
     pairs = [*first, *own, *rest]
-    if len(pairs) <= MANY:
+    if len(pairs) <= most:
         axes.legend(*zip(*pairs), loc="best", fontsize=8, framealpha=0.8)
     else:    # inside, it would hide the curves
         axes.legend(*zip(*pairs), loc="upper center", bbox_to_anchor=(0.5, -0.14), fontsize=7, ncols=2, frameon=False)

@@ -3,6 +3,7 @@
 import difflib
 import functools
 import hashlib
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -86,10 +87,11 @@ class Prepared:
         return {"particles": particles, "steps": steps, "seconds": steps * seconds, "basis": basis}
 
 
-def prepare(study: Study, file: Path, sets: Sequence[str] = ()) -> list[Prepared]:
+def prepare(study: Study, file: Path, sets: Sequence[str] = (), parts: Sequence[str | os.PathLike] = ()) -> list[Prepared]:
     """Return all runs of a study, each with its case. Not collective, needs no MPI.
 
     file : absolute path of the study file; sets : texts "name=value" of --set, for all runs
+    parts : Python files that register parts of methods, which have been read
 
     Raises
     ------
@@ -103,8 +105,8 @@ def prepare(study: Study, file: Path, sets: Sequence[str] = ()) -> list[Prepared
             problems.setdefault(clipped(str(error).replace(str(case), study.case), 4 * LINE), point)
             continue
         text = to_json(made)
-        parts = (str(case),) if vocabulary.outside() and case.suffix == ".py" else ()
-        found.append(Prepared(point, made, text, _key(text, point.ranks), parts))
+        own = (str(case),) if vocabulary.outside() and case.suffix == ".py" else ()
+        found.append(Prepared(point, made, text, _key(text, point.ranks), (*(str(Path(part).resolve()) for part in parts), *own)))
         for line in _faults(study, made, file.parent):
             problems.setdefault(line, point)
     if problems:

@@ -1,5 +1,6 @@
 """Read a study file: Python with a `study`, or JSON. Errors name file and line."""
 
+import json
 import os
 import sys
 import traceback
@@ -11,13 +12,14 @@ from parisph.base import paths, reading
 from parisph.base.errors import CaseError
 from parisph.base.text import class_name, clipped, named, of_error, plain
 from parisph.study.definition import Study
+from parisph.study.patch_study import PatchStudy
 
 
-def read(path: str | os.PathLike) -> tuple[Study, Path]:
-    """Return the Study that a file describes, and the absolute path of the file. Not collective, needs no MPI.
+def read(path: str | os.PathLike) -> tuple[Study | PatchStudy, Path]:
+    """Return the study that a file describes, and the absolute path of the file. Not collective, needs no MPI.
 
-    path : a Python file with `study = Study(...)` or a function `study()` that returns one, or a JSON file with the
-        fields of a Study
+    path : a Python file with `study = Study(...)` or `study = PatchStudy(...)`, or a function `study()` that returns one;
+        or a JSON file with the fields of a Study, or, with "kind": "patch", of a PatchStudy
 
     Raises
     ------
@@ -35,10 +37,19 @@ def read(path: str | os.PathLike) -> tuple[Study, Path]:
         raise CaseError(f"{named(path)}: cannot be read: {error.strerror}") from None
     if file.suffix == ".json":
         try:
-            return Study.model_validate_json(text), file
+            return _kind_of(text).model_validate_json(text), file
         except CaseError as error:
             raise CaseError(f"{named(path)}: {error}") from None
     return _of_python(text, file, path), file
+
+
+def _kind_of(text):
+    """Return the class of the study in a JSON text."""
+    try:
+        found = json.loads(text)
+    except ValueError:    # the class says where
+        return Study
+    return PatchStudy if isinstance(found, dict) and found.get("kind") == "patch" else Study
 
 
 def _of_python(text, file, path):
@@ -57,7 +68,7 @@ def _of_python(text, file, path):
     finally:
         with suppress(ValueError):    # the file may have taken it out
             sys.path.remove(str(file.parent))
-    if not isinstance(found, Study):
+    if not isinstance(found, (Study, PatchStudy)):
         there = "has no `study`" if found is None else f"`study` is a {class_name(found)}"
         raise CaseError(f"{named(path)}: {there}; write: study = Study(case=..., ...)")
     return found

@@ -49,6 +49,12 @@ def test_study_can_be_carried_out(tmp_path):
     assert done.returncode == 0 and "16 runs, 16 to do" in done.stdout, done.stderr
 
 
+def test_patch_study_can_be_carried_out(tmp_path):
+    (tmp_path / "patch.py").write_text(one(PYTHON, "study = PatchStudy("), encoding="utf-8")
+    done = parisph("study", "patch.py", "--list", cwd=tmp_path)
+    assert done.returncode == 0 and "Gradient beside walls: cube" in done.stdout, done.stderr
+
+
 def test_script_runs_as_printed(first):
     script = one(PYTHON, "open_run")
     assert '{"end_time": 0.5}' in script

@@ -110,6 +110,12 @@ def test_a_bad_part_is_one_clear_error(make, says):
         make()
 
 
+def test_parts_of_the_command_line_go_to_the_runs(folder):
+    (folder / "mine.py").write_text("")
+    made = prepare(study(methods=["ISPH"]), folder / "s.py", parts=["mine.py"])
+    assert made[0].parts[0] == str(folder / "mine.py")
+
+
 def test_two_equal_runs_are_an_error(folder):
     with pytest.raises(CaseError, match="two runs of the study are the same"):
         points(study(variants=[Variant(methods=["ISPH"]), Variant(methods=["ISPH"])]))

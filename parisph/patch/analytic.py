@@ -1,0 +1,133 @@
+"""Fields with exact derivatives, by name or made of functions."""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any, Optional
+
+import numpy as np
+from pydantic import Field, field_validator
+
+from parisph.base.errors import CaseError
+from parisph.base.text import class_name, of_error, shown
+from parisph.case.model import Model
+
+STEP = {"gradient": 1e-4, "laplacian": 1e-3}    # of the differences that exact derivatives are compared with
+SLACK = 0.05    # of the largest one in any direction, within which they must agree
+
+Values = Callable[[np.ndarray], np.ndarray]
+
+
+class AnalyticField(Model):
+    """A field of the unit square or cube. Its functions take positions (n, dim) and must accept any n.
+
+    name : for tables; value : -> (n,); gradient : -> (n, dim), for gradients and for Neumann sides;
+    laplacian : -> (n,), for Laplacians; formula : for titles
+    """
+
+    name: str = Field(min_length=1, max_length=40, description="name of the field")
+    value: Values = Field(exclude=True, description="function of positions (n, dim) that returns (n,)")
+    gradient: Optional[Values] = Field(None, exclude=True, description="function of positions (n, dim) that returns (n, dim)")
+    laplacian: Optional[Values] = Field(None, exclude=True, description="function of positions (n, dim) that returns (n,)")
+    formula: str = Field("", max_length=80, description="formula for titles")
+
+    @field_validator("value", "gradient", "laplacian", mode="before")
+    @classmethod
+    def _callable(cls, function):
+        if function is not None and not callable(function):
+            raise ValueError(f"{shown(function)}: must be a function of positions (n, dim)")
+        return function
+
+    def values(self, x: np.ndarray) -> np.ndarray:
+        """Return the field at positions (n, dim): (n,). Raises CaseError for a function that fails."""
+        return self._call("value", x, (len(x),))
+
+    def gradients(self, x: np.ndarray) -> np.ndarray:
+        """Return the gradient at positions (n, dim): (n, dim). Raises CaseError."""
+        return self._call("gradient", x, x.shape)
+
+    def laplacians(self, x: np.ndarray) -> np.ndarray:
+        """Return the Laplacian at positions (n, dim): (n,). Raises CaseError."""
+        return self._call("laplacian", x, (len(x),))
+
+    def check(self, dim: int, derivatives: tuple[str, ...]) -> None:
+        """Raise CaseError if a derivative, "gradient" or "laplacian", is missing or is not that of the value.
+
+        It is compared with differences of the value at a few points of the unit square or cube.
+        """
+        x = np.random.default_rng(0).uniform(0.1, 0.9, (20, dim))
+        f = self.values(x)
+        for name in derivatives:
+            if getattr(self, name) is None:
+                raise CaseError(f"field {shown(self.name)} has no {name}=: give the function that returns it")
+            exact = self.gradients(x) if name == "gradient" else self.laplacians(x)
+            along = self._differences(x, f, name)
+            found = along if name == "gradient" else along.sum(axis=1)
+            if np.abs(found - exact).max() > SLACK * np.abs(along).max() + 1e-6 * (1.0 + np.abs(f).max()):
+                k = int(np.abs(found - exact).reshape(len(x), -1).max(axis=1).argmax())
+                raise CaseError(f"field {shown(self.name)}: its {name} is not that of its value: {shown(exact[k])} instead of "
+                                f"{shown(np.round(found[k], 4))} at {shown(np.round(x[k], 3))}")
+
+    def _differences(self, x, f, name):
+        """Return first or second differences of the value f at x in each direction, (n, dim)."""
+        step, dim = STEP[name], x.shape[1]
+        pairs = [(self.values(x + step * unit), self.values(x - step * unit)) for unit in np.eye(dim)]
+        if name == "gradient":
+            return np.stack([(plus - minus) / (2.0 * step) for plus, minus in pairs], axis=1)
+        return np.stack([(plus - 2.0 * f + minus) / step**2 for plus, minus in pairs], axis=1)
+
+    def _call(self, name: str, x: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+        try:
+            found: Any = np.asarray(getattr(self, name)(x), float)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            raise CaseError(f"field {shown(self.name)}: its {name} fails: {class_name(error)}: {of_error(error)}") from None
+        if found.shape != shape:
+            raise CaseError(f"field {shown(self.name)}: its {name} returns an array of shape {found.shape} for positions of shape "
+                            f"{x.shape}: it must be {shape}")
+        if not np.isfinite(found).all():
+            raise CaseError(f"field {shown(self.name)}: its {name} is not finite everywhere in the unit square")
+        return found
+
+
+def _wave(x):
+    return np.cos(4.0 * np.pi * x[:, 0] + 8.0 * np.pi * x[:, 1])
+
+
+def _wave_gradient(x):
+    slope = -4.0 * np.pi * np.sin(4.0 * np.pi * x[:, 0] + 8.0 * np.pi * x[:, 1])
+    return _beside(slope, 2.0 * slope, x)
+
+
+def _exponential(x):
+    return np.exp(2.0 * x[:, 0] + 3.0 * x[:, 1])
+
+
+def _numbers(x):
+    return np.arange(1.0, x.shape[1] + 1.0)
+
+
+def _harmonic(x):
+    return np.exp(2.0 * x[:, 1]) * np.cos(2.0 * x[:, 0] + 0.3)
+
+
+def _harmonic_gradient(x):
+    return _beside(-2.0 * np.exp(2.0 * x[:, 1]) * np.sin(2.0 * x[:, 0] + 0.3), 2.0 * _harmonic(x), x)
+
+
+def _beside(along_x, along_y, x):
+    """Return a gradient without a component in z."""
+    return np.stack([along_x, along_y, *[np.zeros(len(x))] * (x.shape[1] - 2)], axis=1)
+
+
+_FIELDS = (
+    AnalyticField("wave", _wave, _wave_gradient, lambda x: -80.0 * np.pi**2 * _wave(x), "cos(4 pi x + 8 pi y)"),    # Z14
+    AnalyticField("parabola", lambda x: (x[:, :2] ** 2).sum(axis=1), lambda x: _beside(2.0 * x[:, 0], 2.0 * x[:, 1], x),
+                  lambda x: np.full(len(x), 4.0), "x^2 + y^2"),    # Z17
+    AnalyticField("exponential", _exponential, lambda x: _beside(2.0 * _exponential(x), 3.0 * _exponential(x), x),
+                  lambda x: 13.0 * _exponential(x), "exp(2x + 3y)"),    # Z17
+    AnalyticField("smooth", lambda x: np.sin(x @ _numbers(x)), lambda x: np.cos(x @ _numbers(x))[:, None] * _numbers(x),
+                  lambda x: -(_numbers(x) @ _numbers(x)) * np.sin(x @ _numbers(x)), "sin(x + 2y)"),    # in 3D sin(x + 2y + 3z)
+    AnalyticField("harmonic", _harmonic, _harmonic_gradient, lambda x: np.zeros(len(x)), "exp(2y) cos(2x + 0.3)"),
+)
+FIELD_OF: Mapping[str, AnalyticField] = MappingProxyType({field.name: field for field in _FIELDS})

@@ -1,0 +1,84 @@
+"""Particles of the unit square or cube, on a lattice or displaced from it, with or without walls.
+
+Disorder is that of the papers (Z14 Sec. 2.2, Z17 Sec. 5.1): each particle is moved by k s (Rn - 1/2) in each direction,
+with Rn uniform in [0, 1).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from parisph.base.fields import CONTACT, FLUID, INNER, SURFACE, WALL, WET
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """Particles and their lattice.
+
+    Attributes
+    ----------
+    x, normal : (n, dim) [m]; kind, corner, role : (n,) int8
+    index : (n, dim) int, place on the lattice; cells : (dim,) int, of the square
+    inside : (n,) bool, those of the square itself, without walls and without those around it
+    spacing : s [m]
+    """
+
+    x: np.ndarray
+    kind: np.ndarray
+    corner: np.ndarray
+    normal: np.ndarray
+    role: np.ndarray
+    index: np.ndarray
+    cells: np.ndarray
+    inside: np.ndarray
+    spacing: float
+
+    @property
+    def dim(self) -> int:
+        """2 or 3."""
+        return self.x.shape[1]
+
+
+def block(cells: int, jitter: float, seed: int, dim: int = 2, layers: int = 0, centred: bool = True) -> Arrangement:
+    """Return fluid of the unit square or cube, all of it displaced, with further layers of particles around it.
+
+    centred : whether particles are in the middles of cells, cells^dim of them; else on the nodes, and those on the
+        sides belong to the layers
+    The particles around it have the role SURFACE, by which no equation is made for them.
+    """
+    line = np.arange(-layers, cells + layers + (not centred))
+    index = _grid([line] * dim)
+    random = np.random.default_rng(seed).random(index.shape)
+    x = (index + 0.5 * centred + jitter * (random - 0.5)) / cells
+    inside = np.all((index >= 0 if centred else index > 0) & (index < cells), axis=1)
+    none = np.zeros(len(x), np.int8)
+    role = np.where(inside, INNER, SURFACE).astype(np.int8)
+    return Arrangement(x, none + np.int8(FLUID), none, np.zeros_like(x), role, index, np.full(dim, cells), inside, 1.0 / cells)
+
+
+def tank(cells: Sequence[int], jitter: float, seed: int, lid: bool = False, spacing: float = 1.0) -> Arrangement:
+    """Return an open tank of fluid, or a full closed one.
+
+    Walls lie on lattice planes, fluid one spacing inside. Without a lid the last axis ends at the free surface, which lies
+    on the lattice plane `cells[-1]` and is not displaced. The wall beside the surface has the role CONTACT.
+    """
+    top = np.array(cells)
+    index = _grid([np.arange(c + 1) for c in top])
+    upper = index == top
+    upper[:, -1] &= lid
+    inward = (index == 0).astype(float) - upper
+    planes = np.abs(inward).sum(axis=1)
+    kind = np.where(planes > 0, WALL, FLUID).astype(np.int8)
+    surface = ~upper[:, -1] & (index[:, -1] == top[-1])
+    role = np.where(kind == WALL, np.where(surface, CONTACT, WET), np.where(surface, SURFACE, INNER)).astype(np.int8)
+    x = spacing * index
+    moved = (kind == FLUID) & ~surface
+    x[moved] += jitter * spacing * (np.random.default_rng(seed).random((np.count_nonzero(moved), len(top))) - 0.5)
+    normal = np.where(planes[:, None] > 0, inward / np.sqrt(np.maximum(planes, 1))[:, None], 0.0)
+    return Arrangement(x, kind, (planes > 1).astype(np.int8), normal, role, index, top, moved, spacing)
+
+
+def _grid(lines):
+    """Return all points of a lattice, (n, dim) int."""
+    return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(lines))

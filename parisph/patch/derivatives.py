@@ -1,0 +1,98 @@
+"""Laplacians and gradients of a field on an arrangement of particles. Each rank on its own; nothing is collective."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph.base.fields import BALLISTIC, FLUID, FieldSet
+from parisph.base.log import Timers
+from parisph.case.numerics import Numerics
+from parisph.kernels.cells import neighbour_lists
+from parisph.kernels.jit import axes_of
+from parisph.methods import catalogue, lengths  # noqa: F401 (parts register)
+from parisph.methods.flow import Flow
+from parisph.methods.parts import GRADIENTS, LAPLACIANS, SURFACE_GRADIENTS, WALL_ROWS
+from parisph.parallel.domain import Domain
+from parisph.parallel.particles import Particles
+from parisph.patch.arrangement import Arrangement
+from parisph.pressure.rows import Cloud, PressureRows
+
+
+class _Nothing:
+    """In place of a divergence: none is needed here."""
+
+    name = "nothing"
+
+    def fill(self, flux, cloud, u):
+        pass
+
+
+@dataclass(frozen=True)
+class Discrete:
+    """The rows of an arrangement: row_I(p) = p_I - sum_J values_J p_J, with row_I(p) = -measure_I target_I."""
+
+    rows: PressureRows
+    arrangement: Arrangement
+
+    @property
+    def measure(self) -> np.ndarray:
+        """(n,) [m^2], for walls [m]; 0 where there is no equation, or where it was given up."""
+        return self.rows.rows.measure[:len(self.arrangement.x)]
+
+    def weighted(self, f: np.ndarray) -> np.ndarray:
+        """Return sum_J values_J f_J of each row, (n,)."""
+        n, buffers, start = len(self.arrangement.x), self.rows.rows, self.rows.cloud.indptr
+        count = buffers.count[:n]
+        entry = np.repeat(start[:-1] - np.concatenate([[0], np.cumsum(count)[:-1]]), count) + np.arange(count.sum())
+        return np.bincount(np.repeat(np.arange(n), count), buffers.values[entry] * f[buffers.columns[entry]], minlength=n)
+
+    def derivative(self, f: np.ndarray) -> np.ndarray:
+        """Return what the rows take for the Laplacian of f (n,), for wet walls its normal derivative.
+
+        (n,), NaN where there is no equation, or where it was given up.
+        """
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.measure > 0.0, (f - self.weighted(f)) / -self.measure, np.nan)
+
+
+def discrete(arrangement: Arrangement, laplacian: str, wall_rows: str = "sfdi") -> Discrete:
+    """Return the rows of a Laplacian, and those of wet walls if there are any. Raises KeyError for a word without a part."""
+    part, walls = LAPLACIANS[laplacian], WALL_ROWS[wall_rows]
+    a, s = arrangement, arrangement.spacing
+    reach = max(lengths.NEAR, part.reach, walls.reach)
+    indptr, indices = neighbour_lists(a.x, len(a.x), reach * s)
+    rows = PressureRows(a.dim, part, _Nothing(), walls, 0.0, lengths.MLS)
+    volume = np.where(a.kind == FLUID, s**a.dim, 0.0)
+    rows.fill(np.zeros_like(a.x), Cloud(a.x, a.kind, a.role.copy(), volume, a.normal, a.corner, indptr, indices, s, axes_of(a.dim)))
+    return Discrete(rows, a)
+
+
+def gradient(arrangement: Arrangement, f: np.ndarray, name: str, at_surface: str = "same") -> np.ndarray:
+    """Return the gradient of f (n,) at fluid: (n, dim), NaN at walls, and at fluid with too few neighbours.
+
+    name : of a part in GRADIENTS; at_surface : of one in SURFACE_GRADIENTS. Raises KeyError for a word without a part.
+    """
+    a, parts = arrangement, (GRADIENTS[name], SURFACE_GRADIENTS[at_surface])
+    flow = _flow(a, parts, Numerics(spacing=a.spacing, preset="gentle", gradient=name, surface_gradient=at_surface).resolved())
+    p = flow.particles
+    p.p[:] = f[p.id]
+    out = np.full((p.n_owned, a.dim), np.nan)
+    for part in parts:
+        part.write(out, p.p_all, flow)
+    out[(p.kind != FLUID) | (p.role == BALLISTIC)] = np.nan
+    found = np.empty_like(out)
+    found[p.id] = out    # the domain has sorted them
+    return found
+
+
+def _flow(a, parts, numerics):
+    """Return the Flow of particles at rest, on this rank alone."""
+    particles = Particles(MPI.COMM_SELF, a.dim, FieldSet(name for part in parts for name in part.needs(numerics)))
+    volume = np.where(a.kind == FLUID, a.spacing**a.dim, 0.0)
+    particles.assign({"id": np.arange(len(a.x)), "x": a.x, "kind": a.kind, "corner": a.corner, "normal": a.normal, "role": a.role,
+                      "volume": volume})
+    reach = max(lengths.NEAR, *(part.reach for part in parts)) * a.spacing
+    domain = Domain(particles, a.x.min(axis=0) - a.spacing, a.x.max(axis=0) + a.spacing, reach, skin=0.0)
+    domain.refresh()
+    return Flow(numerics, 1.0, lambda x, t: np.zeros_like(x), particles, domain, Timers())

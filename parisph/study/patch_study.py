@@ -1,0 +1,223 @@
+"""What a patch study is: which operators are applied to which fields, on which particles. Frozen and validated."""
+
+from typing import Annotated, Literal, Optional, Union
+
+from pydantic import Field, field_validator, model_validator
+
+from parisph.base import vocabulary
+from parisph.base.text import listed, shown
+from parisph.case.model import Model
+from parisph.patch.analytic import FIELD_OF, AnalyticField
+
+OF_LAPLACIANS = ("interior", "square", "dirichlet", "neumann", "closed")
+OF_GRADIENTS = ("interior", "square", "walls", "surface")
+SOLUTIONS = ("dirichlet", "neumann", "closed")
+ON_TANKS = ("neumann", "closed", "walls", "surface")
+MOST_CELLS = {2: 2000, 3: 100}    # across the unit square, and the unit cube
+FEWEST_CELLS = 8                  # so that there is an interior
+WORDS = {"laplacians": "laplacian", "gradients": "gradient", "wall_rows": "wall_rows", "surface_gradients": "surface_gradient"}
+
+Spacing = Annotated[float, Field(gt=0, le=1 / FEWEST_CELLS)]
+Jitter = Annotated[float, Field(ge=0, le=2)]
+Whole = Annotated[int, Field(ge=0)]
+
+
+class Sweep(Model):
+    """Spacings and disorders that are combined. Errors are drawn against what there are several of.
+
+    spacings : s, of which a whole number fits into 1; jitters : k of a displacement by k s (Rn - 1/2)
+    """
+
+    spacings: tuple[Spacing, ...] = Field(description=f"spacings, each greater than 0 and at most 1/{FEWEST_CELLS}")
+    jitters: tuple[Jitter, ...] = Field(description="disorders k, each 0 to 2")
+
+    @field_validator("spacings", "jitters", mode="before")
+    @classmethod
+    def _several(cls, values):
+        return _list(values)
+
+    @field_validator("spacings", "jitters")
+    @classmethod
+    def _once(cls, values):
+        return _some(_each_once(values))
+
+    @field_validator("spacings")
+    @classmethod
+    def _whole(cls, values):
+        for s in values:
+            cells_of(s)
+        return values
+
+
+class Histogram(Model):
+    """Counts of particles by the error of their Laplacian, over the largest exact one (Z14 Fig 3).
+
+    spacing, jitter : s and k; edges : of the ranges, which increase; one more range is open above
+    """
+
+    spacing: Spacing = Field(description="spacing")
+    jitter: Jitter = Field(description="disorder k")
+    edges: tuple[Annotated[float, Field(ge=0)], ...] = Field(
+        tuple(k / 10 for k in range(1, 11)), description="edges of the ranges, which increase")
+
+    @field_validator("edges")
+    @classmethod
+    def _at_least_one(cls, values):
+        return _some(values)
+
+    @model_validator(mode="after")
+    def _increases(self):
+        cells_of(self.spacing)
+        if any(b <= a for a, b in zip(self.edges, self.edges[1:])):
+            raise ValueError(f"edges = {shown(self.edges)}: must increase")
+        return self
+
+
+class PatchStudy(Model):
+    """Operators on fields with known derivatives, in the unit square or cube: every choice is combined with all others.
+
+    Attributes
+    ----------
+    fields : names (patch.analytic.FIELD_OF), or AnalyticField(...)
+    laplacians, gradients : words of the registries of parts, also of parts that the study file has registered
+    patches : what is measured
+
+        "interior"   Laplacians and gradients themselves, at particles farther than `margin` from the sides
+        "square"     the same at all particles of a square with nothing around it
+        "dirichlet"  solution of lap p = lap f with p = f on all particles around the square
+        "neumann"    the same with walls on all sides but the last, where p = f; n . grad p = n . grad f at the walls
+        "closed"     the same with walls on all sides, up to a constant
+        "walls"      gradients in the two layers of fluid beside walls
+        "surface"    gradients of the particles on a free surface
+    sweeps : list of Sweep
+    seeds : of the disorder; results are given as mean and range over them
+    dim : 2 or 3
+    margin : distance from the sides of the particles that count in the interior
+    beyond : whether the lattice of "interior" goes on beyond the sides, so that no support is cut off, however wide
+    wall_rows : words, with each of which problems with walls are solved
+    surface_gradients : words of gradients that replace others at the surface, for "surface"
+    histograms : list of Histogram, of Laplacians in the interior
+    title : one line for tables and pictures
+
+    Raises
+    ------
+    CaseError : with one line for each problem
+    """
+
+    kind: Literal["patch"] = "patch"
+    fields: tuple[Union[str, AnalyticField], ...] = Field(description="names of fields, or AnalyticField(...)")
+    sweeps: tuple[Sweep, ...] = Field(description="a list of Sweep(spacings=[...], jitters=[...])")
+    laplacians: tuple[str, ...] = ()
+    gradients: tuple[str, ...] = ()
+    patches: tuple[Literal["interior", "square", "dirichlet", "neumann", "closed", "walls", "surface"], ...] = Field(
+        ("interior",), description="what is measured")
+    seeds: tuple[Whole, ...] = Field((1, 2, 3), description="seeds, each a whole number of at least 0")
+    dim: int = Field(2, ge=2, le=3, description="number of dimensions")
+    margin: float = Field(0.2, ge=0, le=0.4, description="distance of the interior from the sides")
+    beyond: bool = True
+    wall_rows: tuple[str, ...] = Field(("sfdi",), description="names of wall rows")
+    surface_gradients: tuple[str, ...] = ()
+    histograms: tuple[Histogram, ...] = ()
+    title: str = Field("", max_length=200, description="one line for people")
+
+    @field_validator("fields", "laplacians", "gradients", "patches", "sweeps", "seeds", "wall_rows", "surface_gradients", "histograms",
+                     mode="before")
+    @classmethod
+    def _several(cls, values):
+        return _list(values)
+
+    @field_validator("laplacians", "gradients", "patches", "seeds", "wall_rows", "surface_gradients")
+    @classmethod
+    def _once(cls, values):
+        return _each_once(values)
+
+    @field_validator("fields", "sweeps", "patches", "seeds", "wall_rows")
+    @classmethod
+    def _at_least_one(cls, values):
+        return _some(values)
+
+    @model_validator(mode="after")
+    def _fits(self):
+        problems = [*self._unknown(), *self._unused()]
+        most = MOST_CELLS[self.dim]
+        for s in self.all_spacings:
+            if cells_of(s) > most:
+                problems.append(f"spacing {s:g}: must be at least 1/{most} in {self.dim} dimensions")
+        if problems:
+            raise ValueError("\n".join(problems))
+        names = [field.name for field in self.analytic]
+        _each_once(names)
+        for field in self.analytic:
+            field.check(self.dim, self.derivatives)
+        return self
+
+    def _unknown(self):
+        """Yield what is wrong with words."""
+        for field, kind in WORDS.items():
+            for word in getattr(self, field):
+                if word not in vocabulary.known(kind):
+                    yield f"{field}: unknown {kind} {shown(word)}; known are {', '.join(vocabulary.known(kind))}"
+        for field in self.fields:
+            if isinstance(field, str) and field not in FIELD_OF:
+                yield f"fields: unknown field {shown(field)}; known are {', '.join(FIELD_OF)}, or give AnalyticField(...)"
+
+    def _unused(self):
+        """Yield choices that have no effect, or that need others."""
+        if not self.laplacians and not self.gradients:
+            yield "give laplacians=[...] or gradients=[...], or both"
+            return
+        for patch in self.patches:
+            if patch not in OF_GRADIENTS and not self.laplacians:
+                yield f"patches: {shown(patch)} needs laplacians=[...]"
+            if patch not in OF_LAPLACIANS and not self.gradients:
+                yield f"patches: {shown(patch)} needs gradients=[...]"
+        for name, of in (("laplacians", OF_LAPLACIANS), ("gradients", OF_GRADIENTS)):
+            if getattr(self, name) and not set(of) & set(self.patches):
+                yield f"{name}: none of the patches is for them; add one of {listed(map(shown, of))}"
+        if self.surface_gradients and ("surface" not in self.patches or not self.gradients):
+            yield "surface_gradients: need gradients=[...] and the patch 'surface'"
+        if self.histograms and ("interior" not in self.patches or not self.laplacians):
+            yield "histograms: need laplacians=[...] and the patch 'interior'"
+
+    @property
+    def analytic(self) -> tuple[AnalyticField, ...]:
+        """The fields."""
+        return tuple(FIELD_OF[field] if isinstance(field, str) else field for field in self.fields)
+
+    @property
+    def derivatives(self) -> tuple[str, ...]:
+        """Which exact derivatives the fields must have."""
+        needs_gradient = self.gradients or {"neumann", "closed"} & set(self.patches)
+        return (*(["gradient"] if needs_gradient else []), *(["laplacian"] if self.laplacians else []))
+
+    @property
+    def all_spacings(self) -> tuple[float, ...]:
+        """Those of all sweeps and histograms."""
+        return (*(s for sweep in self.sweeps for s in sweep.spacings), *(one.spacing for one in self.histograms))
+
+
+def cells_of(spacing: float) -> int:
+    """Return how many spacings fit into 1. Raises ValueError, with the nearest that do, unless it is a whole number."""
+    cells = round(1.0 / spacing)
+    if abs(cells * spacing - 1.0) > 1e-6:
+        raise ValueError(f"spacing {spacing:g}: a whole number of spacings must fit into 1; write 1/{cells}")
+    return cells
+
+
+def _list(values: object) -> object:
+    if isinstance(values, (str, int, float, Model)) and not isinstance(values, bool):
+        raise ValueError(f"{shown(values)}: must be a list; write [...]")
+    return values
+
+
+def _some(values):
+    if not values:
+        raise ValueError("must be a list of at least one")
+    return values
+
+
+def _each_once(values):
+    twice: Optional[object] = next((value for value in values if list(values).count(value) > 1), None)
+    if twice is not None:
+        raise ValueError(f"{shown(twice)} is given twice: leave one of them out")
+    return values
