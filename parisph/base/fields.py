@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parisph.base.arrays import Array
+
 # Values of the field `kind`.
 FLUID, WALL = 0, 1
 ABSENT = 2     # marks particles that a kernel must ignore; never in the field itself
@@ -44,7 +46,7 @@ class Field:
     written: bool = True
     default: float = 0
 
-    def empty(self, n: int, dim: int) -> np.ndarray:
+    def empty(self, n: int, dim: int) -> Array:
         """Return an array of the default value for n particles in dim dimensions."""
         return np.full((n, *(dim,) * ORDER[self.shape]), self.default, dtype=self.dtype)
 
@@ -63,7 +65,7 @@ class FieldSet(Mapping[str, Field]):
     KeyError : a name that is not in the registry
     """
 
-    def __init__(self, names: Iterable[str] = ()):
+    def __init__(self, names: Iterable[str] = ()) -> None:
         wanted = {*CORE, *names}
         unknown = sorted(wanted - set(FIELDS))
         if unknown:
