@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[Any]             # of any type, and of records
+Array = NDArray[Any]    # of any type, and of records
 Floats = NDArray[np.float64]
-Ints = NDArray[np.integer[Any]]  # of any width
+Ints = NDArray[np.int64]
 Flags = NDArray[np.bool_]

@@ -27,7 +27,7 @@ class Method:
     wall_layers: int = 1
     warning: str = ""
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
 
 

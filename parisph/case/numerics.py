@@ -1,8 +1,10 @@
 """How a scene is computed and what is written: method, resolution, time step, output."""
 
+from collections.abc import Iterable
 from typing import Annotated, Literal, Optional
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+from typing_extensions import Self
 
 from parisph.base import vocabulary
 from parisph.base.fields import FIELDS
@@ -100,30 +102,32 @@ class Numerics(Model):
 
     @field_validator("method")
     @classmethod
-    def _known_method(cls, name, info):
+    def _known_method(cls, name: str, info: ValidationInfo) -> str:
         return name if info.context else _known("method", name, METHODS)
 
     @field_validator(*WORDS)
     @classmethod
-    def _known_part(cls, word, info):
+    def _known_part(cls, word: str | None, info: ValidationInfo) -> str | None:
         if word is None or info.context:    # a run that is only looked at may have parts that are not here
             return word
-        return _known(info.field_name, word, vocabulary.known(WORDS[info.field_name]))
+        field = str(info.field_name)
+        return _known(field, word, vocabulary.known(WORDS[field]))
 
     @field_validator(*LISTS)
     @classmethod
-    def _known_parts(cls, words, info):
+    def _known_parts(cls, words: tuple[str, ...] | None, info: ValidationInfo) -> tuple[str, ...] | None:
+        what = LISTS[str(info.field_name)]
         for word in () if info.context else words or ():
-            _known(LISTS[info.field_name], word, vocabulary.known(LISTS[info.field_name]))
+            _known(what, word, vocabulary.known(what))
         return words
 
     @field_validator("preset")
     @classmethod
-    def _known_preset(cls, name):
+    def _known_preset(cls, name: str) -> str:
         return _known("preset", name, PRESETS)
 
     @model_validator(mode="after")
-    def _one_relaxation(self):
+    def _one_relaxation(self) -> Self:
         if self.zeta is not None and self.zeta_time:
             raise ValueError(
                 f"zeta = {self.zeta} and zeta_time = {self.zeta_time}: give only one of them, "
@@ -136,7 +140,7 @@ class Numerics(Model):
             )
         return self
 
-    def resolved(self):
+    def resolved(self) -> "Numerics":
         """Return a copy in which the values of the method, or else of the preset, replace None."""
         values = {**PRESETS[self.preset], **METHODS[self.method].values}
         missing = {name: value for name, value in values.items() if getattr(self, name) is None}
@@ -170,14 +174,14 @@ class Output(Model):
 
     @field_validator("fields")
     @classmethod
-    def _known_fields(cls, names):
+    def _known_fields(cls, names: tuple[str, ...]) -> tuple[str, ...]:
         known = [field.name for field in FIELDS.values() if field.written]
         for name in names:
             _known("field", name, known)
         return tuple(dict.fromkeys(names))
 
     @model_validator(mode="after")
-    def _one_rate(self):
+    def _one_rate(self) -> Self:
         if self.probe_interval is not None and self.probe_every != 1:
             raise ValueError(
                 f"probe_every = {self.probe_every} and probe_interval = {self.probe_interval:g} s: give only one of them, "
@@ -186,7 +190,7 @@ class Output(Model):
         return self
 
 
-def _known(what, name, names):
+def _known(what: str, name: str, names: Iterable[str]) -> str:
     if name not in names:
         raise ValueError(f"unknown {what} {shown(name)}; known are {', '.join(names)}")
     return name

@@ -114,7 +114,7 @@ CLOSED = {
 }
 
 
-def preset_values(preset: str, closed: bool) -> dict:
+def preset_values(preset: str, closed: bool) -> dict[str, Any]:
     """Return the numbers of a preset; closed: whether the fluid fills a closed tank."""
     own = CLOSED if preset == "violent" else {"surface_rule": CLOSED["surface_rule"]}
     return {**PRESETS[preset], **(own if closed else {})}

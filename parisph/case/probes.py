@@ -1,12 +1,14 @@
 """Descriptions of probes; parisph.watch.instruments computes their values."""
 
 import re
+from collections.abc import Sequence
 from typing import Annotated, Literal, Union
 
 import numpy as np
 from pydantic import Field, field_validator
 
 from parisph.base import reading
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
 from parisph.case.model import Model
@@ -49,7 +51,7 @@ class Probe(Model):
 
     @field_validator("name")
     @classmethod
-    def _file_name(cls, name):
+    def _file_name(cls, name: str) -> str:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", name):
             raise ValueError(
                 f"{shown(name)} cannot name a file: use up to 64 letters, digits, '_', '-' or '.', and start with a letter or digit"
@@ -140,7 +142,7 @@ class VelocityProfile(Probe):
     peak: Peak = False
 
     @property
-    def places(self) -> np.ndarray:
+    def places(self) -> Floats:
         """The points (points, dim) [m]."""
         return np.linspace(self.start, self.end, self.points)
 
@@ -151,7 +153,7 @@ AnyProbe = Annotated[
 ]
 
 
-def read_truth(truth):
+def read_truth(truth: Truth) -> tuple[Floats, Floats]:
     """Return the times (n,) [s] and the values (n,) [the probe's unit] of a Truth.
 
     Raises
@@ -175,7 +177,7 @@ def read_truth(truth):
     return data[:, 0] * truth.time_scale, truth.offset + truth.scale * data[:, 1]
 
 
-def _numbers(truth, line, cells):
+def _numbers(truth: Truth, line: int, cells: Sequence[str]) -> list[float]:
     try:
         found = [float(cell) for cell in cells]
     except ValueError:

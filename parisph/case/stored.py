@@ -1,6 +1,7 @@
 """Cases as JSON text with a schema version, as stored in case.json, snapshots and checkpoints."""
 
 import json
+from typing import Any
 
 from parisph.base.errors import CaseError
 from parisph.base.seal import opened
@@ -50,11 +51,11 @@ def from_json(text: str, read_only: bool = False) -> Case:
     if case.asked is None:
         return case if version else _with_asked(case)
     if not read_only:
-        _check_asked(case)
+        _check_asked(case.numerics, case.asked)
     return case
 
 
-def _keep_meaning(content, version) -> None:
+def _keep_meaning(content: dict[str, Any], version: int) -> None:
     """Give an older stored text, where it is resolved, what it computed with before later fields existed."""
     numerics, probes = content.get("numerics"), content.get("probes")
     if not isinstance(numerics, dict) or numerics.get("kappa") is None:    # as the user gave it, not resolved
@@ -69,11 +70,11 @@ def _keep_meaning(content, version) -> None:
             probe.setdefault("radius", numerics.get("spacing"))    # the wall particles beside it
 
 
-def _check_asked(case: Case) -> None:
-    """Raise CaseError if a value that the user gave differs from the one that is used, as after an edit of only one of them."""
-    given = case.asked.model_dump()
-    own = {*PRESETS[case.asked.preset], *METHODS[case.asked.method].values}
-    for name, value in case.numerics.model_dump().items():
+def _check_asked(used: Numerics, asked: Numerics) -> None:
+    """Raise CaseError if a value that the user gave differs from the one that is used, as after an edit of only one."""
+    given = asked.model_dump()
+    own = {*PRESETS[asked.preset], *METHODS[asked.method].values}
+    for name, value in used.model_dump().items():
         if given[name] != value and (given[name] is not None or name not in own):
             remedy = "edit both alike"
             if name in ("preset", "method"):    # the other values would stay those of the old one
@@ -91,7 +92,7 @@ def _with_asked(case: Case) -> Case:
     return case.model_copy(update={"asked": Numerics(**numerics.model_dump(exclude=set(same)))})
 
 
-def _each_once(pairs: list) -> dict:
+def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """Make the dict of a JSON object; of two values for one name, the last would win in silence."""
     found = dict(pairs)
     if len(found) < len(pairs):

@@ -14,7 +14,7 @@ from parisph.base.errors import CaseError
 from parisph.base.text import clipped, named, shown
 from parisph.case import load as case_file
 from parisph.case import scales, size
-from parisph.case.model import first_lines
+from parisph.case.faults import first_lines
 from parisph.case.numerics import Numerics
 from parisph.case.schema import Case
 from parisph.case.stored import to_json
