@@ -20,5 +20,8 @@ class Communicator(Protocol):
     def allgather(self, sendobj: Any) -> list[Any]:
         """Return what all ranks give, in the order of ranks. Collective."""
 
+    def bcast(self, obj: Any) -> Any:
+        """Return what rank 0 gives. Collective."""
+
     def Abort(self, errorcode: int) -> Any:
         """End all ranks, and do not return."""

@@ -1,16 +1,20 @@
 """The table at the end of a run, and the text of `parisph info`. Not collective."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from parisph.base.errors import StoreError
 from parisph.base.text import plain_lines
 from parisph.io.layout import INDEX, PEAKS
+from parisph.io.reader import Run
 
 
-def table(summary):
+def table(summary: Mapping[str, Any]) -> list[str]:
     """Return the lines of a short table of summary.json; missing entries are left out."""
     return _plain(f"{name:<15} {text}" for name, text in _entries(summary) if text is not None)
 
 
-def describe(run):
+def describe(run: Run) -> str:
     """Return the description of a Run (io.reader): its content and its results. Raises StoreError."""
     lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
     lines += ["", *(_results(run) if run.summary else ["no summary.json: the run goes on, or was killed"])]
@@ -27,7 +31,7 @@ def describe(run):
     return "\n".join(_plain(lines))
 
 
-def provenance(run):
+def provenance(run: Run) -> str:
     """Return the versions and options of a Run as text, "" if it has no snapshot. Raises StoreError if the first one is damaged.
 
     What the summary says too, and `describe` has told, is left out.

@@ -1,7 +1,6 @@
 """Read a run: `run = open_run(DIR)`, then fields and probes as numpy arrays. Needs no MPI."""
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +8,7 @@ import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.log import logger
+from parisph.base.paths import AnyPath
 from parisph.base.text import named, shown
 from parisph.case import stored
 from parisph.io import series, snapshot
@@ -33,7 +33,7 @@ class Run:
     probe_names : list of str
     """
 
-    def __init__(self, folder: str | os.PathLike):
+    def __init__(self, folder: AnyPath) -> None:
         self.folder = Path(folder)
         if not (self.folder / "case.json").exists():
             raise StoreError(f"{folder} is not the folder of a run: it has no case.json")
@@ -170,7 +170,7 @@ def _case(path):
     return content
 
 
-def open_run(folder: str | os.PathLike) -> Run:
+def open_run(folder: AnyPath) -> Run:
     """Return the Run in `folder`, for notebooks and pictures. Warns of missing snapshots. Raises StoreError if there is none."""
     run = Run(folder)
     if run.missing:

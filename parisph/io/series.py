@@ -7,11 +7,13 @@ complete, so that a killed process loses none; an incomplete last line is ignore
 
 import math
 import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from parisph.base.errors import StoreError
+from parisph.base.paths import AnyPath
 from parisph.base.reading import check_regular
 from parisph.io.files import write_text
 
@@ -39,7 +41,8 @@ class Series:
     StoreError : the old file is damaged, or of another run
     """
 
-    def __init__(self, path, columns, title="", keep_to=None, run=""):
+    def __init__(self, path: AnyPath, columns: Mapping[str, str], title: str = "", keep_to: int | None = None,
+                 run: str = "") -> None:
         self.path = Path(path)
         self.columns = {"time": "s", "step": "", **columns}
         kept, self.dropped = self._kept_lines(keep_to, run)
@@ -49,7 +52,7 @@ class Series:
         # not buffered: a line that the disk refuses must not come back when the file is closed
         self._file = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_NOFOLLOW)
 
-    def append(self, time, step, values):
+    def append(self, time: float, step: int, values: Sequence[float | str | None]) -> None:
         """Add one line: time [s], step and one value (number, str, None for none) for each further column."""
         if len(values) != len(self.columns) - 2:
             raise ValueError(f"{self.path.name} has {len(self.columns) - 2} values a line, got {len(values)}")
@@ -58,7 +61,7 @@ class Series:
         while written < len(line):    # the disk has little room left: the next call says so
             written += os.write(self._file, line[written:])
 
-    def close(self):
+    def close(self) -> None:
         """Close the file."""
         os.close(self._file)
 
@@ -138,7 +141,7 @@ def table(names: list[str], lines: list[list[str]]) -> np.ndarray:
     return found
 
 
-def units(path):
+def units(path: AnyPath) -> dict[str, str]:
     """Return the unit of each column of a Series file as a dict, "" for none or unknown."""
     found = {}
     with open(path, encoding="utf-8") as file:

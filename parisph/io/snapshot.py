@@ -7,15 +7,19 @@ Attributes of the root say how the run was made: case (JSON), method, versions a
 HDF5 part is a digest of the file (parisph.io.digest).
 """
 
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, Protocol
 
 import h5py
 import numpy as np
 
+from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
 from parisph.base.log import logger
+from parisph.base.paths import AnyPath
 from parisph.io import digest, slabs
 from parisph.io.files import read_json, write_json
 from parisph.io.slabs import Slab
@@ -26,7 +30,31 @@ ALWAYS = ("id", "kind", "role")
 VERTEX = 1  # VTK's number for a cell of one point
 
 
-def write(comm, path, particles, time, step, fields, attributes):
+class Written(Protocol):
+    """This rank's rows of what is written, with the fields as attributes: Particles, or a copy of some."""
+
+    @property
+    def dim(self) -> int:
+        """Number of dimensions."""
+
+    @property
+    def n_owned(self) -> int:
+        """Rows of this rank."""
+
+    @property
+    def offset(self) -> int:
+        """First row of this rank."""
+
+    @property
+    def n_global(self) -> int:
+        """Rows of all ranks."""
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        """Return the rows of a field."""
+
+
+def write(comm: Communicator, path: Path, particles: Written, time: float, step: int, fields: Iterable[str],
+          attributes: Mapping[str, str | float]) -> None:
     """Write the particles of all ranks to the file `path`. Collective.
 
     Parameters
@@ -53,7 +81,7 @@ def write(comm, path, particles, time, step, fields, attributes):
     slabs.write(comm, path, arrays, lambda file: _decorate(file, total, particles.dim, time, step, comm.size, attributes))
 
 
-def read(path, time=None, run=""):
+def read(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:
     """Return the particles of a snapshot as a dict of arrays, by the names of the field registry.
 
     x (n, dim) [m], id, kind, role, and all other fields in the file: u (n, dim) [m/s], p (n) [Pa], ...
@@ -79,7 +107,7 @@ def read(path, time=None, run=""):
     return {"time": found, "step": step, **arrays}
 
 
-def read_attributes(path, time=None, run=""):
+def read_attributes(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:
     """Return the attributes at the root of a snapshot or checkpoint as a dict. Parameters and errors as of `read`."""
     with _opened(path, time, run) as file:
         return {name: value.item() if hasattr(value, "item") else value for name, value in file.attrs.items()}
@@ -105,7 +133,7 @@ def _check_expected(path, attributes, time, run):
         raise StoreError(f"{path} is the snapshot of {found:.12g} s, not of {time:.12g} s: another snapshot has been copied over it")
 
 
-def write_index(path, files, times, run=""):
+def write_index(path: Path, files: Sequence[str], times: Sequence[float], run: str = "") -> None:
     """Write the list of a run's snapshots, which ParaView opens as a series. One rank. Raises OSError."""
     entries = [{"name": name, "time": time} for name, time in zip(files, times)]
     write_json(path, {"file-series-version": "1.0", "run": run, "files": entries})
@@ -157,7 +185,7 @@ def time_of_own(path: Path, run: str) -> float | None:
     return float(about["time"]) if about.get("run", "") == run and "time" in about else None
 
 
-def check_fields(fields):
+def check_fields(fields: Iterable[str]) -> list[str]:
     """Return the names of the arrays in a snapshot of `fields`, apart from the positions.
 
     Raises StoreError for a field that is not in the registry, or cannot be written to snapshots.

@@ -1,7 +1,6 @@
 """One time step of traditional, weakly compressible SPH (Zheng, Ma & Duan 2014, Sec. 2.1)."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -133,7 +132,7 @@ class Compressible:
         self._begun = True
         self.top_acceleration, self._steps = state.get("acceleration", 0.0), state.get("surface_steps", 0)
 
-    def about(self) -> Any:
+    def about(self) -> dict[str, str | None]:
         """Return the options of PETSc: none."""
         return {}
 

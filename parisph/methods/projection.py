@@ -169,7 +169,7 @@ class Projection:
         self.flow.top_acceleration = state.get("acceleration", 0.0)
         self.knows_pressure = True
 
-    def about(self) -> object:
+    def about(self) -> dict[str, str | None]:
         """Return the options of PETSc in use."""
         return self.solver.options
 

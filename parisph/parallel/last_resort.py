@@ -10,7 +10,7 @@ import threading
 
 import numpy as np
 
-from parisph.base.signals import CODE, NUMBERS
+from parisph.base.signals import CODE, NUMBERS, Signals
 from parisph.kernels.jit import unlocked
 from parisph.kernels.processor import numba
 
@@ -25,7 +25,7 @@ _usleep = types.ExternalFunction("usleep", types.int32(types.uint32))
 _exit = types.ExternalFunction("_exit", types.void(types.int32))
 
 
-def arm(signals):
+def arm(signals: Signals) -> None:
     """Start the thread for Signals that end several ranks; it ends with them. Not collective."""
     if signals.abort is None or signals.socket is None or signals.helper is not None:
         return

@@ -1,8 +1,9 @@
 """Pictures of a study: error against spacing with the fitted order, and cost against error with the Pareto front."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from parisph.study import report
 from parisph.study.fits import fitted_order, pareto
 from parisph.study.other_codes import OtherPoint
 from parisph.study.results import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 FRONT = "Pareto front"
@@ -61,7 +65,7 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
     return True
 
 
-def _dots(group, name, axis):
+def _dots(group: Sequence[Result], name: str, axis: str | None) -> list[Dot]:
     found = []
     for family in report.families(group):
         pairs = [(one.errors.get(name), one.values.get("cpu_seconds")) for one in family]
@@ -73,7 +77,8 @@ def _dots(group, name, axis):
     return sorted(found, key=lambda dot: dot.x)
 
 
-def _convergence(axes, dots, looks, marks, label, others):
+def _convergence(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, style.LineLook],
+                 marks: Mapping[str, str], label: str, others: Sequence[OtherPoint]) -> None:
     for curve, group in dots.items():
         x, y = [dot.x for dot in group], [dot.mean for dot in group]
         order = fitted_order(x, y)
@@ -90,7 +95,8 @@ def _convergence(axes, dots, looks, marks, label, others):
     _legend(axes, dots)
 
 
-def _costs(axes, dots, looks, marks, others):
+def _costs(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, style.LineLook],
+           marks: Mapping[str, str], others: Sequence[OtherPoint]) -> None:
     everything = [dot for group in dots.values() for dot in group]
     front = [everything[k] for k in pareto([dot.cpu for dot in everything], [dot.mean for dot in everything])]
     axes.plot([dot.cpu for dot in front], [dot.mean for dot in front], color="0.8", linewidth=6, solid_capstyle="round",
@@ -105,14 +111,14 @@ def _costs(axes, dots, looks, marks, others):
     _legend(axes, dots)
 
 
-def _plot(axes, x, group, look, mark, label):
+def _plot(axes: "Axes", x: Sequence[float], group: Sequence[Dot], look: style.LineLook, mark: str, label: str) -> None:
     y = np.array([dot.mean for dot in group])
     spread = np.array([[dot.mean - dot.low for dot in group], [dot.high - dot.mean for dot in group]])
     axes.errorbar(x, y, yerr=spread if spread.any() else None, marker=mark, markersize=5, linewidth=1.2, capsize=3,
                   label=style.literal(label, 60), zorder=3, **look)
 
 
-def _draw_others(axes, others, of, note):
+def _draw_others(axes: "Axes", others: Sequence[OtherPoint], of: str, note: str) -> None:
     for number, code in enumerate(dict.fromkeys(one.code for one in others)):
         points = [one for one in others if one.code == code]
         axes.plot([getattr(one, of) for one in points], [one.error for one in points], color="black", linestyle="",
@@ -120,7 +126,7 @@ def _draw_others(axes, others, of, note):
                   label=style.literal(f"{code}{note}", 60))
 
 
-def _legend(axes, curves):
+def _legend(axes: "Axes", curves: Iterable[str]) -> None:
     """Add a legend: first what is said of all, then our curves, then other codes."""
     pairs = list(zip(*axes.get_legend_handles_labels()))
     names = [style.literal(curve, 60) for curve in curves]
@@ -134,7 +140,7 @@ def _legend(axes, curves):
         axes.legend(*zip(*pairs), loc="upper center", bbox_to_anchor=(0.5, -0.14), fontsize=7, ncols=2, frameon=False)
 
 
-def _logarithmic(axes, values):
+def _logarithmic(axes: "Axes", values: Sequence[float | None]) -> None:
     """Make the x axis logarithmic, with plain numbers at 1, 2 and 5 if it spans little more than a decade."""
     from matplotlib import ticker
 

@@ -3,7 +3,7 @@
 import difflib
 import functools
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -95,7 +95,9 @@ def prepare(study: Study, file: Path, sets: Sequence[str] = ()) -> list[Prepared
     ------
     CaseError : a case, a measure or a limit of the study is wrong; one line for each problem
     """
-    case, found, problems = (file.parent / study.case).resolve(), [], {}
+    case = (file.parent / study.case).resolve()
+    found: list[Prepared] = []
+    problems: dict[str, Point] = {}
     for point in plan.points(study, set_words.read(sets)):
         try:
             made = _case(case, point)
@@ -135,7 +137,7 @@ def code_version() -> str:
     return f"{parisph.__version__}+{found.hexdigest()}"
 
 
-def _key(text, ranks):
+def _key(text: str, ranks: int) -> str:
     return hashlib.blake2b(f"{text}\n{ranks}\n{code_version()}".encode(), digest_size=16).hexdigest()
 
 
@@ -161,7 +163,7 @@ def _case(path: Path, point: Point) -> Case:
     return case.changed(**inside) if inside else case
 
 
-def _faults(study, case, folder):
+def _faults(study: Study, case: Case, folder: Path) -> Iterator[str]:
     """Yield what is wrong with the measures, histories and other codes of a study, for one of its cases."""
     for measure in study.errors:
         yield from measuring.faults(measure, case, folder)
@@ -183,21 +185,21 @@ def matches(where: dict[str, Any], item: Prepared) -> bool:
     return all(name in there and _same(there[name], value) for name, value in where.items())
 
 
-def _same(a, b):
+def _same(a: object, b: object) -> bool:
     number = (int, float)
     if isinstance(a, number) and isinstance(b, number) and not isinstance(a, bool) and not isinstance(b, bool):
         return abs(a - b) <= 1e-9 * max(abs(a), abs(b))
     return a == b
 
 
-def _check_places(study, found):
+def _check_places(study: Study, found: Sequence[Prepared]) -> None:
     for item in study.required:
         if not any(matches(item.where, one) for one in found):
             raise CaseError(f"required, {named(item.of)}: no run of the study has {shown(item.where)}")
 
 
-def _check_different(found):
-    seen = {}
+def _check_different(found: Sequence[Prepared]) -> None:
+    seen: dict[str, Prepared] = {}
     for item in found:
         if item.key in seen:
             raise CaseError(f"two runs of the study are the same case: {named(seen[item.key].point.described())}, and "

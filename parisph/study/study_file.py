@@ -1,6 +1,5 @@
 """Read a study file: Python with a `study`, or JSON. Errors name file and line."""
 
-import os
 import sys
 import traceback
 import types
@@ -9,11 +8,12 @@ from pathlib import Path
 
 from parisph.base import paths, reading
 from parisph.base.errors import CaseError
+from parisph.base.paths import AnyPath
 from parisph.base.text import class_name, clipped, named, of_error, plain
 from parisph.study.definition import Study
 
 
-def read(path: str | os.PathLike) -> tuple[Study, Path]:
+def read(path: AnyPath) -> tuple[Study, Path]:
     """Return the Study that a file describes, and the absolute path of the file. Not collective, needs no MPI.
 
     path : a Python file with `study = Study(...)` or a function `study()` that returns one, or a JSON file with the
@@ -41,7 +41,7 @@ def read(path: str | os.PathLike) -> tuple[Study, Path]:
     return _of_python(text, file, path), file
 
 
-def _of_python(text, file, path):
+def _of_python(text: str, file: Path, path: AnyPath) -> Study:
     """Execute a study file, compiled here and not imported: no __pycache__ beside it."""
     module = types.ModuleType("parisph_study")
     module.__file__ = str(file)
@@ -63,7 +63,7 @@ def _of_python(text, file, path):
     return found
 
 
-def _where(error, file, path):
+def _where(error: BaseException, file: Path, path: AnyPath) -> str:
     """Return 'path, line n' of the last line of the file that the error passed through."""
     if isinstance(error, SyntaxError) and error.filename == str(file):
         return f"{named(path)}, line {error.lineno}"
@@ -71,7 +71,7 @@ def _where(error, file, path):
     return f"{named(path)}, line {lines[-1]}" if lines else named(path)
 
 
-def _what(error):
+def _what(error: BaseException) -> str:
     if isinstance(error, CaseError):
         return "\n  ".join(clipped(plain(line), 400) for line in str(error).split("\n"))
     if isinstance(error, SyntaxError):

@@ -1,16 +1,19 @@
 """Comparison of a probe with a reference series, for `parisph compare`. Not collective."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from parisph.base.errors import CaseError
+from parisph.base.paths import AnyPath
 from parisph.base.reading import listed
 from parisph.base.table import LARGEST, read_reference
 from parisph.base.table import names as columns_of
 from parisph.base.text import named, shown
 from parisph.truth import norms
+from parisph.truth.recorded import Recorded
 
 
 @dataclass(frozen=True)
@@ -33,8 +36,10 @@ class Comparison:
         return at, ours - theirs
 
 
-def compare(run, reference, probe=None, column=None, time=None, value=None, offset=0.0, scale=1.0,
-            time_scale=1.0, shift=0.0, best_shift=None, rest=None) -> Comparison:
+def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column: str | None = None,
+            time: str | None = None, value: str | None = None, offset: float = 0.0, scale: float = 1.0,
+            time_scale: float = 1.0, shift: float = 0.0, best_shift: float | None = None,
+            rest: float | None = None) -> Comparison:
     """Return how far a probe is from a reference.
 
     Parameters
@@ -69,7 +74,7 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
     return Comparison(result, (found["time"], found[column]), (t, truth))
 
 
-def text(result):
+def text(result: Mapping[str, Any]) -> str:
     """Return the result of `compare` as lines."""
     of = "the wave" if result["relative_l2"] != result["z14"] else "the reference"
     return (f"{result['probe']}, {result['column']} against the column {result['value']} over {result['time']}: "
