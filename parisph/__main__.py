@@ -4,6 +4,7 @@ import atexit
 import os
 import sys
 import traceback
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 
 from parisph.base import environment, output
@@ -15,7 +16,7 @@ STOPPABLE = ("run", "restart")    # the verbs that a signal stops properly
 WIDEST = 380       # characters of a line of a message
 
 
-def main(words=None):
+def main(words: Sequence[str] | None = None) -> int:
     """Execute a command line (default: that of this process) and return the exit code."""
     environment.prepare()
     output.open_closed()

@@ -4,6 +4,7 @@ import argparse
 import json
 import os
 import signal
+from collections.abc import Sequence
 from pathlib import Path
 
 from parisph import __version__, arguments, completion
@@ -31,7 +32,7 @@ class _Parser(argparse.ArgumentParser):
             super()._print_message(message, file)
 
 
-def parse(words):
+def parse(words: Sequence[str]) -> argparse.Namespace:
     """Return the namespace of a command line; `.work` is the function that does it.
 
     Raises CaseError with the usage. Words after a lone `--` are options for PETSc.
@@ -74,7 +75,7 @@ def _early(word):
     return f"set PETSC_OPTIONS={named(word, 80)} before the command"
 
 
-def execute(words):
+def execute(words: Sequence[str]) -> int:
     """Execute a command line; return the exit code. Collective for run, restart, doctor --trial.
 
     Raises ParisphError on every rank.

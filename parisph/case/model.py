@@ -1,15 +1,17 @@
 """The base class of every part of a case: frozen, validated, with clear errors."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
-from typing_extensions import Self
 
 from parisph.base.errors import CaseError
 from parisph.base.text import shown
 from parisph.case import values
 from parisph.case.faults import explain
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class Model(BaseModel):
@@ -55,7 +57,7 @@ class Model(BaseModel):
         return data
 
     @classmethod
-    def model_validate(cls, *args: Any, **kwargs: Any) -> Self:
+    def model_validate(cls, *args: Any, **kwargs: Any) -> "Self":
         """Build from a dictionary. Raises CaseError."""
         try:
             return super().model_validate(*args, **kwargs)
@@ -63,7 +65,7 @@ class Model(BaseModel):
             raise CaseError(explain(error, cls)) from None
 
     @classmethod
-    def model_validate_json(cls, *args: Any, **kwargs: Any) -> Self:
+    def model_validate_json(cls, *args: Any, **kwargs: Any) -> "Self":
         """Build from JSON text. Raises CaseError."""
         try:
             return super().model_validate_json(*args, **kwargs)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Literal, Union
 
 import numpy as np
 from pydantic import AfterValidator, Field, model_validator
-from typing_extensions import Self
 
 from parisph.base.arrays import Floats
 from parisph.base.text import shown
@@ -116,7 +115,7 @@ class Tabulated(Motion):
     direction: Direction = (1.0, 0.0)
 
     @model_validator(mode="after")
-    def _series_is_sound(self) -> Self:
+    def _series_is_sound(self) -> "Tabulated":
         if len(self.times) != len(self.values):
             raise ValueError(f"values: {len(self.values)} displacements for {len(self.times)} times; give one for each")
         late = np.flatnonzero(np.diff(self.times) < SMALLEST)

@@ -4,7 +4,6 @@ from collections.abc import Iterable
 from typing import Annotated, Literal, Optional
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
-from typing_extensions import Self
 
 from parisph.base import vocabulary
 from parisph.base.fields import FIELDS
@@ -127,7 +126,7 @@ class Numerics(Model):
         return _known("preset", name, PRESETS)
 
     @model_validator(mode="after")
-    def _one_relaxation(self) -> Self:
+    def _one_relaxation(self) -> "Numerics":
         if self.zeta is not None and self.zeta_time:
             raise ValueError(
                 f"zeta = {self.zeta} and zeta_time = {self.zeta_time}: give only one of them, "
@@ -181,7 +180,7 @@ class Output(Model):
         return tuple(dict.fromkeys(names))
 
     @model_validator(mode="after")
-    def _one_rate(self) -> Self:
+    def _one_rate(self) -> "Output":
         if self.probe_interval is not None and self.probe_every != 1:
             raise ValueError(
                 f"probe_every = {self.probe_every} and probe_interval = {self.probe_interval:g} s: give only one of them, "

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from pydantic import ValidationInfo, model_validator
-from typing_extensions import Self
 
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
@@ -61,7 +60,7 @@ class Case(Scene):
     """
 
     @model_validator(mode="after")
-    def _can_run(self, info: ValidationInfo) -> Self:
+    def _can_run(self, info: ValidationInfo) -> "Case":
         if info.context == READ_ONLY:
             return self
         found = checks.problems(self)

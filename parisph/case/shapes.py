@@ -4,7 +4,6 @@ from typing import Annotated, ClassVar, Literal, Union
 
 import numpy as np
 from pydantic import AfterValidator, Field, field_validator, model_validator
-from typing_extensions import Self
 
 from parisph.base.arrays import Flags, Floats
 from parisph.base.text import shown
@@ -209,7 +208,7 @@ class Fluid(Model):
         return len(self.shape.bounds[0])
 
     @model_validator(mode="after")
-    def _consistent(self) -> Self:
+    def _consistent(self) -> "Fluid":
         dim = self.dim
         check_components("velocity", self.velocity, dim, with_time=False)
         if self.elevation is not None:

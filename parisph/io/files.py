@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 
 from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError, agree
+from parisph.base.paths import AnyPath
 from parisph.base.reading import check_regular
 from parisph.base.seal import KEY, opened, sealed
 
@@ -69,7 +70,7 @@ def publish(path: Path) -> None:
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: AnyPath) -> Iterator[Path]:
     """Give the name of a new, empty file beside `path`, with the same ending; at the end of the block it replaces `path`. One process.
 
     A symbolic link is replaced too, never followed. If the block fails, `path` is unchanged and nothing is left behind.

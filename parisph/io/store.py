@@ -21,6 +21,7 @@ from parisph.io.files import on_first, write_json
 from parisph.io.layout import BEFORE, INDEX, PEAKS
 from parisph.io.lock import Lock
 from parisph.io.series import Series, read_own
+from parisph.io.snapshot import Written
 from parisph.parallel.particles import Particles
 
 
@@ -135,7 +136,7 @@ class Store:
             snapshot.write_index(self.folder / INDEX, self._names, self.times, self.run)
         on_first(self.comm, f"write {self.folder / INDEX}", enter)
 
-    def peak(self, particles: snapshot.Written, time: float, step: int, name: str, value: float, keep: bool) -> None:
+    def peak(self, particles: Written, time: float, step: int, name: str, value: float, keep: bool) -> None:
         """Write the particles at the greatest value of a probe; the file of an earlier peak is replaced.
 
         name, value : of the probe, at `time` [s]

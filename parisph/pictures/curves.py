@@ -1,14 +1,23 @@
 """Pictures of time series: probes of one or several runs, and a probe with its reference. Needs matplotlib, but no MPI."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.paths import AnyPath
 from parisph.base.table import read_reference
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
 
 # What a probe of a kind (as in the case) shows, and which kinds share one set of axes.
 KINDS = {
@@ -44,7 +53,9 @@ class Curve:
     values: np.ndarray
 
 
-def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
+def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[str] | str | None = None,
+               path: AnyPath | None = None, truth: Mapping[str, Samples] | None = None,
+               normalise: bool = False) -> "Figure":
     """Draw the time series of probes, one set of axes for each quantity; return the matplotlib Figure.
 
     Several runs are drawn over each other, labelled by their folders.
@@ -81,7 +92,8 @@ def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
     return picture
 
 
-def plot_comparison(found, reference, difference, title, label, unit, path=None):
+def plot_comparison(found: Samples, reference: Samples, difference: Samples, title: str, label: str, unit: str,
+                    path: AnyPath | None = None) -> "Figure":
     """Draw a probe, its reference, and their difference; return the matplotlib Figure.
 
     Parameters
@@ -112,7 +124,7 @@ def plot_comparison(found, reference, difference, title, label, unit, path=None)
     return picture
 
 
-def truths(run, folder):
+def truths(run: Run, folder: Path) -> dict[str, Samples]:
     """Return {probe name: (time [s], value)} for the probes of a run whose case names a truth.
 
     folder : where the case file is; the files of the truths are relative to it. Raises StoreError.
@@ -126,7 +138,7 @@ def truths(run, folder):
     return found
 
 
-def by_quantity(runs, names=None):
+def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict[tuple[str, str], list[Curve]]:
     """Return {(quantity, unit): [Curve]} of probes of runs: one entry for each set of axes.
 
     Heights, positions along x, pressures, energies, ... each have their own axes. names : of probes, all if None.
@@ -145,7 +157,7 @@ def by_quantity(runs, names=None):
     return groups
 
 
-def folder_names(folders):
+def folder_names(folders: Sequence[Path]) -> list[str]:
     """Return a short name for each folder: as much of the end of its path as is needed to distinguish them."""
     parts = [Path(folder).resolve().parts for folder in folders]
     names = []
@@ -157,7 +169,8 @@ def folder_names(folders):
     return names
 
 
-def draw_curves(axes, curves, unit, normalise=False, truth=None):
+def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: bool = False,
+                truth: Mapping[str, Samples] | None = None) -> None:
     """Draw curves of one quantity into axes, with a legend and the label of the values.
 
     truth : {probe: (time, values)}, drawn over the first run
@@ -196,7 +209,7 @@ def _further_columns(axes):
     return (max(_legend_columns(axes), 1) - 1) * (LETTER * longest + 0.7)
 
 
-def own_scales(run, normalise):
+def own_scales(run: Run, normalise: bool) -> style.Scales:
     """Return the style.Scales of a run. Raises CaseError if it has none to normalise by."""
     own = style.scales(run.case)
     if normalise and own.time is None:
@@ -204,7 +217,7 @@ def own_scales(run, normalise):
     return own
 
 
-def time_label(axes, normalise, last):
+def time_label(axes: "Axes", normalise: bool, last: bool) -> None:
     """Label the axis of time, in the lowest panels only."""
     if last:
         axes.set_xlabel(r"$t\sqrt{g/H}$" if normalise else "$t$ [s]")

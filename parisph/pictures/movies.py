@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from pathlib import Path
 from subprocess import CalledProcessError
+from typing import Any
 
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, plain
 from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run
@@ -20,7 +22,8 @@ MOST_FRAMES = 20_000
 SAMPLE = 24             # snapshots from which the scale of the colours is taken
 
 
-def movie(run, path, field="pressure", fps=None, slow=None, dpi=100, **look):
+def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float | None = None,
+          slow: float | None = None, dpi: float = 100, **look: Any) -> Path:
     """Write the snapshots of a run as an animation: .gif, or .mp4 if ffmpeg is installed; return its path.
 
     Colours and axes are the same in every frame. The animation runs at constant speed, whatever the times
@@ -83,11 +86,12 @@ class Pace:
     """
 
     fps: float
-    slow: float
+    slow: float | None
     numbers: np.ndarray
 
     @classmethod
-    def of(cls, times, fps=None, slow=None, whole_hundredths=False):
+    def of(cls, times: np.ndarray, fps: float | None = None, slow: float | None = None,
+           whole_hundredths: bool = False) -> "Pace":
         """Return the Pace for snapshots at `times` (n,) [s], increasing.
 
         fps, slow : see movie; whole_hundredths : whether frames last whole hundredths of a second, as in
@@ -113,7 +117,7 @@ class Pace:
         return cls(fps, slow, np.searchsorted(half_way, shown))
 
     @property
-    def note(self):
+    def note(self) -> str:
         """Return the slow-motion factor as text, "" for a single frame."""
         if self.slow is None:
             return ""
@@ -122,7 +126,7 @@ class Pace:
         return f"slowed {self.slow:.3g} x" if self.slow > 1.0 else f"speeded up {1.0 / self.slow:.3g} x"
 
     @property
-    def repeated(self):
+    def repeated(self) -> int:
         """Number of frames that repeat a snapshot."""
         return len(self.numbers) - len(np.unique(self.numbers))
 

@@ -2,18 +2,24 @@
 
 import shutil
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.paths import AnyPath
 from parisph.base.text import clipped
+from parisph.io.reader import Run
 from parisph.pictures import curves, movies, overview, view
+from parisph.truth.comparison import Comparison
 
 LONGEST = 100   # characters of the name of a file that is made up
 
 
-def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **look):
+def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None, probes: Sequence[str] | None = None,
+         out: AnyPath | None = None, normalise: bool = False, **look: Any) -> list[Path]:
     """Write pictures of a run, or of the probes of several runs, and return their paths.
 
     For one run without time, peak, field and probes: the whole run on one page.
@@ -56,14 +62,15 @@ def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **l
     return made
 
 
-def animate(run, out=None, fps=None, slow=None, **look):
+def animate(run: Run, out: AnyPath | None = None, fps: float | None = None, slow: float | None = None,
+            **look: Any) -> Path:
     """Write an animation of all snapshots (movies.movie) and return its path: .mp4 with ffmpeg, else .gif."""
     look = {name: value for name, value in look.items() if value is not None}
     ending = "mp4" if shutil.which("ffmpeg") else "gif"
     return movies.movie(run, Path(out or run.folder / f"flow_{look.get('field', 'pressure')}.{ending}"), fps=fps, slow=slow, **look)
 
 
-def compare(run, comparison, reference, path) -> None:
+def compare(run: Run, comparison: Comparison, reference: AnyPath, path: AnyPath) -> None:
     """Draw a probe of a run, its reference and their difference to a file.
 
     comparison : truth.comparison.Comparison; reference : path of the file that it was compared with
@@ -77,7 +84,7 @@ def compare(run, comparison, reference, path) -> None:
                            result["column"], run.units(result["probe"])[result["column"]], path)
 
 
-def peak_of(run, probe):
+def peak_of(run: Run, probe: str) -> tuple[float, float]:
     """Return the time [s] at which the first column of a probe is greatest, and its value. Raises CaseError, StoreError."""
     series = run.probe(probe)
     column = next(name for name in series.dtype.names if name not in ("time", "step"))

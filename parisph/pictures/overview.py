@@ -1,14 +1,20 @@
 """A whole run on one page: four moments of the flow, the probes, and the solver. Needs matplotlib, but no MPI."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from parisph.base.errors import StoreError
+from parisph.base.paths import AnyPath
 from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, style
 from parisph.pictures.view import FieldView, Look
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def plot_overview(run, path=None, field="pressure", **look):
+
+def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = "pressure", **look: Any) -> "Figure":
     """Draw a whole run on one page; return the matplotlib Figure.
 
     Parameters and errors as in view.plot_field and curves.plot_probe. The colours cover most of the

@@ -1,13 +1,21 @@
 """Pictures of the flow from the folder of a run. Needs matplotlib; needs no MPI."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.paths import AnyPath
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import Collection
+    from matplotlib.figure import Figure
 
 # Diameters in spacings: a drawn particle; and the ground below those inside, which closes the gaps that
 # discs leave between them, without making the surface thicker than half a particle.
@@ -35,11 +43,11 @@ class Look:
     field: str = "pressure"
     surface: bool = False
     normalise: bool = False
-    limits: tuple = None
-    colours: str = None
-    zoom: tuple = None
+    limits: tuple[float, float] | None = None
+    colours: str | None = None
+    zoom: tuple[float, float, float, float] | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         style.quantity(self.field)
         if self.field == "role":
             for name, value in (("limits", self.limits), ("cmap", self.colours)):
@@ -58,7 +66,8 @@ def _check_order(name, low, high):
         raise CaseError(f"{name}: {low:g} to {high:g} is not a range; give two numbers, the lower one first")
 
 
-def plot_field(run, which=-1, field="pressure", path=None, **look):
+def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, field: str = "pressure",
+               path: AnyPath | None = None, **look: Any) -> "Figure":
     """Draw the particles at one time, coloured by a quantity; return the matplotlib Figure.
 
     The colours end at the greatest value that is shown, on the fluid or on a wet wall, so that a peak is
@@ -94,7 +103,7 @@ class FieldView:
     case : dict, as in case.json; snapshots : list of dicts; look : Look
     """
 
-    def __init__(self, case, snapshots, look):
+    def __init__(self, case: Mapping[str, Any], snapshots: Sequence[Mapping[str, Any]], look: Look) -> None:
         if snapshots[0]["x"].shape[1] != 2:
             raise StoreError("only 2D flows can be drawn: open the run's .series file in ParaView")
         self.case, self.look = case, look
@@ -105,13 +114,14 @@ class FieldView:
         self.spacing = case["numerics"]["spacing"] / self.length
         self.window = self._window(snapshots)
 
-    def size(self, width=8.0):
+    def size(self, width: float = 8.0) -> tuple[float, float]:
         """Return the figure size [inch] for the window, with room for labels and colour bar."""
         (left, right), (low, high) = self.window
         height = 0.84 * width * (high - low) / (right - left) + 1.2
         return (width, height) if height <= 9.0 else (max(4.0, width * 9.0 / height), 9.0)
 
-    def draw(self, axes, snapshot, limits, label=True, note=""):
+    def draw(self, axes: "Axes", snapshot: Mapping[str, Any], limits: tuple[float, float] | None, label: bool = True,
+             note: str = "") -> "Collection | None":
         """Draw one snapshot into axes; return the coloured collection, or None for roles.
 
         limits : (lowest, highest) of the colours; label : whether to show the title of the case;
@@ -136,7 +146,7 @@ class FieldView:
         self._finish(axes, snapshot["time"], label, note)
         return None if roles else layers[1][0]
 
-    def values(self, snapshot):
+    def values(self, snapshot: Mapping[str, Any]) -> np.ndarray:
         """The quantity in the picture's unit, (n,)."""
         needed = self.quantity.needs
         if needed not in snapshot:
@@ -144,7 +154,7 @@ class FieldView:
         values = np.asarray(self.quantity.of(snapshot[needed]), dtype=float)
         return values * self._factor()
 
-    def limits(self, snapshots, whole=False):
+    def limits(self, snapshots: Sequence[Mapping[str, Any]], whole: bool = False) -> tuple[float, float] | None:
         """Return the (lowest, highest) of the colours for all of the snapshots, None for roles.
 
         Those given by the user, else a range for most of the values, so that a short impact or single
@@ -167,7 +177,8 @@ class FieldView:
             low = 0.0
         return (low, high) if high > low else (low, low + 1.0)
 
-    def add_colour_bar(self, picture, axes, discs, snapshots):
+    def add_colour_bar(self, picture: "Figure", axes: "Axes | Sequence[Axes]", discs: "Collection | None",
+                       snapshots: Sequence[Mapping[str, Any]]) -> None:
         """Add the colour bar of `discs`, pointed where values of the snapshots lie beyond it; nothing for roles.
 
         axes : one, which the bar then is as high as, or a list of them

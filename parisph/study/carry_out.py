@@ -50,8 +50,8 @@ def carry_out(plan: Agenda, jobs: int = 1, progress: bool = True, force: bool = 
     processes.command([], max(item.point.ranks for item in plan.chosen))    # an error if there is no mpirun
     with conduct.Held(plan.folder, force) as held, _terminated_as_interrupted():
         tell = _Progress(plan, progress)
-        found, stopped = _run(plan, jobs, tell, held.beat)
-        found = [found[item.key] for item in plan.items if item.key in found]
+        made, stopped = _run(plan, jobs, tell, held.beat)
+        found = _ordered(plan, made)
         results.add_finest(found, plan.study, plan.place)
         code = _conclude(plan, found, show, tell)
     if stopped:

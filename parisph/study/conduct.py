@@ -123,9 +123,10 @@ def conduct(items: Sequence[Prepared], folder: Path, jobs: int, limit: float | N
                 late = limit is not None and process.code is None and process.seconds > limit
                 if late:
                     processes.stop([process])
-                if process.code is not None:
+                code = process.code
+                if code is not None:
                     del running[key]
-                    yield item, _ended(item, process, folder, limit, late)
+                    yield item, _ended(item, code, process.seconds, folder, limit, late)
             beat()
             time.sleep(processes.PAUSE)
     finally:
@@ -142,16 +143,15 @@ def _start(item: Prepared, folder: Path) -> processes.Process:
     return processes.Process(processes.command(words, item.point.ranks), folder / ENDS / f"{item.folder}.txt")
 
 
-def _ended(item: Prepared, process: processes.Process, folder: Path, limit: float | None, late: bool) -> End:
-    """Return the End of a process, and keep it beside the runs if it is final."""
-    code = process.code
+def _ended(item: Prepared, code: int, seconds: float, folder: Path, limit: float | None, late: bool) -> End:
+    """Return the End of a run that took some seconds, and keep it beside the runs if it is final."""
     status = "completed" if code == 0 else "out of time" if late else "diverged" if code == DIVERGED else "failed"
     reason = ""
     if status == "out of time":
         reason = f"out of time after {limit:g} s"
     elif status != "completed":
         reason = _reason(item, folder, code)
-    end = End(item.key, code, process.seconds, status, reason, limit)
+    end = End(item.key, code, seconds, status, reason, limit)
     if end.final:
         content = {**asdict(end), "code_version": code_version(), "run": item.point.described()}
         write_json(folder / ENDS / f"{item.folder}.json", content)

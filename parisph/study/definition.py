@@ -4,7 +4,6 @@ from collections.abc import Iterable
 from typing import Annotated, Any, Optional
 
 from pydantic import Field, field_validator, model_validator
-from typing_extensions import Self
 
 from parisph.base.text import shown
 from parisph.case.model import Model
@@ -99,7 +98,7 @@ class Required(Model):
     where: dict[str, Any] = Field(default_factory=dict, description="which runs, by name and value")
 
     @model_validator(mode="after")
-    def _some_limit(self) -> Self:
+    def _some_limit(self) -> "Required":
         if self.must is None and self.aim is None:
             raise ValueError(f"of = {shown(self.of)}: give must= or aim=, the limit")
         return self
@@ -158,7 +157,7 @@ class Study(Choices):
         return values
 
     @model_validator(mode="after")
-    def _names_fit(self) -> Self:
+    def _names_fit(self) -> "Study":
         names = [name_of(measure) for measure in self.errors]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:

@@ -89,7 +89,7 @@ def _convergence(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping
             fit = middle[1] * (ends / middle[0]) ** order
             axes.plot(ends, fit, color=looks[curve]["color"], linewidth=0.8, linestyle=":")
     _draw_others(axes, others, "spacing", "")
-    _logarithmic(axes, [dot.x for group in dots.values() for dot in group] + [one.spacing for one in others])
+    _logarithmic(axes, [dot.x for group in dots.values() for dot in group] + [one.spacing for one in others if one.spacing])
     axes.set_yscale("log")
     axes.set_xlabel(label)
     _legend(axes, dots)
@@ -105,7 +105,7 @@ def _costs(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, 
         group = sorted(group, key=lambda dot: dot.cpu)
         _plot(axes, [dot.cpu for dot in group], group, looks[curve], marks[curve], curve)
     _draw_others(axes, others, "cpu", " (other computer)")
-    _logarithmic(axes, [dot.cpu for dot in everything] + [one.cpu for one in others])
+    _logarithmic(axes, [dot.cpu for dot in everything] + [one.cpu for one in others if one.cpu])
     axes.set_yscale("log")
     axes.set_xlabel("CPU time of all ranks [s]")
     _legend(axes, dots)
@@ -121,7 +121,7 @@ def _plot(axes: "Axes", x: Sequence[float], group: Sequence[Dot], look: style.Li
 def _draw_others(axes: "Axes", others: Sequence[OtherPoint], of: str, note: str) -> None:
     for number, code in enumerate(dict.fromkeys(one.code for one in others)):
         points = [one for one in others if one.code == code]
-        axes.plot([getattr(one, of) for one in points], [one.error for one in points], color="black", linestyle="",
+        axes.plot([getattr(one, of) for one in points], [one.error or np.nan for one in points], color="black", linestyle="",
                   marker=OTHER_MARKS[number % len(OTHER_MARKS)], markersize=8, markerfacecolor="none", zorder=2,
                   label=style.literal(f"{code}{note}", 60))
 
@@ -140,7 +140,7 @@ def _legend(axes: "Axes", curves: Iterable[str]) -> None:
         axes.legend(*zip(*pairs), loc="upper center", bbox_to_anchor=(0.5, -0.14), fontsize=7, ncols=2, frameon=False)
 
 
-def _logarithmic(axes: "Axes", values: Sequence[float | None]) -> None:
+def _logarithmic(axes: "Axes", values: Sequence[float]) -> None:
     """Make the x axis logarithmic, with plain numbers at 1, 2 and 5 if it spans little more than a decade."""
     from matplotlib import ticker
 

@@ -157,8 +157,8 @@ def _limit(axes: "Axes", panels: Mapping[str, Sequence[Drawn]], probe: str, colu
     if np.ptp(values) <= SPIKE * (high - low):
         low, high = values.min(), values.max()
     end = max(run.probe(probe)["time"][-1] for run in kept)
-    true = [factor * part[time <= end] for time, part in truths if np.any(time <= end)]
-    if true and np.ptp(true := np.concatenate(true)) > 0.0:
+    parts = [factor * part[time <= end] for time, part in truths if np.any(time <= end)]
+    if parts and np.ptp(true := np.concatenate(parts)) > 0.0:
         low = min(max(low, true.min() - BEYOND * np.ptp(true)), true.min())
         high = max(min(high, true.max() + BEYOND * np.ptp(true)), true.max())
     if high > low:

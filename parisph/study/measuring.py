@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -49,7 +50,7 @@ def value(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None = None
     CaseError : it cannot be computed, with the reason; StoreError : files of the run cannot be read
     """
     try:
-        found = _VALUES[measure.kind](measure, run, folder, finest)
+        found = _found(measure, run, folder, finest)
     except ParisphError:
         raise
     except KeyboardInterrupt:
@@ -60,34 +61,44 @@ def value(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None = None
     return None if found is None or not math.isfinite(found) else float(found)
 
 
-def _of_truth(measure: TruthError, run: Run, folder: Path, finest: Run | None) -> float:
+def _found(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None) -> float | None:
+    if isinstance(measure, TruthError):
+        return _of_truth(measure, run)
+    if isinstance(measure, SeriesError):
+        return _of_series(measure, run, folder)
+    if isinstance(measure, FinestError):
+        return _of_finest(measure, run, finest)
+    return _of_summary(measure, run) if isinstance(measure, Quantity) else float(measure.of(run))
+
+
+def _of_truth(measure: TruthError, run: Run) -> float:
     found = ((run.summary or {}).get("errors") or {}).get(measure.probe) or {}
     if found.get(measure.norm) is None:
         raise CaseError(str(found.get("reason") or f"the summary has no error of {measure.probe}"))
-    return found[measure.norm]
+    return float(found[measure.norm])
 
 
-def _of_series(measure: SeriesError, run: Run, folder: Path, finest: Run | None) -> float:
+def _of_series(measure: SeriesError, run: Run, folder: Path) -> float:
     names = ("probe", "column", "time", "value", "offset", "scale", "time_scale", "shift", "best_shift", "rest")
     found = comparison.compare(run, folder / measure.file, **{name: getattr(measure, name) for name in names})
     key = "z14" if measure.norm == "z14" else "relative_l2"
     if measure.start is None and measure.end is None:
-        return found.result[key]
+        return float(found.result[key])
     t, truth = _within(*found.truth, measure)
     return norms.judge(*found.found, t, truth, measure.rest, found.result["shift"])[key]
 
 
-def _of_finest(measure: FinestError, run: Run, folder: Path, finest: Run | None) -> float | None:
+def _of_finest(measure: FinestError, run: Run, finest: Run | None) -> float | None:
     if finest is None or finest.folder == run.folder:
         return None
     ours, theirs = run.probe(measure.probe), finest.probe(measure.probe)
-    column = measure.column or next(name for name in ours.dtype.names if name not in ("time", "step"))
+    column = measure.column or next(name for name in ours.dtype.names or () if name not in ("time", "step"))
     reference = _within(theirs["time"], theirs[column], measure)
     return norms.judge(ours["time"], ours[column], *reference)["relative_l2"]
 
 
-def _of_summary(measure: Quantity, run: Run, folder: Path, finest: Run | None) -> float | None:
-    found = run.summary
+def _of_summary(measure: Quantity, run: Run) -> float | None:
+    found: Any = run.summary
     for part in measure.entry.split("."):
         if not isinstance(found, dict) or part not in found:
             there = ", ".join(found) if isinstance(found, dict) else "nothing"
@@ -99,9 +110,6 @@ def _of_summary(measure: Quantity, run: Run, folder: Path, finest: Run | None) -
     return abs(float(found)) if measure.absolute else float(found)
 
 
-def _of_function(measure: Function, run: Run, folder: Path, finest: Run | None) -> float:
-    return float(measure.of(run))
-
 
 def _within(t: Floats, values: Floats, measure: SeriesError | FinestError) -> tuple[Floats, Floats]:
     """Return the part of a series between the start and the end of a measure [s]."""
@@ -110,7 +118,3 @@ def _within(t: Floats, values: Floats, measure: SeriesError | FinestError) -> tu
     inside = (t >= low) & (t <= high)
     return t[inside], values[inside]
 
-
-_VALUES = {
-    "truth": _of_truth, "series": _of_series, "finest": _of_finest, "quantity": _of_summary, "function": _of_function,
-}

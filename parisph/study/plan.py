@@ -57,7 +57,7 @@ def points(study: Study, sets: dict[str, Any] | None = None) -> list[Point]:
     ------
     CaseError : a parameter of `sets` is one that the study varies, or two runs are the same.
     """
-    found = []
+    found: list[Point] = []
     for choices in study.variants or (study,):
         found += _product(study, choices, sets or {})
     seen: set[str] = set()
@@ -94,7 +94,8 @@ def _product(study: Study, choices: Choices, sets: Mapping[str, Any]) -> Iterato
 
 
 def _chosen(study: Study, choices: Choices, name: str) -> Sequence[Any]:
-    return getattr(choices, name) or getattr(study, name)
+    values: Sequence[Any] = getattr(choices, name) or getattr(study, name)
+    return values
 
 
 def _labelled(found: list[Point]) -> list[Point]:

@@ -55,7 +55,8 @@ class Prepared:
     @property
     def spacing(self) -> float:
         """Particle spacing as the study gives it, else [m]."""
-        return float(set_words.number_or(self.point.sets.get("spacing"), self.case.numerics.spacing))
+        given = self.point.sets.get("spacing")
+        return float(self.case.numerics.spacing if given is None else set_words.number_of(given))
 
     @property
     def time_step(self) -> float | None:
@@ -63,7 +64,7 @@ class Prepared:
         given = self.point.sets.get("time_step", ...)
         if given is ...:
             return self.case.numerics.time_step
-        return None if given is None else set_words.number_or(given, self.case.numerics.time_step)
+        return None if given is None else set_words.number_of(given)
 
     @property
     def step_text(self) -> str:

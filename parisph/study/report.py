@@ -109,8 +109,7 @@ def _column(head: str, name: str, digits: int) -> tuple[str, Cell]:
 
 
 def _spread(group: Sequence[Result], name: str, digits: int) -> str:
-    values = [one.number(name) for one in group]
-    values = [value for value in values if value is not None]
+    values = [value for value in (one.number(name) for one in group) if value is not None]
     if not values:
         return "-"
     mean, low, high = (f"{value:.{digits}g}" for value in (np.mean(values), min(values), max(values)))
@@ -119,7 +118,7 @@ def _spread(group: Sequence[Result], name: str, digits: int) -> str:
 
 def _volume(group: Sequence[Result]) -> str:
     """Return the least and the largest volume of all starts, over that at their start."""
-    low, high = ([one.values[name] for one in group if one.values.get(name) is not None]
+    low, high = ([value for value in (one.values.get(name) for one in group) if value is not None]
                  for name in ("volume_low", "volume_high"))
     return f"{min(low):.4f} to {max(high):.4f}" if low and high else "-"
 
