@@ -64,7 +64,8 @@ class Prepared:
         given = self.point.sets.get("time_step", ...)
         if given is ...:
             return self.case.numerics.time_step
-        return None if given is None else set_words.number_of(given)
+        found = set_words.value("time_step", given) if isinstance(given, str) else given
+        return None if found is None else float(found)
 
     @property
     def step_text(self) -> str:
