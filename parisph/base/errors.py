@@ -37,7 +37,8 @@ class Interrupted(ParisphError):
 
 
 # The first class that fits gives the exit code of the process.
-_CODES = ((CaseError, 2), (SolverDiverged, 3), (ParticleLost, 3), (Interrupted, 4), (KeyboardInterrupt, 4), (StoreError, 5))
+_CODES = ((CaseError, 2), (SolverDiverged, 3), (ParticleLost, 3), (Interrupted, 4), (KeyboardInterrupt, 4),
+          (StoreError, 5))
 
 
 def exit_code(error: BaseException) -> int:
@@ -73,7 +74,10 @@ def agree(comm: Communicator, error: Exception | None = None) -> None:
 
 
 def agree_and_sum(comm: Communicator, error: Exception | None, *numbers: float) -> "Floats":
-    """Return the sums of some numbers over the ranks, or raise an error on all ranks as `agree`, in one message. Collective."""
+    """Return the sums of some numbers over the ranks, or raise an error on all ranks as `agree`, in one message.
+
+    Collective.
+    """
     import numpy as np
 
     if comm.size == 1:

@@ -18,7 +18,10 @@ def open_closed() -> None:
 
 
 def is_unwritable(error: BaseException | None) -> bool:
-    """Return whether an exception says that standard output cannot be written. Files of a run have errors of their own."""
+    """Return whether an exception says that standard output cannot be written.
+
+    Files of a run have errors of their own.
+    """
     return isinstance(error, OSError) and error.filename is None and error.errno in _UNWRITABLE
 
 

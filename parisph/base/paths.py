@@ -35,5 +35,6 @@ def fault(path: object) -> str | None:
         return "must be text without line breaks or control characters"
     longest, total = max(len(os.fsencode(name)) for name in path.split("/")), len(os.fsencode(path))
     if longest > LONGEST_NAME or total > LONGEST_PATH:
-        return f"is too long: a name has at most {LONGEST_NAME} bytes, a path {LONGEST_PATH}; here {longest} and {total}"
+        return (f"is too long: a name has at most {LONGEST_NAME} bytes, a path {LONGEST_PATH}; "
+                f"here {longest} and {total}")
     return None

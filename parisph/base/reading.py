@@ -75,7 +75,10 @@ def listed(names: Sequence[str]) -> str:
 
 
 def check_regular(status: os.stat_result, most: float = math.inf) -> None:
-    """Raise OSError unless the os.stat of a path is that of a regular file of at most `most` bytes: to open others may wait forever."""
+    """Raise OSError unless the os.stat of a path is that of a regular file of at most `most` bytes.
+
+    To open others may wait forever.
+    """
     if stat.S_ISDIR(status.st_mode):
         raise OSError(errno.EISDIR, "it is a folder")
     if not stat.S_ISREG(status.st_mode):

@@ -30,12 +30,14 @@ def read_reference(path: AnyPath, time: str, value: str, offset: float = 0.0, sc
     for name in (time, value):
         if name not in found:
             raise StoreError(f"{named(path)} has no column {shown(name)} (it has: {reading.listed(found)})")
-    columns = [_numbers(path, name, {number: cells[found.index(name)] for number, cells in lines.items()}) for name in (time, value)]
+    columns = [_numbers(path, name, {number: cells[found.index(name)] for number, cells in lines.items()})
+               for name in (time, value)]
     with np.errstate(over="ignore", invalid="ignore"):
         t, truth = time_scale * columns[0], offset + scale * columns[1]
     good = ~(np.isnan(columns[0]) | np.isnan(columns[1]))
     if not np.all(np.abs([t[good], truth[good]]) <= LARGEST):
-        raise StoreError(f"{named(path)}: {shown(time)} or {shown(value)} reaches more than {LARGEST:g} when scaled; look at the scales and the offset")
+        raise StoreError(f"{named(path)}: {shown(time)} or {shown(value)} reaches more than {LARGEST:g} when scaled; "
+                         "look at the scales and the offset")
     order = np.argsort(t[good], kind="stable")
     return t[good][order], truth[good][order]
 
@@ -58,5 +60,6 @@ def _numbers(path: AnyPath, name: str, cells: Mapping[int, str]) -> Floats:
         except ValueError:
             raise StoreError(f"{named(path)}: line {line} of column {shown(name)} holds a word, not a number") from None
         if np.abs(found[k]) > LARGEST:
-            raise StoreError(f"{named(path)}: line {line} of column {shown(name)} holds a number of more than {LARGEST:g}")
+            raise StoreError(f"{named(path)}: line {line} of column {shown(name)} holds a number of more "
+                             f"than {LARGEST:g}")
     return found

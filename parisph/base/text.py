@@ -24,8 +24,8 @@ def plain(text: str) -> str:
     """Return a text on one line: control characters and line breaks become escapes such as \\n or \\x1b."""
     if is_plain(text):
         return text
-    return "".join(character.encode("unicode_escape").decode() if unicodedata.category(character) in _UNFIT else character
-                   for character in text)
+    return "".join(character.encode("unicode_escape").decode()
+                   if unicodedata.category(character) in _UNFIT else character for character in text)
 
 
 def plain_lines(text: str, indent: str = "") -> str:
@@ -42,7 +42,10 @@ def clipped(text: str, limit: int = LIMIT) -> str:
 
 
 def listed(texts: Iterable[str], limit: int = LONGEST) -> str:
-    """Return texts with commas between them. Those that would make it longer than `limit` characters are left out whole, and counted."""
+    """Return texts with commas between them.
+
+    Those that would make it longer than `limit` characters are left out whole, and counted.
+    """
     texts = list(texts)
     for kept in range(min(len(texts), limit), 0, -1):
         more = f" and {len(texts) - kept} more" if kept < len(texts) else ""
@@ -77,7 +80,10 @@ def named(text: object, limit: int = LONGEST) -> str:
 
 
 def of_error(error: BaseException, limit: int = 300) -> str:
-    """Return the message of an exception on one line, of at most `limit` characters; never raises, except for Ctrl-C."""
+    """Return the message of an exception on one line, of at most `limit` characters.
+
+    Never raises, except for Ctrl-C.
+    """
     try:
         text = str(error)
     except KeyboardInterrupt:
