@@ -72,15 +72,19 @@ def _spacing(case: Scene) -> Iterator[str]:
     bad = {name: length for name, length in lengths.items() if not fits(s, [length])}
     if not bad:
         return
-    listed = ", ".join(f"{name} = {_digits(length, lambda value: not fits(s, [value]))}" for name, length in bad.items())
+    listed = ", ".join(f"{name} = {_digits(length, lambda value: not fits(s, [value]))}"
+                       for name, length in bad.items())
     fitting = [value for value in nearest_spacings(list(lengths.values()), s) if fits(value)]
     if fitting:
-        remedy = "the nearest that fit are " + " and ".join(_digits(value, fits, 10) + _fraction(value) for value in fitting)
+        remedy = "the nearest that fit are " + " and ".join(_digits(value, fits, 10) + _fraction(value)
+                                                            for value in fitting)
     else:
         name, length = next(iter(bad.items()))
         near = max(round(length / s), 1) * s
-        remedy = f"no spacing near it fits all lengths: make the lengths multiples of one number, such as {name} = {near:.10g}"
-    yield f"numerics.spacing = {_digits(s, lambda value: not fits(value))}: must divide {listed} into whole spacings; {remedy}"
+        remedy = ("no spacing near it fits all lengths: make the lengths multiples of one number, "
+                  f"such as {name} = {near:.10g}")
+    yield (f"numerics.spacing = {_digits(s, lambda value: not fits(value))}: must divide {listed} into whole spacings; "
+           f"{remedy}")
 
 
 def _digits(value: float, holds: Callable[[float], bool], least: int = 6) -> str:
@@ -130,23 +134,26 @@ def _size(case: Scene) -> Iterator[str]:
     n = size.counts(case)
     if n["all"] > size.MOST:
         yield (
-            f"numerics.spacing = {s:g}: makes about {n['all']:.3g} particles, {n['wall']:.3g} of them on walls, which take about "
-            f"{amount(size.memory(n['all']))} of memory; at most {size.MOST:.2g} can be numbered; "
+            f"numerics.spacing = {s:g}: makes about {n['all']:.3g} particles, {n['wall']:.3g} of them on walls, "
+            f"which take about {amount(size.memory(n['all']))} of memory; at most {size.MOST:.2g} can be numbered; "
             "use a larger spacing, or less fluid and a smaller tank"
         )
     elif size.search(case) > size.MOST:
         yield (
-            f"fluid.shape: the rectangle around it has {size.search(case):.3g} lattice points, at most {size.MOST:.2g} are searched "
-            "for fluid; use a larger spacing, or a body that fills more of its rectangle"
+            f"fluid.shape: the rectangle around it has {size.search(case):.3g} lattice points, "
+            f"at most {size.MOST:.2g} are searched for fluid; use a larger spacing, "
+            "or a body that fills more of its rectangle"
         )
     elif size.mostly_empty(case):
         yield (
-            f"fluid.shape: fills {100.0 * n['fluid'] / size.search(case):.2g} % of the rectangle around it, which has {size.search(case):.3g} "
-            f"lattice points: must fill at least {100.0 * size.LEAST_FILLED:g} % if lattice points times corners are more than "
-            f"{size.SEARCHED:.2g}; use a larger spacing, or turn the body along an axis"
+            f"fluid.shape: fills {100.0 * n['fluid'] / size.search(case):.2g} % of the rectangle around it, "
+            f"which has {size.search(case):.3g} lattice points: must fill at least {100.0 * size.LEAST_FILLED:g} % if "
+            f"lattice points times corners are more than {size.SEARCHED:.2g}; use a larger spacing, "
+            "or turn the body along an axis"
         )
     elif n["exact"] and n["fluid"] < LEAST:
-        yield f"numerics.spacing = {s:g}: leaves {n['fluid']} fluid particles, at least {LEAST} are needed; use a smaller spacing"
+        yield (f"numerics.spacing = {s:g}: leaves {n['fluid']} fluid particles, at least {LEAST} are needed; "
+               "use a smaller spacing")
     else:
         yield from _far(case)
 
@@ -157,8 +164,8 @@ def _far(case: Scene) -> Iterator[str]:
         far = 0.0 if part is None else float(np.max(np.abs(part.bounds)))
         if far > FAR * s:
             yield (
-                f"{name}: reaches {far:.3g} m from the origin, at most {FAR:g} spacings, here {FAR * s:.3g} m, can be told apart "
-                "there; move the scene to the origin"
+                f"{name}: reaches {far:.3g} m from the origin, at most {FAR:g} spacings, here {FAR * s:.3g} m, "
+                "can be told apart there; move the scene to the origin"
             )
             return
 
@@ -172,11 +179,12 @@ def _elevation(case: Scene) -> Iterator[str]:
     eta = compile_expression(str(case.fluid.elevation), ("x",))(x=x)
     height = float(shape.size[-1])
     if not np.all(np.isfinite(eta)):
-        yield f"fluid.elevation = {shown(case.fluid.elevation)}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
+        yield (f"fluid.elevation = {shown(case.fluid.elevation)}: "
+               f"is not a finite number at x = {x[~np.isfinite(eta)][0]:g}")
     elif eta.min() < -0.5 * height or eta.max() > height:
         yield (
-            f"fluid.elevation = {shown(case.fluid.elevation)}: reaches from {eta.min():g} to {eta.max():g}, must stay between "
-            f"{-0.5 * height:g} and {height:g}, or the columns are stretched too far"
+            f"fluid.elevation = {shown(case.fluid.elevation)}: reaches from {eta.min():g} to {eta.max():g}, "
+            f"must stay between {-0.5 * height:g} and {height:g}, or the columns are stretched too far"
         )
     elif case.walls is not None and upper[-1] + eta.max() > case.walls.bounds[1][-1]:
         yield (
@@ -197,13 +205,15 @@ def _finite(case: Scene) -> Iterator[str]:
     """Expressions must give finite numbers where there is fluid."""
     x = _sample(case)
     x = x[case.fluid.shape.inside(x, 0.0)]
-    for name, components, with_time in (("fluid.velocity", case.fluid.velocity, False), ("gravity", case.gravity, True)):
+    for name, components, with_time in (("fluid.velocity", case.fluid.velocity, False),
+                                        ("gravity", case.gravity, True)):
         values = vector_field(components, with_time)(x)
         for axis, component in enumerate(components):
             bad = ~(np.abs(values[:, axis]) <= LARGEST)
             if np.any(bad):
                 at, value = ", ".join(f"{value:g}" for value in x[bad][0]), values[bad, axis][0]
-                what = f"is {value:.3g}, more than {LARGEST:g} in size," if np.isfinite(value) else "is not a finite number"
+                what = (f"is {value:.3g}, more than {LARGEST:g} in size," if np.isfinite(value)
+                        else "is not a finite number")
                 yield f"{name}[{axis}] = {shown(component)}: {what} at ({at})"
 
 
@@ -219,7 +229,8 @@ def _probes(case: Scene) -> Iterator[str]:
         elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.walls is not None:
             low, high = case.walls.bounds
             if not low[0] <= probe.at <= high[0]:
-                yield f"probe {probe.name!r}: at = {probe.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
+                yield (f"probe {probe.name!r}: at = {probe.at:g} must lie in the tank, "
+                       f"from x = {low[0]:g} to {high[0]:g}")
 
 
 def _profile(case: Scene, probe: VelocityProfile) -> Iterator[str]:
@@ -274,8 +285,8 @@ def _steps(case: Scene) -> Iterator[str]:
     dt, why = min(_time_steps(case), key=lambda item: item[0])
     if case.end_time > MOST_STEPS * dt:
         yield (
-            f"{why} takes steps of {dt:.2g} s: some {case.end_time / dt:.1e} of them until end_time = {case.end_time:g} s, "
-            f"at most {MOST_STEPS:g} can be computed; change that, or run shorter"
+            f"{why} takes steps of {dt:.2g} s: some {case.end_time / dt:.1e} of them until end_time "
+            f"= {case.end_time:g} s, at most {MOST_STEPS:g} can be computed; change that, or run shorter"
         )
 
 
@@ -298,8 +309,8 @@ def _files(case: Scene) -> Iterator[str]:
     for name, every in (("every", case.output.every), ("checkpoint_every", case.output.checkpoint_every)):
         if every is not None and case.end_time > MOST_FILES * every:
             yield (
-                f"output.{name} = {every:g} s: makes {case.end_time / every:.1e} files until end_time = {case.end_time:g} s, "
-                f"at most {MOST_FILES:g} are written; use a longer time"
+                f"output.{name} = {every:g} s: makes {case.end_time / every:.1e} files until end_time "
+                f"= {case.end_time:g} s, at most {MOST_FILES:g} are written; use a longer time"
             )
     interval = case.output.probe_interval
     if interval is not None and case.end_time > MOST_SAMPLES * interval:
@@ -310,12 +321,12 @@ def _files(case: Scene) -> Iterator[str]:
 
 
 def sound_speed(case: Scene) -> float:
-    """Return the speed of sound of weakly compressible fluid [m/s]: that of the case, or SOUND times the fastest to expect."""
+    """Return the speed of sound of weakly compressible fluid [m/s]: the case's, or SOUND times the fastest to expect."""
     return case.numerics.sound_speed or SOUND * fastest(case)
 
 
 def fastest(case: Scene) -> float:
-    """Return the speed [m/s] that the case alone lets expect: that of the start, and that of a fall from the fluid's height.
+    """Return the speed [m/s] to expect from the case alone: that of the start, and of a fall from the fluid's height.
 
     In waves that do not break, it is that of long waves.
     """

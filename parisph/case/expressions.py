@@ -16,7 +16,8 @@ from parisph.base.text import shown
 
 FUNCTIONS = {
     name: getattr(np, name)
-    for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "minimum", "maximum", "where")
+    for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "minimum",
+                 "maximum", "where")
 }
 ARGUMENTS = {name: {"minimum": 2, "maximum": 2, "where": 3}.get(name, 1) for name in FUNCTIONS}
 CONSTANTS = {"pi": np.float64(np.pi)}
@@ -131,7 +132,8 @@ def _parse(text: str, names: tuple[str, ...]) -> ast.Expression:
         tree = ast.parse(text.strip(), mode="eval")
         _check_tree(tree, names, text, DEEPEST)
     except (SyntaxError, RecursionError, MemoryError) as error:
-        raise ValueError(f"{shown(text)} is not an expression ({getattr(error, 'msg', None) or 'nested too deeply'})") from None
+        raise ValueError(f"{shown(text)} is not an expression "
+                         f"({getattr(error, 'msg', None) or 'nested too deeply'})") from None
     return tree
 
 

@@ -187,7 +187,8 @@ def _sticky(tank: Tank | None, inward: Ints) -> NDArray[np.int8]:
 
 
 def _lid_velocity(tank: Tank | None, inward: Ints) -> Floats:
-    """Return the velocity of wall particles in their own plane (n, dim) [m/s]; the ends of a lid rest with the side walls."""
+    """Return the velocity of wall particles in their own plane (n, dim) [m/s]; the ends of a lid rest with the side
+    walls."""
     found = np.zeros(inward.shape)
     if tank is not None and isinstance(tank.lid, Lid):
         found[(inward[:, -1] == -1) & (inward[:, 0] == 0), 0] = tank.lid.velocity
@@ -200,7 +201,8 @@ def uniform(seed: int, number: Ints, columns: int) -> Floats:
     They are a hash (splitmix64's finaliser) of a counter: without state, so the same on any number of ranks.
     """
     with np.errstate(over="ignore"):
-        counter = np.asarray(number, dtype=np.uint64)[:, None] * np.uint64(columns) + np.arange(columns, dtype=np.uint64)
+        counter = (np.asarray(number, dtype=np.uint64)[:, None] * np.uint64(columns)
+                   + np.arange(columns, dtype=np.uint64))
         return (_mix(counter + _mix(np.array([seed], dtype=np.uint64))) >> np.uint64(11)) * 2.0**-53
 
 

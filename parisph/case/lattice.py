@@ -132,7 +132,10 @@ class Lattice:
         return np.where(distance == nearest, 1.0 / number, 0.0)
 
     def has_surface(self) -> bool:
-        """Return whether any fluid particle is on the surface. Checks CHUNK points at a time, and stops at the first."""
+        """Return whether any fluid particle is on the surface.
+
+        Checks CHUNK points at a time, and stops at the first.
+        """
         total = int(np.prod(self.counts))
         for low in range(0, total, CHUNK):
             index = self._unravel(np.arange(low, min(low + CHUNK, total)))
@@ -217,7 +220,8 @@ def _points(top: Ints, closed: Flags, layer: int) -> list[int]:
 
 
 def boundary_size(counts: Sequence[int], closed: Sequence[bool] | Flags) -> int:
-    """Return how many points of a block of `counts` points lie on a face: at the lower end of an axis, or the upper where closed."""
+    """Return how many points of a block of `counts` points lie on a face: at the lower end of an axis, or the upper
+    where closed."""
     return math.prod(counts) - math.prod(n - 1 - int(upper) for n, upper in zip(counts, closed))
 
 

@@ -75,7 +75,8 @@ def parameters(path: AnyPath) -> dict[str, tuple[Any, str]]:
     """Return {name: (default, type in words)} of a case file's parameters. Raises CaseError."""
     function = _function(_find(path), path)
     hints = _hints(function)
-    return {name: (item.default, _type_name(hints.get(name))) for name, item in inspect.signature(function).parameters.items()}
+    return {name: (item.default, _type_name(hints.get(name)))
+            for name, item in inspect.signature(function).parameters.items()}
 
 
 def _find(path: AnyPath) -> Path:
@@ -122,7 +123,8 @@ def _function(file: Path, path: AnyPath) -> Callable[..., Any]:
     module = _module(file, path)
     function: Callable[..., Any] | None = vars(module).get("case")
     if not callable(function) or _users_code(lambda: inspect.iscoroutinefunction(function), file, path):
-        there = "has no function case(...)" if function is None else f"`case` is a {class_name(function)}, not a plain function"
+        there = ("has no function case(...)" if function is None
+                 else f"`case` is a {class_name(function)}, not a plain function")
         raise CaseError(f"{named(path)}: {there}; write: def case(...) -> Case")
     _check_parameters(function, path)
     return function
@@ -151,17 +153,23 @@ def _check_parameters(function: Callable[..., Any], path: AnyPath) -> None:
     except KeyboardInterrupt:
         raise
     except BaseException:
-        raise CaseError(f"{named(path)}: `case` is {shown(function)}, whose parameters cannot be found; write: def case(...) -> Case") from None
+        raise CaseError(f"{named(path)}: `case` is {shown(function)}, whose parameters cannot be found; write: "
+                        "def case(...) -> Case") from None
     for name, parameter in known:
         if parameter.kind not in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY):
             stars = STARS.get(parameter.kind, "")
-            raise CaseError(f"{named(path)}: the parameter {stars}{name} of case(...) cannot be set by name; write it as {name}: float = 1.0")
+            raise CaseError(f"{named(path)}: the parameter {stars}{name} of case(...) cannot be set by name; "
+                            f"write it as {name}: float = 1.0")
         if parameter.default is MISSING:
-            raise CaseError(f"{named(path)}: the parameter {name!r} of case(...) needs a default, as in {name}: float = 1.0")
+            raise CaseError(f"{named(path)}: the parameter {name!r} of case(...) needs a default, "
+                            f"as in {name}: float = 1.0")
 
 
 def _users_code(action: Callable[[], Result], file: Path, path: AnyPath) -> Result:
-    """Return action(), which runs code of a case file. Raises CaseError that says where it failed, except for Ctrl-C."""
+    """Return action(), which runs code of a case file.
+
+    Raises CaseError that says where it failed, except for Ctrl-C.
+    """
     try:
         return action()
     except KeyboardInterrupt:
@@ -196,7 +204,8 @@ def _as_dict(sets: Mapping[str, Any] | Sequence[str]) -> dict[str, Any]:
         if not equals or not name.strip():
             raise CaseError(f"--set {named(text)}: must be name=value, for example --set spacing=0.02")
         if name.strip() in values:
-            raise CaseError(f"--set {named(name.strip())} is given twice: {named(values[name.strip()])} and {named(value.strip())}")
+            raise CaseError(f"--set {named(name.strip())} is given twice: "
+                            f"{named(values[name.strip()])} and {named(value.strip())}")
         values[name.strip()] = value.strip()
     return values
 
@@ -208,7 +217,8 @@ def _value(function: Callable[..., Any], name: str, value: Any, path: AnyPath) -
         close = difflib.get_close_matches(name, known, n=1)
         meant = f"; did you mean {close[0]!r}?" if close else "."
         defaults = listed((f"{key}={shown(item.default, 40)}" for key, item in known.items()), LONGEST) or "none"
-        raise CaseError(f"{named(path)} has no parameter {shown(name)}{meant} Its parameters and their defaults: {defaults}")
+        raise CaseError(f"{named(path)} has no parameter {shown(name)}{meant} Its parameters and their defaults: "
+                        f"{defaults}")
     if not isinstance(value, str):
         return value
     hint = _hints(function).get(name)
@@ -218,8 +228,8 @@ def _value(function: Callable[..., Any], name: str, value: Any, path: AnyPath) -
         return _convert(value, wanted)
     except (ValueError, TypeError) as error:
         reason = "none is not allowed here" if value.lower() == "none" else of_error(error)
-        raise CaseError(f"--set {named(name)}={named(value)}: must be {_type_name(wanted)}, as the default {shown(default, 40)} is "
-                        f"({reason})") from None
+        raise CaseError(f"--set {named(name)}={named(value)}: must be {_type_name(wanted)}, "
+                        f"as the default {shown(default, 40)} is ({reason})") from None
 
 
 def _hints(function: Callable[..., Any]) -> dict[str, Any]:
@@ -247,7 +257,8 @@ def _convert(text: str, wanted: Any) -> Any:
             raise ValueError(f"{len(parts)} values where {len(kinds)} are needed")
         return tuple(_convert(part, kinds[min(k, len(kinds) - 1)]) for k, part in enumerate(parts))
     if wanted is bool:
-        values = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
+        values = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False,
+                  "off": False, "0": False}
         if text.lower() not in values:
             raise ValueError("give true or false")
         return values[text.lower()]
@@ -295,7 +306,8 @@ def _with_truths(case: Case, folder: Path) -> Case:
             except CaseError as error:
                 raise CaseError(f"probe {probe.name!r}: {error}") from None
             except (OSError, RuntimeError) as error:    # links in a circle
-                raise CaseError(f"probe {probe.name!r}: truth.file = {shown(probe.truth.file)}: {of_error(error)}") from None
+                raise CaseError(f"probe {probe.name!r}: truth.file = {shown(probe.truth.file)}: "
+                                f"{of_error(error)}") from None
             probe = probe.model_copy(update={"truth": truth})
         probes.append(probe)
     return case.model_copy(update={"probes": tuple(probes)})

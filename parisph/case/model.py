@@ -30,7 +30,8 @@ class Model(BaseModel):
         names = _positional(type(self))
         if len(args) > len(names):
             raise CaseError(
-                f"{type(self).__name__} takes at most {len(names)} values by position ({', '.join(names)}), got {len(args)}"
+                f"{type(self).__name__} takes at most {len(names)} values by position ({', '.join(names)}), "
+                f"got {len(args)}"
             )
         for name, value in zip(names, args):
             if name in kwargs:
@@ -51,7 +52,8 @@ class Model(BaseModel):
         if not isinstance(data, dict):
             return data
         # as text: pydantic cannot carry an integer of thousands of digits
-        found = [(name, place, shown(value), limit) for name, place, value, limit in values.faults(cls.model_fields, data)]
+        found = [(name, place, shown(value), limit)
+                 for name, place, value, limit in values.faults(cls.model_fields, data)]
         if found:
             raise PydanticCustomError("values", "wrong values", {"owner": cls, "found": found})
         return data

@@ -24,7 +24,9 @@ def _not_zero(direction: tuple[float, ...]) -> tuple[float, ...]:
 
 
 Direction = Annotated[
-    tuple[float, ...], Field(min_length=2, max_length=3, description="direction (x, y) of the motion"), AfterValidator(_not_zero)
+    tuple[float, ...],
+    Field(min_length=2, max_length=3, description="direction (x, y) of the motion"),
+    AfterValidator(_not_zero),
 ]
 
 
@@ -120,7 +122,8 @@ class Tabulated(Motion):
             raise ValueError(f"values: {len(self.values)} displacements for {len(self.times)} times; give one for each")
         late = np.flatnonzero(np.diff(self.times) < SMALLEST)
         if len(late):
-            raise ValueError(f"times[{late[0] + 1}] = {self.times[late[0] + 1]}: must be later than the time before it, by {SMALLEST:g} s at least")
+            raise ValueError(f"times[{late[0] + 1}] = {self.times[late[0] + 1]}: "
+                             f"must be later than the time before it, by {SMALLEST:g} s at least")
         return self
 
     @property

@@ -96,7 +96,8 @@ def _gravity(case: Case) -> tuple[float, Floats]:
 
 
 def _start_speed(case: Case) -> float:
-    return float(np.linalg.norm(vector_field(case.fluid.velocity, with_time=False)(_sample(case)), axis=1).max(initial=0.0))
+    return float(np.linalg.norm(vector_field(case.fluid.velocity, with_time=False)(_sample(case)),
+                                axis=1).max(initial=0.0))
 
 
 def _level(case: Case, down: Floats) -> Box | None:
@@ -122,8 +123,8 @@ def _fall(case: Case, down: Floats) -> float:
 
 
 def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tuple[float | None, Floats, Floats]:
-    """Return the largest amplitude of waves on level water [m], None without any, and speed [m/s] and acceleration [m/s^2]
-    of its particles, (n,) each.
+    """Return the largest amplitude of waves on level water [m], None without any, and speed [m/s] and acceleration
+    [m/s^2] of its particles, (n,) each.
 
     start : (n,) the speed of the start [m/s], which is not part of the speed that is returned
     """
@@ -171,7 +172,8 @@ def _elevation(case: Case, x: Floats) -> Floats:
 
 
 def _harmonic(x: Floats, values: Floats) -> tuple[float, float]:
-    """Return amplitude and wave number [1/m] of a cosine similar to the values (n,) at x (n,), at least half a wave long."""
+    """Return amplitude and wave number [1/m] of a cosine similar to the values (n,) at x (n,), at least half a wave
+    long."""
     amplitude, longest = float(np.ptp(values)) / 2.0, np.pi / (x[-1] - x[0])
     if amplitude == 0.0:
         return 0.0, longest

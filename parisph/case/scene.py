@@ -20,7 +20,8 @@ class Scene(Model):
     title: str = Field(min_length=1, max_length=200, description="one line for people")
     fluid: Fluid
     walls: Optional[Tank] = None
-    gravity: tuple[Union[float, str], ...] = Field(description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
+    gravity: tuple[Union[float, str], ...] = Field(
+        description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
     frame: Frame = AtRest()
     numerics: Numerics
     output: Output = Output()
@@ -58,5 +59,6 @@ class Scene(Model):
         return not isinstance(self.frame, AtRest) or uniform_field(self.gravity) is None
 
     def body_force(self, x: Floats, t: float) -> Floats:
-        """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity less the tank's acceleration."""
+        """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity less the tank's
+        acceleration."""
         return vector_field(self.gravity, with_time=True)(x, t) - self.frame.acceleration(t)

@@ -29,8 +29,9 @@ from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
 
 __all__ = [
-    "METHODS", "PRESETS", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Lid", "Momentum", "Numerics",
-    "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront",
+    "METHODS", "PRESETS", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Lid",
+    "Momentum", "Numerics", "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth",
+    "VelocityProfile", "Volume", "WaterFront",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at
@@ -114,7 +115,7 @@ def _put(data: dict[str, Any], name: str, value: Any) -> None:
 
 
 def _put_asked(data: dict[str, Any], values: Mapping[str, Any]) -> None:
-    """Make the same changes to the numerics given by the user, and take what follows from them from the preset again."""
+    """Make the same changes to the numerics given by the user, and take what follows from them from the preset."""
     names = {name.partition(".")[2] for name in values if name.startswith("numerics.")} & set(Numerics.model_fields)
     for name in names:
         data["asked"][name] = data["numerics"][name]

@@ -19,7 +19,9 @@ def _in_the_plane(point: tuple[float, ...]) -> tuple[float, ...]:
 
 Length = Annotated[float, Field(gt=0, description="a length [m]")]
 Point = Annotated[
-    tuple[float, ...], Field(min_length=2, max_length=3, description="a point (x, y) [m]"), AfterValidator(_in_the_plane)
+    tuple[float, ...],
+    Field(min_length=2, max_length=3, description="a point (x, y) [m]"),
+    AfterValidator(_in_the_plane),
 ]
 Number = Union[float, str]  # a number, or an expression of position
 
@@ -84,7 +86,8 @@ class Polygon(Model):
     """A polygon of fluid, given by its corners in order, either way round [m]."""
 
     kind: Literal["polygon"] = "polygon"
-    points: Annotated[tuple[tuple[float, ...], ...], Field(min_length=3, max_length=1000, description="corners ((x, y), ...) in order [m]")]
+    points: Annotated[tuple[tuple[float, ...], ...], Field(
+        min_length=3, max_length=1000, description="corners ((x, y), ...) in order [m]")]
 
     @field_validator("points")
     @classmethod
@@ -132,7 +135,10 @@ def _area(points: tuple[tuple[float, ...], ...]) -> float:
 
 
 class Lid(Model):
-    """A lid that moves in its plane with `velocity` [m/s] along x, as in a lid-driven cavity. Only viscous fluid notices."""
+    """A lid that moves in its plane with `velocity` [m/s] along x, as in a lid-driven cavity.
+
+    Only viscous fluid notices.
+    """
 
     velocity: float = Field(description="velocity of the lid along x [m/s]")
 
@@ -196,7 +202,8 @@ class Fluid(Model):
 
     shape: Shape
     density: float = Field(gt=0, description="density [kg/m3]")
-    velocity: tuple[Number, ...] = Field((0.0, 0.0), description="start velocity (u, v) [m/s], numbers or expressions of x, y")
+    velocity: tuple[Number, ...] = Field((0.0, 0.0),
+                                         description="start velocity (u, v) [m/s], numbers or expressions of x, y")
     elevation: Union[float, str, None] = Field(
         None, description="surface elevation above a Box [m], a number or an expression of x"
     )

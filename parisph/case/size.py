@@ -29,7 +29,8 @@ def memory(particles: float, ranks: int = 1) -> float:
 def counts(case: Scene) -> dict[str, int]:
     """Return {"fluid": n, "wall": n, "all": n, "exact": bool}, the numbers of particles as int. Needs little memory.
 
-    Exact, except for a Disc or a Polygon among more than LOOKED_AT lattice points: its number is estimated from its area.
+    Exact, except for a Disc or a Polygon among more than LOOKED_AT lattice points: its number is estimated from its
+    area.
     """
     wall, exact = _walls(case), True
     if search(case) > MOST or any(n > MOST for n in _extent(case)):

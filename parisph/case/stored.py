@@ -27,7 +27,8 @@ def from_json(text: str, read_only: bool = False) -> Case:
 
     read_only : whether the run is only looked at; a case that this release cannot run is then no error
 
-    Raises CaseError: the text is not JSON, not a case, or of a newer version; or its numerics differ from those asked for.
+    Raises CaseError: the text is not JSON, not a case, or of a newer version; or its numerics differ from those asked
+    for.
     """
     try:
         content = json.loads(text, object_pairs_hook=_each_once)
@@ -39,10 +40,12 @@ def from_json(text: str, read_only: bool = False) -> Case:
     if not isinstance(version, int) or isinstance(version, bool) or version < 0:
         raise CaseError(f"schema = {version!r:.40}: must be a whole number; the file was not written by parisph")
     if version > SCHEMA:
-        raise CaseError(f"schema = {version}: was written by a newer parisph; this one reads up to schema {SCHEMA}, so update parisph")
+        raise CaseError(f"schema = {version}: was written by a newer parisph; this one reads up to schema {SCHEMA}, "
+                        "so update parisph")
     content, sound = opened(content)
     if not sound:
-        raise CaseError('it does not match its digest: it is damaged or was edited. If you edited it, remove the line "digest"')
+        raise CaseError('it does not match its digest: it is damaged or was edited. If you edited it, '
+                        'remove the line "digest"')
     content.pop("schema", None)
     content.pop("run", None)    # which run it is of (io.store); the case is the same in every run
     _keep_meaning(content, version)
@@ -83,7 +86,7 @@ def _check_asked(used: Numerics, asked: Numerics) -> None:
 
 
 def _with_asked(case: Case) -> Case:
-    """Return a case from before `asked` was stored with it: resolved values that are the preset's were not given by the user."""
+    """Return a case from before `asked` was stored with it: values of the preset were not given by the user."""
     numerics = case.numerics
     if numerics.resolved() != numerics:
         return case    # not resolved: these are the values that the user gave

@@ -31,7 +31,8 @@ def faults(fields: Mapping[str, FieldInfo], data: Mapping[str, Any]) -> Iterator
         if kinds:
             positive = _is_positive(fields[name])
             for count, (place, item) in enumerate(_items(value)):
-                limit = _fault(item, kinds, positive) if count < MOST_VALUES else f"one of at most {MOST_VALUES:,} values"
+                limit = (_fault(item, kinds, positive) if count < MOST_VALUES
+                         else f"one of at most {MOST_VALUES:,} values")
                 if limit:
                     yield name, "".join(f"[{number}]" for number in place), item, limit
                     break
