@@ -321,7 +321,7 @@ def _files(case: Scene) -> Iterator[str]:
 
 
 def sound_speed(case: Scene) -> float:
-    """Return the speed of sound of weakly compressible fluid [m/s]: the case's, or SOUND times the fastest to expect."""
+    """Return the speed of sound of weakly compressible fluid [m/s]: by default SOUND times the fastest to expect."""
     return case.numerics.sound_speed or SOUND * fastest(case)
 
 

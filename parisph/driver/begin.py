@@ -72,7 +72,10 @@ def new_folder(folder: Path, overwrite: bool | None = None, force: bool = False)
 
 
 def _as_given(path: Path, given: Path) -> Path:
-    """Return a path beside a folder as the user would write it, who named the folder `given`: relative, if that leads there."""
+    """Return a path beside a folder as the user would write it, who named the folder `given`.
+
+    Relative, if that leads there.
+    """
     near = given.parent / path.name
     return near if near.resolve() == path else path
 
@@ -122,8 +125,9 @@ def check_useful(saved: Checkpoint | None, case: Case, found: Path | None, folde
     """Raise CaseError if nothing is left to do, or if the restart would remove later results from the run."""
     last = checkpoint.paths(folder / "checkpoints")[-1:]
     if saved and not elsewhere and last and int(last[0].stem) > saved.step:
-        raise CaseError(f"{found} is not the last checkpoint of {folder}, which is {last[0]}: results after step {saved.step} "
-                        "would be lost; give another folder with -o DIR, or continue from the last one")
+        raise CaseError(f"{found} is not the last checkpoint of {folder}, which is {last[0]}: "
+                        f"results after step {saved.step} would be lost; give another folder with -o DIR, "
+                        "or continue from the last one")
     if saved and done and (elsewhere or until is not None or _is_complete(folder)):
         raise CaseError(f"end_time = {case.end_time:g} s: the checkpoint {found} is of {saved.time:g} s already; "
                         "ask for more with --until")

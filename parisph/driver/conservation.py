@@ -90,7 +90,8 @@ class Conservation:
         self._driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
         state, start = state or {}, start or {}
         self.energy, self.motion, self.volume = (
-            Range(**state[name]) if name in state else Range(start=start.get(name)) for name in ("energy", "motion", "volume"))
+            Range(**state[name]) if name in state else Range(start=start.get(name))
+            for name in ("energy", "motion", "volume"))
 
     def step(self, simulation: Simulation) -> None:
         """Measure the energy after a step, and from time to time the volume. Collective."""
@@ -112,8 +113,9 @@ class Conservation:
         energy, volume, motion = self.energy, self.volume, self.motion
         start, end, high = (self._without_rounding(value) for value in (motion.start, motion.now, motion.high))
         change = None
-        if not self._driven and energy.now is not None and energy.start is not None and start is not None and start > 0.0:
-            change = (energy.now - energy.start) / start
+        first, last = energy.start, energy.now
+        if not self._driven and start is not None and start > 0.0 and first is not None and last is not None:
+            change = (last - first) / start
         return {
             "volume_drift": volume.relative(volume.now), "volume_range": volume.extremes(),
             "volume_unknown": REASONS["volume"] if volume.missing and volume.low is None else None,
@@ -137,8 +139,8 @@ class Conservation:
                 found.append(f"the volume was {volume[name]:+.1%} off its start at t = {volume[name + '_time']:.4g} s, "
                              f"more than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step")
         if energy and not self._driven and energy["high"] > ENERGY_LIMIT:
-            found.append(f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, though nothing "
-                         "does work on the fluid: use a smaller spacing or time step")
+            found.append(f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, "
+                         "though nothing does work on the fluid: use a smaller spacing or time step")
         for name, reason in REASONS.items():
             gaps = getattr(self, name)
             if gaps.missing and gaps.low is not None:
@@ -163,7 +165,10 @@ class Conservation:
 
 
 def _lowest(scene: Scene) -> float:
-    """Return the least potential energy of a volume of fluid in the scene's box [J/m^3], with the datum of the probe Energy."""
+    """Return the least potential energy of a volume of fluid in the scene's box [J/m^3].
+
+    The datum is that of the probe Energy.
+    """
     return scene.density * float(np.minimum(0.0, scene.gravity * (scene.lower - scene.upper)).sum())
 
 
@@ -183,6 +188,7 @@ def _rest(case: Case, scene: Scene) -> Callable[[float], float] | None:
         return None
     width = float(np.prod((scene.upper - scene.lower)[:-1]))
     shape = case.fluid.shape
-    spans = isinstance(shape, Box) and not case.closed and np.allclose(shape.size[:-1], (scene.upper - scene.lower)[:-1])
+    spans = (isinstance(shape, Box) and not case.closed
+             and np.allclose(shape.size[:-1], (scene.upper - scene.lower)[:-1]))
     extra = width * scene.step[-1] ** 2 if spans else 0.0
     return lambda volume: 0.5 * density * abs(g[-1]) * (volume**2 / width + extra)

@@ -36,7 +36,8 @@ def seconds_per_step(numerics: Numerics, particles: int) -> tuple[float, str]:
     if not runs:
         return shape * yardstick() / YARDSTICK, "a short timing of this processor"
     like = (numerics.method, _projects(numerics))
-    run = min(reversed(runs), key=lambda run: ((run["method"], run["projection"]) != like, abs(np.log(run["particles"] / particles))))
+    run = min(reversed(runs),
+              key=lambda run: ((run["method"], run["projection"]) != like, abs(np.log(run["particles"] / particles))))
     factor = run["seconds"] / _on_reference(run["method"], run["projection"], run["particles"])
     return shape * factor, f"an earlier run of {run['particles']} particles on this processor"
 
@@ -119,7 +120,8 @@ def _runs() -> list[dict[str, Any]]:
     """Return the runs that are kept, oldest first; none if the file is missing or cannot be understood."""
     try:
         runs = json.loads(_file().read_text(encoding="utf-8"))
-        return [run for run in runs if run["seconds"] > 0.0 and run["particles"] > 0 and {"processor", "method", "projection"} <= run.keys()]
+        return [run for run in runs if run["seconds"] > 0.0 and run["particles"] > 0
+                and {"processor", "method", "projection"} <= run.keys()]
     except (OSError, RuntimeError, ValueError, TypeError, KeyError, AttributeError):
         return []
 

@@ -27,7 +27,8 @@ def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path
     lines = [str(error), f"  in step {s.steps + 1}, from t = {s.time:.6g} s"]
     bad = [t for t in s.comm.allgather(s.bad_force) if t is not None]
     if bad:
-        lines.insert(0, f"the body force is not a finite number at t = {bad[0]:.6g} s: see `gravity` and `frame` of the case")
+        lines.insert(0, f"the body force is not a finite number at t = {bad[0]:.6g} s: "
+                        "see `gravity` and `frame` of the case")
     found = suspects(s, bad[0] if bad else None)
     if found:
         lines += ["  particles to look at:", *(f"    {line}" for line in found)]

@@ -59,12 +59,16 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
     contains summary.json and all results so far, unless it held a run already (CaseError).
     """
     with guarded(comm, "run"), _signals(comm) as signals:
-        made, old = on_first(comm, f"start a run in {out}", lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None)
-        with begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock, _built(case, comm, petsc_options) as simulation:
+        made, old = (on_first(comm, f"start a run in {out}",
+                              lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None))
+        with (begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock,
+              _built(case, comm, petsc_options) as simulation):
             samplers = instruments.build(case, simulation.comm)
-            store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation), case.output.fields, lock)
+            store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation),
+                                 case.output.fields, lock)
             if old is not None:
-                store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} was moved to {old}"))
+                store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} "
+                                                  f"was moved to {old}"))
             return _Run(simulation, samplers, store, Account.new(), progress).go(signals, first=True)
 
 
@@ -101,15 +105,18 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
         saved = checkpoint.read(comm, found) if found else None
         case, name = together(comm, f"read the case of {folder}", lambda: begin.case_of(saved, found, folder, until))
         done = saved is not None and finished(case, saved.time)
-        on_first(comm, f"continue the run in {target}", lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
+        on_first(comm, f"continue the run in {target}",
+                 lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
         with _built(case, comm, petsc_options, saved) as simulation:
             samplers = instruments.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
             series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
             store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),
-                                 case.output.fields, lock, name, series, saved.state.get("checkpoints", [found.name]) if saved and found else ())
+                                 case.output.fields, lock, name, series,
+                                 saved.state.get("checkpoints", [found.name]) if saved and found else ())
             if saved:
-                store.notes.insert(0, (logging.INFO, f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
+                store.notes.insert(0, (logging.INFO,
+                                       f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
                                                      f"{f'; earlier results are in {folder}' * elsewhere}"))
             account = Account.resumed(saved.state) if saved else Account.new()
             run = _Run(simulation, samplers, store, account, progress, saved.state.get("peaks") if saved else None,
@@ -263,7 +270,8 @@ class _Run:
                      **s.method.state()}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
-        self.signals.left = f"the last checkpoint is {self.last_checkpoint}; continue with: parisph restart {self.store.folder}"
+        self.signals.left = (f"the last checkpoint is {self.last_checkpoint}; "
+                             f"continue with: parisph restart {self.store.folder}")
 
     def _abandon(self, fault: BaseException) -> None:
         """Write a summary after an error that may be on this rank only. Not collective.

@@ -96,15 +96,18 @@ class Peaks:
         """
         s = self.simulation
         for name, seen in self._seen.items():
-            found = on_first(s.comm, f"read the flow at the peak of {name} in {folder}", lambda: self._read(folder, name, seen))
+            found = on_first(s.comm, f"read the flow at the peak of {name} in {folder}",
+                             lambda: self._read(folder, name, seen))
             total = s.comm.bcast(None if found is None else len(found["x"]))
             if total is None:
-                logger.warning(f"the flow at the peak of {name} so far, t = {seen['time']:.6g} s, is not in {folder} any more")
+                logger.warning(f"the flow at the peak of {name} so far, t = {seen['time']:.6g} s, "
+                               f"is not in {folder} any more")
                 continue
             # the first rank has all of it
             dim = s.particles.dim
             mine = found or {key: s.particles.fields[key].empty(0, dim) for key in self._fields}
-            self._held[name] = Copied(dim, n_owned=len(mine["x"]), offset=0 if found else total, n_global=total, arrays=mine)
+            self._held[name] = Copied(dim, n_owned=len(mine["x"]), offset=0 if found else total,
+                                      n_global=total, arrays=mine)
         self._saved = set()
 
     def _read(self, folder: Path, name: str, seen: Mapping[str, Any]) -> dict[str, Array] | None:

@@ -32,12 +32,14 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
     lines = [
         ("case", case.title),
         ("method", f"{numerics.method}, preset {numerics.preset}"),
-        ("particles", f"{'' if count['exact'] else 'about '}{count['all']} ({count['fluid']} fluid, {count['wall']} wall), spacing {numerics.spacing:g} m"),
+        ("particles", f"{'' if count['exact'] else 'about '}{count['all']} ({count['fluid']} fluid, "
+                      f"{count['wall']} wall), spacing {numerics.spacing:g} m"),
         ("resolution", _resolution(case, expected)),
         ("stages", ", ".join(stages(case))),
         ("end time", f"{case.end_time:g} s"),
         ("steps", _steps(case, numerics, steps)),
-        ("time", f"about {duration(steps * seconds)} on one rank, {_rounded(1e3 * seconds)} ms a step (estimated from {basis})"),
+        ("time", f"about {duration(steps * seconds)} on one rank, {_rounded(1e3 * seconds)} ms a step (estimated "
+                 f"from {basis})"),
         ("memory", _memory(count["all"])),
         ("probes", ", ".join(probe.name for probe in case.probes) or "none"),
     ]
@@ -52,8 +54,9 @@ def _warnings(case: Case, count: Mapping[str, int]) -> Iterator[str]:
     if catalogue.warning(case.numerics):
         yield f"method {case.numerics.method}: {catalogue.warning(case.numerics)}"
     if not case.closed and count["exact"] and not geometry.lattice(case).has_surface():
-        yield (f"none of the {count['fluid']} fluid particles is on a free surface, so p = 0 is set only at the highest one; leave a "
-               "spacing of air, or fill the tank with a Box of its size, without elevation")
+        yield (f"none of the {count['fluid']} fluid particles is on a free surface, "
+               "so p = 0 is set only at the highest one; leave a spacing of air, "
+               "or fill the tank with a Box of its size, without elevation")
 
 
 def _memory(particles: int) -> str:
@@ -86,7 +89,8 @@ def estimated_steps(case: Case, numerics: Numerics, expected: scales.Scales) -> 
         return round(case.end_time / min(numerics.time_step, stable_step(case)))
     assert numerics.cfl is not None    # it is resolved
     move = numerics.cfl * numerics.spacing
-    longest = min(_longest_step(case, numerics), math.sqrt(2.0 * move / expected.force) if expected.force else math.inf, case.end_time)
+    fall = math.sqrt(2.0 * move / expected.force) if expected.force else math.inf
+    longest = min(_longest_step(case, numerics), fall, case.end_time)
     brisk = np.minimum(BRISK * expected.accelerations, expected.force)    # see methods.timestep.next_step
     rates = [expected.speeds / move, np.full(len(expected.times), 1.0 / longest)]
     if numerics.fall:
@@ -95,7 +99,8 @@ def estimated_steps(case: Case, numerics: Numerics, expected: scales.Scales) -> 
 
 
 def stable_step(case: Case) -> float:
-    """Return the longest step [s] that viscosity, or the sound of weakly compressible fluid, allows; infinite without them."""
+    """Return the longest step [s] that viscosity, or the sound of weakly compressible fluid, allows; infinite without
+    them."""
     n, s = case.numerics, case.numerics.spacing
     if METHODS[n.method].step == "compressible":
         return weakly.longest_step(lengths.SPH * s, sound_speed(case), 0.0, n.artificial_viscosity, 0.0)
@@ -110,7 +115,8 @@ def _longest_step(case: Case, n: Numerics) -> float:
 def _steps(case: Case, n: Numerics, steps: int) -> str:
     if n.time_step is not None:
         shorter = stable_step(case) < n.time_step
-        return f"{'about ' * shorter}{steps} of {min(n.time_step, stable_step(case)):.3g} s" + ", which is stable" * shorter
+        step = min(n.time_step, stable_step(case))
+        return f"{'about ' * shorter}{steps} of {step:.3g} s" + ", which is stable" * shorter
     longest = _longest_step(case, n)
     limits = f"at most {n.cfl:g} spacings a step" + (f" and {longest:.3g} s" if longest < math.inf else "")
     return f"about {_rounded(steps)}, adaptive: {limits}"

@@ -42,7 +42,8 @@ class Watch:
         """Return the line for the head of a probe's file. Not collective."""
         if self._times is None:
             return sampler.title
-        return f"{sampler.title}; every {self._times.every:.12g} s by linear interpolation in time between the steps around"
+        return (f"{sampler.title}; every {self._times.every:.12g} s by linear interpolation in time between "
+                "the steps around")
 
     def at_start(self) -> list[Line]:
         """Return the lines [(time [s], step, {probe: values})] of the start of a run."""

@@ -55,7 +55,8 @@ class OpenTank:
         """Return the open tank of a case, None if it has none. state : the Left of a checkpoint, as a dict."""
         if case.walls is None or case.walls.closed:
             return None
-        return cls(domain.lower, domain.upper, case.numerics.spacing, domain.radius, Scene.of(case), Left(**(state or {})))
+        return cls(domain.lower, domain.upper, case.numerics.spacing, domain.radius, Scene.of(case),
+                   Left(**(state or {})))
 
     def let_leave(self, domain: Domain) -> None:
         """Remove the fluid that is out over the rim, and count it. Collective.
@@ -73,7 +74,8 @@ class OpenTank:
             self._count(p, gone)
             domain.remove(gone)
             if counts[0] == counts[2]:
-                raise ParticleLost("all water has left the tank over its rim; end the run earlier, or make the tank higher")
+                raise ParticleLost("all water has left the tank over its rim; end the run earlier, "
+                                   "or make the tank higher")
 
     def _gone_and_lost(self, p: Particles) -> tuple[Flags, Flags]:
         x, up = p.x, p.x[:, -1]
@@ -99,4 +101,5 @@ class OpenTank:
         particles, volume, energy = p.comm.allreduce(mine)
         if not self.left.particles and p.comm.rank == 0:
             logger.warning("water leaves the tank over its rim; it is removed and counted")
-        self.left = Left(self.left.particles + int(particles), self.left.volume + float(volume), self.left.energy + float(energy))
+        self.left = Left(self.left.particles + int(particles), self.left.volume + float(volume),
+                         self.left.energy + float(energy))

@@ -19,8 +19,9 @@ def check(case: Case, comm: MPI.Comm) -> None:
     need = size.memory(count, comm.size)
     if there is not None and need > there:
         raise CaseError(
-            f"numerics.spacing = {case.numerics.spacing:g}: makes {count:,} particles, which take about {memory.amount(need)} of memory "
-            f"on {comm.size} rank{'s' * (comm.size > 1)}; there is {memory.amount(there)}; use a larger spacing, or more machines")
+            f"numerics.spacing = {case.numerics.spacing:g}: makes {count:,} particles, "
+            f"which take about {memory.amount(need)} of memory on {comm.size} rank{'s' * (comm.size > 1)}; "
+            f"there is {memory.amount(there)}; use a larger spacing, or more machines")
 
 
 def _memory(comm: MPI.Comm) -> int | None:

@@ -253,7 +253,7 @@ class Simulation:
         return target
 
     def _force(self, x: Floats, t: float) -> Floats:
-        """Return the body force (n, dim) [m/s^2] at x (n, dim) and t; notes the first time at which it is not finite."""
+        """Return the body force (n, dim) [m/s^2] at x (n, dim) and t; note the first time at which it is not finite."""
         force = self.case.body_force(x, t)
         if self.bad_force is None and not np.isfinite(force).all():
             self.bad_force = t
@@ -266,7 +266,10 @@ class Simulation:
 
 
 def _largest(force: Floats) -> float:
-    """Return the largest finite size of forces (n, dim), 0 if there is none: what is no number sets no step, the step says so."""
+    """Return the largest finite size of forces (n, dim), 0 if there is none.
+
+    What is no number sets no step: the step itself says so.
+    """
     size = np.linalg.norm(force, axis=1)
     return float(size.max(initial=0.0, where=np.isfinite(size)))
 
@@ -281,8 +284,9 @@ def _wrong_code() -> ParisphError | None:
     """Return a ParisphError if the compiler translates kernels wrongly, else None. Not collective."""
     if selfcheck.stores_hold():
         return None
-    return ParisphError("numba generates wrong machine code on this processor. Unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, "
-                        "import parisph's kernels before others compile, or install another release of numba")
+    return ParisphError("numba generates wrong machine code on this processor. "
+                        "Unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, import parisph's kernels before others compile, "
+                        "or install another release of numba")
 
 
 def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | None) -> CaseError | None:

@@ -61,8 +61,8 @@ class Account:
         p = simulation.particles
         self._fluid = fluid = p.comm.allreduce(int(np.count_nonzero(p.kind == FLUID)))
         if isolated > max(FEW, SHARE * fluid):
-            self._notes.append(f"{isolated} particles had no contact with a free surface at the start (of {fluid} fluid particles and the walls): "
-                               "p = 0 was set only at the highest of them")
+            self._notes.append(f"{isolated} particles had no contact with a free surface at the start (of {fluid} "
+                               "fluid particles and the walls): p = 0 was set only at the highest of them")
             logger.warning(self._notes[-1])
         about = catalogue.warning(simulation.numerics)
         if about and not self.before.get("notes"):
@@ -91,8 +91,8 @@ class Account:
         """Return one line for each warning of the whole run. Not collective."""
         found, (most, time) = list(self._notes), self._isolated
         if most > BODY * self._fluid > 0.0:
-            found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} fluid particles "
-                         "and the walls): their pressure has no level of its own")
+            found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} "
+                         "fluid particles and the walls): their pressure has no level of its own")
         return found + (self.conservation.warnings() if self.conservation else [])
 
     def state(self, simulation: Simulation, comm: MPI.Comm | None = None) -> dict[str, Any]:
@@ -113,7 +113,9 @@ class Account:
 
     def summary(self, simulation: Simulation, store: Store, status: str,
                 comm: MPI.Comm | None = None) -> dict[str, Any]:
-        """Return the content of summary.json, with the last measured volume and energy, the same on all ranks. Collective.
+        """Return the content of summary.json, with the last measured volume and energy, the same on all ranks.
+
+        Collective.
 
         comm : the ranks whose cost counts, by default all; MPI.COMM_SELF makes it not collective
         Raises StoreError on every rank if the files of the run cannot be read.
@@ -124,7 +126,8 @@ class Account:
         content = {
             "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": s.comm.size,
             "particles": int(s.particles.n_global), "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,
-            "status": status, "warnings": self.warnings(), "wall_seconds": account["wall"], "cpu_seconds": account["cpu"],
+            "status": status, "warnings": self.warnings(), "wall_seconds": account["wall"],
+            "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
             **self._kept(s), "left": vars(s.left), "divergence": self.divergence, "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(str(store.about["versions"])),
@@ -137,14 +140,18 @@ class Account:
         return everywhere
 
     def _kept(self, simulation: Simulation) -> dict[str, Any]:
-        """Return the entries of the summary on volume and energy. Not collective: a run may end before it has measured them."""
+        """Return the entries of the summary on volume and energy.
+
+        Not collective: a run may end before it has measured them.
+        """
         if self.conservation is None:
             return {"volume_drift": None, "energy_drift": None, "driven": simulation.case.driven}
         return self.conservation.content()
 
 
 def _sums(before: Mapping[str, float], now: Mapping[str, float]) -> dict[str, float]:
-    return {name: before.get(name, 0.0) + now.get(name, 0.0) for name in (*before, *(n for n in now if n not in before))}
+    return {name: before.get(name, 0.0) + now.get(name, 0.0)
+            for name in (*before, *(n for n in now if n not in before))}
 
 
 def _from_files(case: Case, store: Store) -> tuple[dict[str, float] | None, dict[str, Any]]:

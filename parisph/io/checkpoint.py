@@ -125,12 +125,14 @@ def _read(comm, path):
 
 def paths(folder: AnyPath) -> list[Path]:
     """Return the checkpoint files in a folder, oldest first; empty if there is no such folder."""
-    return sorted((path for path in Path(folder).glob("*.h5") if _NAME.fullmatch(path.name)), key=lambda path: int(path.stem))
+    return sorted((path for path in Path(folder).glob("*.h5") if _NAME.fullmatch(path.name)),
+                  key=lambda path: int(path.stem))
 
 
 def _advice(comm, damaged):
     """Return how to continue without this checkpoint, as the end of a message; "" if no other is sound. Collective."""
-    there = comm.bcast([path for path in paths(damaged.parent) if path.name != damaged.name] if comm.rank == 0 else None)
+    there = comm.bcast([path for path in paths(damaged.parent) if path.name != damaged.name]
+                       if comm.rank == 0 else None)
     sound = next((path for path in reversed(there) if _is_sound(comm, path)), None)
     if sound is None:
         return ""
@@ -177,8 +179,8 @@ def _check_fields(path, particles):
     # others have a default: an older file lacks the fields of newer parts
     missing = [name for name in CORE if name not in particles]
     if missing:
-        raise StoreError(f"{path} lacks {', '.join(missing)}, which this parisph needs: restart it with the version that wrote it "
-                         "(its parisph_version says which)")
+        raise StoreError(f"{path} lacks {', '.join(missing)}, which this parisph needs: "
+                         "restart it with the version that wrote it (its parisph_version says which)")
 
 
 def _share(total, rank, size):
@@ -191,7 +193,8 @@ def _share(total, rank, size):
 def _check_place(path, loaded):
     """Raise StoreError if a sound checkpoint has the name of another step, or is in the folder of another run."""
     if _NAME.fullmatch(path.name) and int(path.stem) != loaded.step:
-        raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, or another one copied over it")
+        raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, "
+                         "or another one copied over it")
     beside = path.resolve().parent.parent / "case.json"
     try:
         run = json.loads(read_text(beside, math.inf))["run"]

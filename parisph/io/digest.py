@@ -79,7 +79,8 @@ def _chunks(path, length, rank=0, size=1):
     numbers = range(rank, -(-length // CHUNK), size)
     if not numbers:
         return []
-    found, buffer = [], memoryview(bytearray(CHUNK))    # one for all chunks: fresh memory for each costs half as much again
+    # one for all chunks: fresh memory for each costs half as much again
+    found, buffer = [], memoryview(bytearray(CHUNK))
     with open(path, "rb") as file:
         for number in numbers:
             file.seek(number * CHUNK)

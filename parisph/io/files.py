@@ -71,7 +71,8 @@ def publish(path: Path) -> None:
 
 @contextmanager
 def replacing(path: AnyPath) -> Iterator[Path]:
-    """Give the name of a new, empty file beside `path`, with the same ending; at the end of the block it replaces `path`. One process.
+    """Give the name of a new, empty file beside `path`, with the same ending; at the end of the block it replaces
+    `path`. One process.
 
     A symbolic link is replaced too, never followed. If the block fails, `path` is unchanged and nothing is left behind.
     Raises OSError: a file cannot be made there, or `path` is a folder, a pipe or a device.
@@ -92,7 +93,10 @@ def replacing(path: AnyPath) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Replace the content of `path` by `text` atomically. One rank. Raises OSError and then leaves no temporary file."""
+    """Replace the content of `path` by `text` atomically. One rank.
+
+    Raises OSError and then leaves no temporary file.
+    """
     try:
         with open(create(temporary(path)), "w", encoding="utf-8") as file:
             file.write(text)

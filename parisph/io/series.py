@@ -47,7 +47,8 @@ class Series:
         self.columns = {"time": "s", "step": "", **columns}
         kept, self.dropped = self._kept_lines(keep_to, run)
         units = ", ".join(f"{name} [{unit or '-'}]" for name, unit in self.columns.items())
-        head = [f"# {line}" for line in (title, units, f"{OF_RUN}{run}" if run else "") if line] + [",".join(self.columns)]
+        head = ([f"# {line}" for line in (title, units, f"{OF_RUN}{run}" if run else "") if line]
+                + [",".join(self.columns)])
         write_text(self.path, "\n".join(head + kept) + "\n")
         # not buffered: a line that the disk refuses must not come back when the file is closed
         self._file = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_NOFOLLOW)
@@ -71,7 +72,8 @@ class Series:
             return [], 0
         names, lines = read_own(self.path, run)
         if names != list(self.columns):
-            raise StoreError(f"{self.path} has the columns {', '.join(names)[:200]}, not {', '.join(self.columns)}: it is of another run")
+            raise StoreError(f"{self.path} has the columns {', '.join(names)[:200]}, not {', '.join(self.columns)}: "
+                             "it is of another run")
         kept = [",".join(line) for line in lines if int(line[1]) <= keep_to]
         return kept, len(lines) - len(kept)
 
@@ -104,7 +106,8 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
         if not names:
             names = [name.strip() for name in cells]
             if names[:2] != ["time", "step"]:
-                raise StoreError(f"{path} is damaged, or was not written by parisph: its columns do not begin with time, step")
+                raise StoreError(f"{path} is damaged, or was not written by parisph: "
+                                 "its columns do not begin with time, step")
             continue
         before = _checked(path, number, cells, len(names), before, each_step)
         lines.append(cells)
@@ -120,10 +123,11 @@ def _checked(path, number, cells, count, before, each_step):
             raise ValueError
         time, step = float(cells[0]), int(cells[1])
     except ValueError:
-        raise StoreError(f"{path} is damaged: line {number} does not hold {count} values. Mend the file or move it away") from None
+        raise StoreError(f"{path} is damaged: line {number} does not hold {count} values. "
+                         "Mend the file or move it away") from None
     if before and (not time > before[0] or step < before[1] or (each_step and step != before[1] + 1)):
-        raise StoreError(f"{path} is damaged: in line {number} step {step} at {time:g} s follows step {before[1]} at {before[0]:g} s. "
-                         "Mend the file or move it away")
+        raise StoreError(f"{path} is damaged: in line {number} step {step} at {time:g} s follows step {before[1]} at "
+                         f"{before[0]:g} s. Mend the file or move it away")
     return time, step
 
 
@@ -133,7 +137,7 @@ def row_is_plain(cells: list[str]) -> bool:
 
 
 def table(names: list[str], lines: list[list[str]]) -> np.ndarray:
-    """Return lines of cells as a structured array: numbers as float64, step as int64, columns that hold words as str."""
+    """Return lines of cells as a structured array: numbers as float64, step as int64, columns with words as str."""
     columns = [_column(name, [line[k] for line in lines]) for k, name in enumerate(names)]
     found = np.empty(len(lines), dtype=[(name, column.dtype) for name, column in zip(names, columns)])
     for name, column in zip(names, columns):

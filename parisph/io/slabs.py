@@ -108,7 +108,7 @@ def _lay_out(path, slabs, decorate):
 
 
 def _size(slabs, decorate):
-    """Return the bytes of the rows of all ranks and of what `decorate` writes (a long case may have many), with room."""
+    """Return the bytes of the rows of all ranks and of what `decorate` writes, with room: a long case has many."""
     with h5py.File("in memory", "w", driver="core", backing_store=False) as file:
         decorate(file)
         file.flush()

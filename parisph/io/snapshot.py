@@ -78,7 +78,8 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
         data = _three(data) if field.shape == "vector" else data
         about = {"unit": field.unit, "meaning": field.meaning}
         arrays.append(Slab(f"VTKHDF/PointData/{NAMES.get(name, name)}", data, start, total, about))
-    slabs.write(comm, path, arrays, lambda file: _decorate(file, total, particles.dim, time, step, comm.size, attributes))
+    slabs.write(comm, path, arrays,
+                lambda file: _decorate(file, total, particles.dim, time, step, comm.size, attributes))
 
 
 def read(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:
@@ -115,7 +116,10 @@ def read_attributes(path: AnyPath, time: float | None = None, run: str = "") -> 
 
 @contextmanager
 def _opened(path, time=None, run=""):
-    """Open a snapshot as h5py.File after a check of its digest. Raises StoreError, also if the body finds something missing."""
+    """Open a snapshot as h5py.File after a check of its digest.
+
+    Raises StoreError, also if the body finds something missing.
+    """
     digest.check(path)
     try:
         with h5py.File(path, "r") as file:
@@ -130,7 +134,8 @@ def _check_expected(path, attributes, time, run):
     if run and attributes.get("run", "") != run:
         raise StoreError(f"{path} is of another run than its folder: it has been copied there")
     if time is not None and (found := float(attributes["time"])) != time:
-        raise StoreError(f"{path} is the snapshot of {found:.12g} s, not of {time:.12g} s: another snapshot has been copied over it")
+        raise StoreError(f"{path} is the snapshot of {found:.12g} s, not of {time:.12g} s: "
+                         "another snapshot has been copied over it")
 
 
 def write_index(path: Path, files: Sequence[str], times: Sequence[float], run: str = "") -> None:
@@ -140,7 +145,8 @@ def write_index(path: Path, files: Sequence[str], times: Sequence[float], run: s
 
 
 def listed(path: Path, run: str = "") -> dict[str, float] | None:
-    """Return {file name relative to the index: time [s]} of an index; None if it is missing, unreadable or of another run.
+    """Return {file name relative to the index: time [s]} of an index; None if it is missing, unreadable or of another
+    run.
 
     The index is made for ParaView, and saves time here; the files themselves are decisive. Not collective.
     """
@@ -153,7 +159,10 @@ def listed(path: Path, run: str = "") -> dict[str, float] | None:
 
 
 def run_of_index(path: Path) -> str | None:
-    """Return the identity of the run that an index is of, None if there is no index that can be read. Not collective."""
+    """Return the identity of the run that an index is of, None if there is no index that can be read.
+
+    Not collective.
+    """
     try:
         return str(read_json(path).get("run", ""))
     except StoreError:
@@ -174,7 +183,10 @@ def find(folder: Path, run: str = "") -> dict[str, float]:
 
 
 def time_of_own(path: Path, run: str) -> float | None:
-    """Return the time [s] of a snapshot, None if it is damaged (with a warning), a link, or of another run. Not collective."""
+    """Return the time [s] of a snapshot, None if it is damaged (with a warning), a link, or of another run.
+
+    Not collective.
+    """
     if path.is_symlink() or not path.is_file():
         return None
     try:

@@ -85,7 +85,8 @@ class Store:
 
         run : identity of the checkpoint's run, by default that in `case`
         series : names of the time series that will be added; they are checked before anything is changed
-        checkpoints : file names of the run's checkpoints, as the state of the last one lists them; ignored in an empty folder
+        checkpoints : file names of the run's checkpoints, as the state of the last one lists them; ignored in an empty
+            folder
         Other parameters as for `create`.
 
         Raises StoreError on every rank: as for `create`, a file is damaged, or the folder holds another run.
@@ -150,17 +151,21 @@ class Store:
                 folders.make_inside(self.folder / BEFORE)
                 os.replace(path, self.folder / BEFORE / path.name)
         on_first(self.comm, f"write {path}", make_room)
-        snapshot.write(self.comm, path, particles, time, step, self._fields, {**self.about, "probe": name, "peak": float(value)})
+        snapshot.write(self.comm, path, particles, time, step, self._fields,
+                       {**self.about, "probe": name, "peak": float(value)})
 
     def checkpoint(self, particles: Particles, time: float, step: int, dt: float, state: Mapping[str, Any]) -> Path:
         """Write a checkpoint and return its path; the last two are kept. See checkpoint.write."""
-        path = checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case, state, self.about,
-                                self._checkpoints)
+        path = checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case,
+                                state, self.about, self._checkpoints)
         self._checkpoints = [*(name for name in self._checkpoints if name != path.name), path.name][-checkpoint.KEEP:]
         return path
 
     def summary(self, content: Mapping[str, Any]) -> None:
-        """Write summary.json from rank 0's dict (numpy numbers become plain, NaN null), with the digests of the time series."""
+        """Write summary.json from rank 0's dict, with the digests of the time series.
+
+        numpy's numbers become plain ones, and NaN null.
+        """
         def write() -> None:
             files = folders.digests(self.folder, [f"{name}.csv" for name in self._series])
             write_json(self.folder / "summary.json", {"run": self.run, **content, "files": files})
@@ -176,7 +181,8 @@ class Store:
     def _set_run(self, case, run):
         """Set the identity of the run, and the case that is written to its files."""
         self.run = run
-        self._case = json.dumps({"run": run, **{name: value for name, value in json.loads(case).items() if name != "run"}})
+        self._case = json.dumps({"run": run,
+                                 **{name: value for name, value in json.loads(case).items() if name != "run"}})
         self.about.update(case=self._case, run=run)
 
     def _start(self):
@@ -214,9 +220,11 @@ class Store:
     def _note(self, without_case, step, aside, results):
         """Note what was found missing, and the folder that earlier results were moved to, or the summary alone."""
         if without_case:
-            self.notes.append((logging.WARNING, f"{self.folder / 'case.json'} is missing: it is written again from the checkpoint"))
+            self.notes.append((logging.WARNING,
+                               f"{self.folder / 'case.json'} is missing: it is written again from the checkpoint"))
         if step < 0:
-            self.notes.append((logging.WARNING, f"no checkpoint found in {self.folder / 'checkpoints'}: the run begins again at t = 0 s"))
+            self.notes.append((logging.WARNING, f"no checkpoint found in {self.folder / 'checkpoints'}: "
+                                                "the run begins again at t = 0 s"))
         if aside is not None:
             self.notes.append((logging.INFO, f"results that are computed again were moved to {aside}" if results else
                                f"only the earlier summary was moved to {aside}; no other result is replaced"))
@@ -224,14 +232,16 @@ class Store:
     def _take_stock(self, time):
         """Find the run's snapshots up to `time` [s], and return those that it wrote later.
 
-        The files themselves are decisive; the index only saves time. Unreadable files and files of other runs are not changed.
+        The files themselves are decisive; the index only saves time. Unreadable files and files of other runs are not
+        changed.
         """
         listed = snapshot.listed(self.folder / INDEX, self.run) or {}
         kept, late = [], []
         for path in sorted((self.folder / "snapshots").glob("*.vtkhdf")):
             name = f"snapshots/{path.name}"
             at = listed.get(name)
-            if at is None or at > time or path.is_symlink():    # about to be taken in, or moved: the file itself must say so
+            # about to be taken in, or moved: the file itself must say so
+            if at is None or at > time or path.is_symlink():
                 at = snapshot.time_of_own(path, self.run)
             if at is not None:
                 (kept if at <= time else late).append((at, name))

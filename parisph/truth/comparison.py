@@ -61,7 +61,8 @@ def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column:
     _check_numbers(offset=offset, scale=scale, time_scale=time_scale, shift=shift, best_shift=best_shift, rest=rest)
     probe = _only(probe, run.probe_names, f"{run.folder} has the probes", "--probe")
     found = run.probe(probe)
-    column = _only(column, [name for name in found.dtype.names if name not in ("time", "step")], f"{probe} has the columns", "--column")
+    column = _only(column, [name for name in found.dtype.names if name not in ("time", "step")],
+                   f"{probe} has the columns", "--column")
     time, value = _columns(reference, columns_of(reference), time, value, column)
     t, truth = read_reference(reference, time, value, offset, scale, time_scale)
     try:
@@ -99,10 +100,11 @@ def _check_numbers(**numbers):
 
 
 def _columns(reference, there, time, value, column):
-    """Return the names of the reference's columns of time and of value; raise CaseError for those that are not there."""
+    """Return the names of the reference's columns of time and of value. Raises CaseError if they are not there."""
     for name, option in ((time, "--time"), (value, "--value")):
         if name is not None and name not in there:
-            raise CaseError(f"{named(reference)} has no column {shown(name)} (it has: {listed(there)}): choose one with {option}")
+            raise CaseError(f"{named(reference)} has no column {shown(name)} (it has: {listed(there)}): "
+                            f"choose one with {option}")
     time = time or there[0]
     values = [name for name in there if name not in (time, "time", "step")]
     if value is None and not values:

@@ -84,7 +84,8 @@ def best_shift(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, 
     reference_time, reference = _series(reference_time, reference)
     common = (reference_time >= time[0] + limit) & (reference_time <= time[-1] - limit)
     if np.count_nonzero(common) < 2:
-        raise ValueError(f"fewer than two samples of the reference stay inside the series under every shift up to {limit:g} s")
+        raise ValueError("fewer than two samples of the reference stay inside the series under every shift up "
+                         f"to {limit:g} s")
     t, truth = reference_time[common], reference[common]
 
     def error(shift):
@@ -126,7 +127,8 @@ def noise(time: np.ndarray, pressure: np.ndarray, window: tuple[float, float], s
     t, p = _inside(time, pressure, window)
     mean = _area(t, p) / (t[-1] - t[0])
     if mean <= 0.0:
-        raise ValueError(f"the mean pressure from {t[0]:g} to {t[-1]:g} s is {mean:g} Pa: noise relative to it has no meaning")
+        raise ValueError(f"the mean pressure from {t[0]:g} to {t[-1]:g} s is {mean:g} Pa: "
+                         "noise relative to it has no meaning")
     low, high = np.maximum(t - smooth / 2, t[0]), np.minimum(t + smooth / 2, t[-1])
     rough = p - (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
     average = _area(t, rough) / (t[-1] - t[0])
@@ -152,7 +154,8 @@ def _inside(time, value, window):
     time, value = _series(time, value)
     start, end = window
     if not time[0] <= start < end <= time[-1]:
-        raise ValueError(f"the window from {start:g} to {end:g} s is not inside the series from {time[0]:g} to {time[-1]:g} s")
+        raise ValueError(f"the window from {start:g} to {end:g} s is not inside the series from {time[0]:g} to "
+                         f"{time[-1]:g} s")
     t = np.concatenate(([start], time[(time > start) & (time < end)], [end]))
     return t, np.interp(t, time, value)
 

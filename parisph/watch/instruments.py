@@ -134,7 +134,8 @@ class WaterFront(Sampler):
 
     def __init__(self, probe: probes.WaterFront, scene: Scene) -> None:
         super().__init__(probe, scene)
-        self.title = "Position of the water's foremost particle along the bed" if scene.tank else "Foremost position of the fluid"
+        self.title = ("Position of the water's foremost particle along the bed" if scene.tank
+                      else "Foremost position of the fluid")
 
     def rows(self, view: View) -> np.ndarray:
         x, y = view.body
@@ -283,17 +284,18 @@ class Volume(Sampler):
 class VelocityProfile(Sampler):
     """Velocity and pressure at points along a line, by least squares of a quadratic polynomial.
 
-    The weight is (1 - r^2/radius^2)^2, the radius PROFILE spacings. Walls count with their own velocity, as far as they are wet.
-    Where particles do not determine the polynomial, the value is nan.
+    The weight is (1 - r^2/radius^2)^2, the radius PROFILE spacings. Walls count with their own velocity, as far as they
+    are wet. Where particles do not determine the polynomial, the value is nan.
     """
 
     def __init__(self, probe: probes.VelocityProfile, scene: Scene) -> None:
         super().__init__(probe, scene)
         self.places, self.radius = probe.places, PROFILE * scene.spacing
         names = [*"uvw"[:scene.dim], "p"]
-        self.columns = {f"{name}_{k}": "Pa" if name == "p" else "m/s" for k in range(len(self.places)) for name in names}
-        self.title = (f"Velocity and pressure at {len(self.places)} points from ({', '.join(f'{a:g}' for a in probe.start)}) "
-                      f"to ({', '.join(f'{a:g}' for a in probe.end)}) m")
+        self.columns = {f"{name}_{k}": "Pa" if name == "p" else "m/s" for k in range(len(self.places))
+                        for name in names}
+        self.title = (f"Velocity and pressure at {len(self.places)} points from "
+                      f"({', '.join(f'{a:g}' for a in probe.start)}) to ({', '.join(f'{a:g}' for a in probe.end)}) m")
 
     def sums(self, view: View) -> np.ndarray:
         p = view.particles
@@ -312,7 +314,8 @@ class VelocityProfile(Sampler):
     def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
         n, quantities = _quadratic(np.zeros((1, self.scene.dim))).shape[1], self.scene.dim + 1
         table = np.reshape(sums, (len(self.places), n * (n + quantities)))
-        return tuple(value for line in table for value in _at_centre(line[:n * n].reshape(n, n), line[n * n:].reshape(n, quantities)))
+        return tuple(value for line in table
+                     for value in _at_centre(line[:n * n].reshape(n, n), line[n * n:].reshape(n, quantities)))
 
 
 def _quadratic(d):

@@ -167,7 +167,8 @@ class Sampler:
 
     def __init__(self, probe: AnyProbe, scene: Scene) -> None:
         if scene.dim not in self.dims:
-            raise CaseError(f"probe {probe.name!r}: {probe.kind} exists in 2D only; leave it out of a scene in {scene.dim}D")
+            raise CaseError(f"probe {probe.name!r}: {probe.kind} exists in 2D only; "
+                            f"leave it out of a scene in {scene.dim}D")
         self.name, self.probe, self.scene = probe.name, probe, scene
 
     def sample(self, particles: Particles, domain: Domain, time: float) -> tuple[float, ...]:
