@@ -39,7 +39,8 @@ def main(words: Sequence[str] | None = None) -> int:
             if isinstance(error, BrokenPipeError) and environment.launched()[1] == 1:
                 return 0
             if output.is_unwritable(error):
-                error = StoreError(f"cannot write the output: {error.strerror}; send it elsewhere (files of a run are not affected)")
+                error = StoreError(f"cannot write the output: {error.strerror}; "
+                                   "send it elsewhere (files of a run are not affected)")
             return _fail(error, words)
         finally:
             output.silence(sys.stdout, sys.stderr)

@@ -96,7 +96,8 @@ def _ask_mpi():
     import mpi4py
     from mpi4py import MPI
 
-    return {"version": MPI.Get_library_version().split("\n")[0].split(",")[0].strip("\0 "), "mpi4py": mpi4py.__version__}
+    return {"version": MPI.Get_library_version().split("\n")[0].split(",")[0].strip("\0 "),
+            "mpi4py": mpi4py.__version__}
 
 
 def _ask_petsc():
@@ -217,7 +218,8 @@ def _write_together(comm):
     from parisph.io import digest, slabs
 
     path = comm.bcast(Path(f"parisph-doctor-{os.getpid()}.h5").absolute())
-    slabs.write(comm, path, [slabs.Slab("rank", np.array([comm.rank], np.int32), comm.rank, comm.size)], lambda file: None)
+    slabs.write(comm, path, [slabs.Slab("rank", np.array([comm.rank], np.int32), comm.rank, comm.size)],
+                lambda file: None)
     digest.check_together(comm, path)
     with h5py.File(path, "r") as file:
         same = list(file["rank"][:]) == list(range(comm.size))

@@ -122,7 +122,8 @@ class Domain:
         """
         unknown = [name for name in names if name not in self.particles.fields]
         if unknown:
-            raise ParisphError(f"no such particle field: {', '.join(unknown)} (this scene has {', '.join(self.particles.fields)})")
+            raise ParisphError("no such particle field: "
+                               f"{', '.join(unknown)} (this scene has {', '.join(self.particles.fields)})")
         if self._halo is not None and names:
             self._halo.update(*names)
 
@@ -166,7 +167,10 @@ class Domain:
         return old if np.array_equal(new.splitters, old.splitters) else new
 
     def _is_uneven(self, moving):
-        """Return whether the work is too uneven. Measured only in every `balance_every`-th call and whenever particles move."""
+        """Return whether the work is too uneven.
+
+        Measured only in every `balance_every`-th call and whenever particles move.
+        """
         comm = self.particles.comm
         if comm.size == 1 or not (moving or self._calls - self._looked >= self.balance_every):
             return False

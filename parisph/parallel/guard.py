@@ -132,7 +132,8 @@ class Guard:
             self._receive()
             for rank, calls in self._left.items():
                 if calls < now:
-                    _abort(self.comm, f"rank {rank} has ended, and rank {self.comm.rank} waits for it in {self._call}", 1)
+                    _abort(self.comm, f"rank {rank} has ended, and rank {self.comm.rank} waits for it in {self._call}",
+                           1)
 
     def _stop_looking(self):
         self._ended.set()
@@ -160,13 +161,16 @@ class Guard:
             _abort(self.comm, f"rank {self.comm.rank} ends with an error, while others continue", 1)
 
     def _partners(self, sign):
-        """Return the ranks that hear from this one (1), or that it hears from (-1): few, and where all but one wait, one of them."""
+        """Return the ranks that hear from this one (1), or that it hears from (-1): few, and where all but one wait,
+        one of them."""
         size = self.comm.size
         return {(self.comm.rank + sign * 2**k) % size for k in range(size.bit_length())} - {self.comm.rank}
 
     @classmethod
     def watch(cls, world: MPI.Comm | None = None) -> None:
-        """Call the guards when this process ends: atexit runs after an exception is shown and before MPI_Finalize. Not collective.
+        """Call the guards when this process ends: atexit runs after an exception is shown and before MPI_Finalize.
+
+        Not collective.
 
         world : communicator of all ranks, on which ranks may end before their first call; None to leave it
         """
@@ -205,7 +209,10 @@ class Guard:
 
 
 class _Meeting:
-    """A collective operation on `comm` in which ranks say whether they end. It cannot be mistaken for a user's messages."""
+    """A collective operation on `comm` in which ranks say whether they end.
+
+    It cannot be mistaken for a user's messages.
+    """
 
     def __init__(self, comm, ends):
         self.size = comm.size

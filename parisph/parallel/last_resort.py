@@ -30,7 +30,8 @@ def arm(signals: Signals) -> None:
     if signals.abort is None or signals.socket is None or signals.helper is not None:
         return
     signals.taken = np.array(signals.taken, np.int64)
-    text = np.frombuffer(b"parisph: stopped at once by a second signal, while this rank waited for another\n", np.uint8).copy()
+    text = np.frombuffer(b"parisph: stopped at once by a second signal, while this rank waited for another\n",
+                         np.uint8).copy()
     values = (signals.socket.fileno(), socket.MSG_PEEK, socket.MSG_PEEK | socket.MSG_DONTWAIT, signals.taken,
               np.array(NUMBERS, np.uint8), int(PATIENCE / SLICE), int(1e6 * SLICE), text, CODE)
     signals.helper = threading.Thread(target=_watch, args=values, name="last resort", daemon=True)
@@ -39,7 +40,7 @@ def arm(signals: Signals) -> None:
 
 @unlocked
 def _watch(source, peek, peek_now, taken, numbers, patience, pause, text, code):
-    """Return when the socket is shut down; end the process when a second signal has been unread for `patience` pauses."""
+    """Return when the socket is shut down; end the process if a second signal is unread for `patience` pauses."""
     unread = np.empty(64, np.uint8)
     while _recv(source, unread.ctypes.data, 64, peek) > 0:
         for k in range(patience + 1):

@@ -1,4 +1,7 @@
-"""Pictures of time series: probes of one or several runs, and a probe with its reference. Needs matplotlib, but no MPI."""
+"""Pictures of time series: probes of one or several runs, and a probe with its reference.
+
+Needs matplotlib, but no MPI.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +25,8 @@ Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
 # What a probe of a kind (as in the case) shows, and which kinds share one set of axes.
 KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
-    "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum", "velocity_profile": "velocity and pressure",
+    "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum",
+    "velocity_profile": "velocity and pressure",
 }
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
 COLUMNS = {("volume", "count"): "cells counted"}  # where one column is something else
@@ -76,7 +80,8 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
     runs = [run if isinstance(run, Run) else open_run(run) for run in (runs if isinstance(runs, list) else [runs])]
     panels = list(by_quantity(runs, [names] if isinstance(names, str) else names).items())
     if not panels:
-        raise StoreError(f"{', '.join(str(run.folder) for run in runs)} {'has' if len(runs) == 1 else 'have'} no probes to draw")
+        raise StoreError(f"{', '.join(str(run.folder) for run in runs)} {'has' if len(runs) == 1 else 'have'} no "
+                         "probes to draw")
     columns = 1 if len(panels) <= TALL else 2
     rows = -(-len(panels) // columns)
     picture = style.drawing().Figure(figsize=(8.0 * columns ** 0.75, 1.2 + 2.6 * rows), layout="constrained")
@@ -87,7 +92,8 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
             _second_time_axis(axes, runs, normalise)
         time_label(axes, normalise, number + columns >= len(panels))
     picture.set_figwidth(picture.get_figwidth() + columns * max(map(_further_columns, picture.axes)))
-    picture.suptitle(style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in runs))), x=0.01, ha="left", fontsize=11)
+    picture.suptitle(style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in runs))), x=0.01,
+                     ha="left", fontsize=11)
     style.save(picture, path)
     return picture
 
@@ -109,9 +115,11 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
     inside = [part[1][(part[0] >= start) & (part[0] <= end)] for part in (found, reference)]
     factor, shown = style.with_prefix(max(np.max(np.abs(part), initial=0.0) for part in inside), unit)
     upper.plot(found[0], factor * found[1], color=style.LINES[0], linewidth=1.1, label="run")
-    upper.plot(reference[0], factor * reference[1], color="black", linewidth=1.0, label="reference", **_marks(len(inside[1])))
+    upper.plot(reference[0], factor * reference[1], color="black", linewidth=1.0, label="reference",
+               **_marks(len(inside[1])))
     lower.axhline(0.0, color="black", linewidth=0.6)
-    lower.plot(difference[0], factor * difference[1], color=style.LINES[1], linewidth=1.0, marker="." if len(difference[0]) < MARKS else "")
+    lower.plot(difference[0], factor * difference[1], color=style.LINES[1], linewidth=1.0,
+               marker="." if len(difference[0]) < MARKS else "")
     upper.set_ylabel(f"{label} [{shown or '-'}]")
     lower.set_ylabel(f"run - reference [{shown or '-'}]")
     lower.set_xlabel("$t$ [s]")
@@ -148,11 +156,13 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
         kinds = {probe["name"]: probe["kind"] for probe in run.case.get("probes", ())}
         for name in (run.probe_names if names is None else names):
             table, units = run.probe(name), run.units(name)
-            columns = [column for column in table.dtype.names if column not in ("time", "step") and table[column].dtype.kind == "f"]
+            columns = [column for column in table.dtype.names if column not in ("time", "step")
+                       and table[column].dtype.kind == "f"]
             for column in columns:
                 # What is of no known kind has something in common with its like in unit, if with any.
                 kind = kinds.get(name, "" if units[column] else name)
-                curve = Curve(run, label if len(runs) > 1 else "", name, column if len(columns) > 1 else "", table["time"], table[column])
+                curve = Curve(run, label if len(runs) > 1 else "", name, column if len(columns) > 1 else "",
+                              table["time"], table[column])
                 groups.setdefault((FAMILIES.get(kind, kind), units[column]), []).append(curve)
     return groups
 
@@ -184,12 +194,13 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
     looks = style.line_looks(len(runs), len(series))
     for curve, own, scale in zip(curves, scales, by):
         look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
-        axes.plot(curve.time / (own.time if normalise else 1.0), curve.values * (1.0 / scale if scale else factor), linewidth=1.1,
-                  label=_line_label(curve, series), **look)
+        axes.plot(curve.time / (own.time if normalise else 1.0), curve.values * (1.0 / scale if scale else factor),
+                  linewidth=1.1, label=_line_label(curve, series), **look)
     for name in dict.fromkeys(curve.probe for curve in curves):
         if name in (truth or {}):
             first = next(k for k, curve in enumerate(curves) if curve.probe == name)
-            _draw_truth(axes, curves[first], truth[name], 1.0 / by[first] if by[first] else factor, scales[first].time if normalise else 1.0)
+            _draw_truth(axes, curves[first], truth[name], 1.0 / by[first] if by[first] else factor,
+                        scales[first].time if normalise else 1.0)
     axes.set_ylabel(_value_label(curves, series, unit, shown, bool(by[0])))
     _plain_axes(axes)
     if len(axes.lines) <= BESIDE:
@@ -248,7 +259,8 @@ def _marks(samples):
 
 
 def _value_label(curves, series, unit, shown, scaled):
-    kinds = {probe["kind"] for curve in curves for probe in curve.run.case.get("probes", ()) if probe["name"] == curve.probe}
+    kinds = {probe["kind"] for curve in curves for probe in curve.run.case.get("probes", ())
+             if probe["name"] == curve.probe}
     what = UNITS.get(unit, "")
     if len(kinds) == 1:
         kind = kinds.pop()

@@ -70,7 +70,8 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
         raise StoreError(f"cannot write the movie {path}: {error.strerror or error}") from None
     except CalledProcessError as error:
         said = "".join(f" ({clipped(plain(line))})" for line in str(error.stderr or "").strip().splitlines()[-1:])
-        raise StoreError(f"cannot write the movie {path}: ffmpeg ended with code {error.returncode}{said}; a .gif needs no ffmpeg") from None
+        raise StoreError(f"cannot write the movie {path}: ffmpeg ended with code {error.returncode}{said}; "
+                         "a .gif needs no ffmpeg") from None
     return path
 
 
@@ -110,8 +111,9 @@ class Pace:
         slow = slow or 1.0 / (fps * apart)
         count = (times[-1] - times[0]) * fps * slow
         if count > MOST_FRAMES:
-            raise CaseError(f"--slow {slow:g} with --fps {fps:g} makes {count:.3g} frames of {times[-1] - times[0]:g} s, "
-                            f"at most {MOST_FRAMES:,} are drawn: slow it less, or show fewer frames a second")
+            raise CaseError(f"--slow {slow:g} with --fps {fps:g} makes {count:.3g} frames of "
+                            f"{times[-1] - times[0]:g} s, at most {MOST_FRAMES:,} are drawn: slow it less, "
+                            "or show fewer frames a second")
         shown = times[0] + np.arange(round(count) + 1) / (fps * slow)
         half_way = 0.5 * (times[1:] + times[:-1]) + 1e-6 * apart      # the earlier one, whatever the rounding
         return cls(fps, slow, np.searchsorted(half_way, shown))

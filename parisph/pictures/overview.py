@@ -69,7 +69,8 @@ def _draw_steps(axes, steps):
     """Draw the iterations of the pressure solve, or the compression of a method without one, and the time step."""
     solved = "iterations" in steps.dtype.names
     axes.plot(steps["time"], steps["iterations" if solved else "compression"], ".", color=style.LINES[0], markersize=2)
-    axes.set_ylabel("iterations a solve [-]" if solved else r"compression $|\rho/\rho_0 - 1|$ [-]", color=style.LINES[0])
+    axes.set_ylabel("iterations a solve [-]" if solved else r"compression $|\rho/\rho_0 - 1|$ [-]",
+                    color=style.LINES[0])
     axes.set_ylim(bottom=0)
     if solved:
         axes.yaxis.get_major_locator().set_params(integer=True)

@@ -52,7 +52,8 @@ class Look:
         if self.field == "role":
             for name, value in (("limits", self.limits), ("cmap", self.colours)):
                 if value is not None:
-                    raise CaseError(f"--{name} does not apply to the field role, whose colours stand for names: leave it out")
+                    raise CaseError(f"--{name} does not apply to the field role, "
+                                    "whose colours stand for names: leave it out")
         if self.limits is not None:
             _check_order("--limits", *self.limits)
         if self.zoom is not None:
@@ -150,7 +151,8 @@ class FieldView:
         """The quantity in the picture's unit, (n,)."""
         needed = self.quantity.needs
         if needed not in snapshot:
-            raise StoreError(f"{self.look.field} cannot be shown: the field {needed!r} was not written (see Output.fields)")
+            raise StoreError(f"{self.look.field} cannot be shown: the field {needed!r} was not written (see "
+                             "Output.fields)")
         values = np.asarray(self.quantity.of(snapshot[needed]), dtype=float)
         return values * self._factor()
 
@@ -189,7 +191,8 @@ class FieldView:
         beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
         low, high = discs.get_clim()
         extend = beyond[bool(np.any(values < low)), bool(np.any(values > high))]
-        beside = {"ax": axes, "aspect": 25, "pad": 0.02} if isinstance(axes, list) else {"cax": axes.inset_axes((1.02, 0.0, 0.025, 1.0))}
+        beside = ({"ax": axes, "aspect": 25, "pad": 0.02} if isinstance(axes, list)
+                  else {"cax": axes.inset_axes((1.02, 0.0, 0.025, 1.0))})
         bar = picture.colorbar(discs, extend=extend, **beside)
         bar.set_label(self._label())
         bar.outline.set_linewidth(0.5)
@@ -220,7 +223,7 @@ class FieldView:
         return f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
 
     def _window(self, snapshots):
-        """((left, right), (low, high)) of the axes: as zoomed, or the fluid of the snapshots and the tank but for its empty top."""
+        """((left, right), (low, high)) of the axes: as zoomed, or fluid of the snapshots and tank but its empty top."""
         x = np.concatenate([snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots])
         low, high = x.min(axis=0), x.max(axis=0)
         tank = self.case.get("walls")
@@ -241,7 +244,7 @@ class FieldView:
         return (left, right), (bottom, top)
 
     def _walls_to_fill(self, snapshot):
-        """Return the wet wall particles, which have the pressure on the wall and close the gap of half a spacing to it."""
+        """Return the wet wall particles, which have the pressure on the wall and close the gap to it of s/2."""
         wet = (snapshot["kind"] == WALL) & (snapshot["role"] == WET)
         return wet if self.quantity.needs in ("p", "role") else np.zeros_like(wet)
 
@@ -251,7 +254,8 @@ class FieldView:
 
         size = np.full(len(x), diameter * self.spacing)
         how = {"linewidths": 0.0, **how}
-        discs = EllipseCollection(size, size, np.zeros(len(x)), units="xy", offsets=x, offset_transform=axes.transData, **how)
+        discs = EllipseCollection(size, size, np.zeros(len(x)), units="xy", offsets=x,
+                                  offset_transform=axes.transData, **how)
         discs.set_in_layout(False)
         axes.add_collection(discs)
         return discs
@@ -270,7 +274,8 @@ class FieldView:
         tank = self.case.get("walls")
         if not tank:
             return
-        (left, low), width, height = np.array(tank["at"]) / self.length, tank["width"] / self.length, tank["height"] / self.length
+        left, low = np.array(tank["at"]) / self.length
+        width, height = tank["width"] / self.length, tank["height"] / self.length
         right, top = left + width, low + height
         corners = [(left, top), (left, low), (right, low), (right, top)] + ([(left, top)] if tank["lid"] else [])
         axes.plot(*np.transpose(corners), color=style.WALL_COLOUR, linewidth=2.0, solid_joinstyle="miter", zorder=3)
@@ -287,10 +292,11 @@ class FieldView:
             chosen = (snapshot["kind"] == FLUID) & (snapshot["role"] == role)
             if np.any(chosen):
                 self._discs(axes, x[chosen], DISC, facecolors="none", edgecolors=colour, linewidths=0.8, zorder=4)
-                handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="none", color=colour, label=name))
+                handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="none",
+                                      color=colour, label=name))
         if handles:
-            axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=9,
-                        borderaxespad=0.2, handletextpad=0.1)
+            axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2,
+                        frameon=False, fontsize=9, borderaxespad=0.2, handletextpad=0.1)
 
     def _finish(self, axes, time, label, note):
         axes.set_xlim(self.window[0])
@@ -300,4 +306,5 @@ class FieldView:
         axes.set_ylabel("$y/H$" if self.look.normalise else "$y$ [m]")
         axes.tick_params(direction="in", top=True, right=True)
         when = style.time_label(time, self.own) + (f",   {note}" if note else "")
-        axes.set_title(f"{style.literal(self.case['title'])}\n{when}" if label else when, loc="left", fontsize=11 if label else 9)
+        axes.set_title(f"{style.literal(self.case['title'])}\n{when}" if label else when, loc="left",
+                       fontsize=11 if label else 9)

@@ -46,7 +46,8 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
     if not dots:
         return False
     both = axis is not None and len({dot.x for group in dots.values() for dot in group}) > 1
-    picture = style.drawing().Figure(figsize=(10.4 if both else 6.0, 4.6 + 0.11 * max(0, len(dots) - MANY)), layout="constrained")
+    picture = style.drawing().Figure(figsize=(10.4 if both else 6.0, 4.6 + 0.11 * max(0, len(dots) - MANY)),
+                                     layout="constrained")
     panels = picture.subplots(1, 2 if both else 1, sharey=True, squeeze=False)[0]
     looks = dict(zip(report.curves(results), style.line_looks(len(report.curves(results)))))
     marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(report.curves(results))}
@@ -89,7 +90,8 @@ def _convergence(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping
             fit = middle[1] * (ends / middle[0]) ** order
             axes.plot(ends, fit, color=looks[curve]["color"], linewidth=0.8, linestyle=":")
     _draw_others(axes, others, "spacing", "")
-    _logarithmic(axes, [dot.x for group in dots.values() for dot in group] + [one.spacing for one in others if one.spacing])
+    _logarithmic(axes, [dot.x for group in dots.values() for dot in group]
+                 + [one.spacing for one in others if one.spacing])
     axes.set_yscale("log")
     axes.set_xlabel(label)
     _legend(axes, dots)
@@ -121,7 +123,8 @@ def _plot(axes: "Axes", x: Sequence[float], group: Sequence[Dot], look: style.Li
 def _draw_others(axes: "Axes", others: Sequence[OtherPoint], of: str, note: str) -> None:
     for number, code in enumerate(dict.fromkeys(one.code for one in others)):
         points = [one for one in others if one.code == code]
-        axes.plot([getattr(one, of) for one in points], [one.error or np.nan for one in points], color="black", linestyle="",
+        axes.plot([getattr(one, of) for one in points], [one.error or np.nan for one in points],
+                  color="black", linestyle="",
                   marker=OTHER_MARKS[number % len(OTHER_MARKS)], markersize=8, markerfacecolor="none", zorder=2,
                   label=style.literal(f"{code}{note}", 60))
 

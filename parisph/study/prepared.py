@@ -124,7 +124,8 @@ def selected(found: Iterable[Prepared], methods: Sequence[str]) -> list[Prepared
     there = list(dict.fromkeys(name for item in found for name in (item.method, item.point.label)))
     for name in methods:
         if name not in there:
-            raise CaseError(f"--only {named(name)}: the study has no such method (it has: {clipped('; '.join(map(named, there)), LINE)})")
+            raise CaseError(f"--only {named(name)}: the study has no such method (it has: "
+                            f"{clipped('; '.join(map(named, there)), LINE)})")
     return [item for item in found if not methods or {item.method, item.point.label} & set(methods)]
 
 

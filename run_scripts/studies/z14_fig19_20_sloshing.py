@@ -4,10 +4,10 @@
     parisph study run_scripts/studies/z14_fig19_20_sloshing.py --only ISPH_R      half a minute of CPU time
 
 About ten minutes of CPU time without SPH, which takes as long again. All projections are stable with steps up to 0.18
-√(d/g), the longest here, where the paper has 0.008 for ISPH_R and 0.002 for the others; SPH takes the steps that its sound
-allows. Errors are against nonlinear potential flow: of the wave part, relative to the wave alone; by the norm of Z14, relative
-to depth and wave together, for which the paper's own level is 4e-4. The paper's spacings s/d = 1/15, 1/25 and 1/50 do not
-divide the tank.
+√(d/g), the longest here, where the paper has 0.008 for ISPH_R and 0.002 for the others; SPH takes the steps that its
+sound allows. Errors are against nonlinear potential flow: of the wave part, relative to the wave alone; by the norm of
+Z14, relative to depth and wave together, for which the paper's own level is 4e-4. The paper's spacings s/d = 1/15, 1/25
+and 1/50 do not divide the tank.
 """
 
 from parisph.study import OtherCodes, Study, TruthError, Variant
