@@ -261,8 +261,8 @@ def _add_looking(verbs):
     verb.add_argument("--time", type=arguments.number, metavar="T",
                       help="Draw the flow at the snapshot nearest this time [s]")
     verb.add_argument("--peak", metavar="PROBE",
-                      help="Draw the flow at the greatest value of a probe: the step itself if the probe has peak=True, "
-                           "else the nearest snapshot")
+                      help="Draw the flow at the greatest value of a probe: "
+                           "the step itself if the probe has peak=True, else the nearest snapshot")
     verb.add_argument("--probe", action="append", metavar="NAME",
                       help="Draw the series of this probe (may be repeated)")
     _add_drawing(verb, "up to the greatest value shown; on a page with several moments, most of the values")

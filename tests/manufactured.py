@@ -62,8 +62,10 @@ def poisson_error(method, spacing, jitter, field=wave, seed=1, dim=2):
 def known_part(rows, n, f):
     """Return sum_J values_J f_J for each row, (n,)."""
     count = rows.rows.count[:n]
-    entry = np.repeat(rows.cloud.indptr[:-1] - np.concatenate([[0], np.cumsum(count)[:-1]]), count) + np.arange(count.sum())
-    return np.bincount(np.repeat(np.arange(n), count), rows.rows.values[entry] * f[rows.rows.columns[entry]], minlength=n)
+    entry = np.repeat(rows.cloud.indptr[:-1] - np.concatenate([[0], np.cumsum(count)[:-1]]),
+                      count) + np.arange(count.sum())
+    return np.bincount(np.repeat(np.arange(n), count), rows.rows.values[entry] * f[rows.rows.columns[entry]],
+                       minlength=n)
 
 
 def orders(spacings, errors):

@@ -11,12 +11,14 @@ import pytest
 from tests.launch import ROOT, clean_environment
 
 # A module imports only from its own part and from those that stand before it.
-ORDER = ("base", "case", "kernels", "parallel", "pressure", "methods", "truth", "watch", "io", "pictures", "driver", "study", "doctor", "arguments", "completion", "cli", "__main__")
+ORDER = ("base", "case", "kernels", "parallel", "pressure", "methods", "truth", "watch", "io", "pictures", "driver",
+         "study", "doctor", "arguments", "completion", "cli", "__main__")
 
 # Where these may be imported, as beginnings of module names; nowhere else.
 ONLY_IN = {
     "petsc4py": ("parallel.petsc",),    # which starts PETSc as it should be started
-    "mpi4py": ("parallel", "pressure", "methods", "truth", "watch", "io", "pictures", "driver", "study", "doctor", "completion", "cli", "__main__"),
+    "mpi4py": ("parallel", "pressure", "methods", "truth", "watch", "io", "pictures", "driver", "study", "doctor",
+               "completion", "cli", "__main__"),
     "numba": ("kernels", "parallel", "doctor"),
     "h5py": ("io", "doctor"),
     "matplotlib": ("pictures", "study"),
@@ -151,7 +153,8 @@ def test_rules_allow_what_is_right(tmp_path, module, text):
 
 def loaded_by(statement):
     """Return which heavy libraries a fresh Python has loaded after a statement."""
-    program = f"import sys\n{statement}\nprint([n for n in ('mpi4py', 'petsc4py', 'numba', 'h5py') if n in sys.modules])"
+    program = (f"import sys\n{statement}\n"
+               "print([n for n in ('mpi4py', 'petsc4py', 'numba', 'h5py') if n in sys.modules])")
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, env=clean_environment(),
                           capture_output=True, text=True, timeout=60, check=True)
     return ast.literal_eval(done.stdout)
