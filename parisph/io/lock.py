@@ -34,7 +34,7 @@ class Lock:
         written.
     """
 
-    def __init__(self, folder: Path, force: bool = False):
+    def __init__(self, folder: Path, force: bool = False) -> None:
         self.path = Path(folder) / NAME
         self._mine = {"host": _host(), "processes": _numbering(), "process": os.getpid(), "began": _began(os.getpid()),
                       "since": time.strftime("%Y-%m-%d %H:%M:%S"), "token": os.urandom(8).hex()}

@@ -14,7 +14,9 @@ LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surf
 
 
 @kernel
-def surface_rows(count, columns, values, x, kind, role, volume, offset, spacing, radius, indptr, indices, axes) -> None:
+def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: np.ndarray, kind: np.ndarray,
+                 role: np.ndarray, volume: np.ndarray, offset: float, spacing: float, radius: float, indptr: np.ndarray,
+                 indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fill the rows of surface particles: pressure falls in proportion to the distance to zero on the surface.
 
     With the surface at the distance a outside the particle and the weighted mean of its inner neighbours

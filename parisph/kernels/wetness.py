@@ -1,5 +1,7 @@
 """The wall particles that touch the fluid, in any dimension."""
 
+import numpy as np
+
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.jit import kernel
 
@@ -14,7 +16,9 @@ APART, FREE, CLOSING = 0, 1, 2
 
 
 @kernel
-def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr, indices, axes):
+def closing_walls(closing: np.ndarray, role: np.ndarray, x: np.ndarray, u: np.ndarray, force: np.ndarray,
+                  kind: np.ndarray, normal: np.ndarray, spacing: float, dt: float, indptr: np.ndarray,
+                  indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Classify owned wall particles: CLOSING the fluid off, APART from it, or FREE.
 
     By positions alone, water that rests one spacing below a lid looks like water that fills the tank,
@@ -61,7 +65,9 @@ def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr,
 
 
 @kernel
-def wet_walls(role, closing, x, kind, corner, normal, spacing, indptr, indices, axes):
+def wet_walls(role: np.ndarray, closing: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
+              normal: np.ndarray, spacing: float, indptr: np.ndarray, indices: np.ndarray,
+              axes: tuple[int, ...]) -> None:
     """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
 
     Wet: it closes the fluid off (closing_walls), an inner fluid particle is within 2.1 spacings, and

@@ -131,7 +131,7 @@ class CompressibleParts:
     reach = 2.0 * lengths.SPH
     causes = ("pressure",)
 
-    def __init__(self, numerics: Numerics):
+    def __init__(self, numerics: Numerics) -> None:
         self.numerics = numerics
         self.keeps_surface = SURFACES[numerics.surface_rule].keeps
         self.fields = FieldSet(("rho", "pull", *(("start_role",) if self.keeps_surface else ())))

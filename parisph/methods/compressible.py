@@ -53,7 +53,7 @@ class Compressible:
     """
 
     def __init__(self, flow: Flow, parts: CompressibleParts, sound: float, settle: float = 0.0,
-                 gravity: np.ndarray | None = None):
+                 gravity: np.ndarray | None = None) -> None:
         self.flow, self.parts, self.sound, n = flow, parts, sound, flow.numerics
         self.settle, self.gravity, self._mass = settle, gravity, np.empty(0)
         if flow.viscosity:

@@ -42,7 +42,7 @@ class Flow:
     """
 
     def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, timers: Any,
-                 closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0):
+                 closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.timers = particles, domain, timers
         self.closed, self.budget = closed, budget or NoBudget()

@@ -4,14 +4,19 @@ A case names one of them in place of "shift" among its regularisers. None of the
 """
 
 from abc import abstractmethod
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parisph.base.fields import FLUID
+from parisph.case.numerics import Numerics
 from parisph.kernels import shifting, shifts, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Regulariser
 from parisph.methods.positions import CAP, displace
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 NEAR_SURFACE = 2.0      # spacings from a surface particle within which the shift of Lind et al. knows the surface
 
@@ -21,23 +26,23 @@ class Shift(Regulariser):
 
     cause, moves = "shift", True
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return (*self.fields, *(straining.FIELDS if numerics.shift_strain else ()))
 
-    def apply(self, flow, dt) -> None:
+    def apply(self, flow: "Flow", dt: float) -> None:
         move = np.empty_like(flow.particles.x)
         self.write(move, flow, dt)
         displace(flow, move)
 
-    def strength(self, flow) -> np.ndarray:
+    def strength(self, flow: "Flow") -> np.ndarray:
         """Return the weight of this step at owned particles (n_owned,)."""
         return straining.strength(flow, flow.numerics.shift, flow.numerics.shift_strain)
 
     @abstractmethod
-    def write(self, move, flow, dt) -> None:
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         """Write the displacement in a step of dt [s] of owned fluid to move (n_owned, dim) [m]. Collective."""
 
 
@@ -46,7 +51,7 @@ class TensileShift(Shift):
 
     name, source, words, fields = "shift_tensile", "Lind et al. 2012, Eqs 23 and 27", "shift with tensile term", ("grad_alpha",)
 
-    def write(self, move, flow, dt) -> None:
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         h = lengths.DENSITY * flow.spacing
         tensile_gradient(flow)
@@ -54,7 +59,7 @@ class TensileShift(Shift):
                             CAP * flow.spacing, NEAR_SURFACE * flow.spacing, d.indptr, d.indices, flow.axes)
 
 
-def tensile_gradient(flow) -> None:
+def tensile_gradient(flow: "Flow") -> None:
     """Write the field grad_alpha, with the term against pairs of particles. Collective."""
     p, d = flow.particles, flow.domain
     shifts.tensile_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all,
@@ -67,7 +72,7 @@ class XuShift(Shift):
 
     name, source, words, reach = "shift_xu", "Xu et al. 2009, Eqs 25 and 26", "shift of Xu et al.", lengths.MLS
 
-    def write(self, move, flow, dt) -> None:
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         top = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0)
         top = max(p.comm.allgather(float(top)))
@@ -81,7 +86,7 @@ class LindShift(Shift):
     name, source, words = "shift_lind", "Lind et al. 2012, Eqs 23 to 27, beta = 0", "shift of Lind et al."
     fields = ("grad_alpha",)
 
-    def write(self, move, flow, dt) -> None:
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         h = lengths.DENSITY * flow.spacing
         tensile_gradient(flow)
@@ -97,10 +102,10 @@ class PressureShift(Shift):
 
     name, source, words, reach = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure", lengths.MLS
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return self.fields
 
-    def write(self, move, flow, dt) -> None:
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         shifts.pressure_shift(move, p.p_all, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all,
                               lengths.MLS * flow.spacing, 0.5 * dt * dt / flow.density, CAP * flow.spacing,

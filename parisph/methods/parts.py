@@ -6,13 +6,16 @@ neighbour lists reach, which dimensions it can have, its longest time step, and 
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 
 import numpy as np
 
 from parisph.base import vocabulary
 from parisph.case.numerics import Numerics
 from parisph.pressure.rows import Cloud, Flux, Rows
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 
 class Part(ABC):
@@ -48,7 +51,7 @@ class Part(ABC):
         """Whether `longest_step` can be less than infinite."""
         return type(self).longest_step is not Part.longest_step
 
-    def longest_step(self, flow: Any) -> float:
+    def longest_step(self, flow: "Flow") -> float:
         """Return the longest time step [s] that it allows on this rank, infinite if it does not limit it. Not collective."""
         return np.inf
 
@@ -91,7 +94,7 @@ class Gradient(Part):
     """The gradient of pressure at fluid particles."""
 
     @abstractmethod
-    def write(self, out: np.ndarray, f: np.ndarray, flow: Any) -> None:
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         """Write the gradient of f (n_all,) at owned fluid particles to out (n_owned, dim). Not collective.
 
         A particle with too few neighbours gets a zero gradient, and the role BALLISTIC.
@@ -109,7 +112,7 @@ class Surface(Part):
     keeps: ClassVar[bool] = False
 
     @abstractmethod
-    def find(self, flow: Any, seen: np.ndarray) -> None:
+    def find(self, flow: "Flow", seen: np.ndarray) -> None:
         """Write the roles of owned fluid particles. Not collective.
 
         seen : (n_all,) kind, ABSENT for walls that do not count
@@ -124,7 +127,7 @@ class Source(Part):
         return ""
 
     @abstractmethod
-    def target(self, flow: Any, dt: float) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> np.ndarray:
         """Return what lap p shall be at owned particles (n_owned,) [Pa/m^2], before a step of dt [s]. Collective."""
 
 
@@ -139,7 +142,7 @@ class Force(Part):
     words: ClassVar[str] = ""
 
     @abstractmethod
-    def add(self, out: np.ndarray, flow: Any, time: float) -> None:
+    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
         """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""
 
 
@@ -158,7 +161,7 @@ class Regulariser(Part):
     words: ClassVar[str]
 
     @abstractmethod
-    def apply(self, flow: Any, dt: float) -> None:
+    def apply(self, flow: "Flow", dt: float) -> None:
         """Change the velocities or positions of owned fluid in a step of dt [s]. Collective."""
 
 
@@ -173,7 +176,7 @@ class Registry(Mapping[str, P], Generic[P]):
     what : kind of part, a key of base.vocabulary.WORDS
     """
 
-    def __init__(self, what: str):
+    def __init__(self, what: str) -> None:
         self.what, self._parts = what, {}
 
     def register(self, part: P) -> P:

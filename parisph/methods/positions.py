@@ -1,11 +1,17 @@
 """The regularisers of positions: position projection, close pairs, and Fick shift."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from parisph.base.fields import FLUID
+from parisph.case.numerics import Numerics
 from parisph.kernels import collisions, halves, pairs, shifting, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, SURFACES, Regulariser
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
@@ -26,13 +32,13 @@ class PositionProjection(Regulariser):
 
     name, cause, words, moves, fields = "projection", "projection", "position projection", True, (*straining.FIELDS, "alpha", "phi")
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.kappa > 0.0
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return (*self.fields, *_share_of(numerics))
 
-    def apply(self, flow, dt) -> None:
+    def apply(self, flow: "Flow", dt: float) -> None:
         p, d, n = flow.particles, flow.domain, flow.numerics
         flow.fresh("x")
         find_share(flow)
@@ -49,10 +55,10 @@ class Parting(Regulariser):
 
     name, cause, words, moves, strain, fields = "parting", "parting", "parting of close pairs", True, False, ("pairs",)
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0
 
-    def apply(self, flow, dt) -> None:
+    def apply(self, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         distance = PART_WITHIN * flow.spacing
         flow.fresh("x", "role")
@@ -70,14 +76,14 @@ class FickShift(Regulariser):
     name, source, cause, words, moves = "shift", "Lind et al. 2012", "shift", "Fick shift", True
     fields = ("grad_alpha", "turn")
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         strain = (*straining.FIELDS, *_share_of(numerics)) if numerics.shift_strain else ()
         return (*self.fields, *strain)
 
-    def apply(self, flow, dt) -> None:
+    def apply(self, flow: "Flow", dt: float) -> None:
         p, d, n = flow.particles, flow.domain, flow.numerics
         h = lengths.DENSITY * flow.spacing
         flow.fresh("x", "role")
@@ -107,10 +113,10 @@ class KeepApart(Regulariser):
 
     name, cause, words, moves, strain = "keep_apart", "parting", "least distance", True, False
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0
 
-    def apply(self, flow, dt) -> None:
+    def apply(self, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         move, near = np.empty_like(p.x), np.ones(p.n_owned, bool)
         for _ in range(SWEEPS):
@@ -127,7 +133,7 @@ def _share_of(numerics):
     return ("share",) if SURFACES[numerics.surface_rule].open else ()
 
 
-def find_share(flow) -> None:
+def find_share(flow: "Flow") -> None:
     """Find the part of the half cells at walls for which fluid stands, once in a step. Collective.
 
     Fluid that fills a closed tank started at all of its walls.
@@ -139,7 +145,7 @@ def find_share(flow) -> None:
         flow.knows_share = True
 
 
-def surplus(flow) -> tuple[np.ndarray, np.ndarray]:
+def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
     """Return what half cells at walls for which no fluid stands add to alpha (n_owned,), and to its gradient (n_owned, dim)."""
     p, d = flow.particles, flow.domain
     ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
@@ -149,7 +155,7 @@ def surplus(flow) -> tuple[np.ndarray, np.ndarray]:
     return ratio, gradient
 
 
-def less_pushed(push, less, rapid) -> np.ndarray:
+def less_pushed(push: np.ndarray, less: np.ndarray, rapid: np.ndarray) -> np.ndarray:
     """Return a push with the part of it that is due to a surplus left out in rapid flow, but without a pull: (n,).
 
     push : (n,), with the surplus; less : (n,), without it; rapid : (n,), 0 to 1
@@ -157,7 +163,7 @@ def less_pushed(push, less, rapid) -> np.ndarray:
     return push + rapid * (np.minimum(push, np.maximum(less, 0.0)) - push)
 
 
-def push_off_less(flow, surplus) -> None:
+def push_off_less(flow: "Flow", surplus: np.ndarray) -> None:
     """Leave out of grad alpha what pushes fluid off a wall by half cells for which no fluid stands, in rapid flow.
 
     surplus : (n_owned, dim), the part of grad alpha by those
@@ -170,7 +176,7 @@ def push_off_less(flow, surplus) -> None:
     p.grad_alpha[some] += (less_pushed(push, push - size[some], flow.rapid[some]) - push)[:, None] * towards
 
 
-def density_error(flow) -> np.ndarray:
+def density_error(flow: "Flow") -> np.ndarray:
     """Return the density error that the position projection removes: (n_owned,). Also writes alpha.
 
     A wall for which no fluid stands does not lift rapid fluid off, nor attract it: e = min(e, max(e', 0)) with the
@@ -182,7 +188,7 @@ def density_error(flow) -> np.ndarray:
     return less_pushed(e, compression(flow, p.alpha - more, flow.doubt), flow.rapid) if more.any() else e
 
 
-def compression(flow, alpha, doubt) -> np.ndarray:
+def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray) -> np.ndarray:
     """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
 
     alpha, doubt : (n_owned,)
@@ -194,7 +200,7 @@ def compression(flow, alpha, doubt) -> np.ndarray:
     return e
 
 
-def displace(flow, move) -> None:
+def displace(flow: "Flow", move: np.ndarray) -> None:
     """Displace the owned fluid by move (n_owned, dim) [m], but not into a wall. Not collective."""
     p, d, n = flow.particles, flow.domain, flow.numerics
     if n.wall_guard > 0.0:

@@ -51,7 +51,7 @@ class Projection:
     The driver uses `start`, `step`, `columns`, `state` and `destroy`, as of any method.
     """
 
-    def __init__(self, flow: Flow, parts: Parts, petsc_options: list[str] | None = None):
+    def __init__(self, flow: Flow, parts: Parts, petsc_options: list[str] | None = None) -> None:
         self.flow, self.parts, n = flow, parts, flow.numerics
         self.stepping = STEPPINGS[n.stepping]
         self.knows_pressure = False     # whether particles have the pressure of an earlier step, or of the start

@@ -1,9 +1,11 @@
 """The pressure equation A p = b: Krylov solve, kept preconditioner, fallback chain, record."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
+from mpi4py import MPI
 
 from parisph.base.errors import CaseError, ParisphError, SolverDiverged, agree
 from parisph.base.log import logger
@@ -101,7 +103,8 @@ class PressureSolver:
     CaseError on all ranks: an option cannot be understood, or a tolerance is out of range.
     """
 
-    def __init__(self, comm, options=None, rtol=1e-6, closed=False):
+    def __init__(self, comm: MPI.Comm, options: Sequence[str] | None = None, rtol: float = 1e-6,
+                 closed: bool = False) -> None:
         if not rtol > 0.0:
             raise ParisphError(f"relative tolerance {rtol} of the pressure solve must be positive")
         self.setups = 0
@@ -124,7 +127,8 @@ class PressureSolver:
             self._user.withdraw()
             raise
 
-    def solve(self, indptr, indices, values, rhs, guess, renumbered=False):
+    def solve(self, indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, rhs: np.ndarray,
+              guess: np.ndarray | None, renumbered: bool = False) -> tuple[np.ndarray, SolveRecord]:
         """Solve A p = b with a new matrix. Collective.
 
         Parameters
@@ -157,7 +161,8 @@ class PressureSolver:
             self._warn_of_unused_options()
         return found
 
-    def solve_again(self, rhs, guess, slack=1.0):
+    def solve_again(self, rhs: np.ndarray, guess: np.ndarray | None,
+                    slack: float = 1.0) -> tuple[np.ndarray, SolveRecord]:
         """Solve for another right-hand side with the matrix of the last `solve`. Collective.
 
         slack : float
@@ -175,7 +180,7 @@ class PressureSolver:
             agree(self._comm, error)
         return self._run("again", rhs, guess, start, max(self._rtol, min(slack * self._rtol, LOOSEST)), error)
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Free the PETSc objects and restore the options database. Collective."""
         if self._ksp is not None:
             self._ksp.destroy()
