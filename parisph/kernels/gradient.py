@@ -76,7 +76,8 @@ def support(m: np.ndarray, inverse: np.ndarray, weighted: np.ndarray, near: np.n
 
 @inlined
 def _soften(m, inverse, lack, axes):
-    """Invert the moment with the same in every direction added: neighbours in a line give no slope across it, but one along it.
+    """Invert the moment with the same in every direction added: neighbours in a line give no slope across it, but one
+    along it.
 
     Returns False if there is nothing to add to.
     """

@@ -9,7 +9,8 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.smoothing import quartic_weight
 
 BESIDE = 1.2    # spacings from a wall particle within which a particle also stands for the half spacing to the wall
-HALF = 0.6      # of a cell, up to which a particle lies on the surface: a half, and what its share of the whole volume adds
+# of a cell, up to which a particle lies on the surface: a half, and what its share of the whole volume adds
+HALF = 0.6
 LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surface has about one
 
 

@@ -37,7 +37,8 @@ class Flow:
     top_acceleration : of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
     stale : names of fields that have changed since the ghosts got them; the same on all ranks
     collisions : pairs of owned particles that have collided in this step
-    rows, solver, pressure_gradient : PressureRows, PressureSolver, and a function of f (n_all,), of a projection; else None
+    rows, solver, pressure_gradient : PressureRows, PressureSolver, and a function of f (n_all,), of a projection; else
+        None
     position_solve : SolveRecord of the position projection in this step, or None
     """
 
@@ -72,7 +73,10 @@ class Flow:
                      self.spacing, self.axes)
 
     def fresh(self, *names: str) -> None:
-        """Send the fields that have changed to the ghosts, in one message, if any of `names` is among them. Collective."""
+        """Send the fields that have changed to the ghosts, in one message, if any of `names` is among them.
+
+        Collective.
+        """
         if self.stale.intersection(names):
             self.domain.update(*sorted(self.stale))
             self.stale.clear()
@@ -85,7 +89,10 @@ class Flow:
         return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
 
     def density_ratio(self, seen: np.ndarray) -> None:
-        """Write the field alpha of owned fluid. seen : (n_all,) kind, ABSENT for what does not count. Not collective."""
+        """Write the field alpha of owned fluid. seen : (n_all,) kind, ABSENT for what does not count.
+
+        Not collective.
+        """
         p, d = self.particles, self.domain
-        surface.density_ratio(p.alpha, p.x_all, seen, p.corner_all, p.normal_all, lengths.DENSITY * self.spacing, self.full,
-                              d.indptr, d.indices, self.axes)
+        surface.density_ratio(p.alpha, p.x_all, seen, p.corner_all, p.normal_all, lengths.DENSITY * self.spacing,
+                              self.full, d.indptr, d.indices, self.axes)

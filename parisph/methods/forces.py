@@ -24,7 +24,8 @@ class Body(Force):
 
 
 class Viscous(Force):
-    """nu lap u by a quadratic fit, exact for quadratic velocities; at walls its normal part is that of the fluid before them."""
+    """nu lap u by a quadratic fit, exact for quadratic velocities; at walls its normal part is that of the fluid before
+    them."""
 
     name, source, reach, viscous, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, True, "viscous force"
     fields = ("no_slip", "wall_u", "nu", "viscous")
@@ -48,8 +49,9 @@ class Viscous(Force):
     def laplacian(self, out: np.ndarray, flow: "Flow") -> None:
         """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2]."""
         p, d, s = flow.particles, flow.domain, flow.spacing
-        viscous.corrected(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
-                          lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
+        viscous.corrected(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all,
+                          p.no_slip_all, lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices,
+                          flow.axes)
 
     def longest_step(self, flow: "Flow") -> float:
         p = flow.particles

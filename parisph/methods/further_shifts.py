@@ -49,7 +49,8 @@ class Shift(Regulariser):
 class TensileShift(Shift):
     """Shifts by C h^2 along -grad C with the term against pairs of particles; at the surface along it."""
 
-    name, source, words, fields = "shift_tensile", "Lind et al. 2012, Eqs 23 and 27", "shift with tensile term", ("grad_alpha",)
+    name, source, words = "shift_tensile", "Lind et al. 2012, Eqs 23 and 27", "shift with tensile term"
+    fields = ("grad_alpha",)
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
@@ -68,7 +69,10 @@ def tensile_gradient(flow: "Flow") -> None:
 
 
 class XuShift(Shift):
-    """Shifts by C v dt from near neighbours, with the largest speed v of the fluid. For fluid without a free surface."""
+    """Shifts by C v dt from near neighbours, with the largest speed v of the fluid.
+
+    For fluid without a free surface.
+    """
 
     name, source, words, reach = "shift_xu", "Xu et al. 2009, Eqs 25 and 26", "shift of Xu et al.", lengths.MLS
 
@@ -76,8 +80,9 @@ class XuShift(Shift):
         p, d = flow.particles, flow.domain
         top = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0)
         top = max(p.comm.allgather(float(top)))
-        shifts.xu_shift(move, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all, lengths.MLS * flow.spacing,
-                        self.strength(flow) * top * dt, CAP * flow.spacing, d.indptr, d.indices, flow.axes)
+        shifts.xu_shift(move, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all,
+                        lengths.MLS * flow.spacing, self.strength(flow) * top * dt, CAP * flow.spacing, d.indptr,
+                        d.indices, flow.axes)
 
 
 class LindShift(Shift):
@@ -91,16 +96,18 @@ class LindShift(Shift):
         h = lengths.DENSITY * flow.spacing
         tensile_gradient(flow)
         normal, close = np.empty_like(p.x), np.empty(p.n_owned, bool)
-        shifts.surface_normals(normal, close, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, NEAR_SURFACE * flow.spacing,
-                               d.indptr, d.indices, flow.axes)
+        shifts.surface_normals(normal, close, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all,
+                               NEAR_SURFACE * flow.spacing, d.indptr, d.indices, flow.axes)
         shifts.surface_shift(move, p.grad_alpha, normal, close, p.role, self.strength(flow) * h * h, 0.0, 0.0,
                              CAP * flow.spacing, flow.axes)
 
 
 class PressureShift(Shift):
-    """Shifts by dt^2/(2 rho) times the excess of the gradient of pressure relative to the least one around each particle."""
+    """Shifts by dt^2/(2 rho) times the excess of the gradient of pressure relative to the least one around each
+    particle."""
 
-    name, source, words, reach = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure", lengths.MLS
+    name, source, words = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure"
+    reach = lengths.MLS
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return self.fields

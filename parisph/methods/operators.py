@@ -35,9 +35,9 @@ class Rankine(Laplacian):
 
     def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
         s = cloud.spacing
-        rankine.rankine_rows(rows.count, rows.columns, rows.values, rows.measure, flux.flux, flux.div, u, cloud.x, cloud.role,
-                             rankine.directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s, self.normalised,
-                             cloud.indptr, cloud.indices, cloud.axes)
+        rankine.rankine_rows(rows.count, rows.columns, rows.values, rows.measure, flux.flux, flux.div, u, cloud.x,
+                             cloud.role, rankine.directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s,
+                             self.normalised, cloud.indptr, cloud.indices, cloud.axes)
 
 
 class RankinePrinted(Rankine):
@@ -65,8 +65,9 @@ class Sph(Sparse):
     linear = False
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        laplacian.isph_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * cloud.spacing,
-                            cloud.spacing ** len(cloud.axes), cloud.indptr, cloud.indices, cloud.axes)
+        laplacian.isph_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
+                            lengths.SPH * cloud.spacing, cloud.spacing ** len(cloud.axes), cloud.indptr, cloud.indices,
+                            cloud.axes)
 
 
 class Cisph1(Sparse):
@@ -97,8 +98,8 @@ class Gfd(Sparse):
     name, source, reach = "gfd", "generalised finite differences", lengths.QUADRATIC
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        gfd.gfd_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.QUADRATIC * cloud.spacing,
-                     cloud.indptr, cloud.indices, cloud.axes)
+        gfd.gfd_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
+                     lengths.QUADRATIC * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
 
 class QuadraticRankine(Sparse):
@@ -109,8 +110,9 @@ class QuadraticRankine(Sparse):
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
         s = cloud.spacing
         quadratic_circle.quadratic_rankine_rows(
-            rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, rankine.directions(len(cloud.axes)),
-            lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s, cloud.indptr, cloud.indices, cloud.axes)
+            rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
+            rankine.directions(len(cloud.axes)), lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s, cloud.indptr,
+            cloud.indices, cloud.axes)
 
 
 class Fatehi(Sparse):
@@ -119,8 +121,8 @@ class Fatehi(Sparse):
     name, source, reach = "fatehi", "Fatehi and Manzari 2011", 2.0 * lengths.SPH
 
     def laplacian(self, rows: Rows, cloud: Cloud) -> None:
-        fatehi.fatehi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * cloud.spacing,
-                           cloud.indptr, cloud.indices, cloud.axes)
+        fatehi.fatehi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
+                           lengths.SPH * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
 
 class FluxDivergence(Divergence):
@@ -170,7 +172,8 @@ class LeastSquares(Gradient):
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         p, d = flow.particles, flow.domain
-        gradient.least_squares_gradient(out, f, p.x_all, p.role_all, *self.form(flow.spacing), d.indptr, d.indices, flow.axes)
+        gradient.least_squares_gradient(out, f, p.x_all, p.role_all, *self.form(flow.spacing), d.indptr, d.indices,
+                                        flow.axes)
 
 
 class Mixed(LeastSquares):
@@ -205,7 +208,8 @@ class Nodal(Divergence):
 
     def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
         fluxes.least_squares_flux(flux.count, flux.columns, flux.flux, flux.div, u, cloud.x, cloud.role,
-                                  lengths.MLS * cloud.spacing, Sfdi.power, Sfdi.floor, cloud.indptr, cloud.indices, cloud.axes)
+                                  lengths.MLS * cloud.spacing, Sfdi.power, Sfdi.floor, cloud.indptr, cloud.indices,
+                                  cloud.axes)
 
 
 class Symmetric(LeastSquares):
@@ -218,7 +222,8 @@ class Symmetric(LeastSquares):
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
-        gradient.symmetric_gradient(out, f, p.x_all, p.role_all, lengths.SPH * s, s**p.dim, d.indptr, d.indices, flow.axes)
+        gradient.symmetric_gradient(out, f, p.x_all, p.role_all, lengths.SPH * s, s**p.dim, d.indptr, d.indices,
+                                    flow.axes)
 
 
 class Same(Gradient):
@@ -237,7 +242,8 @@ class HarmonicSurface(Gradient):
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         p, d = flow.particles, flow.domain
-        gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+        gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, d.indptr, d.indices,
+                                   flow.axes)
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):

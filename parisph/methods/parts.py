@@ -52,7 +52,10 @@ class Part(ABC):
         return type(self).longest_step is not Part.longest_step
 
     def longest_step(self, flow: "Flow") -> float:
-        """Return the longest time step [s] that it allows on this rank, infinite if it does not limit it. Not collective."""
+        """Return the longest time step [s] that it allows on this rank, infinite if it does not limit it.
+
+        Not collective.
+        """
         return np.inf
 
 

@@ -18,9 +18,11 @@ CAP = 0.1    # longest move of the position projection and of the shift, in spac
 
 # Close pairs; lengths in spacings.
 TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
-TURNS = 2.5     # times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
+# times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
+TURNS = 2.5
 PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the fraction of what is missing
-APART, SWEEPS, SWEEP = 0.45, 8, 0.15    # distance that all pairs are brought to, sweeps at most, and longest move in one
+# distance that all pairs are brought to, sweeps at most, and longest move in one
+APART, SWEEPS, SWEEP = 0.45, 8, 0.15
 
 
 class PositionProjection(Regulariser):
@@ -30,7 +32,8 @@ class PositionProjection(Regulariser):
     far less than a spacing.
     """
 
-    name, cause, words, moves, fields = "projection", "projection", "position projection", True, (*straining.FIELDS, "alpha", "phi")
+    name, cause, words, moves = "projection", "projection", "position projection", True
+    fields = (*straining.FIELDS, "alpha", "phi")
 
     def wanted(self, numerics: Numerics) -> bool:
         return numerics.kappa > 0.0
@@ -87,8 +90,8 @@ class FickShift(Regulariser):
         p, d, n = flow.particles, flow.domain, flow.numerics
         h = lengths.DENSITY * flow.spacing
         flow.fresh("x", "role")
-        shifting.concentration_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, h, flow.full,
-                                        d.indptr, d.indices, flow.axes)
+        shifting.concentration_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, h,
+                                        flow.full, d.indptr, d.indices, flow.axes)
         if n.shift_strain:
             find_share(flow)
             push_off_less(flow, surplus(flow)[1])
@@ -121,8 +124,8 @@ class KeepApart(Regulariser):
         move, near = np.empty_like(p.x), np.ones(p.n_owned, bool)
         for _ in range(SWEEPS):
             flow.fresh("x")
-            crowded = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing, SWEEP * flow.spacing,
-                                       d.indptr, d.indices, flow.axes)
+            crowded = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing,
+                                       SWEEP * flow.spacing, d.indptr, d.indices, flow.axes)
             if not p.comm.allreduce(crowded):
                 break
             displace(flow, move)
@@ -140,13 +143,15 @@ def find_share(flow: "Flow") -> None:
     """
     p, d = flow.particles, flow.domain
     if "share" in p.fields and not flow.knows_share:
-        halves.wall_share(p.share, p.x_all, p.kind_all, p.volume_all, p.normal_all, flow.spacing, d.indptr, d.indices, flow.axes)
+        halves.wall_share(p.share, p.x_all, p.kind_all, p.volume_all, p.normal_all, flow.spacing, d.indptr, d.indices,
+                          flow.axes)
         d.update("share")
         flow.knows_share = True
 
 
 def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
-    """Return what half cells at walls for which no fluid stands add to alpha (n_owned,), and to its gradient (n_owned, dim)."""
+    """Return what half cells at walls for which no fluid stands add to alpha (n_owned,), and to its gradient
+    (n_owned, dim)."""
     p, d = flow.particles, flow.domain
     ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
     if "share" in p.fields:

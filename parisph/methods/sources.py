@@ -17,7 +17,8 @@ STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source
 class Mixed(Source):
     """Velocity divergence and density error, weighed by zeta and gamma: Eq 17 for gamma 0, Eq 18 for zeta 0.
 
-    To it belong, each with a weight of its own, the strain source, and that a residual divergence is removed per strain.
+    To it belong, each with a weight of its own, the strain source, and that a residual divergence is removed per
+    strain.
     """
 
     name, source = "mixed", "Z14 Eqs 17-19"
@@ -37,7 +38,8 @@ class Mixed(Source):
             divergence = divergence - put_off(flow, dt, strain)
         target = density / dt * zeta * divergence
         if n.gamma > 0.0:
-            target -= n.gamma * density / dt**2 * compression(flow, flow.particles.alpha, np.zeros(flow.particles.n_owned))
+            target -= n.gamma * density / dt**2 * compression(flow, flow.particles.alpha,
+                                                              np.zeros(flow.particles.n_owned))
         target -= n.strain * density * strain
         return target
 
@@ -63,8 +65,8 @@ class DensityInvariance(Source):
 class ErrorCompensating(Source):
     """The divergence of the predicted velocity, and two terms that compensate the errors of the step before.
 
-    With e = alpha - 1 and d = div u^n, target = rho/dt (div u* + |e| d - |d| e): where both errors have a sign, each weighs
-    the other.
+    With e = alpha - 1 and d = div u^n, target = rho/dt (div u* + |e| d - |d| e): where both errors have a sign, each
+    weighs the other.
     """
 
     name, source, fields = "compensating", "Khayyer and Gotoh 2011", ("alpha",)

@@ -55,7 +55,7 @@ def rapid(rate: np.ndarray, square: np.ndarray) -> np.ndarray:
 
 
 def strength(flow: "Flow", most: float, per_strain: float) -> np.ndarray:
-    """Return a strength in proportion to the strain of the step, at most `most`; `most` itself if per_strain is 0: (n,)."""
+    """Return a strength (n,) in proportion to the strain of the step, at most `most`; `most` if per_strain is 0."""
     if per_strain:
         return np.minimum(most, per_strain * flow.strained)
     return np.full(flow.particles.n_owned, most)

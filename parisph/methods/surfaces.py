@@ -56,7 +56,8 @@ class Frozen(Surface):
         p, d = flow.particles, flow.domain
         radius, power, floor = GRADIENTS[flow.numerics.gradient].form(flow.spacing)
         p.role[:] = np.where((p.kind == FLUID) & (p.role != BALLISTIC), p.start_role, p.role)
-        gradient.regain_role(p.role_all, p.start_role, p.x_all, radius, power, REGAIN * floor, d.indptr, d.indices, flow.axes)
+        gradient.regain_role(p.role_all, p.start_role, p.x_all, radius, power, REGAIN * floor, d.indptr, d.indices,
+                             flow.axes)
 
 
 class AngularGap(Surface):
@@ -77,8 +78,9 @@ class Auxiliary(Surface):
 
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p, d = flow.particles, flow.domain
-        surface.surface_by_auxiliary_functions(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all, p.alpha,
-                                               lengths.WALL * flow.spacing, 0.9, d.indptr, d.indices, flow.axes)
+        surface.surface_by_auxiliary_functions(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all,
+                                               p.alpha, lengths.WALL * flow.spacing, 0.9, d.indptr, d.indices,
+                                               flow.axes)
 
 
 class DensityRatio(Surface):

@@ -48,11 +48,13 @@ class Collisions(Regulariser):
         p, d, n = flow.particles, flow.domain, flow.numerics
         distance = n.collision_distance * flow.spacing
         flow.fresh("u")
-        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.grad_u_all, p.kind_all, distance, d.indptr, d.indices, flow.axes)
+        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.grad_u_all, p.kind_all, distance, d.indptr, d.indices,
+                                    flow.axes)
         d.update("pairs")
         change = np.empty_like(p.u)
         flow.collisions = collisions.pair_collisions(change, p.pairs_all, p.u_all, p.x_all, p.grad_u_all, p.kind_all,
-                                                     p.volume_all, distance, n.restitution, d.indptr, d.indices, flow.axes)
+                                                     p.volume_all, distance, n.restitution, d.indptr, d.indices,
+                                                     flow.axes)
         p.u[:] += change
         flow.stale.add("u")
 
@@ -73,8 +75,8 @@ class WallGuard(Regulariser):
 def guard(flow: "Flow", u: np.ndarray, dt: float) -> None:
     """Limit velocities u (n_all, dim) of owned fluid, so that a step of dt [s] ends before a wall. Not collective."""
     p, d = flow.particles, flow.domain
-    collisions.wall_guard(u, p.x_all, p.kind_all, p.corner_all, p.normal_all, flow.numerics.wall_guard * flow.spacing, dt,
-                          d.indptr, d.indices, flow.axes)
+    collisions.wall_guard(u, p.x_all, p.kind_all, p.corner_all, p.normal_all, flow.numerics.wall_guard * flow.spacing,
+                          dt, d.indptr, d.indices, flow.axes)
 
 
 def keep_in_tank(flow: "Flow", u: np.ndarray, dt: float) -> np.ndarray:

@@ -111,12 +111,13 @@ class PressureRows:
         self.walls.fill(rows, cloud)
         if self.offset > 0.0:
             s = cloud.spacing
-            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.kind, cloud.role, cloud.volume,
-                                      self.offset * s, s, self.radius * s, cloud.indptr, cloud.indices, cloud.axes)
+            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.kind, cloud.role,
+                                      cloud.volume, self.offset * s, s, self.radius * s, cloud.indptr, cloud.indices,
+                                      cloud.axes)
 
     @property
     def div(self) -> np.ndarray:
-        """Flux divergence of the velocity that the rows were filled with, 0 where there is no stencil: (n_owned,) [1/s]."""
+        """Flux divergence (n_owned,) [1/s] of the velocity that the rows were filled with, 0 without a stencil."""
         return self.flux.div[:len(self.cloud.indptr) - 1]
 
     def pin(self, which: np.ndarray) -> None:
@@ -129,7 +130,8 @@ class PressureRows:
         anchored : (n_owned,) bool, rows with p = 0 or of the surface, or with such a neighbour.
         """
         rows, indptr = self.rows, self.cloud.indptr
-        return compress(len(indptr) - 1, rows.count, rows.columns, rows.values, indptr, role, global_rows, self.offset > 0.0)
+        return compress(len(indptr) - 1, rows.count, rows.columns, rows.values, indptr, role, global_rows,
+                        self.offset > 0.0)
 
     def right_hand_side(self, target: np.ndarray) -> np.ndarray:
         """Return -measure * target, (n_owned,)."""

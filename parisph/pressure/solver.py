@@ -33,10 +33,10 @@ _NAMES = {
 
 _REFUSED = -100
 _REASONS = {
-    _REFUSED: "PETSc refused", 1: "converged", 2: "converged", 3: "converged", 4: "iteration limit reached", 5: "converged",
-    -2: "no progress", -3: "too many iterations", -4: "residual grew without bound", -5: "breakdown",
-    -6: "breakdown", -7: "method needs a symmetric matrix", -8: "indefinite preconditioner",
-    -9: "not a number", -10: "indefinite matrix", -11: "preconditioner could not be built",
+    _REFUSED: "PETSc refused", 1: "converged", 2: "converged", 3: "converged", 4: "iteration limit reached",
+    5: "converged", -2: "no progress", -3: "too many iterations", -4: "residual grew without bound", -5: "breakdown",
+    -6: "breakdown", -7: "method needs a symmetric matrix", -8: "indefinite preconditioner", -9: "not a number",
+    -10: "indefinite matrix", -11: "preconditioner could not be built",
 }
 
 
@@ -217,8 +217,8 @@ class PressureSolver:
         later = tuple(f"{opts.PREFIX}{stage}_" for stage in _BACKUPS)
         names = [f"-{name}" for name in self._user.unused() if not name.startswith(later)]
         if names and self._comm.rank == 0:
-            logger.warning(f"PETSc does not use {', '.join(names)}: misspelled, or for another solver than the one in use "
-                           "(-pressure_ksp_view shows it)")
+            logger.warning(f"PETSc does not use {', '.join(names)}: misspelled, "
+                           "or for another solver than the one in use (-pressure_ksp_view shows it)")
 
     def _configure(self, unknowns, entries):
         """Make the Krylov solver of the first attempt; its preconditioner depends on the size."""
@@ -240,7 +240,10 @@ class PressureSolver:
     # -- the solve ----------------------------------------------------------------------------
 
     def _run(self, kind, rhs, guess, start, goal, error=None):
-        """Load the vectors and make attempts until one succeeds. Return (p, SolveRecord). error : of this rank's vectors, or None."""
+        """Load the vectors and make attempts until one succeeds.
+
+        Return (p, SolveRecord). error : of this rank's vectors, or None.
+        """
         system, self._goal = self._system, goal
         self._ksp.setTolerances(rtol=goal)
         system.load(rhs, guess, error)

@@ -85,7 +85,8 @@ class System:
             self._null.remove(self.b)
             self._null.remove(self.x)
         self.operator.mult(self.x, self._r)
-        bb, rr, given, zeros, failed = self.sum(b @ b, np.sum((b - r) ** 2), np.dot(rhs, rhs), self._zeros, error is not None)
+        bb, rr, given, zeros, failed = self.sum(b @ b, np.sum((b - r) ** 2), np.dot(rhs, rhs), self._zeros,
+                                                error is not None)
         if failed:
             agree(self.comm, error)
         if zeros:
