@@ -201,9 +201,10 @@ def uniform(seed: int, number: Ints, columns: int) -> Floats:
     They are a hash (splitmix64's finaliser) of a counter: without state, so the same on any number of ranks.
     """
     with np.errstate(over="ignore"):
-        counter = (np.asarray(number, dtype=np.uint64)[:, None] * np.uint64(columns)
-                   + np.arange(columns, dtype=np.uint64))
-        return (_mix(counter + _mix(np.array([seed], dtype=np.uint64))) >> np.uint64(11)) * 2.0**-53
+        column: NDArray[np.uint64] = np.arange(columns, dtype=np.uint64)
+        counter: NDArray[np.uint64] = np.asarray(number, dtype=np.uint64)[:, None] * np.uint64(columns) + column
+        bits = _mix(counter + _mix(np.array([seed], dtype=np.uint64))) >> np.uint64(11)
+        return bits.astype(np.float64) * 2.0**-53
 
 
 def _mix(z: NDArray[np.uint64]) -> NDArray[np.uint64]:

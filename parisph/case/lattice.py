@@ -105,7 +105,8 @@ class Lattice:
         for other in beside:
             empty = np.flatnonzero(edge)[~self.is_fluid(other[edge])]
             share[empty] += self._filling(other[empty]) * self._takes(index[empty], other[empty])
-        return np.maximum(share, 1.0 / SAMPLES[index.shape[1]] ** index.shape[1])
+        volume: Floats = np.maximum(share, 1.0 / SAMPLES[index.shape[1]] ** index.shape[1])
+        return volume
 
     def _filling(self, index: Ints) -> Floats:
         """Return the fraction of the cells around lattice indices (n, dim) that is fluid, (n,)."""

@@ -115,7 +115,7 @@ def _key(one: Result, sort: str | None) -> str:
 
 
 def _column(run: Run, probe: str) -> str:
-    names = [name for name in run.probe(probe).dtype.names if name not in ("time", "step")]
+    names = [name for name in run.probe(probe).dtype.names or () if name not in ("time", "step")]
     kind = next((about["kind"] for about in run.case.get("probes", ()) if about["name"] == probe), "")
     return "total" if kind == "energy" and "total" in names else names[0]
 

@@ -144,7 +144,7 @@ def _iterations(run: Run) -> float | None:
     """Return the mean number of iterations of a step, of all its solves; None where a method solves nothing."""
     try:
         steps = run.steps
-        counts = [steps[name] for name in ("iterations", "position_iterations") if name in steps.dtype.names]
+        counts = [steps[name] for name in ("iterations", "position_iterations") if name in (steps.dtype.names or ())]
         return float(np.mean(np.sum(counts, axis=0))) if counts and len(steps) else None
     except ParisphError:
         return None
