@@ -26,7 +26,8 @@ def case(
         fluid=Fluid(Box(width=side, height=side), density=1.0, viscosity=speed * side / reynolds),
         walls=Tank(width=side, height=side, lid=Lid(speed), no_slip=True),
         gravity=(0.0, 0.0),
-        numerics=Numerics(method=method, preset=preset, spacing=s, time_step=time_step * s / speed, jitter=jitter, seed=seed),
+        numerics=Numerics(method=method, preset=preset, spacing=s, time_step=time_step * s / speed,
+                          jitter=jitter, seed=seed),
         output=Output(every=end_time * side / speed / 10, probe_interval=0.1 * side / speed),
         probes=[
             VelocityProfile("vertical", start=(0.5 * side, 0.0), end=(0.5 * side, side), points=points),

@@ -4,6 +4,7 @@ import atexit
 import os
 import sys
 import traceback
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 
 from parisph.base import environment, output
@@ -15,7 +16,7 @@ STOPPABLE = ("run", "restart")    # the verbs that a signal stops properly
 WIDEST = 380       # characters of a line of a message
 
 
-def main(words=None):
+def main(words: Sequence[str] | None = None) -> int:
     """Execute a command line (default: that of this process) and return the exit code."""
     environment.prepare()
     output.open_closed()
@@ -38,7 +39,8 @@ def main(words=None):
             if isinstance(error, BrokenPipeError) and environment.launched()[1] == 1:
                 return 0
             if output.is_unwritable(error):
-                error = StoreError(f"cannot write the output: {error.strerror}; send it elsewhere (files of a run are not affected)")
+                error = StoreError(f"cannot write the output: {error.strerror}; "
+                                   "send it elsewhere (files of a run are not affected)")
             return _fail(error, words)
         finally:
             output.silence(sys.stdout, sys.stderr)

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+from collections.abc import Iterable
 
 from parisph.base import paths
 from parisph.base.errors import CaseError
@@ -10,14 +11,14 @@ from parisph.base.text import is_plain, shown
 LARGEST = 1e30    # as in a case: its square is finite
 
 
-def check(words):
+def check(words: Iterable[str]) -> None:
     """Raise CaseError for a word with line breaks or control characters, or that is not UTF-8."""
     for word in words:
         if not is_plain(word):
             raise CaseError(f"argument {shown(word)}: must be text without line breaks or control characters")
 
 
-def path(word):
+def path(word: str) -> str:
     """Return a word that can be a path. For argparse, which adds the name of the argument to errors."""
     problem = paths.fault(word)
     if problem:
@@ -25,7 +26,7 @@ def path(word):
     return word
 
 
-def number(word):
+def number(word: str) -> float:
     """Return a finite number of limited size. For argparse, as `path`."""
     try:
         value = float(word)
@@ -36,7 +37,7 @@ def number(word):
     return value
 
 
-def count(word):
+def count(word: str) -> int:
     """Return a whole number of at least 1. For argparse, as `path`."""
     if not word.isdecimal() or not 1 <= int(word[:9]) or len(word) > 6:
         raise argparse.ArgumentTypeError(f"{shown(word)}: must be a whole number of at least 1")

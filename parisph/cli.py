@@ -4,6 +4,7 @@ import argparse
 import json
 import os
 import signal
+from collections.abc import Sequence
 from pathlib import Path
 
 from parisph import __version__, arguments, completion
@@ -31,7 +32,7 @@ class _Parser(argparse.ArgumentParser):
             super()._print_message(message, file)
 
 
-def parse(words):
+def parse(words: Sequence[str]) -> argparse.Namespace:
     """Return the namespace of a command line; `.work` is the function that does it.
 
     Raises CaseError with the usage. Words after a lone `--` are options for PETSc.
@@ -45,7 +46,8 @@ def parse(words):
         args.set += more
         unknown = [word for word in unknown if word not in more]
     if unknown:
-        raise CaseError(f"unknown argument {named(unknown[0])}{_hint(unknown[0])} (parisph {args.verb} -h lists the arguments)")
+        raise CaseError(f"unknown argument {named(unknown[0])}{_hint(unknown[0])} (parisph {args.verb} -h lists "
+                        "the arguments)")
     if petsc and not hasattr(args, "petsc"):
         raise CaseError(f"parisph {args.verb} takes no options for PETSc")
     _check_petsc(petsc)
@@ -64,17 +66,18 @@ def _check_petsc(words):
     """Raise CaseError for words after the lone -- that would have no effect there."""
     for word in words:
         if word.startswith("--") or word in ("-o", "-q", "-h"):
-            raise CaseError(f"{named(word, 80)} is after the lone --, where only options for PETSc are allowed, such as "
-                            f"-pressure_ksp_rtol: write {named(word, 80)} and its value before the --")
+            raise CaseError(f"{named(word, 80)} is after the lone --, where only options for PETSc are allowed, "
+                            f"such as -pressure_ksp_rtol: write {named(word, 80)} and its value before the --")
         if word.startswith("-log_view"):
-            raise CaseError(f"{named(word, 80)} after the lone -- comes too late, because PETSc has started by then: {_early(word)}")
+            raise CaseError(f"{named(word, 80)} after the lone -- comes too late, because PETSc has started by then: "
+                            f"{_early(word)}")
 
 
 def _early(word):
     return f"set PETSC_OPTIONS={named(word, 80)} before the command"
 
 
-def execute(words):
+def execute(words: Sequence[str]) -> int:
     """Execute a command line; return the exit code. Collective for run, restart, doctor --trial.
 
     Raises ParisphError on every rank.
@@ -160,17 +163,21 @@ def _world():
 
 
 def _parser():
-    parser = _Parser(prog="parisph", description="Compute violent water waves by incompressible SPH, on any number of MPI ranks.",
+    parser = _Parser(prog="parisph",
+                     description="Compute violent water waves by incompressible SPH, on any number of MPI ranks.",
                      epilog=EXIT_CODES, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--version", action="version", version=f"parisph {__version__}", help="Show the version and exit")
+    parser.add_argument("--version", action="version", version=f"parisph {__version__}",
+                        help="Show the version and exit")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
     _add_running(verbs)
     _add_looking(verbs)
     verb = _verb(verbs, "doctor", _doctor, "Check whether parisph can run on this machine")
     verb.add_argument("--trial", action="store_true",
-                      help="Only solve a small system and write a file, on the ranks of this command (mpirun -n 4 parisph doctor --trial)")
+                      help="Only solve a small system and write a file, on the ranks of this command (mpirun -n 4 "
+                           "parisph doctor --trial)")
     verb = _verb(verbs, "completion", _completion, "Print the script that completes commands in a shell")
-    verb.add_argument("shell", choices=completion.SHELLS, metavar="SHELL", help=f"One of {', '.join(completion.SHELLS)}")
+    verb.add_argument("shell", choices=completion.SHELLS, metavar="SHELL",
+                      help=f"One of {', '.join(completion.SHELLS)}")
     return parser
 
 
@@ -182,11 +189,14 @@ def _verb(verbs, name, work, text, example=""):
 
 
 def _add_running(verbs):
-    verb = _verb(verbs, "run", _run, "Run a case on any number of ranks", "mpirun -n 2 parisph run CASE [options] [-- PETSc options]")
+    verb = _verb(verbs, "run", _run, "Run a case on any number of ranks",
+                 "mpirun -n 2 parisph run CASE [options] [-- PETSc options]")
     _add_case(verb)
     verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
-                      help="Write the run to this folder (default: runs/NAME, named after the case, or the first free runs/NAME-2, ...)")
-    verb.add_argument("--overwrite", action="store_true", help="If DIR holds a run, move it to DIR.old, DIR.old-2, ... first")
+                      help="Write the run to this folder (default: runs/NAME, named after the case, "
+                           "or the first free runs/NAME-2, ...)")
+    verb.add_argument("--overwrite", action="store_true",
+                      help="If DIR holds a run, move it to DIR.old, DIR.old-2, ... first")
     _add_progress(verb)
     verb = _verb(verbs, "restart", _restart, "Continue a run from a checkpoint, on any number of ranks",
                  "mpirun -n 2 parisph restart DIR [options] [-- PETSc options]")
@@ -223,7 +233,8 @@ def _add_study(verbs):
 
 
 def _add_case(verb):
-    verb.add_argument("case", type=arguments.path, metavar="CASE", help="Python file with a function case(...), or the case.json of a run")
+    verb.add_argument("case", type=arguments.path, metavar="CASE",
+                      help="Python file with a function case(...), or the case.json of a run")
     verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
                       help="Set parameters of case(...), such as --set spacing=1/40 end_time=2")
     _add_parts(verb)
@@ -241,20 +252,26 @@ def _add_progress(verb):
 
 
 def _add_looking(verbs):
-    verb = _verb(verbs, "info", _info, "Show the content, the results and the versions of a run, and check its snapshots")
+    verb = _verb(verbs, "info", _info,
+                 "Show the content, the results and the versions of a run, and check its snapshots")
     _add_run(verb)
     verb.add_argument("--json", action="store_true", help="Print summary.json instead")
     verb = _verb(verbs, "plot", _plot, "Draw the flow, the probes, or the whole run on one page")
     verb.add_argument("runs", type=arguments.path, metavar="DIR", nargs="+",
                       help="Folder of a run; for several runs, their probes are drawn over each other")
-    verb.add_argument("--time", type=arguments.number, metavar="T", help="Draw the flow at the snapshot nearest this time [s]")
-    verb.add_argument("--peak", metavar="PROBE", help="Draw the flow at the greatest value of a probe: the step itself if the probe has peak=True, else the nearest snapshot")
-    verb.add_argument("--probe", action="append", metavar="NAME", help="Draw the series of this probe (may be repeated)")
+    verb.add_argument("--time", type=arguments.number, metavar="T",
+                      help="Draw the flow at the snapshot nearest this time [s]")
+    verb.add_argument("--peak", metavar="PROBE",
+                      help="Draw the flow at the greatest value of a probe: "
+                           "the step itself if the probe has peak=True, else the nearest snapshot")
+    verb.add_argument("--probe", action="append", metavar="NAME",
+                      help="Draw the series of this probe (may be repeated)")
     _add_drawing(verb, "up to the greatest value shown; on a page with several moments, most of the values")
     verb = _verb(verbs, "movie", _movie, "Make an animation of the flow; its title gives the slow-motion factor")
     _add_run(verb)
     verb.add_argument("--fps", type=arguments.number, metavar="N",
-                      help="Show N frames per second (default: 20; with --slow, the rate that shows each snapshot once)")
+                      help="Show N frames per second (default: 20; with --slow, "
+                           "the rate that shows each snapshot once)")
     verb.add_argument("--slow", type=arguments.number, metavar="X",
                       help="Play X times slower than in nature (default: the speed that shows each snapshot once)")
     _add_drawing(verb, "one scale for all frames, for most of their values; a short impact may exceed it")
@@ -266,11 +283,13 @@ def _add_looking(verbs):
                       help="Draw the run, the reference and their difference to a .png, .pdf, ... file")
     for option, text in (("--probe", "Choose a probe, if there are several"), ("--column", "Choose one of its columns"),
                          ("--time", "Choose the reference's column of times (default: the first)"),
-                         ("--value", "Choose the reference's column of values (default: the one named like the probe's, else the first after the time)")):
+                         ("--value", "Choose the reference's column of values (default: "
+                                     "the one named like the probe's, else the first after the time)")):
         verb.add_argument(option, metavar="NAME", help=text)
     for option, default, text in (
             ("--offset", 0.0, "Compare with offset + scale * value"), ("--scale", 1.0, "See --offset"),
-            ("--time-scale", 1.0, "Set the unit of the reference's time [s]"), ("--shift", 0.0, "Add this to the run's time [s]"),
+            ("--time-scale", 1.0, "Set the unit of the reference's time [s]"),
+            ("--shift", 0.0, "Add this to the run's time [s]"),
             ("--best-shift", None, "Find the best shift of at most this many seconds in either direction"),
             ("--rest", None, "Set the level at rest: the error is then relative to the wave alone")):
         verb.add_argument(option, type=arguments.number, default=default, metavar="X", help=text)
@@ -281,17 +300,20 @@ def _add_run(verb):
 
 
 def _add_drawing(verb, scale):
-    verb.add_argument("--field", metavar="NAME", help="Colour by pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
+    verb.add_argument("--field", metavar="NAME",
+                      help="Colour by pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
     verb.add_argument("--surface", action="store_true", help="Mark the particles of the free surface")
     verb.add_argument("--normalise", action="store_true",
-                      help="Divide lengths by H, times by sqrt(H/g), pressures by rho g H (flow or probes, not the whole run)")
+                      help="Divide lengths by H, times by sqrt(H/g), pressures by rho g H (flow or probes, "
+                           "not the whole run)")
     verb.add_argument("--limits", type=arguments.number, nargs=2, metavar=("LOW", "HIGH"),
                       help=f"Set the ends of the colour scale, in the unit of the picture (default: {scale})")
     verb.add_argument("--cmap", metavar="NAME", help="Use this colour map of matplotlib, such as magma")
     verb.add_argument("--zoom", type=arguments.number, nargs=4, metavar=("X0", "X1", "Y0", "Y1"),
                       help="Draw only this part of the scene, in the unit of the axes")
     verb.add_argument("-o", "--out", type=arguments.path, metavar="FILE",
-                      help="Write to this file (default: in the folder of the run): .png, .pdf, ...; a movie: .gif or .mp4")
+                      help="Write to this file (default: in the folder of the run): .png, .pdf, ...; "
+                           "a movie: .gif or .mp4")
 
 
 # ---- the verbs
@@ -309,7 +331,8 @@ def _run(args):
     if comm.rank:
         _register(parts)
     case = Case.model_validate_json(text)    # that of rank 0: a case file may depend on host, clock or rank
-    summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite, force=args.force)
+    summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite,
+                         force=args.force)
     _tell(comm, summary, out)
 
 
@@ -411,7 +434,8 @@ def _folder(args):
     """Return the folder for a new run, never one that holds a run already (unless asked to overwrite)."""
     if args.out is not None:
         if os.path.exists(Path(args.out) / "case.json") and not args.overwrite:
-            raise CaseError(f"{args.out} holds a run already: give another folder with -o, or move the whole folder aside with --overwrite")
+            raise CaseError(f"{args.out} holds a run already: give another folder with -o, "
+                            "or move the whole folder aside with --overwrite")
         return args.out
     case = Path(args.case)
     name = case.resolve().parent.name if case.name == "case.json" else case.stem
@@ -477,5 +501,5 @@ def _movie(args):
 
 def _look(args):
     """Return the options of io.view.Look; None for those not given."""
-    return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None, "limits": args.limits,
-            "colours": args.cmap, "zoom": args.zoom}
+    return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None,
+            "limits": args.limits, "colours": args.cmap, "zoom": args.zoom}

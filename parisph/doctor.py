@@ -10,11 +10,16 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from parisph.base import environment, launch
 from parisph.base.errors import ParisphError
+
+if TYPE_CHECKING:
+    from mpi4py import MPI
 
 LIMIT = 60.0              # [s] for each process
 EXACT = 1e-6              # largest relative error of the trial solve, whose tolerance is 1e-10
@@ -33,7 +38,7 @@ class Finding:
     remedy: str = ""
 
 
-def examine():
+def examine() -> list[Finding]:
     """Return the list of Findings about this machine. Not collective: starts its own ranks."""
     findings = [Finding("python", True, f"{sys.version.split()[0]}, {sys.executable}")]
     findings += [_library(*entry) for entry in _LIBRARIES]
@@ -46,7 +51,7 @@ def examine():
     return findings
 
 
-def report(findings):
+def report(findings: Sequence[Finding]) -> str:
     """Return the findings as text, one per line, each problem with its remedy."""
     lines = []
     for finding in findings:
@@ -58,7 +63,7 @@ def report(findings):
     return "\n".join(lines)
 
 
-def trial(comm):
+def trial(comm: "MPI.Comm") -> dict[str, Any]:
     """Solve a small system, write a file together and read it again. Collective.
 
     Uses the current folder, which all ranks must share. Returns a dict with "ranks",
@@ -91,7 +96,8 @@ def _ask_mpi():
     import mpi4py
     from mpi4py import MPI
 
-    return {"version": MPI.Get_library_version().split("\n")[0].split(",")[0].strip("\0 "), "mpi4py": mpi4py.__version__}
+    return {"version": MPI.Get_library_version().split("\n")[0].split(",")[0].strip("\0 "),
+            "mpi4py": mpi4py.__version__}
 
 
 def _ask_petsc():
@@ -212,7 +218,8 @@ def _write_together(comm):
     from parisph.io import digest, slabs
 
     path = comm.bcast(Path(f"parisph-doctor-{os.getpid()}.h5").absolute())
-    slabs.write(comm, path, [slabs.Slab("rank", np.array([comm.rank], np.int32), comm.rank, comm.size)], lambda file: None)
+    slabs.write(comm, path, [slabs.Slab("rank", np.array([comm.rank], np.int32), comm.rank, comm.size)],
+                lambda file: None)
     digest.check_together(comm, path)
     with h5py.File(path, "r") as file:
         same = list(file["rank"][:]) == list(range(comm.size))

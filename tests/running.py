@@ -51,7 +51,8 @@ class Running:
         if self._several:
             command = [shutil.which("mpirun"), "-n", str(ranks), *command]
         self._out = open(folder / "output.txt", "w+")
-        self.process = subprocess.Popen(command, cwd=folder, env=clean_environment(**settings), start_new_session=True, text=True,
+        self.process = subprocess.Popen(command, cwd=folder, env=clean_environment(**settings),
+                                        start_new_session=True, text=True,
                                         stdin=subprocess.DEVNULL, stdout=self._out, stderr=subprocess.STDOUT)
         self.checkpoints = Path(folder) / "run" / "checkpoints"
 

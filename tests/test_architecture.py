@@ -11,12 +11,14 @@ import pytest
 from tests.launch import ROOT, clean_environment
 
 # A module imports only from its own part and from those that stand before it.
-ORDER = ("base", "case", "kernels", "parallel", "pressure", "methods", "truth", "patch", "watch", "io", "pictures", "driver", "study", "doctor", "arguments", "completion", "cli", "__main__")
+ORDER = ("base", "case", "kernels", "parallel", "pressure", "methods", "truth", "patch", "watch", "io", "pictures",
+         "driver", "study", "doctor", "arguments", "completion", "cli", "__main__")
 
 # Where these may be imported, as beginnings of module names; nowhere else.
 ONLY_IN = {
     "petsc4py": ("parallel.petsc",),    # which starts PETSc as it should be started
-    "mpi4py": ("parallel", "pressure", "methods", "truth", "patch", "watch", "io", "pictures", "driver", "study", "doctor", "completion", "cli", "__main__"),
+    "mpi4py": ("parallel", "pressure", "methods", "truth", "patch", "watch", "io", "pictures", "driver", "study",
+               "doctor", "completion", "cli", "__main__"),
     "numba": ("kernels", "parallel", "doctor"),
     "h5py": ("io", "doctor"),
     "matplotlib": ("pictures", "study"),
@@ -149,9 +151,9 @@ def test_rules_allow_what_is_right(tmp_path, module, text):
     assert faults(tmp_path / "parisph") == []
 
 
-def loaded_by(statement):
-    """Return which heavy libraries a fresh Python has loaded after a statement."""
-    program = f"import sys\n{statement}\nprint([n for n in ('mpi4py', 'petsc4py', 'numba', 'h5py') if n in sys.modules])"
+def loaded_by(statement, libraries=("mpi4py", "petsc4py", "numba", "h5py")):
+    """Return which of some libraries a fresh Python has loaded after a statement."""
+    program = f"import sys\n{statement}\nprint([name for name in {libraries} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, env=clean_environment(),
                           capture_output=True, text=True, timeout=60, check=True)
     return ast.literal_eval(done.stdout)
@@ -169,6 +171,11 @@ def test_describing_a_case_loads_no_engine(statement):
 
 def test_a_loaded_engine_is_seen():
     assert loaded_by("import numba") == ["numba"]
+
+
+def test_a_command_sets_the_threads_before_it_loads_numpy():
+    """BLAS reads their number when it is loaded (base.environment.prepare)."""
+    assert loaded_by("import parisph.__main__", ("numpy",)) == []
 
 
 def test_cases_describe_and_nothing_else():

@@ -14,11 +14,12 @@ from parisph.watch import instruments
 LONG = 3.0      # length of a tank over its height
 
 
-def tank(spacing, viscosity, end_time, lid=0.0, no_slip=("bottom", "top"), gravity=(0.0, 0.0), velocity=(0.0, 0.0), length=LONG,
-         **numerics):
+def tank(spacing, viscosity, end_time, lid=0.0, no_slip=("bottom", "top"), gravity=(0.0, 0.0),
+         velocity=(0.0, 0.0), length=LONG, **numerics):
     """Return the Case of a full closed tank of height 1 m, its profile at the mid-section as a probe.
 
-    spacing : [m]; viscosity : [m^2/s]; lid : its speed [m/s]; gravity : body force [m/s^2], velocity : at the start [m/s],
+    spacing : [m]; viscosity : [m^2/s]; lid : its speed [m/s]; gravity : body force [m/s^2], velocity : at the start
+        [m/s],
     numbers or expressions
     """
     return Case(
@@ -46,15 +47,16 @@ def middle(s):
 def started_by_a_lid(y, time, viscosity, terms=30):
     """Return u/U at heights y (n,) of 1, after a lid has moved with U for a time [s], the flux being zero.
 
-    u/U = 3 y^2 - 2 y - sum of a_n f_n(y) exp(-nu k_n^2 t). The f_n are zero at both walls and have no flux: sin(2 pi n z)
-    with z = y - 1/2, and cos(k z) - cos(k/2) with tan(k/2) = k/2.
+    u/U = 3 y^2 - 2 y - sum of a_n f_n(y) exp(-nu k_n^2 t). The f_n are zero at both walls and have no flux:
+    sin(2 pi n z) with z = y - 1/2, and cos(k z) - cos(k/2) with tan(k/2) = k/2.
     """
     z, fine = y - 0.5, np.linspace(-0.5, 0.5, 4001)
     steady = 3.0 * y**2 - 2.0 * y
     start = 3.0 * fine**2 - 0.25
     weight = np.where(np.abs(fine) == 0.5, 0.5, 1.0)    # of the trapezoidal rule
     for n in range(1, terms + 1):
-        steady -= (-1.0) ** (n + 1) / (np.pi * n) * np.sin(2.0 * np.pi * n * z) * np.exp(-viscosity * (2.0 * np.pi * n) ** 2 * time)
+        steady -= ((-1.0) ** (n + 1) / (np.pi * n) * np.sin(2.0 * np.pi * n * z)
+                   * np.exp(-viscosity * (2.0 * np.pi * n) ** 2 * time))
         k = 2.0 * _tangent_root(n)
         form = np.cos(k * fine) - np.cos(0.5 * k)
         share = np.sum(weight * start * form) / np.sum(weight * form * form)
@@ -72,11 +74,13 @@ def _tangent_root(n):
 
 
 def forced(amplitude, viscosity):
-    """Return the body force (x, y) that drives u = amplitude sin(2 pi y) (1 - exp(-nu 4 pi^2 t)) between walls that fluid sticks to."""
+    """Return the body force (x, y) that drives u = amplitude sin(2 pi y) (1 - exp(-nu 4 pi^2 t)) between walls that
+    fluid sticks to."""
     return (f"{4.0 * np.pi**2 * viscosity * amplitude!r}*sin(2*pi*y)", 0.0)
 
 
-VORTEX = ("sin(pi*x)*cos(pi*y)", "-cos(pi*x)*sin(pi*y)")    # in a square with free-slip walls decays as exp(-2 nu pi^2 t)
+# in a square with free-slip walls decays as exp(-2 nu pi^2 t)
+VORTEX = ("sin(pi*x)*cos(pi*y)", "-cos(pi*x)*sin(pi*y)")
 
 
 def vortex(x):
@@ -86,14 +90,16 @@ def vortex(x):
 
 
 def damped_wave(t, y, rates, frequencies):
-    """Return the rate [1/s] and frequency [rad/s] of exp(-rate t) cos(frequency t + phase) + level fitted to y (n,) at t (n,).
+    """Return the rate [1/s] and frequency [rad/s] of exp(-rate t) cos(frequency t + phase) + level fitted to y (n,) at
+    t (n,).
 
     rates, frequencies : first and last value between which they are looked for
     """
     for _ in range(5):
         ranges = [np.linspace(*limits, 11) for limits in (rates, frequencies)]
         _, rate, frequency = min((_residual(t, y, g, w), g, w) for g in ranges[0] for w in ranges[1])
-        (rates, frequencies) = ((c - 1.5 * (r[1] - r[0]), c + 1.5 * (r[1] - r[0])) for c, r in zip((rate, frequency), ranges))
+        (rates, frequencies) = ((c - 1.5 * (r[1] - r[0]), c + 1.5 * (r[1] - r[0]))
+                                for c, r in zip((rate, frequency), ranges))
     return rate, frequency
 
 

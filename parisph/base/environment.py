@@ -4,6 +4,7 @@ Nothing here imports MPI or numpy: it runs before both.
 """
 
 import os
+from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 
 # One thread per rank: the ranks use all cores, and more threads would compete with them.
@@ -35,7 +36,7 @@ _OF_A_LAUNCHER = ("OMPI_COMM_", "OMPI_FILE_", "OMPI_MCA_ess", "OMPI_MCA_orte", "
 _OF_A_BATCH_JOB = ("SLURM_", "PBS_", "LSB_", "LSF_", "JOB_ID", "PE_HOSTFILE")
 
 
-def prepare(environ=os.environ):
+def prepare(environ: MutableMapping[str, str] = os.environ) -> None:
     """Set the variables that numpy, numba, BLAS and h5py read when they load.
 
     Changes `environ` in place: one thread per rank, and Debian's h5py in its parallel build,
@@ -46,12 +47,12 @@ def prepare(environ=os.environ):
     environ.setdefault("H5PY_ALWAYS_USE_MPI", "1")
 
 
-def cache_folder(environ=os.environ) -> Path:
+def cache_folder(environ: Mapping[str, str] = os.environ) -> Path:
     """Return the folder for files that can be made again: XDG_CACHE_HOME/parisph, or ~/.cache/parisph."""
     return Path(environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()) / "parisph"
 
 
-def launched(environ=os.environ):
+def launched(environ: Mapping[str, str] = os.environ) -> tuple[int, int]:
     """Return (rank, size) as set by the launcher of this process; (0, 1) without a launcher."""
     for rank, size in _LAUNCHERS:
         if rank in environ and size in environ:
@@ -59,7 +60,7 @@ def launched(environ=os.environ):
     return 0, 1
 
 
-def for_launching(environ=os.environ):
+def for_launching(environ: Mapping[str, str] = os.environ) -> dict[str, str]:
     """Return a copy of `environ` in which `mpirun` can start ranks on this one machine.
 
     Removes the variables of an outer mpirun, which would make a nested one fail, and those of a

@@ -1,6 +1,11 @@
 """The errors that parisph raises, and how all ranks raise the same one."""
 
-import numpy as np
+from typing import TYPE_CHECKING
+
+from parisph.base.communicator import Communicator
+
+if TYPE_CHECKING:    # numpy must not be loaded before base.environment has prepared for it
+    from parisph.base.arrays import Floats
 
 
 class ParisphError(Exception):
@@ -32,17 +37,18 @@ class Interrupted(ParisphError):
 
 
 # The first class that fits gives the exit code of the process.
-_CODES = ((CaseError, 2), (SolverDiverged, 3), (ParticleLost, 3), (Interrupted, 4), (KeyboardInterrupt, 4), (StoreError, 5))
+_CODES = ((CaseError, 2), (SolverDiverged, 3), (ParticleLost, 3), (Interrupted, 4), (KeyboardInterrupt, 4),
+          (StoreError, 5))
 
 
-def exit_code(error):
+def exit_code(error: BaseException) -> int:
     """Return the exit code of a process that ends with an exception, never 0."""
     if isinstance(error, SystemExit) and isinstance(error.code, int):
         return error.code or 1
     return next((code for kind, code in _CODES if isinstance(error, kind)), 1)
 
 
-def agree(comm, error=None):
+def agree(comm: Communicator, error: Exception | None = None) -> None:
     """Raise on every rank if any rank has an error; return if none has. Collective.
 
     Parameters
@@ -67,26 +73,31 @@ def agree(comm, error=None):
     raise kind(message) from error
 
 
-def agree_and_sum(comm, error: Exception | None, *numbers: float) -> np.ndarray:
-    """Return the sums of some numbers over the ranks, or raise an error on all ranks as `agree`, in one message. Collective."""
+def agree_and_sum(comm: Communicator, error: Exception | None, *numbers: float) -> "Floats":
+    """Return the sums of some numbers over the ranks, or raise an error on all ranks as `agree`, in one message.
+
+    Collective.
+    """
+    import numpy as np
+
     if comm.size == 1:
         agree(comm, error)
         return np.array(numbers, float)
-    sums = comm.allreduce(np.array([error is not None, *numbers], float))
+    sums: Floats = comm.allreduce(np.array([error is not None, *numbers], float))
     if sums[0]:
         agree(comm, error)
     return sums[1:]
 
 
-def _class_to_raise(error):
+def _class_to_raise(error: BaseException) -> type[BaseException]:
     return type(error) if isinstance(error, ParisphError) else ParisphError
 
 
-def _kind(error):
+def _kind(error: BaseException) -> str:
     """Return the class name of an unexpected error, whose message alone may not be clear."""
     return "" if isinstance(error, (ParisphError, OSError)) else f"{type(error).__name__}: "
 
 
-def unforeseen(error):
+def unforeseen(error: BaseException) -> bool:
     """Return whether `agree` made this error, on this rank, from an unexpected one."""
     return type(error) is ParisphError and error.__cause__ is not None and bool(_kind(error.__cause__))

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parisph.base.arrays import Array
+
 # Values of the field `kind`.
 FLUID, WALL = 0, 1
 ABSENT = 2     # marks particles that a kernel must ignore; never in the field itself
@@ -44,7 +46,7 @@ class Field:
     written: bool = True
     default: float = 0
 
-    def empty(self, n: int, dim: int) -> np.ndarray:
+    def empty(self, n: int, dim: int) -> Array:
         """Return an array of the default value for n particles in dim dimensions."""
         return np.full((n, *(dim,) * ORDER[self.shape]), self.default, dtype=self.dtype)
 
@@ -63,7 +65,7 @@ class FieldSet(Mapping[str, Field]):
     KeyError : a name that is not in the registry
     """
 
-    def __init__(self, names: Iterable[str] = ()):
+    def __init__(self, names: Iterable[str] = ()) -> None:
         wanted = {*CORE, *names}
         unknown = sorted(wanted - set(FIELDS))
         if unknown:
@@ -83,7 +85,9 @@ class FieldSet(Mapping[str, Field]):
 
 
 def register(field: Field) -> None:
-    """Add a field to the registry, for a part that declares it. Not collective: do it on every rank, before a case is run.
+    """Add a field to the registry, for a part that declares it.
+
+    Not collective: do it on every rank, before a case is run.
 
     Raises ValueError if another field has this name.
     """
@@ -100,21 +104,24 @@ FIELDS = {
         Field("x", "vector", np.float64, "m", "position"),
         Field("x0", "vector", np.float64, "m", "position at the start of the step", exchanged=False, written=False),
         Field("u", "vector", np.float64, "m/s", "velocity"),
-        Field("volume", "scalar", np.float64, "m^dim", "volume of fluid that the particle stands for, always; 0 for walls"),
+        Field("volume", "scalar", np.float64, "m^dim",
+              "volume of fluid that the particle stands for, always; 0 for walls"),
         Field("p", "scalar", np.float64, "Pa", "pressure"),
         Field("normal", "vector", np.float64, "", "unit normal of a wall particle, into the fluid"),
         Field("role", "scalar", np.int8, "",
               "0 inner, 1 surface, 2 wet wall, 3 dry wall, 4 contact line, 5 ballistic"),
         Field("start_role", "scalar", np.int8, "", "role at the start of the run, which a frozen surface gives back",
               exchanged=False, written=False),
-        Field("phi", "scalar", np.float64, "m^2", "potential of the position projection", exchanged=False, written=False),
-        Field("grad_alpha", "vector", np.float64, "1/m", "gradient of alpha", exchanged=False, migrates=False, written=False),
+        Field("phi", "scalar", np.float64, "m^2", "potential of the position projection",
+              exchanged=False, written=False),
+        Field("grad_alpha", "vector", np.float64, "1/m", "gradient of alpha", exchanged=False,
+              migrates=False, written=False),
         Field("grad_u", "tensor", np.float64, "1/s", "velocity gradient, du_a/dx_b", exchanged=False, migrates=False,
               written=False),
         Field("strain_rate", "scalar", np.float64, "1/s", "rate of strain sqrt(2 S:S)", exchanged=False, migrates=False,
               written=False),
-        Field("turn", "scalar", np.float64, "m", "displacement by which close pairs turn", exchanged=False, migrates=False,
-              written=False),
+        Field("turn", "scalar", np.float64, "m", "displacement by which close pairs turn",
+              exchanged=False, migrates=False, written=False),
         Field("pairs", "scalar", np.int32, "", "close pairs that share a correction", exchanged=False, migrates=False,
               written=False),
         Field("closing", "scalar", np.int8, "",
@@ -124,9 +131,11 @@ FIELDS = {
               "part of the half cell at a wall particle for which fluid stands (kernels.halves), 1 for fluid",
               exchanged=False, migrates=False, written=False),
         Field("rho", "scalar", np.float64, "kg/m^dim", "density of weakly compressible fluid"),
-        Field("pull", "vector", np.float64, "m/s^2", "acceleration of weakly compressible fluid", exchanged=False, written=False),
+        Field("pull", "vector", np.float64, "m/s^2", "acceleration of weakly compressible fluid",
+              exchanged=False, written=False),
         Field("no_slip", "scalar", np.int8, "", "1 for a wall particle to which viscous fluid sticks", written=False),
-        Field("wall_u", "vector", np.float64, "m/s", "velocity of the wall itself, 0 for fluid", exchanged=False, written=False),
+        Field("wall_u", "vector", np.float64, "m/s", "velocity of the wall itself, 0 for fluid",
+              exchanged=False, written=False),
         Field("nu", "scalar", np.float64, "m^2/s", "kinematic viscosity, that of eddies included", exchanged=False,
               migrates=False),
         Field("viscous", "vector", np.float64, "m/s^2", "acceleration by viscosity", exchanged=False, migrates=False),

@@ -3,11 +3,15 @@
 import os
 import signal
 import subprocess
+from collections.abc import Mapping, Sequence
+
+from parisph.base.paths import AnyPath
 
 GRACE = 5.0    # [s] that mpirun gets to end its ranks before it is killed
 
 
-def run(command, timeout, env, cwd=None):
+def run(command: Sequence[str], timeout: float, env: Mapping[str, str],
+        cwd: AnyPath | None = None) -> subprocess.CompletedProcess[str]:
     """Run a command to its end; return subprocess.CompletedProcess with text output.
 
     Parameters
@@ -35,7 +39,7 @@ def run(command, timeout, env, cwd=None):
     return subprocess.CompletedProcess(command, process.returncode, out, err)
 
 
-def _end(process):
+def _end(process: subprocess.Popen[str]) -> tuple[str, str]:
     """Stop a process and its group: by SIGTERM, which mpirun passes on to its ranks, then by SIGKILL."""
     os.killpg(process.pid, signal.SIGTERM)
     try:

@@ -4,6 +4,7 @@ Checking a case and looking at a run need neither MPI nor PETSc, so a laptop can
 """
 
 import os
+from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 
@@ -25,7 +26,7 @@ _CONFIGURATION = {"matplotlib": "matplotlibrc", "numba": ".numba_config.yaml"}
 
 
 @contextmanager
-def unconfigured(library):
+def unconfigured(library: str) -> Iterator[None]:
     """Context in which to import a library without its configuration file in the current folder. Not collective.
 
     The library may not look elsewhere first, so the current folder changes meanwhile if it contains such a file.
@@ -66,7 +67,7 @@ def require(*names: str) -> None:
         raise MissingLibrary(f"{', '.join(broken)}: {_REMEDIES[names]}")
 
 
-def _import(name):
+def _import(name: str) -> None:
     if name not in _CONFIGURATION:
         import_module(name)
         return

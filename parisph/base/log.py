@@ -3,17 +3,22 @@
 import logging
 import os
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from time import perf_counter
+from typing import TextIO
 
 import numpy as np
 
+from parisph.base.communicator import Communicator
+from parisph.base.paths import AnyPath
 from parisph.base.text import plain_lines
 
 logger = logging.getLogger("parisph")
 
 
-def start(comm, path=None, level=logging.INFO, stream=None):
+def start(comm: Communicator, path: AnyPath | None = None, level: int = logging.INFO,
+          stream: TextIO | None = None) -> None:
     """Start logging on rank 0, to the screen and to a file; other ranks log nothing. Not collective.
 
     Parameters
@@ -38,26 +43,26 @@ def start(comm, path=None, level=logging.INFO, stream=None):
     _add(logging.StreamHandler(stream or sys.stderr), level, "%(message)s")
 
 
-class _LogFile(logging.StreamHandler):
+class _LogFile(logging.StreamHandler[TextIO]):
     """Appends to a file, but not through a symbolic link. If the disk refuses a line, only that line is lost.
 
     Raises OSError where the file cannot be opened.
     """
 
-    def __init__(self, path):
+    def __init__(self, path: AnyPath) -> None:
         handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW, 0o666)
         super().__init__(open(handle, "a", encoding="utf-8", errors="replace"))
 
-    def handleError(self, record):
+    def handleError(self, record: logging.LogRecord) -> None:
         """Leave the line out: what the disk refuses is an error where results are written, and is raised there."""
 
-    def close(self):
+    def close(self) -> None:
         with suppress(OSError):    # what could not be written is tried once more
             self.stream.close()
         super().close()
 
 
-def stop():
+def stop() -> None:
     """Close the handlers of `start` and restore the logger's defaults."""
     for handler in list(logger.handlers):
         logger.removeHandler(handler)
@@ -66,7 +71,7 @@ def stop():
     logger.propagate = True
 
 
-def _add(handler, level, form):
+def _add(handler: logging.Handler, level: int, form: str) -> None:
     handler.setLevel(level)
     handler.setFormatter(_Plain(form))
     logger.addHandler(handler)
@@ -75,7 +80,7 @@ def _add(handler, level, form):
 class _Plain(logging.Formatter):
     """Indents the further lines of a record and escapes control characters, so that one record never looks like two."""
 
-    def format(self, record):
+    def format(self, record: logging.LogRecord) -> str:
         return plain_lines(super().format(record), indent="    ")
 
 
@@ -89,12 +94,12 @@ class Timers:
     seconds : dict of phase -> seconds so far on this rank, in the order of first use
     """
 
-    def __init__(self):
-        self.seconds = {}
-        self._open = set()
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+        self._open: set[str] = set()
 
     @contextmanager
-    def __call__(self, phase):
+    def __call__(self, phase: str) -> Iterator[None]:
         if phase in self._open:
             yield
             return
@@ -107,7 +112,7 @@ class Timers:
             self.seconds[phase] += perf_counter() - start
             self._open.discard(phase)
 
-    def reduce(self, comm):
+    def reduce(self, comm: Communicator) -> dict[str, dict[str, float]]:
         """Return {phase: {"max": s, "mean": s}} over the ranks, the same on all. Collective.
 
         A phase that a rank never entered counts as 0 s there.

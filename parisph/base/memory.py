@@ -3,10 +3,12 @@
 import os
 from pathlib import Path
 
+from parisph.base.paths import AnyPath
+
 _LIMITS = ("memory.max", "memory.limit_in_bytes")    # of control groups, version 2 and 1
 
 
-def total(root="/"):
+def total(root: AnyPath = "/") -> int | None:
     """Return the bytes of memory that this process may use: those of the machine, or of its control
     group (a container, a batch job) if that is less; None if unknown.
 
@@ -20,7 +22,7 @@ def total(root="/"):
     return min(found, default=None)
 
 
-def amount(size):
+def amount(size: float) -> str:
     """Return a number of bytes as text: '160 GB'."""
     for unit in ("B", "kB", "MB", "GB", "TB", "PB", "EB"):
         if size < 999.5:
@@ -29,7 +31,7 @@ def amount(size):
     return f"{1000.0 * size:.3g} EB"
 
 
-def _limits(root):
+def _limits(root: Path) -> list[int]:
     """Return the limits of the control groups that this process is in, and of those around them."""
     try:
         groups = [line.split(":", 2) for line in (root / "proc/self/cgroup").read_text().splitlines()]
@@ -47,7 +49,7 @@ def _limits(root):
     return found
 
 
-def _number(path):
+def _number(path: Path) -> list[int]:
     try:
         return [int(path.read_text())]
     except (OSError, ValueError):    # not there, or the word "max"

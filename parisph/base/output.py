@@ -3,12 +3,13 @@
 import errno
 import os
 import sys
+from typing import TextIO
 
 # What a write to a file, a terminal or a socket fails with; a pipe without a reader is BrokenPipeError.
 _UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 
-def open_closed():
+def open_closed() -> None:
     """Send output to nowhere if the shell has closed the stream, as in `parisph run CASE >&-`. Not collective."""
     for number, name in ((1, "stdout"), (2, "stderr")):
         if getattr(sys, name) is None:
@@ -16,12 +17,15 @@ def open_closed():
             setattr(sys, name, open(nowhere, "w"))
 
 
-def is_unwritable(error):
-    """Return whether an exception says that standard output cannot be written. Files of a run have errors of their own."""
+def is_unwritable(error: BaseException | None) -> bool:
+    """Return whether an exception says that standard output cannot be written.
+
+    Files of a run have errors of their own.
+    """
     return isinstance(error, OSError) and error.filename is None and error.errno in _UNWRITABLE
 
 
-def show(text):
+def show(text: object) -> None:
     """Print a text; if the reader has closed the pipe, print nothing from now on. Not collective."""
     try:
         print(text, flush=True)
@@ -29,7 +33,7 @@ def show(text):
         silence(sys.stdout)
 
 
-def silence(*streams):
+def silence(*streams: TextIO) -> None:
     """Discard pending output to closed pipes, so that the exit is silent. Not collective."""
     for stream in streams:
         try:

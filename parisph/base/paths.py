@@ -6,11 +6,13 @@ from pathlib import Path
 from parisph.base.errors import CaseError
 from parisph.base.text import is_plain, shown
 
+AnyPath = str | os.PathLike[str]    # for annotations
+
 # Bytes that Linux, macOS and most file systems allow for a name, and for all of a path.
 LONGEST_NAME, LONGEST_PATH = 255, 4095
 
 
-def checked(path, what):
+def checked(path: AnyPath, what: str) -> Path:
     """Return a pathlib.Path. Raises CaseError if no file can have this name, or if it would add lines to a log.
 
     path : str or os.PathLike; what : what it is the path of, for the message
@@ -21,7 +23,7 @@ def checked(path, what):
     return Path(path)
 
 
-def fault(path):
+def fault(path: object) -> str | None:
     """Return what is wrong with a path, or None."""
     if isinstance(path, os.PathLike):
         path = os.fspath(path)
@@ -33,5 +35,6 @@ def fault(path):
         return "must be text without line breaks or control characters"
     longest, total = max(len(os.fsencode(name)) for name in path.split("/")), len(os.fsencode(path))
     if longest > LONGEST_NAME or total > LONGEST_PATH:
-        return f"is too long: a name has at most {LONGEST_NAME} bytes, a path {LONGEST_PATH}; here {longest} and {total}"
+        return (f"is too long: a name has at most {LONGEST_NAME} bytes, a path {LONGEST_PATH}; "
+                f"here {longest} and {total}")
     return None

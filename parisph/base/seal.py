@@ -2,22 +2,24 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
+from typing import Any
 
 KEY = "digest"
 
 
-def sealed(content: dict) -> dict:
+def sealed(content: Mapping[str, Any]) -> dict[str, Any]:
     """Return a JSON object with its digest as the last entry."""
     content = {name: value for name, value in content.items() if name != KEY}
     return {**content, KEY: _digest(content)}
 
 
-def opened(content: dict) -> tuple[dict, bool]:
+def opened(content: Mapping[str, Any]) -> tuple[dict[str, Any], bool]:
     """Return a JSON object without its digest, and whether it is unchanged. True if it has no digest."""
     rest = {name: value for name, value in content.items() if name != KEY}
     return rest, content.get(KEY, None) in (None, _digest(rest))
 
 
-def _digest(content):
+def _digest(content: dict[str, Any]) -> str:
     text = json.dumps(content, sort_keys=True, separators=(",", ":"))
     return hashlib.blake2b(text.encode("utf-8", "surrogatepass"), digest_size=16).hexdigest()

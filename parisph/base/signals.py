@@ -13,7 +13,15 @@ import socket
 import sys
 import threading
 import time
+from collections.abc import Callable
 from contextlib import suppress
+from types import FrameType
+from typing import TYPE_CHECKING, ClassVar
+
+from parisph.base.communicator import Communicator
+
+if TYPE_CHECKING:    # numpy must not be loaded before base.environment has prepared for it
+    from parisph.base.arrays import Ints
 
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
 CODE = 4          # exit code of a run that was stopped
@@ -43,38 +51,44 @@ class Signals:
     helper : thread that ends when the socket is shut down, or None
     """
 
-    _active = None    # the handlers belong to the process, so two of these cannot be in force at once
+    # The handlers belong to the process, so two of these cannot be in force at once.
+    _active: ClassVar["Signals | None"] = None
 
-    def __init__(self):
-        self.seen, self.left = None, "nothing has been written"
-        self.rank, self.abort = 0, None
-        self.taken, self.socket, self.helper = [0], None, None
+    def __init__(self) -> None:
+        self.seen: int | None = None
+        self.left = "nothing has been written"
+        self.rank = 0
+        self.abort: Callable[[int], object] | None = None
+        self.taken: list[int] | Ints = [0]
+        self.socket: socket.socket | None = None
+        self.helper: threading.Thread | None = None
         self._depth, self._raise, self._own = 0, False, False
 
     @classmethod
-    def active(cls):
+    def active(cls) -> "Signals":
         """Return the active Signals, else new ones; use them in a `with` statement."""
         return cls._active or cls()
 
-    def over(self, comm):
+    def over(self, comm: Communicator) -> None:
         """Let a second signal end all ranks of `comm`, if there are several. Not collective."""
         if comm.size > 1:
             self.rank, self.abort = comm.rank, comm.Abort
 
-    def __enter__(self):
+    def __enter__(self) -> "Signals":
         self._depth += 1
         if self._depth > 1 or threading.current_thread() is not threading.main_thread():
             return self    # a worker of a notebook leaves signals alone
         self.socket, self._source = socket.socketpair()
         self._source.setblocking(False)
+        self._main = threading.get_ident()
         self._wakeup = signal.set_wakeup_fd(self._source.fileno(), warn_on_full_buffer=False)
         self._old = {number: signal.signal(number, self._handle) for number in NUMBERS}
-        self._thread = threading.Thread(target=self._listen, name="signals", daemon=True)
+        self._thread = threading.Thread(target=self._listen, args=(self.socket,), name="signals", daemon=True)
         self._thread.start()
         Signals._active = self
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self._depth -= 1
         if self._depth or self.socket is None:
             return
@@ -90,27 +104,28 @@ class Signals:
         self._source.close()
         self.socket = None
 
-    def ignore(self):
+    def ignore(self) -> None:
         """Ignore signals from now on, because the process is about to end."""
         for number in NUMBERS:
             signal.signal(number, signal.SIG_IGN)
 
-    def _handle(self, number, frame):
+    def _handle(self, number: int, frame: FrameType | None) -> None:
         if self._raise:
             self._raise = False
             raise KeyboardInterrupt
         self.seen = self.seen or number
 
-    def _listen(self):
+    def _listen(self, source: socket.socket) -> None:
         """Read signals until the socket is closed, and end all ranks when necessary."""
-        first = deadline = None
+        first: float | None = None
+        deadline: float | None = None
         while True:
             left = None if deadline is None else max(deadline - time.monotonic(), 0.0)
-            if not select.select([self.socket], [], [], left)[0]:
+            if not select.select([source], [], [], left)[0]:
                 self._end()
                 deadline = None
                 continue
-            numbers = self.socket.recv(64)
+            numbers = source.recv(64)
             if not numbers:
                 return
             for number in numbers:
@@ -123,15 +138,15 @@ class Signals:
                 else:
                     deadline = min(deadline or now + PATIENCE, now + (PATIENCE if now - first < COPY else 0.0))
 
-    def _is_own(self):
+    def _is_own(self) -> bool:
         """Return whether a signal is the one that this thread sent to the main thread."""
         own, self._own = self._own, False
         return own
 
-    def _end(self):
+    def _end(self) -> None:
         if self.abort is None:
             self._raise = self._own = True
-            signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
+            signal.pthread_kill(self._main, signal.SIGINT)
             return
         # Ends this process, should what follows hang.
         faulthandler.dump_traceback_later(PATIENCE, exit=True, file=open(os.devnull, "w"))

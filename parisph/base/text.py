@@ -2,6 +2,8 @@
 
 import reprlib
 import unicodedata
+from collections.abc import Iterable
+from typing import cast
 
 LIMIT = 80          # characters of a value in a message
 LONGEST = 200       # characters of a name or path
@@ -13,25 +15,25 @@ _short.maxstring = _short.maxother = _short.maxlong = LIMIT
 _short.maxlevel = 3
 
 
-def is_plain(text):
+def is_plain(text: str) -> bool:
     """Return whether a text is one line without control characters."""
     return not any(unicodedata.category(character) in _UNFIT for character in text)
 
 
-def plain(text):
+def plain(text: str) -> str:
     """Return a text on one line: control characters and line breaks become escapes such as \\n or \\x1b."""
     if is_plain(text):
         return text
-    return "".join(character.encode("unicode_escape").decode() if unicodedata.category(character) in _UNFIT else character
-                   for character in text)
+    return "".join(character.encode("unicode_escape").decode()
+                   if unicodedata.category(character) in _UNFIT else character for character in text)
 
 
-def plain_lines(text, indent=""):
+def plain_lines(text: str, indent: str = "") -> str:
     """Return a text with an indent after each line break, and with escapes for other control characters."""
     return f"\n{indent}".join(plain(line) for line in text.split("\n"))
 
 
-def clipped(text, limit=LIMIT):
+def clipped(text: str, limit: int = LIMIT) -> str:
     """Return a text of at most `limit` characters; '...' replaces the middle of a longer one."""
     if len(text) <= limit:
         return text
@@ -39,8 +41,11 @@ def clipped(text, limit=LIMIT):
     return f"{text[:limit - 3 - end]}...{text[len(text) - end:]}"
 
 
-def listed(texts, limit=LONGEST):
-    """Return texts with commas between them. Those that would make it longer than `limit` characters are left out whole, and counted."""
+def listed(texts: Iterable[str], limit: int = LONGEST) -> str:
+    """Return texts with commas between them.
+
+    Those that would make it longer than `limit` characters are left out whole, and counted.
+    """
     texts = list(texts)
     for kept in range(min(len(texts), limit), 0, -1):
         more = f" and {len(texts) - kept} more" if kept < len(texts) else ""
@@ -49,14 +54,14 @@ def listed(texts, limit=LONGEST):
     return clipped(", ".join(texts), limit)
 
 
-def shown(value, limit=LIMIT):
+def shown(value: object, limit: int = LIMIT) -> str:
     """Return any value for a message: its repr on one line, of at most `limit` characters.
 
     Never raises, although the repr of a user's own object may, except for Ctrl-C.
     """
     is_text = issubclass(type(value), str)    # unlike isinstance it asks nothing of the value
     try:
-        text = repr(value) if is_text and len(value) <= limit else _short.repr(value)
+        text = repr(value) if is_text and len(cast(str, value)) <= limit else _short.repr(value)
     except KeyboardInterrupt:
         raise
     except BaseException:
@@ -64,18 +69,21 @@ def shown(value, limit=LIMIT):
     return clipped(plain(" ".join(text.split())) if not is_text else plain(text), limit)
 
 
-def class_name(value):
+def class_name(value: object) -> str:
     """Return the name of a value's class for a message. Executes no code of that class or its metaclass."""
     return named(type.__dict__["__name__"].__get__(type(value)))
 
 
-def named(text, limit=LONGEST):
+def named(text: object, limit: int = LONGEST) -> str:
     """Return a name or path for a message: without quotes, on one line, of at most `limit` characters."""
     return clipped(plain(str(text)), limit)
 
 
-def of_error(error, limit=300):
-    """Return the message of an exception on one line, of at most `limit` characters; never raises, except for Ctrl-C."""
+def of_error(error: BaseException, limit: int = 300) -> str:
+    """Return the message of an exception on one line, of at most `limit` characters.
+
+    Never raises, except for Ctrl-C.
+    """
     try:
         text = str(error)
     except KeyboardInterrupt:

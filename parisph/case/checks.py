@@ -4,9 +4,11 @@ Each check yields one line per problem, with field, value, limit and remedy.
 """
 
 from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
 from parisph.case import size
@@ -14,6 +16,7 @@ from parisph.case.expressions import compile_expression, vector_field
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.motion import SHARE
 from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
+from parisph.case.scene import Scene
 from parisph.case.shapes import Box, check_components
 from parisph.case.values import LARGEST
 
@@ -27,7 +30,7 @@ MOST_FILES = 1e6    # of one kind that a run writes
 MOST_SAMPLES = 1e8  # of a probe
 
 
-def problems(case):
+def problems(case: Scene) -> list[str]:
     """Return the list of problems of a case, each one line; empty for a case that can run."""
     found = list(_dimensions(case))
     if not found:
@@ -39,7 +42,7 @@ def problems(case):
     return found
 
 
-def _dimensions(case):
+def _dimensions(case: Scene) -> Iterator[str]:
     dim = case.fluid.dim
     try:
         check_components("gravity", case.gravity, dim, with_time=True)
@@ -51,36 +54,40 @@ def _dimensions(case):
         yield f"frame = {case.frame.kind}: there is no tank to move; give walls=Tank(...) or leave the frame at rest"
 
 
-def _surface(case):
+def _surface(case: Scene) -> Iterator[str]:
     """Without a free surface only a full tank has a pressure: in all other scenes nothing fixes its level."""
     if case.numerics.surface_rule == "none" and not case.closed:
         yield ("numerics.surface_rule = none: only for a tank with a lid that is full; "
                "choose gap, auxiliary, density or frozen, or leave it to the preset")
 
 
-def _spacing(case):
+def _spacing(case: Scene) -> Iterator[str]:
     """The spacing must divide every length of the scene into whole spacings."""
     lengths = dict(_lengths(case))
     s = case.numerics.spacing
 
-    def fits(value, among=tuple(lengths.values())):
+    def fits(value: float, among: Sequence[float] = tuple(lengths.values())) -> bool:
         return all(misfit(length, value) <= FIT and round(length / value) >= 1 for length in among)
 
     bad = {name: length for name, length in lengths.items() if not fits(s, [length])}
     if not bad:
         return
-    listed = ", ".join(f"{name} = {_digits(length, lambda value: not fits(s, [value]))}" for name, length in bad.items())
+    listed = ", ".join(f"{name} = {_digits(length, lambda value: not fits(s, [value]))}"
+                       for name, length in bad.items())
     fitting = [value for value in nearest_spacings(list(lengths.values()), s) if fits(value)]
     if fitting:
-        remedy = "the nearest that fit are " + " and ".join(_digits(value, fits, 10) + _fraction(value) for value in fitting)
+        remedy = "the nearest that fit are " + " and ".join(_digits(value, fits, 10) + _fraction(value)
+                                                            for value in fitting)
     else:
         name, length = next(iter(bad.items()))
         near = max(round(length / s), 1) * s
-        remedy = f"no spacing near it fits all lengths: make the lengths multiples of one number, such as {name} = {near:.10g}"
-    yield f"numerics.spacing = {_digits(s, lambda value: not fits(value))}: must divide {listed} into whole spacings; {remedy}"
+        remedy = ("no spacing near it fits all lengths: make the lengths multiples of one number, "
+                  f"such as {name} = {near:.10g}")
+    yield (f"numerics.spacing = {_digits(s, lambda value: not fits(value))}: must divide {listed} into whole spacings; "
+           f"{remedy}")
 
 
-def _digits(value, holds, least=6):
+def _digits(value: float, holds: Callable[[float], bool], least: int = 6) -> str:
     """Return a number as text, with enough digits that `holds(number)` is also true for the rounded number."""
     for digits in (least, 10):
         text = f"{value:.{digits}g}"
@@ -89,13 +96,13 @@ def _digits(value, holds, least=6):
     return repr(float(value))
 
 
-def _fraction(length):
+def _fraction(length: float) -> str:
     """Return ' (1/n)' for a length [m] that is 1/n of a metre and has no short decimal, else ''."""
     n = round(1.0 / length)
     return f" (1/{n})" if abs(n * length - 1.0) < 1e-9 and float(f"{length:.6g}") != 1.0 / n else ""
 
 
-def _lengths(case):
+def _lengths(case: Scene) -> Iterator[tuple[str, float]]:
     shape, tank = case.fluid.shape, case.walls
     if isinstance(shape, Box):
         yield "fluid.shape.width", shape.width
@@ -109,7 +116,7 @@ def _lengths(case):
                     yield f"the distance of fluid.shape from the wall in {'xyz'[axis]}", float(offset)
 
 
-def _inside(case):
+def _inside(case: Scene) -> Iterator[str]:
     if case.walls is None:
         return
     (lower, upper), (low, high) = case.fluid.shape.bounds, case.walls.bounds
@@ -122,57 +129,62 @@ def _inside(case):
             )
 
 
-def _size(case):
+def _size(case: Scene) -> Iterator[str]:
     s = case.numerics.spacing
     n = size.counts(case)
     if n["all"] > size.MOST:
         yield (
-            f"numerics.spacing = {s:g}: makes about {n['all']:.3g} particles, {n['wall']:.3g} of them on walls, which take about "
-            f"{amount(size.memory(n['all']))} of memory; at most {size.MOST:.2g} can be numbered; "
+            f"numerics.spacing = {s:g}: makes about {n['all']:.3g} particles, {n['wall']:.3g} of them on walls, "
+            f"which take about {amount(size.memory(n['all']))} of memory; at most {size.MOST:.2g} can be numbered; "
             "use a larger spacing, or less fluid and a smaller tank"
         )
     elif size.search(case) > size.MOST:
         yield (
-            f"fluid.shape: the rectangle around it has {size.search(case):.3g} lattice points, at most {size.MOST:.2g} are searched "
-            "for fluid; use a larger spacing, or a body that fills more of its rectangle"
+            f"fluid.shape: the rectangle around it has {size.search(case):.3g} lattice points, "
+            f"at most {size.MOST:.2g} are searched for fluid; use a larger spacing, "
+            "or a body that fills more of its rectangle"
         )
     elif size.mostly_empty(case):
         yield (
-            f"fluid.shape: fills {100.0 * n['fluid'] / size.search(case):.2g} % of the rectangle around it, which has {size.search(case):.3g} "
-            f"lattice points: must fill at least {100.0 * size.LEAST_FILLED:g} % if lattice points times corners are more than "
-            f"{size.SEARCHED:.2g}; use a larger spacing, or turn the body along an axis"
+            f"fluid.shape: fills {100.0 * n['fluid'] / size.search(case):.2g} % of the rectangle around it, "
+            f"which has {size.search(case):.3g} lattice points: must fill at least {100.0 * size.LEAST_FILLED:g} % if "
+            f"lattice points times corners are more than {size.SEARCHED:.2g}; use a larger spacing, "
+            "or turn the body along an axis"
         )
     elif n["exact"] and n["fluid"] < LEAST:
-        yield f"numerics.spacing = {s:g}: leaves {n['fluid']} fluid particles, at least {LEAST} are needed; use a smaller spacing"
+        yield (f"numerics.spacing = {s:g}: leaves {n['fluid']} fluid particles, at least {LEAST} are needed; "
+               "use a smaller spacing")
     else:
         yield from _far(case)
 
 
-def _far(case):
+def _far(case: Scene) -> Iterator[str]:
     s = case.numerics.spacing
     for name, part in (("walls", case.walls), ("fluid.shape", case.fluid.shape)):
         far = 0.0 if part is None else float(np.max(np.abs(part.bounds)))
         if far > FAR * s:
             yield (
-                f"{name}: reaches {far:.3g} m from the origin, at most {FAR:g} spacings, here {FAR * s:.3g} m, can be told apart "
-                "there; move the scene to the origin"
+                f"{name}: reaches {far:.3g} m from the origin, at most {FAR:g} spacings, here {FAR * s:.3g} m, "
+                "can be told apart there; move the scene to the origin"
             )
             return
 
 
-def _elevation(case):
-    if case.fluid.elevation is None:
+def _elevation(case: Scene) -> Iterator[str]:
+    shape = case.fluid.shape
+    if case.fluid.elevation is None or not isinstance(shape, Box):
         return
-    lower, upper = case.fluid.shape.bounds
+    lower, upper = shape.bounds
     x = np.linspace(lower[0], upper[0], 8 * SAMPLES)
     eta = compile_expression(str(case.fluid.elevation), ("x",))(x=x)
-    height = float(case.fluid.shape.size[-1])
+    height = float(shape.size[-1])
     if not np.all(np.isfinite(eta)):
-        yield f"fluid.elevation = {shown(case.fluid.elevation)}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
+        yield (f"fluid.elevation = {shown(case.fluid.elevation)}: "
+               f"is not a finite number at x = {x[~np.isfinite(eta)][0]:g}")
     elif eta.min() < -0.5 * height or eta.max() > height:
         yield (
-            f"fluid.elevation = {shown(case.fluid.elevation)}: reaches from {eta.min():g} to {eta.max():g}, must stay between "
-            f"{-0.5 * height:g} and {height:g}, or the columns are stretched too far"
+            f"fluid.elevation = {shown(case.fluid.elevation)}: reaches from {eta.min():g} to {eta.max():g}, "
+            f"must stay between {-0.5 * height:g} and {height:g}, or the columns are stretched too far"
         )
     elif case.walls is not None and upper[-1] + eta.max() > case.walls.bounds[1][-1]:
         yield (
@@ -181,28 +193,31 @@ def _elevation(case):
         )
 
 
-def _sample(case):
+def _sample(case: Scene) -> Floats:
     """Return points (n, dim) [m] that cover the bounding box of the fluid."""
     lower, upper = case.fluid.shape.bounds
     axes = [np.linspace(a, b, SAMPLES) for a, b in zip(lower, upper)]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
+    points: Floats = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
+    return points
 
 
-def _finite(case):
+def _finite(case: Scene) -> Iterator[str]:
     """Expressions must give finite numbers where there is fluid."""
     x = _sample(case)
     x = x[case.fluid.shape.inside(x, 0.0)]
-    for name, components, with_time in (("fluid.velocity", case.fluid.velocity, False), ("gravity", case.gravity, True)):
+    for name, components, with_time in (("fluid.velocity", case.fluid.velocity, False),
+                                        ("gravity", case.gravity, True)):
         values = vector_field(components, with_time)(x)
         for axis, component in enumerate(components):
             bad = ~(np.abs(values[:, axis]) <= LARGEST)
             if np.any(bad):
                 at, value = ", ".join(f"{value:g}" for value in x[bad][0]), values[bad, axis][0]
-                what = f"is {value:.3g}, more than {LARGEST:g} in size," if np.isfinite(value) else "is not a finite number"
+                what = (f"is {value:.3g}, more than {LARGEST:g} in size," if np.isfinite(value)
+                        else "is not a finite number")
                 yield f"{name}[{axis}] = {shown(component)}: {what} at ({at})"
 
 
-def _probes(case):
+def _probes(case: Scene) -> Iterator[str]:
     for name, count in sorted(Counter(probe.name for probe in case.probes).items()):
         if count > 1:
             yield f"probes: the name {name!r} is given {count} times; give each probe a name of its own"
@@ -214,10 +229,11 @@ def _probes(case):
         elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.walls is not None:
             low, high = case.walls.bounds
             if not low[0] <= probe.at <= high[0]:
-                yield f"probe {probe.name!r}: at = {probe.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
+                yield (f"probe {probe.name!r}: at = {probe.at:g} must lie in the tank, "
+                       f"from x = {low[0]:g} to {high[0]:g}")
 
 
-def _profile(case, probe):
+def _profile(case: Scene, probe: VelocityProfile) -> Iterator[str]:
     for name, point in (("start", probe.start), ("end", probe.end)):
         if len(point) != case.dim:
             yield f"probe {probe.name!r}: {name} = {point} must have {case.dim} components"
@@ -226,7 +242,7 @@ def _profile(case, probe):
         yield f"probe {probe.name!r}: start and end = {probe.start}: must be two points"
 
 
-def _tap(case, probe):
+def _tap(case: Scene, probe: PressureTap) -> Iterator[str]:
     if case.walls is None:
         yield f"probe {probe.name!r}: a pressure tap needs a wall; give walls=Tank(...) or leave the tap out"
         return
@@ -245,7 +261,7 @@ def _tap(case, probe):
         )
 
 
-def _times(case):
+def _times(case: Scene) -> Iterator[str]:
     limit, reason = stable_time_step(case)
     dt = case.numerics.time_step
     if dt is not None and dt > ABSURD * limit:
@@ -264,17 +280,17 @@ def _times(case):
             )
 
 
-def _steps(case):
+def _steps(case: Scene) -> Iterator[str]:
     """A run that would not end in a year is a mistake, and so is its time step."""
     dt, why = min(_time_steps(case), key=lambda item: item[0])
     if case.end_time > MOST_STEPS * dt:
         yield (
-            f"{why} takes steps of {dt:.2g} s: some {case.end_time / dt:.1e} of them until end_time = {case.end_time:g} s, "
-            f"at most {MOST_STEPS:g} can be computed; change that, or run shorter"
+            f"{why} takes steps of {dt:.2g} s: some {case.end_time / dt:.1e} of them until end_time "
+            f"= {case.end_time:g} s, at most {MOST_STEPS:g} can be computed; change that, or run shorter"
         )
 
 
-def _time_steps(case):
+def _time_steps(case: Scene) -> Iterator[tuple[float, str]]:
     """Yield the time steps [s] that a case requires, each with the field that requires it and the reason."""
     n, frame = case.numerics.resolved(), case.frame
     if n.time_step is not None:
@@ -283,18 +299,18 @@ def _time_steps(case):
     limit, reason = stable_time_step(case)
     yield limit, f"gravity, fluid.velocity and numerics.spacing: a step that {reason}"
     yield frame.longest_step, f"frame: {1 / SHARE:.0f} steps in a period of {frame.longest_step / SHARE:.2g} s"
-    if frame.top_speed > 0.0:
+    if frame.top_speed > 0.0 and n.cfl is not None:
         yield n.cfl * n.spacing / frame.top_speed, f"frame: a tank that moves at {frame.top_speed:.2g} m/s"
     if n.max_time_step is not None:
         yield n.max_time_step, f"numerics.max_time_step = {n.max_time_step:g} s"
 
 
-def _files(case):
+def _files(case: Scene) -> Iterator[str]:
     for name, every in (("every", case.output.every), ("checkpoint_every", case.output.checkpoint_every)):
         if every is not None and case.end_time > MOST_FILES * every:
             yield (
-                f"output.{name} = {every:g} s: makes {case.end_time / every:.1e} files until end_time = {case.end_time:g} s, "
-                f"at most {MOST_FILES:g} are written; use a longer time"
+                f"output.{name} = {every:g} s: makes {case.end_time / every:.1e} files until end_time "
+                f"= {case.end_time:g} s, at most {MOST_FILES:g} are written; use a longer time"
             )
     interval = case.output.probe_interval
     if interval is not None and case.end_time > MOST_SAMPLES * interval:
@@ -304,13 +320,13 @@ def _files(case):
         )
 
 
-def sound_speed(case) -> float:
-    """Return the speed of sound of weakly compressible fluid [m/s]: that of the case, or SOUND times the fastest to expect."""
+def sound_speed(case: Scene) -> float:
+    """Return the speed of sound of weakly compressible fluid [m/s]: by default SOUND times the fastest to expect."""
     return case.numerics.sound_speed or SOUND * fastest(case)
 
 
-def fastest(case):
-    """Return the speed [m/s] that the case alone lets expect: that of the start, and that of a fall from the fluid's height.
+def fastest(case: Scene) -> float:
+    """Return the speed [m/s] to expect from the case alone: that of the start, and of a fall from the fluid's height.
 
     In waves that do not break, it is that of long waves.
     """
@@ -323,7 +339,7 @@ def fastest(case):
     return speed + float(np.sqrt(fall * g * (upper - lower)[-1]))
 
 
-def stable_time_step(case):
+def stable_time_step(case: Scene) -> tuple[float, str]:
     """Estimate the largest sensible time step [s] from the case alone, and say where it comes from.
 
     For waves, sqrt(s/g), the time scale of the shortest waves on the lattice. For violent flows also
@@ -338,7 +354,7 @@ def stable_time_step(case):
         speed += np.sqrt(2.0 * g * (upper - lower)[-1])
     by_waves = np.sqrt(s / g) if g > 0.0 else np.inf
     cfl = case.numerics.resolved().cfl
-    by_speed = cfl * s / speed if speed > 0.0 else np.inf
+    by_speed = cfl * s / speed if speed > 0.0 and cfl is not None else np.inf
     if by_speed < by_waves:
         return by_speed, f"moves the fastest fluid by {cfl:g} spacings"
     return by_waves, "resolves the shortest waves on the lattice"

@@ -5,15 +5,19 @@ then the expression is compiled. It is therefore safe to read a stored case from
 """
 
 import ast
+from collections.abc import Callable, Sequence
 from functools import lru_cache
+from typing import Protocol, cast
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.text import shown
 
 FUNCTIONS = {
     name: getattr(np, name)
-    for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "minimum", "maximum", "where")
+    for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "minimum",
+                 "maximum", "where")
 }
 ARGUMENTS = {name: {"minimum": 2, "maximum": 2, "where": 3}.get(name, 1) for name in FUNCTIONS}
 CONSTANTS = {"pi": np.float64(np.pi)}
@@ -25,8 +29,14 @@ LONGEST = 2000  # characters, and
 DEEPEST = 200   # levels of nesting: keep a hostile text from exhausting the parser
 
 
+class VectorField(Protocol):
+    """A compiled vector field: its values (n, dim) at positions x (n, dim) [m] and t [s]."""
+
+    def __call__(self, x: Floats, t: float = 0.0) -> Floats: ...
+
+
 @lru_cache(maxsize=256)
-def compile_expression(text, names):
+def compile_expression(text: str | float, names: tuple[str, ...]) -> Callable[..., Floats]:
     """Compile an expression once to a numpy function.
 
     Parameters
@@ -48,7 +58,7 @@ def compile_expression(text, names):
     code = compile(ast.fix_missing_locations(numbers.visit(tree)), "<expression>", "eval")
     scope = {"__builtins__": {}, **FUNCTIONS, **CONSTANTS, **numbers.values}
 
-    def evaluate(**variables):
+    def evaluate(**variables: float | Floats) -> Floats:
         shape = np.broadcast_shapes(*(np.shape(value) for value in variables.values()))
         local = {name: np.asarray(value, dtype=np.float64) for name, value in variables.items() if name in used}
         with np.errstate(all="ignore"):  # a value that is not finite is reported by whoever uses it
@@ -57,7 +67,7 @@ def compile_expression(text, names):
     return evaluate
 
 
-def uniform_field(components):
+def uniform_field(components: Sequence[str | float]) -> Floats | None:
     """Return the values (dim,) of a vector field that is uniform and constant, else None.
 
     components : numbers or expressions; those without variables count as numbers
@@ -69,7 +79,7 @@ def uniform_field(components):
 
 
 @lru_cache(maxsize=64)
-def vector_field(components, with_time):
+def vector_field(components: tuple[str | float, ...], with_time: bool) -> VectorField:
     """Compile the components of a vector field of position (and time), once.
 
     Parameters
@@ -89,9 +99,9 @@ def vector_field(components, with_time):
     names = variable_names(dim, with_time)
     functions = [compile_expression(component, names) for component in components]
 
-    def evaluate(x, t=0.0):
+    def evaluate(x: Floats, t: float = 0.0) -> Floats:
         x = np.asarray(x, dtype=np.float64)
-        variables = {name: x[:, axis] for axis, name in enumerate("xyz"[:dim])}
+        variables: dict[str, float | Floats] = {name: x[:, axis] for axis, name in enumerate("xyz"[:dim])}
         if with_time:
             variables["t"] = t
         out = np.empty((len(x), dim))
@@ -102,12 +112,12 @@ def vector_field(components, with_time):
     return evaluate
 
 
-def variable_names(dim, with_time):
+def variable_names(dim: int, with_time: bool) -> tuple[str, ...]:
     """Return the names that an expression may use: x, y (z in 3D), and t if `with_time`."""
     return tuple("xyz"[:dim]) + (("t",) if with_time else ())
 
 
-def number(text):
+def number(text: str) -> float:
     """Return the value of a text without variables, such as '1/24' or '2*pi'. Raises ValueError."""
     value = float(compile_expression(text, ())())
     if not np.isfinite(value):
@@ -115,18 +125,19 @@ def number(text):
     return value
 
 
-def _parse(text, names):
+def _parse(text: str, names: tuple[str, ...]) -> ast.Expression:
     if len(text) > LONGEST:
         raise ValueError(f"the expression has {len(text)} characters; at most {LONGEST} are read")
     try:
         tree = ast.parse(text.strip(), mode="eval")
         _check_tree(tree, names, text, DEEPEST)
     except (SyntaxError, RecursionError, MemoryError) as error:
-        raise ValueError(f"{shown(text)} is not an expression ({getattr(error, 'msg', None) or 'nested too deeply'})") from None
+        raise ValueError(f"{shown(text)} is not an expression "
+                         f"({getattr(error, 'msg', None) or 'nested too deeply'})") from None
     return tree
 
 
-def _check_tree(node, names, text, depth):
+def _check_tree(node: ast.AST, names: tuple[str, ...], text: str, depth: int) -> None:
     """Check a node and all below it, at most `depth` levels."""
     if depth == 0:
         raise ValueError(f"the expression {shown(text)} is nested more than {DEEPEST} levels deep")
@@ -136,7 +147,7 @@ def _check_tree(node, names, text, depth):
             _check_tree(child, names, text, depth - 1)
 
 
-def _check(node, names, text):
+def _check(node: ast.AST, names: tuple[str, ...], text: str) -> None:
     """Raise ValueError unless the node is in the list of allowed operations."""
     if isinstance(node, ast.Constant):
         if isinstance(node.value, bool) or not isinstance(node.value, (int, float)):
@@ -156,7 +167,7 @@ def _check(node, names, text):
         )
 
 
-def _check_call(node, text):
+def _check_call(node: ast.Call, text: str) -> None:
     name = getattr(node.func, "id", None)
     if name not in FUNCTIONS:
         raise ValueError(f"unknown function in {shown(text)}; known are {', '.join(FUNCTIONS)}")
@@ -164,7 +175,7 @@ def _check_call(node, text):
         raise ValueError(f"{name} in {shown(text)} takes {ARGUMENTS[name]} arguments")
 
 
-def _unknown_name(name, names, text):
+def _unknown_name(name: str, names: tuple[str, ...], text: str) -> str:
     if not names:
         return f"{shown(name)} is not a number; write one such as 0.02, 1/40 or 2*pi"
     known = ", ".join([*names, *CONSTANTS])
@@ -178,13 +189,13 @@ class _NamedNumbers(ast.NodeTransformer):
     Python's floats would raise an error in the middle of a step (1/0).
     """
 
-    def __init__(self):
-        self.values = {}
+    def __init__(self) -> None:
+        self.values: dict[str, np.float64] = {}
 
-    def visit_Constant(self, node):
+    def visit_Constant(self, node: ast.Constant) -> ast.Name:
         name = f"_{len(self.values)}"
         try:
-            self.values[name] = np.float64(node.value)
+            self.values[name] = np.float64(cast(float, node.value))    # as _check has made sure
         except OverflowError:
             self.values[name] = np.float64("inf")
         return ast.copy_location(ast.Name(id=name, ctx=ast.Load()), node)

@@ -1,21 +1,24 @@
 """The initial particles of a case, or any slice of them, and the walls as planes."""
 
 import numpy as np
+from numpy.typing import NDArray
 
+from parisph.base.arrays import Array, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.expressions import compile_expression, uniform_field, vector_field
 from parisph.case.lattice import Lattice
 from parisph.case.methods import METHODS
-from parisph.case.shapes import Box, Lid
+from parisph.case.schema import Case
+from parisph.case.shapes import Box, Lid, Tank
 
 
-def lattice(case):
+def lattice(case: Case) -> Lattice:
     """Return the Lattice on which the case starts."""
     return Lattice(case.fluid.shape, case.walls, case.numerics.spacing, METHODS[case.numerics.method].wall_layers)
 
 
-def still_pressure(case, x):
+def still_pressure(case: Case, x: Floats) -> Floats:
     """Return the pressure [Pa] at x (n, dim) [m] of fluid below its level top in uniform gravity, 0 for other fluid.
 
     Only water that fills a Box has a level top; with an elevation, it is that above x.
@@ -24,10 +27,11 @@ def still_pressure(case, x):
     if gravity is None or not isinstance(case.fluid.shape, Box):
         return np.zeros(len(x))
     top = case.fluid.shape.bounds[1][-1] + _elevation(case, x[:, :-1])
-    return np.maximum(case.fluid.density * -gravity[-1] * (top - x[:, -1]), 0.0)
+    pressure: Floats = np.maximum(case.fluid.density * -gravity[-1] * (top - x[:, -1]), 0.0)
+    return pressure
 
 
-def build(case, rank=0, size=1):
+def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     """Build this rank's slice of the particles at the start. Not collective, needs no MPI.
 
     Parameters
@@ -62,7 +66,7 @@ def build(case, rank=0, size=1):
     return arrays
 
 
-def planes(case):
+def planes(case: Case) -> tuple[Floats, Floats]:
     """Return a point on and the inward unit normal of each wall, (n, dim) each; n = 0 without a tank."""
     dim = case.dim
     if case.walls is None:
@@ -76,14 +80,14 @@ def planes(case):
     return np.array(points), np.array(normals)
 
 
-def domain(case):
+def domain(case: Case) -> tuple[Floats, Floats]:
     """Return the lower and the upper corner (dim,) [m] of the tank, or of the fluid without a tank."""
     if case.walls is not None:
         return case.walls.bounds
     return case.fluid.shape.bounds
 
 
-def _elevation(case, x):
+def _elevation(case: Case, x: Floats) -> Floats:
     if case.fluid.elevation is None:
         return np.zeros(len(x))
     names = tuple("xyz"[: x.shape[1]])
@@ -91,7 +95,7 @@ def _elevation(case, x):
     return evaluate(**{name: x[:, axis] for axis, name in enumerate(names)})
 
 
-def _stretched(case, x):
+def _stretched(case: Case, x: Floats) -> Floats:
     """Move points (n, dim) of the lattice up with the surface, linearly from the bottom of the Box."""
     if case.fluid.elevation is None:
         return x
@@ -101,14 +105,14 @@ def _stretched(case, x):
     return x
 
 
-def _stretch(case, x):
+def _stretch(case: Case, x: Floats) -> Floats:
     """Return the stretch factor of the columns at x (n, dim) [m], (n,)."""
-    if case.fluid.elevation is None:
+    if case.fluid.elevation is None or not isinstance(case.fluid.shape, Box):
         return np.ones(len(x))
-    return 1.0 + _elevation(case, x[:, :-1]) / case.fluid.shape.size[-1]
+    return 1.0 + _elevation(case, x[:, :-1]) / float(case.fluid.shape.size[-1])
 
 
-def _unstretched(case, x):
+def _unstretched(case: Case, x: Floats) -> Floats:
     """Undo _stretched for points (n, dim) [m]."""
     if case.fluid.elevation is None:
         return x
@@ -118,7 +122,7 @@ def _unstretched(case, x):
     return x
 
 
-def _fluid(case, points, start, stop):
+def _fluid(case: Case, points: Lattice, start: int, stop: int) -> dict[str, Array]:
     index = points.fluid_indices(start, stop)
     n, dim = index.shape
     surface = points.is_surface(index)
@@ -143,7 +147,7 @@ def _fluid(case, points, start, stop):
     }
 
 
-def _walls(case, points, index, inward):
+def _walls(case: Case, points: Lattice, index: Ints, inward: Ints) -> dict[str, Array]:
     """Wall particles; their role is that of the lattice point one step inward, diagonally in a corner.
 
     A wall that the fluid does not reach, such as a lid less than a spacing above it, is not wet.
@@ -169,7 +173,7 @@ def _walls(case, points, index, inward):
     }
 
 
-def _sticky(tank, inward):
+def _sticky(tank: Tank | None, inward: Ints) -> NDArray[np.int8]:
     """Return 1 for wall particles to which fluid sticks, 0 for others, (n,) int8; in a corner, one such wall suffices.
 
     inward : (n, dim) int, the sum of the inward unit vectors of the walls that a particle lies on
@@ -182,25 +186,28 @@ def _sticky(tank, inward):
     return found
 
 
-def _lid_velocity(tank, inward):
-    """Return the velocity of wall particles in their own plane (n, dim) [m/s]; the ends of a lid rest with the side walls."""
+def _lid_velocity(tank: Tank | None, inward: Ints) -> Floats:
+    """Return the velocity of wall particles in their own plane (n, dim) [m/s]; the ends of a lid rest with the side
+    walls."""
     found = np.zeros(inward.shape)
     if tank is not None and isinstance(tank.lid, Lid):
         found[(inward[:, -1] == -1) & (inward[:, 0] == 0), 0] = tank.lid.velocity
     return found
 
 
-def uniform(seed, number, columns):
+def uniform(seed: int, number: Ints, columns: int) -> Floats:
     """Return random numbers (n, columns) in [0, 1) that depend only on the seed and the particle's number.
 
     They are a hash (splitmix64's finaliser) of a counter: without state, so the same on any number of ranks.
     """
     with np.errstate(over="ignore"):
-        counter = np.asarray(number, dtype=np.uint64)[:, None] * np.uint64(columns) + np.arange(columns, dtype=np.uint64)
-        return (_mix(counter + _mix(np.array([seed], dtype=np.uint64))) >> np.uint64(11)) * 2.0**-53
+        column: NDArray[np.uint64] = np.arange(columns, dtype=np.uint64)
+        counter: NDArray[np.uint64] = np.asarray(number, dtype=np.uint64)[:, None] * np.uint64(columns) + column
+        bits = _mix(counter + _mix(np.array([seed], dtype=np.uint64))) >> np.uint64(11)
+        return bits.astype(np.float64) * 2.0**-53
 
 
-def _mix(z):
+def _mix(z: NDArray[np.uint64]) -> NDArray[np.uint64]:
     z = z + np.uint64(0x9E3779B97F4A7C15)
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)

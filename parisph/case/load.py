@@ -3,30 +3,34 @@
 import difflib
 import functools
 import inspect
-import os
 import sys
 import traceback
 import types
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
 
 from parisph.base import paths, reading
 from parisph.base.errors import CaseError
+from parisph.base.paths import AnyPath
 from parisph.base.text import class_name, clipped, listed, named, of_error, plain, shown
 from parisph.case import stored
 from parisph.case.expressions import number
-from parisph.case.model import first_lines
+from parisph.case.faults import first_lines
 from parisph.case.probes import read_truth
 from parisph.case.schema import Case
 
+Result = TypeVar("Result")
+
 MISSING = inspect.Parameter.empty
+STARS: dict[Any, str] = {inspect.Parameter.VAR_POSITIONAL: "*", inspect.Parameter.VAR_KEYWORD: "**"}
 LONGEST = 400    # characters of a line of a message
 MOST_STORED = 128 * 10**6    # bytes of a stored case: each of its fields may have 10**6 numbers, each up to 32 bytes
 
 
-def load(path: str | os.PathLike, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
+def load(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
     """Return the Case that a case file describes. Not collective, needs no MPI.
 
     Parameters
@@ -54,7 +58,7 @@ def load(path: str | os.PathLike, sets: Mapping[str, Any] | Sequence[str] = ()) 
     return _with_truths(case, file.parent)
 
 
-def arguments(path: str | os.PathLike, sets: Mapping[str, Any] | Sequence[str] = ()) -> dict[str, Any]:
+def arguments(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> dict[str, Any]:
     """Return {name: value}: all parameters of a case file, with what `load` passes for them. Raises CaseError.
 
     path, sets : as of `load`; a stored case has no parameters
@@ -67,14 +71,15 @@ def arguments(path: str | os.PathLike, sets: Mapping[str, Any] | Sequence[str] =
     return {**values, **{name: _value(function, name, value, path) for name, value in _as_dict(sets).items()}}
 
 
-def parameters(path: str | os.PathLike) -> dict[str, tuple[Any, str]]:
+def parameters(path: AnyPath) -> dict[str, tuple[Any, str]]:
     """Return {name: (default, type in words)} of a case file's parameters. Raises CaseError."""
     function = _function(_find(path), path)
     hints = _hints(function)
-    return {name: (item.default, _type_name(hints.get(name))) for name, item in inspect.signature(function).parameters.items()}
+    return {name: (item.default, _type_name(hints.get(name)))
+            for name, item in inspect.signature(function).parameters.items()}
 
 
-def _find(path):
+def _find(path: AnyPath) -> Path:
     file = paths.checked(path, "CASE")
     if file.is_file():
         return file.resolve()
@@ -90,14 +95,14 @@ def _find(path):
     raise CaseError(f"{named(path)}: {problem}{hint}")
 
 
-def _read(file, path, most=reading.MOST):
+def _read(file: Path, path: AnyPath, most: float = reading.MOST) -> str:
     try:
         return reading.read_text(file, most)
     except OSError as error:
         raise CaseError(f"{named(path)}: cannot be read: {error.strerror}") from None
 
 
-def _stored(file, path):
+def _stored(file: Path, path: AnyPath) -> Case:
     text = _read(file, path, MOST_STORED)
     try:
         return stored.from_json(text)
@@ -105,7 +110,7 @@ def _stored(file, path):
         raise CaseError(f"{named(path)}: {_what(error)}") from error
 
 
-def register_parts(path: str | os.PathLike) -> None:
+def register_parts(path: AnyPath) -> None:
     """Run a Python file that registers parts of methods; a case file may be one. Do it on every rank.
 
     Raises CaseError: the file cannot be read, or raises an error.
@@ -113,18 +118,19 @@ def register_parts(path: str | os.PathLike) -> None:
     _module(_find(path), path)
 
 
-def _function(file, path):
+def _function(file: Path, path: AnyPath) -> Callable[..., Any]:
     """Run the case file and return its function `case`."""
     module = _module(file, path)
-    function = vars(module).get("case")
+    function: Callable[..., Any] | None = vars(module).get("case")
     if not callable(function) or _users_code(lambda: inspect.iscoroutinefunction(function), file, path):
-        there = "has no function case(...)" if function is None else f"`case` is a {class_name(function)}, not a plain function"
+        there = ("has no function case(...)" if function is None
+                 else f"`case` is a {class_name(function)}, not a plain function")
         raise CaseError(f"{named(path)}: {there}; write: def case(...) -> Case")
     _check_parameters(function, path)
     return function
 
 
-def _module(file, path):
+def _module(file: Path, path: AnyPath) -> types.ModuleType:
     """Run a Python file of the user and return its module.
 
     The text is compiled here and not imported: no __pycache__ beside the cases, on which ranks could race.
@@ -141,23 +147,29 @@ def _module(file, path):
     return module
 
 
-def _check_parameters(function, path):
+def _check_parameters(function: Callable[..., Any], path: AnyPath) -> None:
     try:
         known = inspect.signature(function).parameters.items()
     except KeyboardInterrupt:
         raise
     except BaseException:
-        raise CaseError(f"{named(path)}: `case` is {shown(function)}, whose parameters cannot be found; write: def case(...) -> Case") from None
+        raise CaseError(f"{named(path)}: `case` is {shown(function)}, whose parameters cannot be found; write: "
+                        "def case(...) -> Case") from None
     for name, parameter in known:
         if parameter.kind not in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY):
-            stars = {parameter.VAR_POSITIONAL: "*", parameter.VAR_KEYWORD: "**"}.get(parameter.kind, "")
-            raise CaseError(f"{named(path)}: the parameter {stars}{name} of case(...) cannot be set by name; write it as {name}: float = 1.0")
+            stars = STARS.get(parameter.kind, "")
+            raise CaseError(f"{named(path)}: the parameter {stars}{name} of case(...) cannot be set by name; "
+                            f"write it as {name}: float = 1.0")
         if parameter.default is MISSING:
-            raise CaseError(f"{named(path)}: the parameter {name!r} of case(...) needs a default, as in {name}: float = 1.0")
+            raise CaseError(f"{named(path)}: the parameter {name!r} of case(...) needs a default, "
+                            f"as in {name}: float = 1.0")
 
 
-def _users_code(action, file, path):
-    """Return action(), which runs code of a case file. Raises CaseError that says where it failed, except for Ctrl-C."""
+def _users_code(action: Callable[[], Result], file: Path, path: AnyPath) -> Result:
+    """Return action(), which runs code of a case file.
+
+    Raises CaseError that says where it failed, except for Ctrl-C.
+    """
     try:
         return action()
     except KeyboardInterrupt:
@@ -166,7 +178,7 @@ def _users_code(action, file, path):
         raise CaseError(f"{_where(error, file, path)}: {_what(error)}") from error
 
 
-def _where(error, file, path):
+def _where(error: BaseException, file: Path, path: AnyPath) -> str:
     """Return 'path, line n' of the last line of the case file that the error passed through."""
     if isinstance(error, SyntaxError) and error.filename == str(file):
         return f"{named(path)}, line {error.lineno}"
@@ -174,7 +186,7 @@ def _where(error, file, path):
     return f"{named(path)}, line {lines[-1]}" if lines else named(path)
 
 
-def _what(error):
+def _what(error: BaseException) -> str:
     if isinstance(error, CaseError):
         lines = [clipped(plain(line), LONGEST) for line in str(error).split("\n")]
         return lines[0] if len(lines) == 1 else "\n  " + first_lines(lines).replace("\n", "\n  ")
@@ -183,28 +195,30 @@ def _what(error):
     return f"{class_name(error)}: {of_error(error)}".removesuffix(": ")
 
 
-def _as_dict(sets):
-    if isinstance(sets, dict):
+def _as_dict(sets: Mapping[str, Any] | Sequence[str]) -> dict[str, Any]:
+    if isinstance(sets, Mapping):
         return dict(sets)
-    values = {}
+    values: dict[str, str] = {}
     for text in sets or ():
         name, equals, value = text.partition("=")
         if not equals or not name.strip():
             raise CaseError(f"--set {named(text)}: must be name=value, for example --set spacing=0.02")
         if name.strip() in values:
-            raise CaseError(f"--set {named(name.strip())} is given twice: {named(values[name.strip()])} and {named(value.strip())}")
+            raise CaseError(f"--set {named(name.strip())} is given twice: "
+                            f"{named(values[name.strip()])} and {named(value.strip())}")
         values[name.strip()] = value.strip()
     return values
 
 
-def _value(function, name, value, path):
+def _value(function: Callable[..., Any], name: str, value: Any, path: AnyPath) -> Any:
     """Return a --set value in the type of the parameter it is for."""
     known = inspect.signature(function).parameters
     if name not in known:
         close = difflib.get_close_matches(name, known, n=1)
-        hint = f"; did you mean {close[0]!r}?" if close else "."
+        meant = f"; did you mean {close[0]!r}?" if close else "."
         defaults = listed((f"{key}={shown(item.default, 40)}" for key, item in known.items()), LONGEST) or "none"
-        raise CaseError(f"{named(path)} has no parameter {shown(name)}{hint} Its parameters and their defaults: {defaults}")
+        raise CaseError(f"{named(path)} has no parameter {shown(name)}{meant} Its parameters and their defaults: "
+                        f"{defaults}")
     if not isinstance(value, str):
         return value
     hint = _hints(function).get(name)
@@ -214,11 +228,11 @@ def _value(function, name, value, path):
         return _convert(value, wanted)
     except (ValueError, TypeError) as error:
         reason = "none is not allowed here" if value.lower() == "none" else of_error(error)
-        raise CaseError(f"--set {named(name)}={named(value)}: must be {_type_name(wanted)}, as the default {shown(default, 40)} is "
-                        f"({reason})") from None
+        raise CaseError(f"--set {named(name)}={named(value)}: must be {_type_name(wanted)}, "
+                        f"as the default {shown(default, 40)} is ({reason})") from None
 
 
-def _hints(function):
+def _hints(function: Callable[..., Any]) -> dict[str, Any]:
     while isinstance(function, functools.partial):
         function = function.func
     try:
@@ -229,7 +243,7 @@ def _hints(function):
         return {}
 
 
-def _convert(text, wanted):
+def _convert(text: str, wanted: Any) -> Any:
     """Convert text to a type: float, int, bool, str, tuple[...] or a union of them with None."""
     origin, arguments = typing.get_origin(wanted), typing.get_args(wanted)
     if origin in (typing.Union, types.UnionType):
@@ -243,7 +257,8 @@ def _convert(text, wanted):
             raise ValueError(f"{len(parts)} values where {len(kinds)} are needed")
         return tuple(_convert(part, kinds[min(k, len(kinds) - 1)]) for k, part in enumerate(parts))
     if wanted is bool:
-        values = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False, "off": False, "0": False}
+        values = {"true": True, "yes": True, "on": True, "1": True, "false": False, "no": False,
+                  "off": False, "0": False}
         if text.lower() not in values:
             raise ValueError("give true or false")
         return values[text.lower()]
@@ -256,18 +271,18 @@ def _convert(text, wanted):
     raise TypeError(f"a parameter of type {_type_name(wanted)} cannot be set from text")
 
 
-def _first(text, kinds):
+def _first(text: str, kinds: Sequence[Any]) -> Any:
     """Convert to the first type that accepts the text; str comes last, because it accepts any text."""
-    problem = None
+    problem: Exception | None = None
     for kind in sorted(kinds, key=lambda item: item is str):
         try:
             return _convert(text, kind)
         except (ValueError, TypeError) as error:
             problem = problem or error
-    raise problem
+    raise problem or TypeError("a union of no types")
 
 
-def _type_name(wanted):
+def _type_name(wanted: Any) -> str:
     known = {float: "a number", int: "a whole number", bool: "true or false", str: "a text", type(None): "none"}
     for kind, words in known.items():
         if wanted is kind:
@@ -279,7 +294,7 @@ def _type_name(wanted):
     return named(getattr(wanted, "__name__", None) or shown(wanted))
 
 
-def _with_truths(case, folder):
+def _with_truths(case: Case, folder: Path) -> Case:
     """Return the case with the probes' reference files made absolute, each of them read once as a check."""
     probes = []
     for probe in case.probes:
@@ -291,7 +306,8 @@ def _with_truths(case, folder):
             except CaseError as error:
                 raise CaseError(f"probe {probe.name!r}: {error}") from None
             except (OSError, RuntimeError) as error:    # links in a circle
-                raise CaseError(f"probe {probe.name!r}: truth.file = {shown(probe.truth.file)}: {of_error(error)}") from None
+                raise CaseError(f"probe {probe.name!r}: truth.file = {shown(probe.truth.file)}: "
+                                f"{of_error(error)}") from None
             probe = probe.model_copy(update={"truth": truth})
         probes.append(probe)
     return case.model_copy(update={"probes": tuple(probes)})

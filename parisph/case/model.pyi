@@ -1,14 +1,13 @@
 """What a type checker sees of Model: it would take pydantic's own word that values are given by name only."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
+from pydantic.fields import FieldInfo
 from typing_extensions import Self
 
-MOST_LINES: int
-PLAIN: dict[str, str]
-
 class Model:
+    model_fields: ClassVar[dict[str, FieldInfo]]
     def __init__(self, *args: Any, **values: Any) -> None: ...
     def __eq__(self, other: object) -> bool: ...
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self: ...
@@ -18,6 +17,3 @@ class Model:
     def model_validate(cls, obj: Any, **options: Any) -> Self: ...
     @classmethod
     def model_validate_json(cls, json_data: str | bytes, **options: Any) -> Self: ...
-
-def explain(error: Exception, model: type) -> str: ...
-def first_lines(problems: list[str]) -> str: ...

@@ -1,8 +1,9 @@
 """How a scene is computed and what is written: method, resolution, time step, output."""
 
+from collections.abc import Iterable
 from typing import Annotated, Literal, Optional
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from parisph.base import vocabulary
 from parisph.base.fields import FIELDS
@@ -33,23 +34,25 @@ class Numerics(Model):
     max_time_step : upper limit of an adaptive step [s]
     zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)
-    residual_strain : part of the divergence left by earlier steps that a step removes, over dt sqrt(2 G:G) with G = grad u, or
-        over dt sqrt(g/s) if that is more; at most all of it; 0 for all in every step
+    residual_strain : part of the divergence left by earlier steps that a step removes, over dt sqrt(2 G:G) with
+        G = grad u, or over dt sqrt(g/s) if that is more; at most all of it; 0 for all in every step
     strain : weight of the strain source, which conserves volume in a finite step; 0 or 1
     kappa, shift : greatest weights of the position projection and of the Fick shift
     smagorinsky : C_s of Smagorinsky's eddy viscosity (C_s s)^2 sqrt(2 S:S), 0 for none
     filter : greatest fraction of the velocity's roughness that is removed in a step
-    kappa_strain, shift_strain, filter_strain : these weights in proportion to the strain of a step, dt sqrt(2 S:S), up to
-        the greatest; 0 for the greatest in every step
+    kappa_strain, shift_strain, filter_strain : these weights in proportion to the strain of a step, dt sqrt(2 S:S), up
+        to the greatest; 0 for the greatest in every step
     collision_distance, wall_guard : [s]; restitution : of pair collisions; 0 switches them off
-    laplacian, divergence, gradient, surface_gradient, wall_rows, surface_rule, source, stepping, forces, regularisers : names
-        of the parts of a step, if they are not to be those of the method and the preset (base.vocabulary lists them)
-    surface_offset : distance from a surface particle that stands for a full cell out to p = 0 [s]; 0 for p = 0 at particles
-    pressure_mean : over how many times the shortest time that particles resolve (methods.timestep) pressure is averaged,
-        if steps are shorter than that; 0 for the pressure of each step
+    laplacian, divergence, gradient, surface_gradient, wall_rows, surface_rule, source, stepping, forces, regularisers :
+        names of the parts of a step, if they are not to be those of the method and the preset (base.vocabulary lists
+        them)
+    surface_offset : distance from a surface particle that stands for a full cell out to p = 0 [s]; 0 for p = 0 at
+        particles
+    pressure_mean : over how many times the shortest time that particles resolve (methods.timestep) pressure is
+        averaged, if steps are shorter than that; 0 for the pressure of each step
     rtol : relative tolerance of the pressure solve
-    equation_of_state, sound_speed, artificial_viscosity, xsph : of the method SPH alone (Z14 Eqs 3, 8, 9); the speed of sound
-        [m/s] is by default ten times the fastest fluid that the scene lets expect
+    equation_of_state, sound_speed, artificial_viscosity, xsph : of the method SPH alone (Z14 Eqs 3, 8, 9); the speed of
+        sound [m/s] is by default ten times the fastest fluid that the scene lets expect
     jitter : k of a start displacement s k (Rn - 1/2) in each direction, Rn uniform in [0, 1) (Z17
         Sec. 4), of fluid particles inside; of those on the free surface too if jitter_surface
     seed : seed of the jitter
@@ -59,32 +62,41 @@ class Numerics(Model):
     method: str = Field("ISPH_R", description="name of the method")
     preset: str = Field("violent", description="name of the preset")
     time_step: Optional[float] = Field(None, gt=0, description="fixed time step [s], or None to adapt it")
-    cfl: Optional[float] = Field(None, gt=0, le=2, description="largest move of a particle in one adaptive step, in spacings")
-    fall: Optional[float] = Field(None, ge=0, le=2, description="largest adaptive step of moving fluid over sqrt(spacing/g), 0 for no limit")
+    cfl: Optional[float] = Field(None, gt=0, le=2,
+                                 description="largest move of a particle in one adaptive step, in spacings")
+    fall: Optional[float] = Field(
+        None, ge=0, le=2, description="largest adaptive step of moving fluid over sqrt(spacing/g), 0 for no limit")
     max_time_step: Optional[float] = Field(None, gt=0, description="upper limit of an adaptive step [s]")
     zeta_time: Optional[float] = Field(None, ge=0, description="relaxation time of the divergence [s], 0 for none")
     zeta: Optional[float] = Field(None, gt=0, le=2, description="weight of the divergence in the source")
-    residual_strain: Optional[float] = Field(None, ge=0, le=1000, description="part of the residual divergence removed over the strain of a step")
+    residual_strain: Optional[float] = Field(
+        None, ge=0, le=1000, description="part of the residual divergence removed over the strain of a step")
     gamma: Fraction = None
     strain: Fraction = None
     kappa: Optional[float] = Field(None, ge=0, le=2, description="weight of the position projection")
     shift: Optional[float] = Field(None, ge=0, le=2, description="weight C of the Fick shift")
-    kappa_strain: Optional[float] = Field(None, ge=0, le=1000, description="weight of the position projection over the strain of a step")
-    shift_strain: Optional[float] = Field(None, ge=0, le=1000, description="weight C of the Fick shift over the strain of a step")
+    kappa_strain: Optional[float] = Field(None, ge=0, le=1000,
+                                          description="weight of the position projection over the strain of a step")
+    shift_strain: Optional[float] = Field(None, ge=0, le=1000,
+                                          description="weight C of the Fick shift over the strain of a step")
     filter: Fraction = None
-    filter_strain: Optional[float] = Field(None, ge=0, le=1000, description="fraction of roughness removed over the strain of a step")
+    filter_strain: Optional[float] = Field(None, ge=0, le=1000,
+                                           description="fraction of roughness removed over the strain of a step")
     collision_distance: Distance = None
     restitution: Fraction = None
     wall_guard: Distance = None
     laplacian: Optional[str] = Field(None, description="name of the Laplacian")
     divergence: Optional[str] = Field(None, description="name of the divergence")
     source: Optional[str] = Field(None, description="name of the pressure equation's source")
-    smagorinsky: float = Field(0.0, ge=0, le=1, description="constant C_s of the eddy viscosity (C_s s)^2 |S|, 0 for none")
+    smagorinsky: float = Field(0.0, ge=0, le=1,
+                               description="constant C_s of the eddy viscosity (C_s s)^2 |S|, 0 for none")
     forces: Optional[tuple[str, ...]] = Field(None, description="names of the forces")
     regularisers: Optional[tuple[str, ...]] = Field(None, description="names of the regularisers, in their order")
     surface_rule: Optional[str] = Field(None, description="name of the rule that finds the free surface")
-    surface_offset: Optional[float] = Field(None, ge=0, le=1, description="distance of p = 0 from full surface particles, in spacings")
-    pressure_mean: Optional[float] = Field(None, ge=0, le=100, description="mean of pressure in short steps, in times that particles resolve")
+    surface_offset: Optional[float] = Field(None, ge=0, le=1,
+                                            description="distance of p = 0 from full surface particles, in spacings")
+    pressure_mean: Optional[float] = Field(
+        None, ge=0, le=100, description="mean of pressure in short steps, in times that particles resolve")
     wall_rows: Optional[str] = Field(None, description="name of the rows of wall particles")
     gradient: Optional[str] = Field(None, description="name of the pressure gradient")
     surface_gradient: Optional[str] = Field(None, description="name of the pressure gradient at the surface")
@@ -92,38 +104,42 @@ class Numerics(Model):
     rtol: Optional[float] = Field(None, gt=0, lt=1, description="relative tolerance of the pressure solve")
     equation_of_state: Literal["tait", "linear"] = Field("tait", description="pressure of weakly compressible fluid")
     sound_speed: Optional[float] = Field(None, gt=0, description="speed of sound of weakly compressible fluid [m/s]")
-    artificial_viscosity: float = Field(0.3, ge=0, le=10, description="omega of the artificial viscosity of weakly compressible fluid")
-    xsph: float = Field(0.01, ge=0, le=1, description="epsilon of XSPH: how far weakly compressible fluid moves with its neighbours")
+    artificial_viscosity: float = Field(0.3, ge=0, le=10,
+                                        description="omega of the artificial viscosity of weakly compressible fluid")
+    xsph: float = Field(0.01, ge=0, le=1,
+                        description="epsilon of XSPH: how far weakly compressible fluid moves with its neighbours")
     jitter: float = Field(0.0, ge=0, le=1.2, description="disorder k of the start positions, 0 to 1.2")
     jitter_surface: bool = Field(False, description="whether particles on the free surface are jittered too")
     seed: int = Field(0, ge=0, lt=2**63, description="seed of the jitter")
 
     @field_validator("method")
     @classmethod
-    def _known_method(cls, name, info):
+    def _known_method(cls, name: str, info: ValidationInfo) -> str:
         return name if info.context else _known("method", name, METHODS)
 
     @field_validator(*WORDS)
     @classmethod
-    def _known_part(cls, word, info):
+    def _known_part(cls, word: str | None, info: ValidationInfo) -> str | None:
         if word is None or info.context:    # a run that is only looked at may have parts that are not here
             return word
-        return _known(info.field_name, word, vocabulary.known(WORDS[info.field_name]))
+        field = str(info.field_name)
+        return _known(field, word, vocabulary.known(WORDS[field]))
 
     @field_validator(*LISTS)
     @classmethod
-    def _known_parts(cls, words, info):
+    def _known_parts(cls, words: tuple[str, ...] | None, info: ValidationInfo) -> tuple[str, ...] | None:
+        what = LISTS[str(info.field_name)]
         for word in () if info.context else words or ():
-            _known(LISTS[info.field_name], word, vocabulary.known(LISTS[info.field_name]))
+            _known(what, word, vocabulary.known(what))
         return words
 
     @field_validator("preset")
     @classmethod
-    def _known_preset(cls, name):
+    def _known_preset(cls, name: str) -> str:
         return _known("preset", name, PRESETS)
 
     @model_validator(mode="after")
-    def _one_relaxation(self):
+    def _one_relaxation(self) -> "Numerics":
         if self.zeta is not None and self.zeta_time:
             raise ValueError(
                 f"zeta = {self.zeta} and zeta_time = {self.zeta_time}: give only one of them, "
@@ -136,7 +152,7 @@ class Numerics(Model):
             )
         return self
 
-    def resolved(self):
+    def resolved(self) -> "Numerics":
         """Return a copy in which the values of the method, or else of the preset, replace None."""
         values = {**PRESETS[self.preset], **METHODS[self.method].values}
         missing = {name: value for name, value in values.items() if getattr(self, name) is None}
@@ -170,23 +186,23 @@ class Output(Model):
 
     @field_validator("fields")
     @classmethod
-    def _known_fields(cls, names):
+    def _known_fields(cls, names: tuple[str, ...]) -> tuple[str, ...]:
         known = [field.name for field in FIELDS.values() if field.written]
         for name in names:
             _known("field", name, known)
         return tuple(dict.fromkeys(names))
 
     @model_validator(mode="after")
-    def _one_rate(self):
+    def _one_rate(self) -> "Output":
         if self.probe_interval is not None and self.probe_every != 1:
             raise ValueError(
-                f"probe_every = {self.probe_every} and probe_interval = {self.probe_interval:g} s: give only one of them, "
-                "samples are taken every so many steps or at a fixed rate in time"
+                f"probe_every = {self.probe_every} and probe_interval = {self.probe_interval:g} s: "
+                "give only one of them, samples are taken every so many steps or at a fixed rate in time"
             )
         return self
 
 
-def _known(what, name, names):
+def _known(what: str, name: str, names: Iterable[str]) -> str:
     if name not in names:
         raise ValueError(f"unknown {what} {shown(name)}; known are {', '.join(names)}")
     return name

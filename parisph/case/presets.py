@@ -39,9 +39,10 @@ PRESETS: dict[str, dict[str, Any]] = {
         "stepping": "midpoint",
         "rtol": 1e-6,
     },
-    # A closed tank full of viscous fluid: only positions are regularised, by a shift in proportion to strain. A position
-    # projection would keep cells more equal, but takes a quarter of the energy of the flow in a cavity at Re = 400. With
-    # the corrected gradient, errors of u and v there are 1.9 and 0.9 % with 40 x 40 particles, else 2.1 and 1.1 %.
+    # A closed tank full of viscous fluid: only positions are regularised, by a shift in proportion to strain. A
+    # position projection would keep cells more equal, but takes a quarter of the energy of the flow in a cavity at
+    # Re = 400. With the corrected gradient, errors of u and v there are 1.9 and 0.9 % with 40 x 40 particles, else 2.1
+    # and 1.1 %.
     "closed": {
         **USUAL,
         "regularisers": ("wall_guard", "projection", "parting", "shift_tensile", "keep_apart"),
@@ -100,8 +101,8 @@ PRESETS: dict[str, dict[str, Any]] = {
     },
 }
 
-# A closed tank full of fluid has no free surface, beside which stencils are one-sided: far weaker regularisation keeps it
-# regular, and a vortex its energy. These replace the values of the violent preset there.
+# A closed tank full of fluid has no free surface, beside which stencils are one-sided: far weaker regularisation keeps
+# it regular, and a vortex its energy. These replace the values of the violent preset there.
 CLOSED = {
     "surface_rule": "none",
     "residual_strain": 0.0,
@@ -114,7 +115,7 @@ CLOSED = {
 }
 
 
-def preset_values(preset: str, closed: bool) -> dict:
+def preset_values(preset: str, closed: bool) -> dict[str, Any]:
     """Return the numbers of a preset; closed: whether the fluid fills a closed tank."""
     own = CLOSED if preset == "violent" else {"surface_rule": CLOSED["surface_rule"]}
     return {**PRESETS[preset], **(own if closed else {})}

@@ -1,12 +1,14 @@
 """Descriptions of probes; parisph.watch.instruments computes their values."""
 
 import re
+from collections.abc import Sequence
 from typing import Annotated, Literal, Union
 
 import numpy as np
 from pydantic import Field, field_validator
 
 from parisph.base import reading
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
 from parisph.case.model import Model
@@ -49,10 +51,11 @@ class Probe(Model):
 
     @field_validator("name")
     @classmethod
-    def _file_name(cls, name):
+    def _file_name(cls, name: str) -> str:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}", name):
             raise ValueError(
-                f"{shown(name)} cannot name a file: use up to 64 letters, digits, '_', '-' or '.', and start with a letter or digit"
+                f"{shown(name)} cannot name a file: use up to 64 letters, digits, '_', '-' or '.', "
+                "and start with a letter or digit"
             )
         return name
 
@@ -140,7 +143,7 @@ class VelocityProfile(Probe):
     peak: Peak = False
 
     @property
-    def places(self) -> np.ndarray:
+    def places(self) -> Floats:
         """The points (points, dim) [m]."""
         return np.linspace(self.start, self.end, self.points)
 
@@ -151,7 +154,7 @@ AnyProbe = Annotated[
 ]
 
 
-def read_truth(truth):
+def read_truth(truth: Truth) -> tuple[Floats, Floats]:
     """Return the times (n,) [s] and the values (n,) [the probe's unit] of a Truth.
 
     Raises
@@ -167,20 +170,23 @@ def read_truth(truth):
         raise CaseError(f"truth.file = {shown(truth.file)}: cannot be read ({error})") from None
     for field, name in (("time", truth.time), ("value", truth.value)):
         if name not in names:
-            raise CaseError(f"truth.{field} = {shown(name)}: {named(truth.file)} has no such column; it has {reading.listed(names)}")
+            raise CaseError(f"truth.{field} = {shown(name)}: {named(truth.file)} has no such column; "
+                            f"it has {reading.listed(names)}")
     columns = [names.index(truth.time), names.index(truth.value)]
-    data = np.array([_numbers(truth, number, [cells[k] for k in columns]) for number, cells in lines.items()]).reshape(-1, 2)
+    data = np.array([_numbers(truth, number, [cells[k] for k in columns])
+                     for number, cells in lines.items()]).reshape(-1, 2)
     if len(data) < 2 or np.any(np.diff(data[:, 0]) <= 0):
-        raise CaseError(f"truth.file = {shown(truth.file)}: must have at least two lines of finite numbers, at increasing times")
+        raise CaseError(f"truth.file = {shown(truth.file)}: must have at least two lines of finite numbers, "
+                        "at increasing times")
     return data[:, 0] * truth.time_scale, truth.offset + truth.scale * data[:, 1]
 
 
-def _numbers(truth, line, cells):
+def _numbers(truth: Truth, line: int, cells: Sequence[str]) -> list[float]:
     try:
         found = [float(cell) for cell in cells]
     except ValueError:
         found = [np.nan]
     if not np.all(np.abs(found) <= LARGEST):
-        raise CaseError(f"truth.file = {shown(truth.file)}: line {line} holds something that is not a finite number of at most "
-                        f"{LARGEST:g} in {shown(truth.time)} or {shown(truth.value)}")
+        raise CaseError(f"truth.file = {shown(truth.file)}: line {line} holds something that is not a finite "
+                        f"number of at most {LARGEST:g} in {shown(truth.time)} or {shown(truth.value)}")
     return found

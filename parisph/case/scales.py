@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.case.expressions import compile_expression, uniform_field, vector_field
+from parisph.case.schema import Case
 from parisph.case.shapes import Box
 from parisph.case.waves import angular_frequency
 
@@ -30,13 +32,13 @@ class Scales:
     """
 
     wave: float | None
-    times: np.ndarray
-    speeds: np.ndarray
-    accelerations: np.ndarray
+    times: Floats
+    speeds: Floats
+    accelerations: Floats
     force: float
 
 
-def expected(case) -> Scales:
+def expected(case: Case) -> Scales:
     """Return the Scales of a case.
 
     For level water between two walls the speed is the initial speed plus that of waves: those of the
@@ -54,8 +56,9 @@ def expected(case) -> Scales:
     accelerations = np.pi / float(np.min(upper - lower)) * speeds**2    # of cells of flow as wide as the fluid
     if case.closed or force == 0.0:
         return Scales(wave, times, speeds, accelerations, force)
-    if _is_level(case, down):
-        wave, moving, accelerations = _waves(case, force, times, speeds)
+    level = _level(case, down)
+    if level is not None:
+        wave, moving, accelerations = _waves(case, level, force, times, speeds)
         speeds += moving
     else:
         accelerations = np.full(SAMPLES, force)
@@ -63,24 +66,27 @@ def expected(case) -> Scales:
     return Scales(wave, times, speeds, accelerations, force)
 
 
-def fall_time(case) -> float:
+def fall_time(case: Case) -> float:
     """Return sqrt(depth/g) [s] of level water at rest without waves, 0 for all other fluid."""
     force, down = _gravity(case)
-    if force == 0.0 or uniform_field(case.gravity) is None or case.closed or _start_speed(case) > 0.0 or case.fluid.elevation is not None or not _is_level(case, down):
+    level = _level(case, down)
+    if force == 0.0 or uniform_field(case.gravity) is None or case.closed or level is None:
         return 0.0
-    return float(np.sqrt(case.fluid.shape.size[-1] / force))
+    if _start_speed(case) > 0.0 or case.fluid.elevation is not None:
+        return 0.0
+    return float(np.sqrt(level.size[-1] / force))
 
 
-def _sample(case):
+def _sample(case: Case) -> Floats:
     """Return points (n, dim) [m] of the fluid at the start, without its elevation."""
     lower, upper = case.fluid.shape.bounds
     count = max(3, round(SAMPLES ** (1.0 / case.dim)))
     axes = [np.linspace(a, b, count) for a, b in zip(lower, upper)]
-    x = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
+    x: Floats = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
     return x[case.fluid.shape.inside(x, 0.0)]
 
 
-def _gravity(case):
+def _gravity(case: Case) -> tuple[float, Floats]:
     """Return the largest body force of the start [m/s^2], and the unit vector of its mean (zero if there is none)."""
     force = vector_field(case.gravity, with_time=True)(_sample(case))
     mean = force.mean(axis=0)
@@ -89,20 +95,23 @@ def _gravity(case):
     return largest, mean / size if size > 1e-9 * largest > 0.0 else np.zeros(case.dim)
 
 
-def _start_speed(case):
-    return float(np.linalg.norm(vector_field(case.fluid.velocity, with_time=False)(_sample(case)), axis=1).max(initial=0.0))
+def _start_speed(case: Case) -> float:
+    return float(np.linalg.norm(vector_field(case.fluid.velocity, with_time=False)(_sample(case)),
+                                axis=1).max(initial=0.0))
 
 
-def _is_level(case, down):
-    """Return whether the fluid is a Box between the tank's walls, on its bed, below -y."""
-    if case.walls is None or not isinstance(case.fluid.shape, Box) or down[-1] > -0.99:
-        return False
-    (lower, upper), (low, high) = case.fluid.shape.bounds, case.walls.bounds
+def _level(case: Case, down: Floats) -> Box | None:
+    """Return the fluid if it is a Box between the tank's walls, on its bed, below -y; else None."""
+    box = case.fluid.shape
+    if case.walls is None or not isinstance(box, Box) or down[-1] > -0.99:
+        return None
+    (lower, upper), (low, high) = box.bounds, case.walls.bounds
     slack = 0.5 * case.numerics.spacing
-    return bool(np.all(np.abs(lower - low) < slack) and np.all(np.abs(upper - high)[:-1] < slack))
+    fills = np.all(np.abs(lower - low) < slack) and np.all(np.abs(upper - high)[:-1] < slack)
+    return box if fills else None
 
 
-def _fall(case, down):
+def _fall(case: Case, down: Floats) -> float:
     """Return how far fluid can fall [m]: to the far side of the tank; without a tank, infinitely far, or
     to the centre of a central force."""
     lower, upper = case.fluid.shape.bounds
@@ -113,13 +122,13 @@ def _fall(case, down):
     return float(top - np.where(down > 0.0, high, low) @ -down)
 
 
-def _waves(case, g, times, start):
-    """Return the largest amplitude of waves on level water [m], None without any, and speed [m/s] and acceleration [m/s^2]
-    of its particles, (n,) each.
+def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tuple[float | None, Floats, Floats]:
+    """Return the largest amplitude of waves on level water [m], None without any, and speed [m/s] and acceleration
+    [m/s^2] of its particles, (n,) each.
 
     start : (n,) the speed of the start [m/s], which is not part of the speed that is returned
     """
-    (length, depth), (lower, upper) = case.fluid.shape.size[[0, -1]], case.fluid.shape.bounds
+    (length, depth), (lower, upper) = level.size[[0, -1]], level.bounds
     eta, speed = _sloshing(case, g, np.pi / length, depth, times)
     acceleration = angular_frequency(np.pi / length, depth, g) * speed
     x = np.linspace(lower[0], upper[0], SAMPLES)
@@ -134,7 +143,7 @@ def _waves(case, g, times, start):
     return (amplitude if amplitude > 0.0 else None), np.minimum(speed, np.sqrt(2.0 * g * depth)), acceleration
 
 
-def _sloshing(case, g, k, depth, times):
+def _sloshing(case: Case, g: float, k: float, depth: float, times: Floats) -> tuple[float, Floats]:
     """Amplitude [m] and speed (n,) [m/s] of the first mode, eta'' + omega^2 eta = -(omega^2/g) f 4L/pi^2.
 
     f is the horizontal body force; the linear potential problem of a tank, projected on cos(pi x/L).
@@ -155,15 +164,16 @@ def _sloshing(case, g, k, depth, times):
     return largest, np.interp(times, dt * np.arange(1, count + 1), speed)
 
 
-def _elevation(case, x):
+def _elevation(case: Case, x: Floats) -> Floats:
     """Return the elevation of the surface at the start [m], at x (n,) [m]."""
     if case.fluid.elevation is None:
         return np.zeros_like(x)
     return compile_expression(str(case.fluid.elevation), ("x",))(x=x)
 
 
-def _harmonic(x, values):
-    """Return amplitude and wave number [1/m] of a cosine similar to the values (n,) at x (n,), at least half a wave long."""
+def _harmonic(x: Floats, values: Floats) -> tuple[float, float]:
+    """Return amplitude and wave number [1/m] of a cosine similar to the values (n,) at x (n,), at least half a wave
+    long."""
     amplitude, longest = float(np.ptp(values)) / 2.0, np.pi / (x[-1] - x[0])
     if amplitude == 0.0:
         return 0.0, longest

@@ -1,21 +1,20 @@
 """The description of a scene: frozen, validated, JSON in and out."""
 
-from typing import Optional, Union
+from collections.abc import Mapping
+from typing import Any
 
-import numpy as np
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import ValidationInfo, model_validator
 
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
 from parisph.case import checks
-from parisph.case.expressions import uniform_field, vector_field
+from parisph.case.faults import first_lines
 from parisph.case.methods import METHODS
-from parisph.case.model import Model, first_lines
-from parisph.case.motion import AtRest, Frame, Sway, Tabulated
+from parisph.case.model import Model
+from parisph.case.motion import AtRest, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
 from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import (
-    AnyProbe,
     ColumnHeight,
     Energy,
     Momentum,
@@ -26,11 +25,13 @@ from parisph.case.probes import (
     Volume,
     WaterFront,
 )
+from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
 
 __all__ = [
-    "METHODS", "PRESETS", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Lid", "Momentum", "Numerics",
-    "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront",
+    "METHODS", "PRESETS", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Lid",
+    "Momentum", "Numerics", "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth",
+    "VelocityProfile", "Volume", "WaterFront",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at
@@ -38,7 +39,7 @@ __all__ = [
 READ_ONLY = "read only"
 
 
-class Case(Model):
+class Case(Scene):
     """A scene and how it is computed, in SI units.
 
     Attributes
@@ -59,58 +60,14 @@ class Case(Model):
     CaseError : with one line for each problem
     """
 
-    title: str = Field(min_length=1, max_length=200, description="one line for people")
-    fluid: Fluid
-    walls: Optional[Tank] = None
-    gravity: tuple[Union[float, str], ...] = Field(description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
-    frame: Frame = AtRest()
-    numerics: Numerics
-    output: Output = Output()
-    probes: tuple[AnyProbe, ...] = ()
-    end_time: float = Field(gt=0, description="end of the run [s]")
-    asked: Optional[Numerics] = Field(None, description="the numerics as they were asked for, in a stored case")
-
-    @field_validator("probes", mode="before")
-    @classmethod
-    def _several(cls, probes):
-        if isinstance(probes, Model):
-            raise ValueError(f"must be a list; write probes=[{type(probes).__name__}(...)]")
-        return probes
-
     @model_validator(mode="after")
-    def _can_run(self, info: ValidationInfo):
+    def _can_run(self, info: ValidationInfo) -> "Case":
         if info.context == READ_ONLY:
             return self
         found = checks.problems(self)
         if found:
             raise ValueError(first_lines(found))
         return self
-
-    @property
-    def dim(self):
-        """Number of dimensions: 2, as scenes in 3D are refused so far."""
-        return self.fluid.dim
-
-    @property
-    def closed(self):
-        """True for a tank with a lid that is full: no free surface, pressure up to a constant."""
-        shape, tank = self.fluid.shape, self.walls
-        if tank is None or not tank.closed or not isinstance(shape, Box) or self.fluid.elevation is not None:
-            return False
-        gaps = np.abs(np.array(shape.bounds) - np.array(tank.bounds))
-        return bool(np.all(gaps < 0.5 * self.numerics.spacing))
-
-    @property
-    def driven(self):
-        """Whether the body force or the tank's motion may do work on the fluid and so change its energy.
-
-        A uniform, constant force does not, because its potential energy is counted.
-        """
-        return not isinstance(self.frame, AtRest) or uniform_field(self.gravity) is None
-
-    def body_force(self, x, t):
-        """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity less the tank's acceleration."""
-        return vector_field(self.gravity, with_time=True)(x, t) - self.frame.acceleration(t)
 
     def complete_numerics(self) -> Numerics:
         """Return the numerics in which every value is set; a closed case has no free surface."""
@@ -126,7 +83,7 @@ class Case(Model):
         """Return the case with the resolved `numerics`; `asked` keeps those given by the user."""
         return self.model_copy(update={"numerics": numerics, "asked": self.asked or self.numerics})
 
-    def changed(self, **values) -> "Case":
+    def changed(self, **values: Any) -> "Case":
         """Return a validated copy with other values. Use dots for nested values: changed(**{"numerics.cfl": 0.3}).
 
         In a stored case, a new preset replaces the values of the old one, but not those given by the user.
@@ -145,19 +102,20 @@ class Case(Model):
         return case if asked is None else case.model_copy(update={"asked": Numerics.model_validate(asked)})
 
 
-def _put(data, name, value):
+def _put(data: dict[str, Any], name: str, value: Any) -> None:
     """Set an entry of nested dictionaries by its name with dots."""
     *path, last = name.split(".")
     part = data
     for key in path:
-        part = part.get(key)
-        if not isinstance(part, dict):
+        inner = part.get(key)
+        if not isinstance(inner, dict):
             raise CaseError(f"{named(name)}: the case has no part {shown(key)}; it has {', '.join(data)}")
+        part = inner
     part[last] = value.model_dump() if isinstance(value, Model) else value
 
 
-def _put_asked(data, values):
-    """Make the same changes to the numerics given by the user, and take what follows from them from the preset again."""
+def _put_asked(data: dict[str, Any], values: Mapping[str, Any]) -> None:
+    """Make the same changes to the numerics given by the user, and take what follows from them from the preset."""
     names = {name.partition(".")[2] for name in values if name.startswith("numerics.")} & set(Numerics.model_fields)
     for name in names:
         data["asked"][name] = data["numerics"][name]

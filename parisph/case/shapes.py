@@ -5,12 +5,13 @@ from typing import Annotated, ClassVar, Literal, Union
 import numpy as np
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
+from parisph.base.arrays import Flags, Floats
 from parisph.base.text import shown
 from parisph.case.expressions import compile_expression, variable_names
 from parisph.case.model import Model
 
 
-def _in_the_plane(point):
+def _in_the_plane(point: tuple[float, ...]) -> tuple[float, ...]:
     if len(point) == 3:
         raise ValueError(f"{point} has three components: scenes are 2D so far, give (x, y)")
     return point
@@ -18,7 +19,9 @@ def _in_the_plane(point):
 
 Length = Annotated[float, Field(gt=0, description="a length [m]")]
 Point = Annotated[
-    tuple[float, ...], Field(min_length=2, max_length=3, description="a point (x, y) [m]"), AfterValidator(_in_the_plane)
+    tuple[float, ...],
+    Field(min_length=2, max_length=3, description="a point (x, y) [m]"),
+    AfterValidator(_in_the_plane),
 ]
 Number = Union[float, str]  # a number, or an expression of position
 
@@ -32,25 +35,26 @@ class Box(Model):
     at: Point = (0.0, 0.0)
 
     @property
-    def area(self):
+    def area(self) -> float:
         """[m2]"""
         return self.width * self.height
 
     @property
-    def size(self):
+    def size(self) -> Floats:
         """Edge lengths (dim,) [m]."""
         return np.array([self.width, self.height])
 
     @property
-    def bounds(self):
+    def bounds(self) -> tuple[Floats, Floats]:
         """Lower and upper corner, (dim,) each [m]."""
         lower = np.array(self.at)
         return lower, lower + self.size
 
-    def inside(self, x, tolerance):
+    def inside(self, x: Floats, tolerance: float) -> Flags:
         """Return which of the points x (n, dim) [m] lie in the closed box, widened by tolerance [m]."""
         lower, upper = self.bounds
-        return np.all((x >= lower - tolerance) & (x <= upper + tolerance), axis=1)
+        within: Flags = np.all((x >= lower - tolerance) & (x <= upper + tolerance), axis=1)
+        return within
 
 
 class Disc(Model):
@@ -62,30 +66,32 @@ class Disc(Model):
     edges: ClassVar[int] = 1
 
     @property
-    def area(self):
+    def area(self) -> float:
         """[m2]"""
         return np.pi * self.radius**2
 
     @property
-    def bounds(self):
+    def bounds(self) -> tuple[Floats, Floats]:
         """Lower and upper corner of the bounding box, (dim,) each [m]."""
         centre = np.array(self.at)
         return centre - self.radius, centre + self.radius
 
-    def inside(self, x, tolerance):
+    def inside(self, x: Floats, tolerance: float) -> Flags:
         """Return which of the points x (n, dim) [m] lie in the closed disc, widened by tolerance [m]."""
-        return np.linalg.norm(x - np.array(self.at), axis=1) <= self.radius + tolerance
+        within: Flags = np.linalg.norm(x - np.array(self.at), axis=1) <= self.radius + tolerance
+        return within
 
 
 class Polygon(Model):
     """A polygon of fluid, given by its corners in order, either way round [m]."""
 
     kind: Literal["polygon"] = "polygon"
-    points: Annotated[tuple[tuple[float, ...], ...], Field(min_length=3, max_length=1000, description="corners ((x, y), ...) in order [m]")]
+    points: Annotated[tuple[tuple[float, ...], ...], Field(
+        min_length=3, max_length=1000, description="corners ((x, y), ...) in order [m]")]
 
     @field_validator("points")
     @classmethod
-    def _encloses(cls, points):
+    def _encloses(cls, points: tuple[tuple[float, ...], ...]) -> tuple[tuple[float, ...], ...]:
         if any(len(point) != 2 for point in points):
             raise ValueError("every corner must have two coordinates (x, y): scenes are 2D so far")
         if _area(points) == 0.0:
@@ -93,25 +99,25 @@ class Polygon(Model):
         return points
 
     @property
-    def edges(self):
+    def edges(self) -> int:
         """Number of edges."""
         return len(self.points)
 
     @property
-    def area(self):
+    def area(self) -> float:
         """[m2]"""
         return _area(self.points)
 
     @property
-    def bounds(self):
+    def bounds(self) -> tuple[Floats, Floats]:
         """Lower and upper corner of the bounding box, (dim,) each [m]."""
         points = np.array(self.points)
         return points.min(axis=0), points.max(axis=0)
 
-    def inside(self, x, tolerance):
+    def inside(self, x: Floats, tolerance: float) -> Flags:
         """Return which of the points x (n, 2) [m] lie in the polygon or within tolerance [m] of its edge."""
-        crossings = np.zeros(len(x), dtype=bool)
-        near = np.zeros(len(x), dtype=bool)
+        crossings: Flags = np.zeros(len(x), dtype=bool)
+        near: Flags = np.zeros(len(x), dtype=bool)
         corners = np.array(self.points)
         for a, b in zip(corners, np.roll(corners, -1, axis=0)):
             along = np.clip(np.sum((x - a) * (b - a), axis=1) / max(np.sum((b - a) ** 2), 1e-300), 0.0, 1.0)
@@ -122,14 +128,17 @@ class Polygon(Model):
         return crossings | near
 
 
-def _area(points):
+def _area(points: tuple[tuple[float, ...], ...]) -> float:
     x, y = np.array(points).T
     x, y = x - x[0], y - y[0]    # far from the origin the products would cancel
     return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
 
 
 class Lid(Model):
-    """A lid that moves in its plane with `velocity` [m/s] along x, as in a lid-driven cavity. Only viscous fluid notices."""
+    """A lid that moves in its plane with `velocity` [m/s] along x, as in a lid-driven cavity.
+
+    Only viscous fluid notices.
+    """
 
     velocity: float = Field(description="velocity of the lid along x [m/s]")
 
@@ -164,12 +173,12 @@ class Tank(Model):
         return SIDES if self.no_slip else ()
 
     @property
-    def size(self):
+    def size(self) -> Floats:
         """Edge lengths (dim,) [m]."""
         return np.array([self.width, self.height])
 
     @property
-    def bounds(self):
+    def bounds(self) -> tuple[Floats, Floats]:
         """Lower and upper corner, (dim,) each [m]."""
         lower = np.array(self.at)
         return lower, lower + self.size
@@ -193,19 +202,20 @@ class Fluid(Model):
 
     shape: Shape
     density: float = Field(gt=0, description="density [kg/m3]")
-    velocity: tuple[Number, ...] = Field((0.0, 0.0), description="start velocity (u, v) [m/s], numbers or expressions of x, y")
+    velocity: tuple[Number, ...] = Field((0.0, 0.0),
+                                         description="start velocity (u, v) [m/s], numbers or expressions of x, y")
     elevation: Union[float, str, None] = Field(
         None, description="surface elevation above a Box [m], a number or an expression of x"
     )
     viscosity: float = Field(0.0, ge=0, description="kinematic viscosity [m2/s]")
 
     @property
-    def dim(self):
+    def dim(self) -> int:
         """Number of dimensions: 2, as scenes in 3D are refused so far."""
         return len(self.shape.bounds[0])
 
     @model_validator(mode="after")
-    def _consistent(self):
+    def _consistent(self) -> "Fluid":
         dim = self.dim
         check_components("velocity", self.velocity, dim, with_time=False)
         if self.elevation is not None:
@@ -221,7 +231,7 @@ class Fluid(Model):
         return self
 
 
-def check_components(field, components, dim, with_time):
+def check_components(field: str, components: tuple[Number, ...], dim: int, with_time: bool) -> None:
     """Raise ValueError unless `components` are dim numbers or expressions that compile."""
     if len(components) != dim:
         raise ValueError(f"{field} = {shown(components)}: must have {dim} components, as the fluid's shape has")

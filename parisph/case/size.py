@@ -4,6 +4,7 @@ import numpy as np
 
 from parisph.case.lattice import Lattice, boundary_size
 from parisph.case.methods import METHODS
+from parisph.case.scene import Scene
 from parisph.case.shapes import Box
 
 MOST = 2**31 - 1    # rows of the pressure matrix that 32-bit numbers can name
@@ -20,15 +21,16 @@ BYTES = 2500.0  # per particle
 BASE = 223e6    # interpreter, libraries and kernels of one rank
 
 
-def memory(particles, ranks=1):
+def memory(particles: float, ranks: int = 1) -> float:
     """Return the bytes that a run takes at most, on all its ranks together."""
     return BASE * ranks + BYTES * particles
 
 
-def counts(case):
+def counts(case: Scene) -> dict[str, int]:
     """Return {"fluid": n, "wall": n, "all": n, "exact": bool}, the numbers of particles as int. Needs little memory.
 
-    Exact, except for a Disc or a Polygon among more than LOOKED_AT lattice points: its number is estimated from its area.
+    Exact, except for a Disc or a Polygon among more than LOOKED_AT lattice points: its number is estimated from its
+    area.
     """
     wall, exact = _walls(case), True
     if search(case) > MOST or any(n > MOST for n in _extent(case)):
@@ -40,13 +42,13 @@ def counts(case):
     return {"fluid": fluid, "wall": wall, "all": fluid + wall, "exact": exact}
 
 
-def search(case):
+def search(case: Scene) -> float:
     """Return the number of lattice points in the smallest block that holds the fluid, as a float."""
     lower, upper = case.fluid.shape.bounds
     return float(np.prod((upper - lower) / case.numerics.spacing + 1.0))
 
 
-def mostly_empty(case):
+def mostly_empty(case: Scene) -> bool:
     """Return whether too many lattice points would be searched for too little fluid."""
     shape = case.fluid.shape
     if isinstance(shape, Box) or search(case) * shape.edges <= SEARCHED:
@@ -54,12 +56,12 @@ def mostly_empty(case):
     return shape.area / case.numerics.spacing**2 < LEAST_FILLED * search(case)
 
 
-def _extent(case):
+def _extent(case: Scene) -> list[float]:
     """Lengths of the tank in spacings; none without a tank."""
     return [] if case.walls is None else [float(length) / case.numerics.spacing for length in case.walls.size]
 
 
-def _walls(case):
+def _walls(case: Scene) -> int:
     """Number of wall particles, in Python's integers, which do not overflow."""
     if case.walls is None:
         return 0

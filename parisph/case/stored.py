@@ -1,6 +1,7 @@
 """Cases as JSON text with a schema version, as stored in case.json, snapshots and checkpoints."""
 
 import json
+from typing import Any
 
 from parisph.base.errors import CaseError
 from parisph.base.seal import opened
@@ -26,7 +27,8 @@ def from_json(text: str, read_only: bool = False) -> Case:
 
     read_only : whether the run is only looked at; a case that this release cannot run is then no error
 
-    Raises CaseError: the text is not JSON, not a case, or of a newer version; or its numerics differ from those asked for.
+    Raises CaseError: the text is not JSON, not a case, or of a newer version; or its numerics differ from those asked
+    for.
     """
     try:
         content = json.loads(text, object_pairs_hook=_each_once)
@@ -38,10 +40,12 @@ def from_json(text: str, read_only: bool = False) -> Case:
     if not isinstance(version, int) or isinstance(version, bool) or version < 0:
         raise CaseError(f"schema = {version!r:.40}: must be a whole number; the file was not written by parisph")
     if version > SCHEMA:
-        raise CaseError(f"schema = {version}: was written by a newer parisph; this one reads up to schema {SCHEMA}, so update parisph")
+        raise CaseError(f"schema = {version}: was written by a newer parisph; this one reads up to schema {SCHEMA}, "
+                        "so update parisph")
     content, sound = opened(content)
     if not sound:
-        raise CaseError('it does not match its digest: it is damaged or was edited. If you edited it, remove the line "digest"')
+        raise CaseError('it does not match its digest: it is damaged or was edited. If you edited it, '
+                        'remove the line "digest"')
     content.pop("schema", None)
     content.pop("run", None)    # which run it is of (io.store); the case is the same in every run
     _keep_meaning(content, version)
@@ -50,11 +54,11 @@ def from_json(text: str, read_only: bool = False) -> Case:
     if case.asked is None:
         return case if version else _with_asked(case)
     if not read_only:
-        _check_asked(case)
+        _check_asked(case.numerics, case.asked)
     return case
 
 
-def _keep_meaning(content, version) -> None:
+def _keep_meaning(content: dict[str, Any], version: int) -> None:
     """Give an older stored text, where it is resolved, what it computed with before later fields existed."""
     numerics, probes = content.get("numerics"), content.get("probes")
     if not isinstance(numerics, dict) or numerics.get("kappa") is None:    # as the user gave it, not resolved
@@ -69,11 +73,11 @@ def _keep_meaning(content, version) -> None:
             probe.setdefault("radius", numerics.get("spacing"))    # the wall particles beside it
 
 
-def _check_asked(case: Case) -> None:
-    """Raise CaseError if a value that the user gave differs from the one that is used, as after an edit of only one of them."""
-    given = case.asked.model_dump()
-    own = {*PRESETS[case.asked.preset], *METHODS[case.asked.method].values}
-    for name, value in case.numerics.model_dump().items():
+def _check_asked(used: Numerics, asked: Numerics) -> None:
+    """Raise CaseError if a value that the user gave differs from the one that is used, as after an edit of only one."""
+    given = asked.model_dump()
+    own = {*PRESETS[asked.preset], *METHODS[asked.method].values}
+    for name, value in used.model_dump().items():
         if given[name] != value and (given[name] is not None or name not in own):
             remedy = "edit both alike"
             if name in ("preset", "method"):    # the other values would stay those of the old one
@@ -82,7 +86,7 @@ def _check_asked(case: Case) -> None:
 
 
 def _with_asked(case: Case) -> Case:
-    """Return a case from before `asked` was stored with it: resolved values that are the preset's were not given by the user."""
+    """Return a case from before `asked` was stored with it: values of the preset were not given by the user."""
     numerics = case.numerics
     if numerics.resolved() != numerics:
         return case    # not resolved: these are the values that the user gave
@@ -91,7 +95,7 @@ def _with_asked(case: Case) -> Case:
     return case.model_copy(update={"asked": Numerics(**numerics.model_dump(exclude=set(same)))})
 
 
-def _each_once(pairs: list) -> dict:
+def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """Make the dict of a JSON object; of two values for one name, the last would win in silence."""
     found = dict(pairs)
     if len(found) < len(pairs):

@@ -5,9 +5,12 @@ with line breaks, which would add lines to a log.
 """
 
 import typing
+from collections.abc import Iterator, Mapping
 from numbers import Number
+from typing import Any
 
 import numpy as np
+from pydantic.fields import FieldInfo
 
 from parisph.base.text import is_plain
 
@@ -18,7 +21,7 @@ MOST_CHARACTERS = 10_000  # of one text
 _SCALARS = {bool, int, float, str}
 
 
-def faults(fields, data):
+def faults(fields: Mapping[str, FieldInfo], data: Mapping[str, Any]) -> Iterator[tuple[str, str, Any, str]]:
     """Yield (field, place in it, value, what it must be) for each value that is not allowed.
 
     fields : {name: pydantic FieldInfo}; data : {name: value} before validation. The place is '' or as '[1]'.
@@ -28,13 +31,14 @@ def faults(fields, data):
         if kinds:
             positive = _is_positive(fields[name])
             for count, (place, item) in enumerate(_items(value)):
-                limit = _fault(item, kinds, positive) if count < MOST_VALUES else f"one of at most {MOST_VALUES:,} values"
+                limit = (_fault(item, kinds, positive) if count < MOST_VALUES
+                         else f"one of at most {MOST_VALUES:,} values")
                 if limit:
                     yield name, "".join(f"[{number}]" for number in place), item, limit
                     break
 
 
-def _fault(item, kinds, positive):
+def _fault(item: Any, kinds: set[type], positive: bool) -> str | None:
     flag = isinstance(item, (bool, np.bool_))
     if kinds == {bool}:
         # a record is for pydantic, which knows whether the field may hold one
@@ -48,7 +52,7 @@ def _fault(item, kinds, positive):
     return None
 
 
-def _fault_of_text(text, kinds):
+def _fault_of_text(text: str | bytes, kinds: set[type]) -> str | None:
     if str not in kinds:
         return "a number"
     if isinstance(text, bytes):
@@ -58,7 +62,7 @@ def _fault_of_text(text, kinds):
     return None if is_plain(text) else "one line of text, without control characters"
 
 
-def _fault_of_size(number, positive):
+def _fault_of_size(number: Any, positive: bool) -> str | None:
     try:
         size = abs(float(number))
     except OverflowError:       # an integer of hundreds of digits
@@ -70,7 +74,7 @@ def _fault_of_size(number, positive):
     return f"at least {SMALLEST:g}" if positive and 0.0 < size < SMALLEST else None
 
 
-def _items(value, place=(), depth=3):
+def _items(value: Any, place: tuple[int, ...] = (), depth: int = 3) -> Iterator[tuple[tuple[int, ...], Any]]:
     """Yield (indices, value) of nested lists and tuples; records (dict or object) are checked separately."""
     if isinstance(value, (list, tuple)) and depth:
         for number, item in enumerate(value):
@@ -79,7 +83,7 @@ def _items(value, place=(), depth=3):
         yield place, value
 
 
-def _kinds(annotation):
+def _kinds(annotation: Any) -> set[type]:
     """Return which of bool, int, float and str an annotation mentions; a Literal of texts counts as str."""
     if typing.get_origin(annotation) is typing.Literal:
         return {type(value) for value in typing.get_args(annotation)} & _SCALARS
@@ -87,5 +91,5 @@ def _kinds(annotation):
     return found.union(*map(_kinds, typing.get_args(annotation)))
 
 
-def _is_positive(field):
+def _is_positive(field: FieldInfo) -> bool:
     return any(getattr(item, "gt", None) == 0 for item in field.metadata)

@@ -3,46 +3,57 @@
 Heights y are measured from the bed, elevations from the still surface. SI units.
 """
 
+from typing import TypeVar
+
 import numpy as np
+
+from parisph.base.arrays import Floats
+
+Number = TypeVar("Number", float, Floats)    # one number, or one for each of several waves
+Values = float | Floats
 
 MODES = 400   # of a series: the sloshing series then has an error below 1e-7 of the wave
 
 
-def angular_frequency(k, depth, g=9.81):
+def angular_frequency(k: Number, depth: float, g: float = 9.81) -> Number:
     """Angular frequency [rad/s] of linear waves of wave number k [1/m]: omega^2 = g k tanh(k depth)."""
-    return np.sqrt(g * k * np.tanh(k * depth))
+    omega: Number = np.sqrt(g * k * np.tanh(k * depth))
+    return omega
 
 
-def wave_number(omega, depth, g=9.81):
+def wave_number(omega: Number, depth: float, g: float = 9.81) -> Number:
     """Wave number [1/m] of linear waves of angular frequency omega [rad/s], the inverse of angular_frequency."""
     target = omega**2 * depth / g
-    kd = target / np.sqrt(np.tanh(target))  # Eckart's approximation, within 5 %
+    kd: Number = target / np.sqrt(np.tanh(target))  # Eckart's approximation, within 5 %
     for _ in range(20):
         tanh = np.tanh(kd)
         kd = kd - (kd * tanh - target) / (tanh + kd * (1.0 - tanh**2))
     return kd / depth
 
 
-def standing_wave_elevation(x, t, amplitude, k, depth, g=9.81):
+def standing_wave_elevation(x: Values, t: Values, amplitude: float, k: float, depth: float, g: float = 9.81) -> Values:
     """Elevation [m] of a linear standing wave with an antinode at x = 0: a cos(kx) sin(omega t) (Z17 Eq 36)."""
-    return amplitude * np.cos(k * x) * np.sin(angular_frequency(k, depth, g) * t)
+    eta: Values = amplitude * np.cos(k * x) * np.sin(angular_frequency(k, depth, g) * t)
+    return eta
 
 
-def standing_wave_velocity(x, y, t, amplitude, k, depth, g=9.81):
+def standing_wave_velocity(x: Values, y: Values, t: Values, amplitude: float, k: float, depth: float,
+                           g: float = 9.81) -> tuple[Values, Values]:
     """Velocity components (u, v) [m/s] of a linear standing wave (Z17 Eqs 37, 38)."""
     omega = angular_frequency(k, depth, g)
     scale = amplitude * omega / np.sinh(k * depth) * np.cos(omega * t)
     return -scale * np.cosh(k * y) * np.sin(k * x), scale * np.sinh(k * y) * np.cos(k * x)
 
 
-def standing_wave_start(amplitude, k, depth, g=9.81):
+def standing_wave_start(amplitude: float, k: float, depth: float, g: float = 9.81) -> tuple[str, str]:
     """The velocity of a standing wave at t = 0, when its surface is flat, as expressions for Fluid(velocity=...)."""
     scale = float(amplitude * angular_frequency(k, depth, g) / np.sinh(k * depth))
     k = float(k)
     return f"-{scale!r}*cosh({k!r}*y)*sin({k!r}*x)", f"{scale!r}*sinh({k!r}*y)*cos({k!r}*x)"
 
 
-def sway_sloshing_elevation(x, t, length, depth, amplitude, frequency, g=9.81, modes=MODES):
+def sway_sloshing_elevation(x: Values, t: Values, length: float, depth: float, amplitude: float, frequency: float,
+                            g: float = 9.81, modes: int = MODES) -> Floats:
     """Linear elevation in a tank swaying with X = amplitude (1 - cos(frequency t)), in the tank's frame.
 
     Z14 Eqs 34 and 35 after Faltinsen, with a plus sign for this X (printed: minus), less the depth.
@@ -68,14 +79,16 @@ def sway_sloshing_elevation(x, t, length, depth, amplitude, frequency, g=9.81, m
     return eta
 
 
-def _beat(omega, frequency, t):
+def _beat(omega: float, frequency: float, t: Floats) -> Floats:
     """(cos(frequency t) - cos(omega t))/(omega^2 - frequency^2), also at resonance."""
     # A product of sines does not cancel where the two frequencies are close.
     mean, half = 0.5 * (omega + frequency), 0.5 * (omega - frequency)
-    return np.sin(mean * t) * np.sinc(half * t / np.pi) * t / (2.0 * mean)
+    beat: Floats = np.sin(mean * t) * np.sinc(half * t / np.pi) * t / (2.0 * mean)
+    return beat
 
 
-def column_start_pressure(x, y, width, height, density=1000.0, g=9.81, modes=20 * MODES):
+def column_start_pressure(x: Values, y: Values, width: float, height: float, density: float = 1000.0, g: float = 9.81,
+                          modes: int = 20 * MODES) -> Floats:
     """Pressure [Pa] in a column of water just after its right support is removed.
 
     Laplace's equation with p = 0 at y = height and x = width, dp/dx = 0 at x = 0 and dp/dy = -rho g at
@@ -97,7 +110,8 @@ def column_start_pressure(x, y, width, height, density=1000.0, g=9.81, modes=20 
     return density * g * height * p
 
 
-def drop_half_axes(times, radius, rate, stiffness=0.0, steps=2000):
+def drop_half_axes(times: Floats, radius: float, rate: float, stiffness: float = 0.0,
+                   steps: int = 2000) -> tuple[Floats, Floats]:
     """Half axes (a, b) of an elliptical drop that starts round with velocity (rate x, -rate y).
 
     The only body force is a central force -stiffness^2 r. The velocity keeps the form (s x, -s y), and
@@ -118,7 +132,7 @@ def drop_half_axes(times, radius, rate, stiffness=0.0, steps=2000):
     grid = np.linspace(0.0, max(times[-1], 1e-300), steps + 1)
     h = grid[1]
 
-    def slope(state):
+    def slope(state: Floats) -> Floats:
         a, b, s = state
         return np.array([s * a, -s * b, (s * s + stiffness**2) * (b * b - a * a) / (a * a + b * b)])
 

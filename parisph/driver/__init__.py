@@ -1,6 +1,7 @@
 """From a case to a finished run: build, run, restart, describe."""
 
 from importlib import import_module
+from typing import Any
 
 from parisph.base import libraries
 from parisph.driver.preview import describe
@@ -11,7 +12,7 @@ _ENGINE = {"Simulation": "parisph.driver.simulation", "restart": "parisph.driver
 __all__ = ["describe", *_ENGINE]
 
 
-def __getattr__(name):
+def __getattr__(name: str) -> Any:
     """Load the engine for `run`, `restart` and `Simulation`. Raises MissingLibrary where there is none."""
     if name not in _ENGINE:
         raise AttributeError(f"module 'parisph.driver' has no attribute {name!r}")

@@ -10,6 +10,7 @@ from pathlib import Path
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.paths import AnyPath
 from parisph.base.reading import read_text
 from parisph.case.schema import Case
 from parisph.case.stored import from_json
@@ -30,7 +31,7 @@ def left_only_if_used(made: Sequence[Path] | None, old: Path | None = None) -> I
     try:
         yield
     except BaseException:
-        if unmake(made or ()) and old is not None:
+        if made and unmake(made) and old is not None:
             with suppress(OSError):
                 os.rename(old, made[0])
         raise
@@ -57,31 +58,36 @@ def new_folder(folder: Path, overwrite: bool | None = None, force: bool = False)
     Returns the folders that were made, the innermost first, and the folder that an earlier run was moved to, else None.
     Raises CaseError, StoreError, OSError.
     """
-    given, folder, old = folder, folder.resolve(), None
+    given, folder = folder, folder.resolve()
+    old: Path | None = None
     if not overwrite:
         check_free(folder, given, movable=overwrite is not None)
     elif content(folder):
         Lock(folder, force).release()    # it must not be in use
-        old = _as_given(move_run_aside(folder), given)
+        moved = move_run_aside(folder)
+        old = None if moved is None else _as_given(moved, given)
     with left_only_if_used(made := make(folder), old):
         _check_writable(folder)
     return made, old
 
 
-def _as_given(path, given):
-    """Return a path beside a folder as the user would write it, who named the folder `given`: relative, if that leads there."""
+def _as_given(path: Path, given: Path) -> Path:
+    """Return a path beside a folder as the user would write it, who named the folder `given`.
+
+    Relative, if that leads there.
+    """
     near = given.parent / path.name
     return near if near.resolve() == path else path
 
 
-def _check_writable(folder):
+def _check_writable(folder: Path) -> None:
     """Check that a file can be made in a folder. Raises OSError."""
     probe = folder / f".{os.getpid()}.tmp"
     os.close(create(probe))
     probe.unlink()
 
 
-def check_run(folder: Path, path: Path) -> None:
+def check_run(folder: Path, path: AnyPath) -> None:
     """Check that there is a run to continue, and that its folder can be written. Raises StoreError, OSError."""
     if not Path(path).exists():
         raise StoreError(f"{path}: no such folder or file")
@@ -96,11 +102,12 @@ def check_run(folder: Path, path: Path) -> None:
 
 def find(path: Path, folder: Path, comm: MPI.Comm) -> Path | None:
     """Return the checkpoint file to continue from, None if the run has none yet, the same on every rank. Collective."""
-    def newest():
+    def newest() -> Path | None:
         if path.is_file():
             return path
         return next(reversed(checkpoint.paths(folder / "checkpoints")), None)
-    return comm.bcast(on_first(comm, f"find the checkpoints of {folder}", newest))
+    found: Path | None = comm.bcast(on_first(comm, f"find the checkpoints of {folder}", newest))
+    return found
 
 
 def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: float | None) -> tuple[Case, str]:
@@ -118,14 +125,15 @@ def check_useful(saved: Checkpoint | None, case: Case, found: Path | None, folde
     """Raise CaseError if nothing is left to do, or if the restart would remove later results from the run."""
     last = checkpoint.paths(folder / "checkpoints")[-1:]
     if saved and not elsewhere and last and int(last[0].stem) > saved.step:
-        raise CaseError(f"{found} is not the last checkpoint of {folder}, which is {last[0]}: results after step {saved.step} "
-                        "would be lost; give another folder with -o DIR, or continue from the last one")
-    if done and (elsewhere or until is not None or _is_complete(folder)):
+        raise CaseError(f"{found} is not the last checkpoint of {folder}, which is {last[0]}: "
+                        f"results after step {saved.step} would be lost; give another folder with -o DIR, "
+                        "or continue from the last one")
+    if saved and done and (elsewhere or until is not None or _is_complete(folder)):
         raise CaseError(f"end_time = {case.end_time:g} s: the checkpoint {found} is of {saved.time:g} s already; "
                         "ask for more with --until")
 
 
-def _is_complete(folder):
+def _is_complete(folder: Path) -> bool:
     """Return whether the summary of a run says that it is completed."""
     try:
         return str(read_json(folder / "summary.json").get("status")).startswith("completed")

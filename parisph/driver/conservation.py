@@ -1,13 +1,15 @@
 """Conservation of volume and energy in a run: their initial, current and extreme values."""
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from typing import Optional
+from typing import Any, Optional
 
 import numpy as np
 from mpi4py import MPI
 
-from parisph.case.schema import Box, Energy, Volume
+from parisph.case.schema import Box, Case, Energy, Volume
+from parisph.driver.simulation import Simulation
 from parisph.watch import instruments
 from parisph.watch.sampling import Scene, View
 
@@ -35,7 +37,7 @@ class Range:
     missing: int = 0
     missing_since: Optional[float] = None
 
-    def add(self, time, value):
+    def add(self, time: float, value: float | None) -> None:
         """Add a value at `time` [s]; None or NaN counts as missing."""
         value = math.nan if value is None else float(value)
         self.now = value if math.isfinite(value) else None
@@ -49,16 +51,16 @@ class Range:
         if self.high is None or value > self.high:
             self.high, self.high_time = value, time
 
-    def relative(self, value):
+    def relative(self, value: float | None) -> float | None:
         """Return a value relative to the start, minus one; None if that is not defined."""
         return value / self.start - 1.0 if self.start and value is not None else None
 
-    def extremes(self):
+    def extremes(self) -> dict[str, float] | None:
         """Return {"low", "low_time", "high", "high_time"} relative to the start, minus one; None without a start."""
-        if self.relative(self.low) is None:
+        low, high = self.relative(self.low), self.relative(self.high)
+        if low is None or high is None or self.low_time is None or self.high_time is None:
             return None
-        return {"low": self.relative(self.low), "low_time": self.low_time,
-                "high": self.relative(self.high), "high_time": self.high_time}
+        return {"low": low, "low_time": self.low_time, "high": high, "high_time": self.high_time}
 
 
 class Conservation:
@@ -78,7 +80,8 @@ class Conservation:
     start : {"energy", "volume"} at the start of the run or None, if `state` does not contain it
     """
 
-    def __init__(self, simulation, state=None, start=None):
+    def __init__(self, simulation: Simulation, state: Mapping[str, Any] | None = None,
+                 start: Mapping[str, float | None] | None = None) -> None:
         case = simulation.case
         self._scene = Scene.of(case)
         self._energy, = instruments.build(case.model_copy(update={"probes": (Energy(name="energy"),)}), simulation.comm)
@@ -87,30 +90,32 @@ class Conservation:
         self._driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
         state, start = state or {}, start or {}
         self.energy, self.motion, self.volume = (
-            Range(**state[name]) if name in state else Range(start=start.get(name)) for name in ("energy", "motion", "volume"))
+            Range(**state[name]) if name in state else Range(start=start.get(name))
+            for name in ("energy", "motion", "volume"))
 
-    def step(self, simulation):
+    def step(self, simulation: Simulation) -> None:
         """Measure the energy after a step, and from time to time the volume. Collective."""
         self._look_at_energy(simulation)
         if simulation.steps % EVERY == 0:
             self._look_at_volume(simulation)
 
-    def measure(self, simulation):
+    def measure(self, simulation: Simulation) -> None:
         """Measure both. Collective."""
         self._look_at_energy(simulation)
         self._look_at_volume(simulation)
 
-    def state(self):
+    def state(self) -> dict[str, Any]:
         """Return the data that a checkpoint needs for a restart. Not collective."""
         return {name: asdict(getattr(self, name)) for name in ("energy", "motion", "volume")}
 
-    def content(self):
+    def content(self) -> dict[str, Any]:
         """Return the entries of summary.json. Not collective."""
         energy, volume, motion = self.energy, self.volume, self.motion
         start, end, high = (self._without_rounding(value) for value in (motion.start, motion.now, motion.high))
         change = None
-        if not self._driven and energy.now is not None and (start or 0.0) > 0.0:
-            change = (energy.now - energy.start) / start
+        first, last = energy.start, energy.now
+        if not self._driven and start is not None and start > 0.0 and first is not None and last is not None:
+            change = (last - first) / start
         return {
             "volume_drift": volume.relative(volume.now), "volume_range": volume.extremes(),
             "volume_unknown": REASONS["volume"] if volume.missing and volume.low is None else None,
@@ -121,21 +126,21 @@ class Conservation:
             "driven": self._driven,
         }
 
-    def _without_rounding(self, motion):
+    def _without_rounding(self, motion: float | None) -> float | None:
         """Return an energy in motion, 0 if it is only what rounding leaves of the whole energy; None stays None."""
         return 0.0 if motion is not None and abs(motion) <= ROUNDING * abs(self.energy.start or 0.0) else motion
 
-    def warnings(self):
+    def warnings(self) -> list[str]:
         """Return one line for each warning. Not collective."""
         found = []
         volume, energy = self.volume.extremes(), self.energy.extremes()
-        for name in ("low", "high") if volume else ():
-            if abs(volume[name]) > VOLUME_LIMIT:
+        for name in ("low", "high"):
+            if volume and abs(volume[name]) > VOLUME_LIMIT:
                 found.append(f"the volume was {volume[name]:+.1%} off its start at t = {volume[name + '_time']:.4g} s, "
                              f"more than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step")
         if energy and not self._driven and energy["high"] > ENERGY_LIMIT:
-            found.append(f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, though nothing "
-                         "does work on the fluid: use a smaller spacing or time step")
+            found.append(f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, "
+                         "though nothing does work on the fluid: use a smaller spacing or time step")
         for name, reason in REASONS.items():
             gaps = getattr(self, name)
             if gaps.missing and gaps.low is not None:
@@ -143,28 +148,31 @@ class Conservation:
                              f"first at t = {gaps.missing_since:.4g} s: {reason}")
         return found
 
-    def _look_at_energy(self, simulation):
+    def _look_at_energy(self, simulation: Simulation) -> None:
         s, p = simulation, simulation.particles
-        sums = self._energy.sums(View(p, s.domain))
+        sums = np.asarray(self._energy.sums(View(p, s.domain)), float)
         s.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
         kinetic, potential, total = self._energy.values(sums, None)
         self.energy.add(s.time, total + s.left.energy - self._lowest * (sums[2] + s.left.volume))
         if self._at_rest is not None:
             self.motion.add(s.time, kinetic + potential - self._at_rest(sums[2]))
 
-    def _look_at_volume(self, simulation):
+    def _look_at_volume(self, simulation: Simulation) -> None:
         s = simulation
         if self._volume:
             found = instruments.sample_all(self._volume, s.particles, s.domain, s.time)
             self.volume.add(s.time, found["volume"][0])
 
 
-def _lowest(scene):
-    """Return the least potential energy of a volume of fluid in the scene's box [J/m^3], with the datum of the probe Energy."""
+def _lowest(scene: Scene) -> float:
+    """Return the least potential energy of a volume of fluid in the scene's box [J/m^3].
+
+    The datum is that of the probe Energy.
+    """
     return scene.density * float(np.minimum(0.0, scene.gravity * (scene.lower - scene.upper)).sum())
 
 
-def _rest(case, scene):
+def _rest(case: Case, scene: Scene) -> Callable[[float], float] | None:
     """Return the potential energy at rest as a function of the volume, or None if it is not defined.
 
     It is defined for a tank with vertical walls under gravity that points down. Particles represent the volumes
@@ -180,6 +188,7 @@ def _rest(case, scene):
         return None
     width = float(np.prod((scene.upper - scene.lower)[:-1]))
     shape = case.fluid.shape
-    spans = isinstance(shape, Box) and not case.closed and np.allclose(shape.size[:-1], (scene.upper - scene.lower)[:-1])
+    spans = (isinstance(shape, Box) and not case.closed
+             and np.allclose(shape.size[:-1], (scene.upper - scene.lower)[:-1]))
     extra = width * scene.step[-1] ** 2 if spans else 0.0
     return lambda volume: 0.5 * density * abs(g[-1]) * (volume**2 / width + extra)

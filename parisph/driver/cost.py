@@ -10,10 +10,12 @@ import os
 import platform
 from pathlib import Path
 from time import perf_counter, process_time
+from typing import Any
 
 import numpy as np
 
 from parisph.base import environment
+from parisph.case.numerics import Numerics
 
 # Measured with `python tests/benchmarks/step_cost.py` and with cases/small_sloshing.py on one core of
 # an AMD EPYC (Zen 4): [s] per step, and per particle and step, with and without a position projection.
@@ -24,17 +26,18 @@ LEAST = 10.0             # [s]: the steps of a shorter run are no measure
 KEPT = 20                # runs whose cost is kept
 
 
-def seconds_per_step(numerics, particles: int) -> tuple[float, str]:
+def seconds_per_step(numerics: Numerics, particles: int) -> tuple[float, str]:
     """Return the cost of a step on one rank [s], and in words what it rests on. Not collective.
 
     numerics : resolved Numerics
     """
-    shape = _on_reference(numerics.method, numerics.kappa > 0.0, particles)
+    shape = _on_reference(numerics.method, _projects(numerics), particles)
     runs = [run for run in _runs() if run["processor"] == _processor()]
     if not runs:
         return shape * yardstick() / YARDSTICK, "a short timing of this processor"
-    like = (numerics.method, numerics.kappa > 0.0)
-    run = min(reversed(runs), key=lambda run: ((run["method"], run["projection"]) != like, abs(np.log(run["particles"] / particles))))
+    like = (numerics.method, _projects(numerics))
+    run = min(reversed(runs),
+              key=lambda run: ((run["method"], run["projection"]) != like, abs(np.log(run["particles"] / particles))))
     factor = run["seconds"] / _on_reference(run["method"], run["projection"], run["particles"])
     return shape * factor, f"an earlier run of {run['particles']} particles on this processor"
 
@@ -64,8 +67,10 @@ class Clock:
     CPU time, which other jobs on the machine disturb less than the time on the clock.
     """
 
-    def __init__(self):
-        self._start, self._last, self._steps = None, None, 0
+    def __init__(self) -> None:
+        self._start: float | None = None
+        self._last: float | None = None
+        self._steps = 0
 
     def step(self) -> None:
         """Count a step that has just ended. Not collective."""
@@ -75,7 +80,7 @@ class Clock:
         else:
             self._steps += 1
 
-    def remember(self, numerics, particles: int, ranks: int) -> None:
+    def remember(self, numerics: Numerics, particles: int, ranks: int) -> None:
         """Keep what a step of this run took, for the estimates to come. One rank.
 
         Nothing is kept of a short run, or of one with more ranks than cores or on several nodes. A
@@ -84,7 +89,7 @@ class Clock:
         seconds = (self._last or 0.0) - (self._start or 0.0)
         if seconds < LEAST or ranks > (os.cpu_count() or 1):
             return
-        run = {"processor": _processor(), "method": numerics.method, "projection": numerics.kappa > 0.0,
+        run = {"processor": _processor(), "method": numerics.method, "projection": _projects(numerics),
                "particles": particles, "seconds": seconds / self._steps * ranks}
         path = _file()
         try:
@@ -96,7 +101,12 @@ class Clock:
             pass
 
 
-def _on_reference(method, projection, particles):
+def _projects(numerics: Numerics) -> bool:
+    """Return whether positions are projected, which takes a second solve. numerics : resolved"""
+    return numerics.kappa is not None and numerics.kappa > 0.0
+
+
+def _on_reference(method: str, projection: bool, particles: float) -> float:
     """Cost of a step [s] on the machine of COSTS."""
     fixed, each = COSTS[projection]
     return fixed + each * ROWS.get(method, 1.0) * particles
@@ -106,16 +116,17 @@ def _file() -> Path:
     return environment.cache_folder() / "costs.json"
 
 
-def _runs():
+def _runs() -> list[dict[str, Any]]:
     """Return the runs that are kept, oldest first; none if the file is missing or cannot be understood."""
     try:
         runs = json.loads(_file().read_text(encoding="utf-8"))
-        return [run for run in runs if run["seconds"] > 0.0 and run["particles"] > 0 and {"processor", "method", "projection"} <= run.keys()]
+        return [run for run in runs if run["seconds"] > 0.0 and run["particles"] > 0
+                and {"processor", "method", "projection"} <= run.keys()]
     except (OSError, RuntimeError, ValueError, TypeError, KeyError, AttributeError):
         return []
 
 
-def _processor():
+def _processor() -> str:
     """Return the name of the processor: the nodes of a cluster that share a home may differ."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()

@@ -1,15 +1,21 @@
 """The message of a run that fails: the cause, the step, and the particles to look at."""
 
+from collections.abc import Iterable
+from pathlib import Path
+
 import numpy as np
 
-from parisph.base.errors import Interrupted, ParticleLost, SolverDiverged, StoreError
+from parisph.base.errors import Interrupted, ParisphError, ParticleLost, SolverDiverged, StoreError
 from parisph.base.fields import FLUID
+from parisph.case.numerics import Numerics
+from parisph.driver.simulation import Simulation
+from parisph.parallel.particles import Particles
 
 WORST = 5       # particles that are named
 HUGE = 1e300    # faster than any particle
 
 
-def explained(error, simulation, last_checkpoint):
+def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path | None) -> ParisphError:
     """Return the error, extended by the step, the worst particles and the last checkpoint. Collective.
 
     error : ParisphError, on every rank
@@ -21,7 +27,8 @@ def explained(error, simulation, last_checkpoint):
     lines = [str(error), f"  in step {s.steps + 1}, from t = {s.time:.6g} s"]
     bad = [t for t in s.comm.allgather(s.bad_force) if t is not None]
     if bad:
-        lines.insert(0, f"the body force is not a finite number at t = {bad[0]:.6g} s: see `gravity` and `frame` of the case")
+        lines.insert(0, f"the body force is not a finite number at t = {bad[0]:.6g} s: "
+                        "see `gravity` and `frame` of the case")
     found = suspects(s, bad[0] if bad else None)
     if found:
         lines += ["  particles to look at:", *(f"    {line}" for line in found)]
@@ -32,7 +39,7 @@ def explained(error, simulation, last_checkpoint):
     return type(error)("\n".join(lines))
 
 
-def _beyond_range(numerics):
+def _beyond_range(numerics: Numerics) -> str:
     """Return advice for a surface that keeps its particles, which fails in breaking waves."""
     chosen = 'preset="gentle"' if numerics.preset == "gentle" else 'surface_rule="frozen"'
     instead = 'preset="violent"' if numerics.preset == "gentle" else 'surface_rule="gap"'
@@ -40,7 +47,7 @@ def _beyond_range(numerics):
             "a smaller amplitude, or a smaller time step")
 
 
-def suspects(simulation, bad_force=None, count=WORST):
+def suspects(simulation: Simulation, bad_force: float | None = None, count: int = WORST) -> list[str]:
     """Describe the worst particles: those with values that are not finite, then the fastest. Collective.
 
     bad_force : time [s] at which the body force is checked too, or None
@@ -57,8 +64,8 @@ def suspects(simulation, bad_force=None, count=WORST):
     return [text for _, text in found[:count]]
 
 
-def _text(p, i):
-    def vector(values):
+def _text(p: Particles, i: int) -> str:
+    def vector(values: Iterable[float]) -> str:
         return "(" + ", ".join(f"{value:.5g}" for value in values) + ")"
 
     return f"id {p.id[i]} role {p.role[i]} at {vector(p.x[i])} m, u {vector(p.u[i])} m/s, p {p.p[i]:.4g} Pa"

@@ -1,8 +1,8 @@
 """A run: steps, probes, snapshots, checkpoints, and its end."""
 
 import logging
-import os
 import signal
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter
@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from parisph.base import log
 from parisph.base.errors import Interrupted, ParisphError, StoreError
-from parisph.base.paths import checked
+from parisph.base.paths import AnyPath, checked
 from parisph.base.signals import Signals
 from parisph.case.schema import Case
 from parisph.case.stored import to_json
@@ -21,12 +21,13 @@ from parisph.driver import begin
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.peaks import Peaks
-from parisph.driver.probing import Watch
+from parisph.driver.probing import Line, Watch
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
 from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.io import checkpoint
+from parisph.io.checkpoint import Checkpoint
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
 from parisph.io.store import Store, provenance
@@ -35,12 +36,13 @@ from parisph.parallel.guard import guarded
 from parisph.pressure.options import as_text
 from parisph.pressure.trial import versions
 from parisph.watch import instruments
+from parisph.watch.sampling import Sampler
 
 WALL_CLOCK = 600.0  # [s] between checkpoints at most, whatever the case says
 SAVE = 1            # request of a rank at the end of a step; above it: the signal to stop
 
 
-def run(case: Case, comm: MPI.Comm, out: str | os.PathLike, petsc_options: list[str] | None = None, progress: bool = True,
+def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | None = None, progress: bool = True,
         overwrite: bool = False, force: bool = False) -> dict[str, Any]:
     """Run a case from its start into the folder `out`, and return the summary, the same dict on every rank. Collective.
 
@@ -57,16 +59,20 @@ def run(case: Case, comm: MPI.Comm, out: str | os.PathLike, petsc_options: list[
     contains summary.json and all results so far, unless it held a run already (CaseError).
     """
     with guarded(comm, "run"), _signals(comm) as signals:
-        made, old = on_first(comm, f"start a run in {out}", lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None)
-        with begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock, _built(case, comm, petsc_options) as simulation:
+        made, old = (on_first(comm, f"start a run in {out}",
+                              lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None))
+        with (begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock,
+              _built(case, comm, petsc_options) as simulation):
             samplers = instruments.build(case, simulation.comm)
-            store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation), case.output.fields, lock)
+            store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation),
+                                 case.output.fields, lock)
             if old is not None:
-                store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} was moved to {old}"))
+                store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} "
+                                                  f"was moved to {old}"))
             return _Run(simulation, samplers, store, Account.new(), progress).go(signals, first=True)
 
 
-def restart(path: str | os.PathLike, comm: MPI.Comm, until: float | None = None, out: str | os.PathLike | None = None,
+def restart(path: AnyPath, comm: MPI.Comm, until: float | None = None, out: AnyPath | None = None,
             petsc_options: list[str] | None = None, progress: bool = True, force: bool = False) -> dict[str, Any]:
     """Continue a run from its last checkpoint, or from a given one, on any number of ranks. Collective.
 
@@ -86,11 +92,12 @@ def restart(path: str | os.PathLike, comm: MPI.Comm, until: float | None = None,
         return _restarted(signals, path, comm, until, out, petsc_options, progress, force)
 
 
-def _restarted(signals, path, comm, until, out, petsc_options, progress, force):
+def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | None, out: AnyPath | None,
+               petsc_options: list[str] | None, progress: bool, force: bool) -> dict[str, Any]:
     folder = together(comm, f"find the run {path}", lambda: run_of(checked(path, "path")))
-    out = together(comm, f"continue in {out}", lambda: None if out is None else checked(out, "out"))
-    elsewhere = together(comm, f"continue in {out}", lambda: out is not None and Path(out).resolve() != folder.resolve())
-    target = Path(out) if elsewhere else folder
+    other = together(comm, f"continue in {out}", lambda: None if out is None else checked(out, "out"))
+    elsewhere = together(comm, f"continue in {out}", lambda: other is not None and other.resolve() != folder.resolve())
+    target = other if other is not None and elsewhere else folder
     made, _ = on_first(comm, f"continue the run in {target}",
                        lambda: begin.new_folder(target) if elsewhere else begin.check_run(folder, path)) or (None, None)
     with begin.left_only_if_used(made), begin.locked(comm, target, force) as lock:
@@ -98,26 +105,29 @@ def _restarted(signals, path, comm, until, out, petsc_options, progress, force):
         saved = checkpoint.read(comm, found) if found else None
         case, name = together(comm, f"read the case of {folder}", lambda: begin.case_of(saved, found, folder, until))
         done = saved is not None and finished(case, saved.time)
-        on_first(comm, f"continue the run in {target}", lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
+        on_first(comm, f"continue the run in {target}",
+                 lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
         with _built(case, comm, petsc_options, saved) as simulation:
             samplers = instruments.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
             series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
             store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),
-                                 case.output.fields, lock, name, series, saved.state.get("checkpoints", [found.name]) if saved else ())
+                                 case.output.fields, lock, name, series,
+                                 saved.state.get("checkpoints", [found.name]) if saved and found else ())
             if saved:
-                store.notes.insert(0, (logging.INFO, f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
+                store.notes.insert(0, (logging.INFO,
+                                       f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
                                                      f"{f'; earlier results are in {folder}' * elsewhere}"))
             account = Account.resumed(saved.state) if saved else Account.new()
             run = _Run(simulation, samplers, store, account, progress, saved.state.get("peaks") if saved else None,
                        folder if saved and elsewhere else None)
-            if done:
+            if saved and done:
                 run.saved_step, run.last_checkpoint = saved.step, found
             return run.go(signals, first=saved is None)
 
 
 @contextmanager
-def _signals(comm):
+def _signals(comm: MPI.Comm) -> Iterator[Signals]:
     """Return the active Signals, extended so that a second signal ends all ranks at once, whatever they do."""
     with Signals.active() as signals:
         signals.over(comm)
@@ -126,7 +136,8 @@ def _signals(comm):
 
 
 @contextmanager
-def _built(case, comm, petsc_options, start=None):
+def _built(case: Case, comm: MPI.Comm, petsc_options: list[str] | None,
+           start: Checkpoint | None = None) -> Iterator[Simulation]:
     """Make a Simulation and free it at the end, unless an error is on one rank only."""
     simulation = Simulation(case, comm, petsc_options, start)
     try:
@@ -141,12 +152,14 @@ def _built(case, comm, petsc_options, start=None):
 class _Run:
     """The steps of one run, and everything around them."""
 
-    def __init__(self, simulation, samplers, store, account, progress, peaks=None, source=None):
+    def __init__(self, simulation: Simulation, samplers: list[Sampler], store: Store, account: Account, progress: bool,
+                 peaks: Mapping[str, Any] | None = None, source: Path | None = None) -> None:
         """peaks : state of the peaks in the checkpoint; source : folder of the earlier run, if this one is another."""
         self.simulation, self.store, self.account = simulation, store, account
         self.comm, self.case = simulation.comm, simulation.case
         self.progress = Progress(self.case.end_time, progress, self.comm.rank == 0)
-        self.last_checkpoint, self.saved_step = None, None
+        self.last_checkpoint: Path | None = None
+        self.saved_step: int | None = None
         self.saved_at = perf_counter()
         self.clock = Clock()
         self.peaks, self.source = Peaks(simulation, samplers, self.case.output.fields, peaks), source
@@ -154,7 +167,7 @@ class _Run:
         self.snapshots = Times(self.case.output.every, self.case.output.times)
         self.checkpoints = Times(self.case.output.checkpoint_every)
 
-    def go(self, signals, first):
+    def go(self, signals: Signals, first: bool) -> dict[str, Any]:
         """Take all steps and return the summary. Collective.
 
         signals : Signals that may ask the run to stop; first : whether this is a new run, not a restart
@@ -176,7 +189,7 @@ class _Run:
             error = explained(problem, self.simulation, self.last_checkpoint)
         return self._close(error)
 
-    def _open(self, first):
+    def _open(self, first: bool) -> None:
         s, path = self.simulation, self.store.folder / "run.log"
         level = logging.INFO if self.progress.wanted else logging.WARNING
         together(self.comm, f"write {path}", lambda: log.start(self.comm, path, level))
@@ -203,7 +216,7 @@ class _Run:
         self.snapshots.skip(s.reached)
         self.checkpoints.skip(s.time + 0.5 * (s.dt or 0.0))
 
-    def _step(self):
+    def _step(self) -> None:
         s = self.simulation
         self.watch.before_step(s.choose_step(self.snapshots.after(s.reached)))
         report = s.advance()
@@ -218,13 +231,13 @@ class _Run:
             self.account.step(s, report)
         self.clock.step()
         self.progress.step(s, report)
-        self._pause(self.checkpoints.due(s.time + 0.5 * s.dt))
+        self._pause(self.checkpoints.due(s.time + 0.5 * (s.dt or 0.0)))
 
-    def _write(self, lines):
+    def _write(self, lines: Sequence[Line]) -> None:
         for time, step, values in lines:
             self.store.append(time, step, {f"probes/{name}": line for name, line in values.items()})
 
-    def _pause(self, due=False):
+    def _pause(self, due: bool = False) -> None:
         """Save a checkpoint if it is due or requested, and stop if requested. Collective."""
         s, asked = self.simulation, self._asked()
         if due or asked:
@@ -233,18 +246,18 @@ class _Run:
             raise Interrupted(f"stopped at t = {s.time:.6g} s by {signal.Signals(asked - SAVE).name}; "
                               f"continue with: parisph restart {self.store.folder}")
 
-    def _asked(self):
+    def _asked(self) -> int:
         """Return the request of any rank: 0, SAVE, or SAVE + the number of a signal to stop. Collective."""
         late = self.comm.rank == 0 and perf_counter() - self.saved_at > WALL_CLOCK
         seen = self.signals.seen
-        return self.comm.allreduce(SAVE + seen if seen else SAVE * late, op=MPI.MAX)
+        return int(self.comm.allreduce(SAVE + seen if seen else SAVE * late, op=MPI.MAX))
 
-    def _snapshot(self):
+    def _snapshot(self) -> None:
         s = self.simulation
         self._note_options()
         self.store.snapshot(s.particles, s.time, s.steps)
 
-    def _save(self):
+    def _save(self) -> None:
         s = self.simulation
         if s.steps == self.saved_step:
             return
@@ -257,9 +270,10 @@ class _Run:
                      **s.method.state()}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
-        self.signals.left = f"the last checkpoint is {self.last_checkpoint}; continue with: parisph restart {self.store.folder}"
+        self.signals.left = (f"the last checkpoint is {self.last_checkpoint}; "
+                             f"continue with: parisph restart {self.store.folder}")
 
-    def _abandon(self, fault):
+    def _abandon(self, fault: BaseException) -> None:
         """Write a summary after an error that may be on this rank only. Not collective.
 
         The other ranks may wait elsewhere, so the summary contains only what this rank knows.
@@ -278,11 +292,11 @@ class _Run:
         finally:
             log.stop()
 
-    def _note_options(self):
+    def _note_options(self) -> None:
         """Note the current PETSc options for later files: they change with the size of the system."""
         self.store.about["petsc_options"] = as_text(self.simulation.method.about())
 
-    def _close(self, error):
+    def _close(self, error: ParisphError | None) -> dict[str, Any]:
         """Write the summary in any case, and return it or raise the error. Collective."""
         self.progress.close()
         warnings = self.account.warnings()
@@ -292,7 +306,7 @@ class _Run:
         if error is not None:
             status = "interrupted" if isinstance(error, Interrupted) else f"failed: {error}"
         log.logger.debug(status)    # into the log file alone
-        summary = None
+        summary: dict[str, Any] = {}
         self._note_options()
         try:
             if not isinstance(error, StoreError):
@@ -311,5 +325,5 @@ class _Run:
         return summary
 
 
-def _about(simulation):
+def _about(simulation: Simulation) -> dict[str, str]:
     return provenance(simulation.numerics.method, as_text(simulation.method.about()), **versions())

@@ -1,16 +1,38 @@
 """Snapshots of the flow at the greatest values of probes."""
 
-from types import SimpleNamespace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Array
 from parisph.base.errors import StoreError
 from parisph.base.log import logger
+from parisph.driver.simulation import Simulation
 from parisph.io import snapshot
 from parisph.io.files import on_first
 from parisph.io.layout import BEFORE, PEAKS
+from parisph.io.store import Store
+from parisph.parallel.particles import Particles
+from parisph.watch.sampling import Sampler
 
 FALL = 0.1  # of the range of a probe so far: a value as far as this below the greatest has left the peak behind
+
+
+@dataclass
+class Copied:
+    """A copy of this rank's particles that can be written as a snapshot. The fields are attributes, as of Particles."""
+
+    dim: int
+    n_owned: int
+    offset: int
+    n_global: int
+    arrays: dict[str, Array]
+
+    def __getattr__(self, name: str) -> Array:
+        return self.arrays[name]
 
 
 class Peaks:
@@ -28,15 +50,16 @@ class Peaks:
     state : dict of an earlier part of the run, from its checkpoint (see `state`)
     """
 
-    def __init__(self, simulation, samplers, fields, state=None):
+    def __init__(self, simulation: Simulation, samplers: Sequence[Sampler], fields: Sequence[str],
+                 state: Mapping[str, Any] | None = None) -> None:
         self.simulation, self.samplers = simulation, [sampler for sampler in samplers if sampler.probe.peak]
         self._fields = ("x", *snapshot.check_fields(fields))
         names = {sampler.name for sampler in self.samplers}
         self._seen = {name: dict(seen) for name, seen in (state or {}).items() if name in names}
-        self._held = {}                 # probe -> the flow at its greatest value, not yet written
+        self._held: dict[str, Copied] = {}    # probe -> the flow at its greatest value, not yet written
         self._saved = set(self._seen)   # probes whose file the last checkpoint knows
 
-    def look(self, found):
+    def look(self, found: Mapping[str, Sequence[float]]) -> None:
         """Copy the flow if a probe has a new maximum. values : {probe: values} of this step. Collective."""
         s = self.simulation
         # all ranks write together or not at all: one of them says what the sums of all are, to the last bit
@@ -51,7 +74,7 @@ class Peaks:
                 self._held[sampler.name] = _copied(s.particles, self._fields)
             seen["now"] = value
 
-    def write(self, store, all_of_them=False):
+    def write(self, store: Store, all_of_them: bool = False) -> None:
         """Write the copies whose probes have clearly fallen since, or all copies. Collective.
 
         Raises StoreError on every rank.
@@ -61,30 +84,33 @@ class Peaks:
             store.peak(self._held.pop(name), seen["time"], seen["step"], name, seen["greatest"], keep)
             self._saved.discard(name)
 
-    def state(self):
+    def state(self) -> dict[str, Any]:
         """Return the data that a checkpoint needs, after all copies have been written. Not collective."""
         self._saved = set(self._seen)
         return {name: dict(seen) for name, seen in self._seen.items()}
 
-    def bring(self, folder):
+    def bring(self, folder: Path) -> None:
         """Read the flows at the peaks so far from another folder of the run, to write them again. Collective.
 
         The log names missing files; they are not an error, and the greatest values stay known.
         """
         s = self.simulation
         for name, seen in self._seen.items():
-            found = on_first(s.comm, f"read the flow at the peak of {name} in {folder}", lambda: self._read(folder, name, seen))
+            found = on_first(s.comm, f"read the flow at the peak of {name} in {folder}",
+                             lambda: self._read(folder, name, seen))
             total = s.comm.bcast(None if found is None else len(found["x"]))
             if total is None:
-                logger.warning(f"the flow at the peak of {name} so far, t = {seen['time']:.6g} s, is not in {folder} any more")
+                logger.warning(f"the flow at the peak of {name} so far, t = {seen['time']:.6g} s, "
+                               f"is not in {folder} any more")
                 continue
             # the first rank has all of it
-            mine = found or {key: s.particles.fields[key].empty(0, s.particles.dim) for key in self._fields}
-            self._held[name] = SimpleNamespace(dim=s.particles.dim, n_owned=len(mine["x"]), n_global=total,
-                                               offset=0 if found else total, **mine)
+            dim = s.particles.dim
+            mine = found or {key: s.particles.fields[key].empty(0, dim) for key in self._fields}
+            self._held[name] = Copied(dim, n_owned=len(mine["x"]), offset=0 if found else total,
+                                      n_global=total, arrays=mine)
         self._saved = set()
 
-    def _read(self, folder, name, seen):
+    def _read(self, folder: Path, name: str, seen: Mapping[str, Any]) -> dict[str, Array] | None:
         """Return {field: array} of the flow at the known peak, None if it is not in the folder. One rank."""
         for place in (PEAKS, BEFORE):
             path = folder / place / f"{name}.vtkhdf"
@@ -97,12 +123,11 @@ class Peaks:
                 continue
         return None
 
-    def _passed(self, name):
+    def _passed(self, name: str) -> bool:
         seen = self._seen[name]
-        return seen["now"] < seen["greatest"] - FALL * (seen["greatest"] - seen["least"])
+        return bool(seen["now"] < seen["greatest"] - FALL * (seen["greatest"] - seen["least"]))
 
 
-def _copied(particles, fields):
-    """Return a copy of this rank's particles that can be written as a snapshot."""
+def _copied(particles: Particles, fields: Sequence[str]) -> Copied:
     arrays = {name: np.array(getattr(particles, name)) for name in fields}
-    return SimpleNamespace(dim=particles.dim, n_owned=particles.n_owned, offset=particles.offset, n_global=particles.n_global, **arrays)
+    return Copied(particles.dim, particles.n_owned, particles.offset, particles.n_global, arrays)

@@ -1,6 +1,8 @@
 """The output of `parisph check`: particles, resolution, stages, steps, time, memory."""
 
 import math
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -8,6 +10,8 @@ from parisph.base import memory
 from parisph.case import geometry, scales, size
 from parisph.case.checks import sound_speed
 from parisph.case.methods import METHODS
+from parisph.case.numerics import Numerics
+from parisph.case.schema import Case
 from parisph.driver import cost
 from parisph.kernels import viscous, weakly
 from parisph.methods import catalogue, lengths
@@ -15,7 +19,7 @@ from parisph.methods import catalogue, lengths
 BRISK = 1.5    # as methods.timestep.BRISK, whose module needs MPI
 
 
-def describe(case, parameters=None):
+def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
     """Return the description as text. Needs neither MPI nor compiled kernels.
 
     parameters : {name: value} of the case file (case.load.arguments), which --set can change
@@ -28,12 +32,14 @@ def describe(case, parameters=None):
     lines = [
         ("case", case.title),
         ("method", f"{numerics.method}, preset {numerics.preset}"),
-        ("particles", f"{'' if count['exact'] else 'about '}{count['all']} ({count['fluid']} fluid, {count['wall']} wall), spacing {numerics.spacing:g} m"),
+        ("particles", f"{'' if count['exact'] else 'about '}{count['all']} ({count['fluid']} fluid, "
+                      f"{count['wall']} wall), spacing {numerics.spacing:g} m"),
         ("resolution", _resolution(case, expected)),
         ("stages", ", ".join(stages(case))),
         ("end time", f"{case.end_time:g} s"),
         ("steps", _steps(case, numerics, steps)),
-        ("time", f"about {duration(steps * seconds)} on one rank, {_rounded(1e3 * seconds)} ms a step (estimated from {basis})"),
+        ("time", f"about {duration(steps * seconds)} on one rank, {_rounded(1e3 * seconds)} ms a step (estimated "
+                 f"from {basis})"),
         ("memory", _memory(count["all"])),
         ("probes", ", ".join(probe.name for probe in case.probes) or "none"),
     ]
@@ -43,16 +49,17 @@ def describe(case, parameters=None):
     return "\n".join(f"{name:<12}{text}" for name, text in lines)
 
 
-def _warnings(case, count):
+def _warnings(case: Case, count: Mapping[str, int]) -> Iterator[str]:
     """Warn of a method's limits, and of water without a free surface, which the initial lattice already shows."""
     if catalogue.warning(case.numerics):
         yield f"method {case.numerics.method}: {catalogue.warning(case.numerics)}"
     if not case.closed and count["exact"] and not geometry.lattice(case).has_surface():
-        yield (f"none of the {count['fluid']} fluid particles is on a free surface, so p = 0 is set only at the highest one; leave a "
-               "spacing of air, or fill the tank with a Box of its size, without elevation")
+        yield (f"none of the {count['fluid']} fluid particles is on a free surface, "
+               "so p = 0 is set only at the highest one; leave a spacing of air, "
+               "or fill the tank with a Box of its size, without elevation")
 
 
-def _memory(particles):
+def _memory(particles: int) -> str:
     need, there = size.memory(particles), memory.total()
     text = f"about {memory.amount(need)} on one rank"
     if there is not None and need > there:
@@ -60,57 +67,62 @@ def _memory(particles):
     return text
 
 
-def stages(case):
+def stages(case: Case) -> list[str]:
     """Return the names of the stages that a step of this case has, in order."""
-    return catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity).stages(case.closed)
+    names: list[str] = catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity).stages(case.closed)
+    return names
 
 
-def _text(value):
+def _text(value: Any) -> str:
     """Return a value in the form that --set accepts."""
     if isinstance(value, (tuple, list)):
         return ",".join(map(_text, value))
     return "none" if value is None else f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
-def estimated_steps(case, numerics, expected):
+def estimated_steps(case: Case, numerics: Numerics, expected: scales.Scales) -> int:
     """Return the number of steps: exact if the step is fixed, else an estimate, good to a factor of two or so.
 
     numerics : resolved Numerics; expected : scales.Scales of the case
     """
     if numerics.time_step is not None:
         return round(case.end_time / min(numerics.time_step, stable_step(case)))
+    assert numerics.cfl is not None    # it is resolved
     move = numerics.cfl * numerics.spacing
-    longest = min(_longest_step(case, numerics), math.sqrt(2.0 * move / expected.force) if expected.force else math.inf, case.end_time)
+    fall = math.sqrt(2.0 * move / expected.force) if expected.force else math.inf
+    longest = min(_longest_step(case, numerics), fall, case.end_time)
     brisk = np.minimum(BRISK * expected.accelerations, expected.force)    # see methods.timestep.next_step
     rates = [expected.speeds / move, np.full(len(expected.times), 1.0 / longest)]
     if numerics.fall:
         rates.append(np.sqrt(brisk / numerics.spacing) / numerics.fall)
-    return math.ceil(case.end_time * np.mean(np.max(rates, axis=0)))
+    return math.ceil(case.end_time * float(np.mean(np.max(rates, axis=0))))
 
 
-def stable_step(case) -> float:
-    """Return the longest step [s] that viscosity, or the sound of weakly compressible fluid, allows; infinite without them."""
+def stable_step(case: Case) -> float:
+    """Return the longest step [s] that viscosity, or the sound of weakly compressible fluid, allows; infinite without
+    them."""
     n, s = case.numerics, case.numerics.spacing
     if METHODS[n.method].step == "compressible":
         return weakly.longest_step(lengths.SPH * s, sound_speed(case), 0.0, n.artificial_viscosity, 0.0)
     return viscous.STABLE * s * s / case.fluid.viscosity if case.fluid.viscosity else math.inf
 
 
-def _longest_step(case, n):
+def _longest_step(case: Case, n: Numerics) -> float:
     """Return the longest step [s] that the case allows, whatever the flow."""
     return min(case.frame.longest_step, n.max_time_step or math.inf, stable_step(case))
 
 
-def _steps(case, n, steps):
+def _steps(case: Case, n: Numerics, steps: int) -> str:
     if n.time_step is not None:
         shorter = stable_step(case) < n.time_step
-        return f"{'about ' * shorter}{steps} of {min(n.time_step, stable_step(case)):.3g} s" + ", which is stable" * shorter
+        step = min(n.time_step, stable_step(case))
+        return f"{'about ' * shorter}{steps} of {step:.3g} s" + ", which is stable" * shorter
     longest = _longest_step(case, n)
     limits = f"at most {n.cfl:g} spacings a step" + (f" and {longest:.3g} s" if longest < math.inf else "")
     return f"about {_rounded(steps)}, adaptive: {limits}"
 
 
-def _resolution(case, expected):
+def _resolution(case: Case, expected: scales.Scales) -> str:
     """Return the lengths of the scene in spacings, as text."""
     s = case.numerics.spacing
     lower, upper = case.fluid.shape.bounds
@@ -123,7 +135,7 @@ def _resolution(case, expected):
     return ", ".join(found)
 
 
-def _rounded(number):
+def _rounded(number: float) -> str:
     """Return a number rounded to two digits, as text."""
     return f"{float(f'{number:.1e}'):.10g}"
 

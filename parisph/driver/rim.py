@@ -1,14 +1,18 @@
 """Water that leaves an open tank: over the rim it is removed and counted, through a wall it is an error."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Flags, Floats
 from parisph.base.errors import ParticleLost, agree
 from parisph.base.fields import FLUID
 from parisph.base.log import logger
 from parisph.case.schema import Case
 from parisph.parallel.domain import Domain
+from parisph.parallel.particles import Particles
 from parisph.watch.sampling import Scene
 
 OUTSIDE = 0.5    # spacings beyond a side wall, from where on water above the rim has left
@@ -39,19 +43,20 @@ class OpenTank:
     left : Left
     """
 
-    lower: np.ndarray
-    upper: np.ndarray
+    lower: Floats
+    upper: Floats
     spacing: float
     reach: float
     scene: Scene
     left: Left = field(default_factory=Left)
 
     @classmethod
-    def of(cls, case: Case, domain: Domain, state: dict | None = None) -> "OpenTank | None":
+    def of(cls, case: Case, domain: Domain, state: Mapping[str, Any] | None = None) -> "OpenTank | None":
         """Return the open tank of a case, None if it has none. state : the Left of a checkpoint, as a dict."""
         if case.walls is None or case.walls.closed:
             return None
-        return cls(domain.lower, domain.upper, case.numerics.spacing, domain.radius, Scene.of(case), Left(**(state or {})))
+        return cls(domain.lower, domain.upper, case.numerics.spacing, domain.radius, Scene.of(case),
+                   Left(**(state or {})))
 
     def let_leave(self, domain: Domain) -> None:
         """Remove the fluid that is out over the rim, and count it. Collective.
@@ -69,9 +74,10 @@ class OpenTank:
             self._count(p, gone)
             domain.remove(gone)
             if counts[0] == counts[2]:
-                raise ParticleLost("all water has left the tank over its rim; end the run earlier, or make the tank higher")
+                raise ParticleLost("all water has left the tank over its rim; end the run earlier, "
+                                   "or make the tank higher")
 
-    def _gone_and_lost(self, p):
+    def _gone_and_lost(self, p: Particles) -> tuple[Flags, Flags]:
         x, up = p.x, p.x[:, -1]
         beyond = np.maximum(self.lower[:-1] - x[:, :-1], x[:, :-1] - self.upper[:-1]).max(axis=1)
         rim = self.upper[-1]
@@ -80,7 +86,7 @@ class OpenTank:
         lost = ~gone & ((beyond > self.reach) | (up < self.lower[-1] - self.reach))
         return gone, lost
 
-    def _loss(self, p, lost):
+    def _loss(self, p: Particles, lost: Flags) -> ParticleLost | None:
         which = np.flatnonzero(lost)
         if not len(which):
             return None
@@ -88,11 +94,12 @@ class OpenTank:
         return ParticleLost(f"particle {p.id[which[0]]} at {np.round(p.x[which[0]], 6).tolist()} m: outside the tank, "
                             f"but not over its rim{more}")
 
-    def _count(self, p, gone):
+    def _count(self, p: Particles, gone: Flags) -> None:
         volume, u = p.volume[gone], p.u[gone]
         height = self.scene.gravity @ (volume.sum() * self.scene.lower - volume @ p.x[gone])
         mine = np.array([gone.sum(), volume.sum(), self.scene.density * (0.5 * (volume @ (u * u)).sum() + height)])
         particles, volume, energy = p.comm.allreduce(mine)
         if not self.left.particles and p.comm.rank == 0:
             logger.warning("water leaves the tank over its rim; it is removed and counted")
-        self.left = Left(self.left.particles + int(particles), self.left.volume + float(volume), self.left.energy + float(energy))
+        self.left = Left(self.left.particles + int(particles), self.left.volume + float(volume),
+                         self.left.energy + float(energy))

@@ -5,9 +5,10 @@ from mpi4py import MPI
 from parisph.base import memory
 from parisph.base.errors import CaseError
 from parisph.case import size
+from parisph.case.schema import Case
 
 
-def check(case, comm):
+def check(case: Case, comm: MPI.Comm) -> None:
     """Raise CaseError on every rank if the particles need more memory than all machines have. Collective.
 
     This is checked where a case runs, not when it is made, so that `parisph check` on a laptop can
@@ -18,11 +19,12 @@ def check(case, comm):
     need = size.memory(count, comm.size)
     if there is not None and need > there:
         raise CaseError(
-            f"numerics.spacing = {case.numerics.spacing:g}: makes {count:,} particles, which take about {memory.amount(need)} of memory "
-            f"on {comm.size} rank{'s' * (comm.size > 1)}; there is {memory.amount(there)}; use a larger spacing, or more machines")
+            f"numerics.spacing = {case.numerics.spacing:g}: makes {count:,} particles, "
+            f"which take about {memory.amount(need)} of memory on {comm.size} rank{'s' * (comm.size > 1)}; "
+            f"there is {memory.amount(there)}; use a larger spacing, or more machines")
 
 
-def _memory(comm):
+def _memory(comm: MPI.Comm) -> int | None:
     """Return the bytes of memory of all machines that the ranks are on, None if one is unknown. Collective."""
     machine = comm.Split_type(MPI.COMM_TYPE_SHARED)
     first = machine.rank == 0

@@ -1,12 +1,13 @@
 """The schedule of a run: simulated times at which something is due, and the steps that meet them."""
 
 import math
+from collections.abc import Iterable
 
 ROUNDED = 1.0 + 1e-12   # a time that is reached but for rounding is reached
 ROUNDING = 1e-6         # of a step: what the sum of many steps may be off by
 
 
-def step_towards(target, time, limit):
+def step_towards(target: float, time: float, limit: float) -> tuple[float, float]:
     """Return a step of at most `limit` (or a thousandth more) on the way to `target`, and the time after it, all in s.
 
     The last two steps before the target share the remaining time, so that neither is shorter than
@@ -27,27 +28,27 @@ def step_towards(target, time, limit):
 class Times:
     """Times at which something is due: at a fixed interval, and at given times [s]."""
 
-    def __init__(self, every, times=()):
+    def __init__(self, every: float | None, times: Iterable[float] = ()) -> None:
         self.every, self.times, self.count = every, sorted(times), 0
 
-    def due(self, time):
+    def due(self, time: float) -> bool:
         """Return whether something has become due since the last call."""
         before = self.count
         self.skip(time)
         return self.count > before
 
-    def skip(self, time):
+    def skip(self, time: float) -> None:
         """Count everything up to `time` as done."""
         self.count = sum(t <= time * ROUNDED for t in self.times) + self._multiple(time)
 
-    def after(self, time):
+    def after(self, time: float) -> float:
         """Return the first time [s] that is due after `time`, infinity if there is none."""
         found = [t for t in self.times if t > time * ROUNDED][:1]
         if self.every:
             found.append((self._multiple(time) + 1) * self.every)
         return min(found, default=math.inf)
 
-    def between(self, start, end):
+    def between(self, start: float, end: float) -> list[float]:
         """Return the times [s] that are due after `start` and up to `end`, in order."""
         found, time = [], self.after(start)
         while time <= end * ROUNDED:
@@ -55,5 +56,5 @@ class Times:
             time = self.after(time)
         return found
 
-    def _multiple(self, time):
+    def _multiple(self, time: float) -> int:
         return math.floor(time / self.every * ROUNDED) if self.every else 0

@@ -1,18 +1,19 @@
 """A scene in memory: particles, domain, solver and method, advanced step by step."""
 
-from contextlib import nullcontext
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import wraps
-from typing import Any, Callable, TypeVar, cast
+from typing import Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import Array, Floats
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
 from parisph.case import geometry, scales
 from parisph.case.checks import sound_speed, stable_time_step
-from parisph.case.methods import METHODS
 from parisph.case.schema import Case
 from parisph.driver import room, warmup
 from parisph.driver.phases import PhaseTimers
@@ -21,7 +22,7 @@ from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
 from parisph.methods.budget import Budget
-from parisph.methods.catalogue import parts_of
+from parisph.methods.catalogue import CompressibleParts, Parts, parts_of
 from parisph.methods.compressible import Compressible
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
@@ -37,20 +38,22 @@ LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebu
 SETTLE = 10.0     # time that weakly compressible water at rest settles before the start, over that of a fall
 SHORTEST = 1e-5   # of the stable step of the case: a run that needs a shorter one has diverged
 
-Method = TypeVar("Method", bound=Callable[..., Any])
+Options = ParamSpec("Options")
+Result = TypeVar("Result")
 
 
-def _call(guard, name):
+def _call(guard: Guard | None, name: str) -> AbstractContextManager[None]:
     return nullcontext() if guard is None else guard.call(name)
 
 
-def _collective(method: Method) -> Method:
+def _collective(method: Callable[Concatenate["Simulation", Options], Result]
+                ) -> Callable[Concatenate["Simulation", Options], Result]:
     """Decorate a collective method of a Simulation: no rank waits in it for one that has failed or ended."""
     @wraps(method)
-    def call(self, *args, **options):
+    def call(self: "Simulation", /, *args: Options.args, **options: Options.kwargs) -> Result:
         with _call(self._guard, f"Simulation.{method.__name__}"):
             return method(self, *args, **options)
-    return cast(Method, call)
+    return call
 
 
 class Simulation:
@@ -75,17 +78,19 @@ class Simulation:
     rank only, such as sys.exit in a function of the user, ends all ranks (parallel.guard).
     """
 
-    def __init__(self, case: Case, comm: MPI.Comm, petsc_options: list[str] | None = None, start: Checkpoint | None = None):
+    def __init__(self, case: Case, comm: MPI.Comm, petsc_options: list[str] | None = None,
+                 start: Checkpoint | None = None) -> None:
         self._guard = Guard.of(comm)
         with _call(self._guard, "Simulation"):
             self._make(case, comm, petsc_options, start)
 
-    def _make(self, case, comm, petsc_options, start):
+    def _make(self, case: Case, comm: MPI.Comm, petsc_options: list[str] | None, start: Checkpoint | None) -> None:
         room.check(case, comm)
         self.numerics = case.complete_numerics()
         # what is stored is what was computed, whatever a preset becomes later
         self.case = case.resolved(self.numerics)
-        self.comm, self.domain, self.method = comm.Dup(), None, None
+        self.comm = comm.Dup()
+        self._made: list[Domain | Projection | Compressible] = []    # what `destroy` frees
         try:
             self._build(petsc_options, start)
         except BaseException as error:
@@ -93,8 +98,8 @@ class Simulation:
                 self.destroy()
             raise
 
-    def _build(self, petsc_options, start):
-        """Make the parts of the scene, which `destroy` frees. Collective."""
+    def _build(self, petsc_options: list[str] | None, start: Checkpoint | None) -> None:
+        """Make the parts of the scene. Collective."""
         case = self.case
         agree(self.comm, _other_than_first(self.comm, case, petsc_options))
         if self.comm.size > 1:
@@ -105,20 +110,24 @@ class Simulation:
         self.particles = Particles(self.comm, case.dim, FieldSet((*parts.fields, *case.output.fields)))
         arrays = _arrays(case, self.comm) if start is None else start.arrays
         self.particles.assign({name: values for name, values in arrays.items() if name in self.particles.fields})
-        self.time, self.steps, self.dt = (0.0, 0, None) if start is None else (start.time, start.step, start.dt or None)
+        self.time = 0.0 if start is None else start.time
+        self.steps = 0 if start is None else start.step
+        self.dt: float | None = None if start is None else start.dt or None
         s = self.numerics.spacing
         lower, upper = geometry.domain(case)
         self.domain = Domain(self.particles, lower, upper, parts.reach * s,
                              SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.closed)
+        self._made.append(self.domain)
         flow = Flow(self.numerics, case.fluid.density, self._force, self.particles, self.domain, self.timers,
                     closed=case.closed, budget=_budget(case, parts), viscosity=case.fluid.viscosity)
         self.method = _method(case, flow, parts, petsc_options)
+        self._made.append(self.method)
         if start is not None:
             self.method.resume(start.state)
-        self.bad_force = None
+        self.bad_force: float | None = None
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
-        self._chosen = None     # (limit, step, time after it) of the next step
+        self._chosen: tuple[float, float, float] | None = None     # (limit, step, time after it) of the next step
         self._open_tank = OpenTank.of(case, self.domain, start.state.get("left") if start is not None else None)
 
     @_collective
@@ -142,8 +151,7 @@ class Simulation:
 
         Raises SolverDiverged.
         """
-        limit = self._limit()
-        self._chosen = (limit, *step_towards(self._target(until), self.time, limit))
+        self._chosen = self._choose(until)
         return self._chosen[-1]
 
     @_collective
@@ -154,9 +162,8 @@ class Simulation:
 
         Raises SolverDiverged or ParticleLost.
         """
-        if self._chosen is None:
-            self.choose_step(until)
-        (limit, dt, after), self._chosen = self._chosen, None
+        limit, dt, after = self._chosen or self._choose(until)
+        self._chosen = None
         report = self.method.step(self.time, dt, limit)
         self.time = after
         self.steps += 1
@@ -187,7 +194,7 @@ class Simulation:
         return finished(self.case, self.time)
 
     @_collective
-    def gather(self, *names: str) -> dict[str, np.ndarray] | None:
+    def gather(self, *names: str) -> dict[str, Array] | None:
         """Return {name: array over all particles, sorted by id} on rank 0, None elsewhere."""
         p = self.particles
         parts = self.comm.gather([np.array(getattr(p, name)) for name in ("id", *names)])
@@ -197,20 +204,24 @@ class Simulation:
         order = np.argsort(columns[0])
         return {name: column[order] for name, column in zip(names, columns[1:])}
 
-    def agreed(self, error):
+    def agreed(self, error: BaseException) -> bool:
         """Return whether all ranks have this error, so that collective calls may follow."""
-        return self.comm.size == 1 or (isinstance(error, ParisphError) and self._guard.on_all())
+        return self._guard is None or (isinstance(error, ParisphError) and self._guard.on_all())
 
     @_collective
     def destroy(self) -> None:
         """Free the MPI and PETSc objects of this scene. A second call does nothing."""
-        for part in (self.domain, self.method):
-            if part is not None:
-                part.destroy()
+        for part in self._made:
+            part.destroy()
         if self.comm != MPI.COMM_NULL:
             self.comm.Free()
 
-    def _limit(self):
+    def _choose(self, until: float | None) -> tuple[float, float, float]:
+        """Return the step that the case and the flow allow [s], the next step, and the time after it. Collective."""
+        limit = self._limit()
+        return (limit, *step_towards(self._target(until), self.time, limit))
+
+    def _limit(self) -> float:
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
         dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt, self._shortest,
                        self.method.top_acceleration)
@@ -220,18 +231,18 @@ class Simulation:
         dt = min(dt, self.case.frame.longest_step)    # a small force between two turns says nothing of what comes
         return dt if self.dt is not None else self._first(dt)
 
-    def _first(self, dt):
+    def _first(self, dt: float) -> float:
         """Return the first step [s]; computes the pressure at the start if that has not been done."""
         if not self._has_pressure:
             self.solve_start()
         p = self.particles
         fluid = p.x[p.kind == FLUID]
 
-        def force_at(after):
+        def force_at(after: float) -> float:
             return _largest(self.case.body_force(fluid, self.time + after))
         return first_step(self.comm, p, self.numerics, self.method.acceleration(self.time), dt, force_at)
 
-    def _target(self, until):
+    def _target(self, until: float | None) -> float:
         """Return the time [s] that steps must meet next, infinity if there is none.
 
         An adaptive run also meets its end; with a fixed step it ends within half a step of it.
@@ -241,40 +252,44 @@ class Simulation:
             target = self.case.end_time if finished(self.case, target) else target
         return target
 
-    def _force(self, x, t):
-        """Return the body force (n, dim) [m/s^2] at x (n, dim) and t; notes the first time at which it is not finite."""
+    def _force(self, x: Floats, t: float) -> Floats:
+        """Return the body force (n, dim) [m/s^2] at x (n, dim) and t; note the first time at which it is not finite."""
         force = self.case.body_force(x, t)
         if self.bad_force is None and not np.isfinite(force).all():
             self.bad_force = t
         return force
 
-    def _strongest_force(self):
+    def _strongest_force(self) -> float:
         """Return the largest body force on this rank's fluid, for the time step [m/s^2]."""
         p = self.particles
         return _largest(self._force(p.x[p.kind == FLUID], self.time))
 
 
-def _largest(force):
-    """Return the largest finite size of forces (n, dim), 0 if there is none: what is no number sets no step, the step says so."""
+def _largest(force: Floats) -> float:
+    """Return the largest finite size of forces (n, dim), 0 if there is none.
+
+    What is no number sets no step: the step itself says so.
+    """
     size = np.linalg.norm(force, axis=1)
     return float(size.max(initial=0.0, where=np.isfinite(size)))
 
 
-def finished(case, time):
+def finished(case: Case, time: float) -> bool:
     """Return whether `time` [s] is the end of the case, to within half a fixed step. Not collective."""
     slack = 0.5 * (case.numerics.time_step or 1e-9 * case.end_time)
     return time > case.end_time - slack
 
 
-def _wrong_code():
+def _wrong_code() -> ParisphError | None:
     """Return a ParisphError if the compiler translates kernels wrongly, else None. Not collective."""
     if selfcheck.stores_hold():
         return None
-    return ParisphError("numba generates wrong machine code on this processor. Unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, "
-                        "import parisph's kernels before others compile, or install another release of numba")
+    return ParisphError("numba generates wrong machine code on this processor. "
+                        "Unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, import parisph's kernels before others compile, "
+                        "or install another release of numba")
 
 
-def _other_than_first(comm, case, petsc_options):
+def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | None) -> CaseError | None:
     """Return a CaseError if this rank has another case or other options than rank 0, else None. Collective."""
     mine = (case.model_dump(mode="json"), list(petsc_options or ()))
     first = comm.bcast(mine) if comm.size > 1 else mine
@@ -285,9 +300,10 @@ def _other_than_first(comm, case, petsc_options):
                      "as in case = comm.bcast(case)")
 
 
-def _parts(case, comm):
+def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts, error = parts_of(case.numerics, case.fluid.viscosity), None
+    parts: Parts | CompressibleParts = parts_of(case.numerics, case.fluid.viscosity)
+    error = None
     try:
         parts.check(case.dim)
     except CaseError as problem:
@@ -296,22 +312,24 @@ def _parts(case, comm):
     return parts
 
 
-def _method(case, flow, parts, petsc_options):
+def _method(case: Case, flow: Flow, parts: Parts | CompressibleParts,
+            petsc_options: list[str] | None) -> Projection | Compressible:
     """Return the method of the case, ready to start. Collective."""
-    if METHODS[case.numerics.method].step == "compressible":
+    if isinstance(parts, CompressibleParts):
         return Compressible(flow, parts, sound_speed(case), SETTLE * scales.fall_time(case),
                             Scene.of(case).gravity)
     return Projection(flow, parts, petsc_options)
 
 
-def _budget(case, parts):
+def _budget(case: Case, parts: Parts | CompressibleParts) -> Budget | None:
     """Return the Budget of the case, None if it has none."""
     return Budget(case.fluid.density, Scene.of(case).gravity, parts.causes) if case.output.budget else None
 
 
-def _arrays(case, comm):
+def _arrays(case: Case, comm: MPI.Comm) -> dict[str, Array]:
     """Make this rank's share of the particles; an error on one rank is raised on all."""
-    arrays, error = None, None
+    arrays: dict[str, Array] = {}
+    error = None
     try:
         arrays = geometry.build(case, comm.rank, comm.size)
     except Exception as problem:

@@ -2,18 +2,25 @@
 
 import json
 import resource
+from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter, process_time
+from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 
 from parisph.base.errors import ParisphError
 from parisph.base.fields import FLUID
 from parisph.base.log import logger
+from parisph.case.schema import Case
 from parisph.driver.conservation import Conservation
+from parisph.driver.simulation import Simulation
 from parisph.io import reader
 from parisph.io.files import on_first
+from parisph.io.store import Store
 from parisph.methods import catalogue
+from parisph.methods.reports import StepReport
 from parisph.truth import verdict
 
 FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, that are not worth a word
@@ -26,27 +33,27 @@ class Account:
     Made by `Account.new` or `Account.resumed`.
     """
 
-    def __init__(self, before):
+    def __init__(self, before: dict[str, Any]) -> None:
         self.before = before
         self.wall, self.cpu = perf_counter(), process_time()
         self.fallbacks = 0
-        self.divergence = None
-        self.conservation = None
+        self.divergence: float | None = None
+        self.conservation: Conservation | None = None    # from `start` on
         self._notes = list(before.get("notes", ()))
         self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
         self._fluid = 0
 
     @classmethod
-    def new(cls):
+    def new(cls) -> "Account":
         """Return the account of a new run."""
         return cls({"wall": 0.0, "cpu": 0.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0})
 
     @classmethod
-    def resumed(cls, state):
+    def resumed(cls, state: Mapping[str, Any]) -> "Account":
         """Return the account of a run that continues from a checkpoint's state."""
         return cls(state["account"])
 
-    def start(self, simulation, isolated=0):
+    def start(self, simulation: Simulation, isolated: int = 0) -> None:
         """Measure energy and volume at the start of the run, or of this part of it. Collective.
 
         isolated : particles that no free surface anchors in the first solve (Simulation.solve_start)
@@ -54,8 +61,8 @@ class Account:
         p = simulation.particles
         self._fluid = fluid = p.comm.allreduce(int(np.count_nonzero(p.kind == FLUID)))
         if isolated > max(FEW, SHARE * fluid):
-            self._notes.append(f"{isolated} particles had no contact with a free surface at the start (of {fluid} fluid particles and the walls): "
-                               "p = 0 was set only at the highest of them")
+            self._notes.append(f"{isolated} particles had no contact with a free surface at the start (of {fluid} "
+                               "fluid particles and the walls): p = 0 was set only at the highest of them")
             logger.warning(self._notes[-1])
         about = catalogue.warning(simulation.numerics)
         if about and not self.before.get("notes"):
@@ -65,28 +72,30 @@ class Account:
         self.conservation = Conservation(simulation, self.before.get("conservation"), start)
         self.measure(simulation)
 
-    def measure(self, simulation):
+    def measure(self, simulation: Simulation) -> None:
         """Measure energy and volume now. Collective."""
-        self.conservation.measure(simulation)
+        if self.conservation is not None:
+            self.conservation.measure(simulation)
 
-    def step(self, simulation, report):
+    def step(self, simulation: Simulation, report: StepReport) -> None:
         """Count a step that was made. Collective."""
         self.fallbacks += report.fallbacks
         self.divergence = getattr(report, "divergence", None)    # a projection has one
         isolated = getattr(report, "isolated", 0)
         if isolated > self._isolated[0]:
             self._isolated = [isolated, simulation.time]
-        self.conservation.step(simulation)
+        if self.conservation is not None:
+            self.conservation.step(simulation)
 
-    def warnings(self):
+    def warnings(self) -> list[str]:
         """Return one line for each warning of the whole run. Not collective."""
         found, (most, time) = list(self._notes), self._isolated
         if most > BODY * self._fluid > 0.0:
-            found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} fluid particles "
-                         "and the walls): their pressure has no level of its own")
+            found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} "
+                         "fluid particles and the walls): their pressure has no level of its own")
         return found + (self.conservation.warnings() if self.conservation else [])
 
-    def state(self, simulation, comm=None):
+    def state(self, simulation: Simulation, comm: MPI.Comm | None = None) -> dict[str, Any]:
         """Return the data that a checkpoint needs to continue the account. Collective.
 
         comm : the ranks whose cost counts, by default all of the simulation
@@ -102,8 +111,11 @@ class Account:
             "conservation": self.conservation.state() if self.conservation else self.before.get("conservation", {}),
         }}
 
-    def summary(self, simulation, store, status, comm=None):
-        """Return the content of summary.json, with the last measured volume and energy, the same on all ranks. Collective.
+    def summary(self, simulation: Simulation, store: Store, status: str,
+                comm: MPI.Comm | None = None) -> dict[str, Any]:
+        """Return the content of summary.json, with the last measured volume and energy, the same on all ranks.
+
+        Collective.
 
         comm : the ranks whose cost counts, by default all; MPI.COMM_SELF makes it not collective
         Raises StoreError on every rank if the files of the run cannot be read.
@@ -114,34 +126,40 @@ class Account:
         content = {
             "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": s.comm.size,
             "particles": int(s.particles.n_global), "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,
-            "status": status, "warnings": self.warnings(), "wall_seconds": account["wall"], "cpu_seconds": account["cpu"],
+            "status": status, "warnings": self.warnings(), "wall_seconds": account["wall"],
+            "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
             **self._kept(s), "left": vars(s.left), "divergence": self.divergence, "peak_memory_mb": peak,
-            "parisph_version": store.about["parisph_version"], "versions": json.loads(store.about["versions"]),
+            "parisph_version": store.about["parisph_version"], "versions": json.loads(str(store.about["versions"])),
             "petsc_options": store.about["petsc_options"],
         }
         found = on_first(comm, f"read {store.folder}", lambda: _from_files(s.case, store))
-        if comm.rank == 0:
+        if found is not None:
             content["iterations"], content["errors"] = found
-        return comm.bcast(content)
+        everywhere: dict[str, Any] = comm.bcast(content)
+        return everywhere
 
-    def _kept(self, simulation):
-        """Return the entries of the summary on volume and energy. Not collective: a run may end before it has measured them."""
+    def _kept(self, simulation: Simulation) -> dict[str, Any]:
+        """Return the entries of the summary on volume and energy.
+
+        Not collective: a run may end before it has measured them.
+        """
         if self.conservation is None:
             return {"volume_drift": None, "energy_drift": None, "driven": simulation.case.driven}
         return self.conservation.content()
 
 
-def _sums(before, now):
-    return {name: before.get(name, 0.0) + now.get(name, 0.0) for name in (*before, *(n for n in now if n not in before))}
+def _sums(before: Mapping[str, float], now: Mapping[str, float]) -> dict[str, float]:
+    return {name: before.get(name, 0.0) + now.get(name, 0.0)
+            for name in (*before, *(n for n in now if n not in before))}
 
 
-def _from_files(case, store):
+def _from_files(case: Case, store: Store) -> tuple[dict[str, float] | None, dict[str, Any]]:
     """Return (iterations, errors) of the whole run from its files, including earlier parts."""
     try:
         run = reader.open_run(store.folder)
         iterations, steps = None, run.steps
-        counts = steps["iterations"] if "iterations" in steps.dtype.names else ()
+        counts = steps["iterations"] if "iterations" in (steps.dtype.names or ()) else np.empty(0)
         if len(counts):
             iterations = {"median": float(np.median(counts)), "p99": float(np.percentile(counts, 99)),
                           "max": int(counts.max())}
@@ -150,7 +168,7 @@ def _from_files(case, store):
         return None, {"unavailable": str(error)}
 
 
-def _peak_memory():
+def _peak_memory() -> float:
     """Return the largest resident memory of this process so far [MB].
 
     Linux's VmHWM starts with the program; that of getrusage is inherited from the parent process.

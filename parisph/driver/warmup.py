@@ -1,8 +1,12 @@
 """Compile the kernels once, on one rank, so that the others can load them."""
 
+from collections.abc import Callable
+from typing import Any
+
 from mpi4py import MPI
 
 from parisph.base.errors import ParisphError, agree
+from parisph.case.numerics import Numerics
 from parisph.case.schema import Box, Case, Fluid, Tank, Volume
 from parisph.watch import instruments
 
@@ -11,7 +15,7 @@ FILLED = 6     # sides of the body of fluid in it
 STEP = 1e-3    # of the time in which a particle falls by half a spacing, as g = 1
 
 
-def on_one_rank_first(comm, make, case, numerics):
+def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], case: Case, numerics: Numerics) -> None:
     """Take one step of a small scene on rank 0, which fills the cache of compiled kernels. Collective.
 
     The other ranks wait and then load the kernels from the cache; otherwise each would compile all
@@ -36,7 +40,7 @@ def on_one_rank_first(comm, make, case, numerics):
     agree(comm, problem)
 
 
-def small(case, numerics):
+def small(case: Case, numerics: Numerics) -> Case:
     """Return a scene of a few particles that needs the same kernels: closed if the case is closed."""
     s = numerics.spacing
     side = CELLS * s
@@ -48,7 +52,7 @@ def small(case, numerics):
     )
 
 
-def _step(simulation):
+def _step(simulation: Any) -> None:
     try:
         simulation.advance()
         samplers = instruments.build(simulation.case, simulation.comm)

@@ -9,18 +9,23 @@ file gets its final name only when it is complete.
 import json
 import math
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 
+from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError
 from parisph.base.fields import CORE
+from parisph.base.paths import AnyPath
 from parisph.base.reading import read_text
 from parisph.io import digest, slabs
 from parisph.io.files import on_first, together
 from parisph.io.slabs import Slab
+from parisph.parallel.particles import Particles
 
 FORMAT, VERSION = "parisph checkpoint", 2
 KEEP = 2  # the last and, in case a disk loses it, the one before
@@ -45,14 +50,15 @@ class Checkpoint:
     step: int
     dt: float
     case: str
-    state: dict
+    state: dict[str, Any]
     dim: int
-    arrays: dict
+    arrays: dict[str, np.ndarray]
     offset: int
     total: int
 
 
-def write(comm, folder, particles, time, step, dt, case, state, attributes, earlier=()):
+def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float, step: int, dt: float, case: str,
+          state: Mapping[str, Any], attributes: Mapping[str, str | float], earlier: Sequence[str] = ()) -> Path:
     """Write folder/NNNNNNNN.h5 (the step's number), and return the path. Collective.
 
     Of the run's checkpoints the last two are kept. The state lists them, so that a restart knows which of the
@@ -93,7 +99,7 @@ def write(comm, folder, particles, time, step, dt, case, state, attributes, earl
     return path
 
 
-def read(comm, path):
+def read(comm: Communicator, path: AnyPath) -> Checkpoint:
     """Return a Checkpoint with this rank's share of the particles (as numpy.array_split cuts). Collective.
 
     The number of ranks may differ from that of the run that wrote it.
@@ -117,14 +123,16 @@ def _read(comm, path):
     return loaded
 
 
-def paths(folder):
+def paths(folder: AnyPath) -> list[Path]:
     """Return the checkpoint files in a folder, oldest first; empty if there is no such folder."""
-    return sorted((path for path in Path(folder).glob("*.h5") if _NAME.fullmatch(path.name)), key=lambda path: int(path.stem))
+    return sorted((path for path in Path(folder).glob("*.h5") if _NAME.fullmatch(path.name)),
+                  key=lambda path: int(path.stem))
 
 
 def _advice(comm, damaged):
     """Return how to continue without this checkpoint, as the end of a message; "" if no other is sound. Collective."""
-    there = comm.bcast([path for path in paths(damaged.parent) if path.name != damaged.name] if comm.rank == 0 else None)
+    there = comm.bcast([path for path in paths(damaged.parent) if path.name != damaged.name]
+                       if comm.rank == 0 else None)
     sound = next((path for path in reversed(there) if _is_sound(comm, path)), None)
     if sound is None:
         return ""
@@ -171,8 +179,8 @@ def _check_fields(path, particles):
     # others have a default: an older file lacks the fields of newer parts
     missing = [name for name in CORE if name not in particles]
     if missing:
-        raise StoreError(f"{path} lacks {', '.join(missing)}, which this parisph needs: restart it with the version that wrote it "
-                         "(its parisph_version says which)")
+        raise StoreError(f"{path} lacks {', '.join(missing)}, which this parisph needs: "
+                         "restart it with the version that wrote it (its parisph_version says which)")
 
 
 def _share(total, rank, size):
@@ -185,7 +193,8 @@ def _share(total, rank, size):
 def _check_place(path, loaded):
     """Raise StoreError if a sound checkpoint has the name of another step, or is in the folder of another run."""
     if _NAME.fullmatch(path.name) and int(path.stem) != loaded.step:
-        raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, or another one copied over it")
+        raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, "
+                         "or another one copied over it")
     beside = path.resolve().parent.parent / "case.json"
     try:
         run = json.loads(read_text(beside, math.inf))["run"]

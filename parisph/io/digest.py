@@ -16,6 +16,7 @@ import re
 import stat
 from pathlib import Path
 
+from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError
 from parisph.io.files import on_first, together
 
@@ -25,7 +26,7 @@ PATTERN = re.compile(rb"\nparisph digest (\d) \d{20} [0-9a-f]{64}\n")
 LENGTH = len(b"\nparisph digest 1 ") + 20 + 1 + 64 + 1
 
 
-def append(comm, path, doing=None):
+def append(comm: Communicator, path: Path, doing: str | None = None) -> None:
     """Append the digest to a file. The file must be closed on every rank. Collective.
 
     doing : the action to name in an error, by default "write PATH"
@@ -41,7 +42,7 @@ def append(comm, path, doing=None):
     on_first(comm, doing, write)
 
 
-def check(path):
+def check(path: Path) -> None:
     """Raise StoreError unless every byte of a file is as parisph wrote it. Not collective."""
     length, line = _ending(path)
     try:
@@ -51,7 +52,7 @@ def check(path):
     _compare(path, line, _line(length, digests))
 
 
-def check_together(comm, path):
+def check_together(comm: Communicator, path: Path) -> None:
     """Do `check` with the work shared among the ranks; raises StoreError on every rank. Collective."""
     length, line, problem = 0, b"", None
     if comm.rank == 0:
@@ -78,7 +79,8 @@ def _chunks(path, length, rank=0, size=1):
     numbers = range(rank, -(-length // CHUNK), size)
     if not numbers:
         return []
-    found, buffer = [], memoryview(bytearray(CHUNK))    # one for all chunks: fresh memory for each costs half as much again
+    # one for all chunks: fresh memory for each costs half as much again
+    found, buffer = [], memoryview(bytearray(CHUNK))
     with open(path, "rb") as file:
         for number in numbers:
             file.seek(number * CHUNK)

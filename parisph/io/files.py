@@ -8,16 +8,20 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any, TypeVar
 
+from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError, agree
+from parisph.base.paths import AnyPath
 from parisph.base.reading import check_regular
 from parisph.base.seal import KEY, opened, sealed
 
+Result = TypeVar("Result")
 
-def together(comm, doing, action):
+def together(comm: Communicator, doing: str, action: Callable[[], Result]) -> Result:
     """Run `action()` on this rank and return its result. Collective.
 
     Raises
@@ -37,12 +41,12 @@ def together(comm, doing, action):
     return result
 
 
-def on_first(comm, doing, action):
+def on_first(comm: Communicator, doing: str, action: Callable[[], Result]) -> Result | None:
     """Run `action()` on rank 0 only; its result there, None elsewhere. Collective, raises as `together`."""
     return together(comm, doing, action if comm.rank == 0 else lambda: None)
 
 
-def temporary(path):
+def temporary(path: Path) -> Path:
     """Return the temporary name for `path`: hidden, in the same folder."""
     path = Path(path)
     return path.with_name(f".{path.name}.tmp")
@@ -57,7 +61,7 @@ def create(path: Path) -> int:
     return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666)
 
 
-def publish(path):
+def publish(path: Path) -> None:
     """Force the temporary file of `path` to the disk and rename it to `path`. One rank. Raises OSError."""
     path = Path(path)
     _sync(temporary(path))
@@ -66,8 +70,9 @@ def publish(path):
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """Give the name of a new, empty file beside `path`, with the same ending; at the end of the block it replaces `path`. One process.
+def replacing(path: AnyPath) -> Iterator[Path]:
+    """Give the name of a new, empty file beside `path`, with the same ending; at the end of the block it replaces
+    `path`. One process.
 
     A symbolic link is replaced too, never followed. If the block fails, `path` is unchanged and nothing is left behind.
     Raises OSError: a file cannot be made there, or `path` is a folder, a pipe or a device.
@@ -87,8 +92,11 @@ def replacing(path: Path) -> Iterator[Path]:
         raise
 
 
-def write_text(path, text):
-    """Replace the content of `path` by `text` atomically. One rank. Raises OSError and then leaves no temporary file."""
+def write_text(path: Path, text: str) -> None:
+    """Replace the content of `path` by `text` atomically. One rank.
+
+    Raises OSError and then leaves no temporary file.
+    """
     try:
         with open(create(temporary(path)), "w", encoding="utf-8") as file:
             file.write(text)
@@ -99,7 +107,7 @@ def write_text(path, text):
         raise
 
 
-def write_json(path, content):
+def write_json(path: Path, content: Any) -> None:
     """Replace the content of `path` by standard JSON with a digest (numpy scalars become numbers, NaN null)."""
     write_text(path, json.dumps(sealed(plain(content)), indent=2) + "\n")
 
@@ -137,7 +145,7 @@ def digest(path: Path) -> str:
     return found.hexdigest()
 
 
-def plain(content):
+def plain(content: Any) -> Any:
     """Return `content` made of dict, list, str, int, float, bool and None only; NaN and infinity become None."""
     if isinstance(content, dict):
         return {str(key): plain(value) for key, value in content.items()}

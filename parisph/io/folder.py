@@ -57,7 +57,7 @@ def make(folder: Path) -> list[Path]:
 
 
 def unmake(made: Sequence[Path]) -> bool:
-    """Remove those of the folders made by `make` that are empty, the innermost first; return whether that one is gone."""
+    """Remove those folders made by `make` that are empty, the innermost first; return whether that one is gone."""
     for number, place in enumerate(made):
         try:
             place.rmdir()
@@ -88,11 +88,15 @@ def _check_log(path):
     """Raise StoreError if the log cannot be continued: it is a link, or no file."""
     if path.is_symlink() or (path.exists() and not path.is_file()):
         what = "a symbolic link" if path.is_symlink() else "not a regular file"
-        raise StoreError(f"{path} is {what}, and parisph writes only to files of its own in the folder of the run: move it away")
+        raise StoreError(f"{path} is {what}, and parisph writes only to files of its own in the folder of the run: "
+                         "move it away")
 
 
 def _half_written(series):
-    """Return {folder inside that of a run: pattern of the temporary names that a killed process leaves there}; no other file matches."""
+    """Return {folder inside that of a run: pattern of the temporary names that a killed process leaves there}.
+
+    No other file matches.
+    """
     probes = [name.removeprefix("probes/") for name in series if name.startswith("probes/")]
     own = {
         "": [*(re.escape(name) for name in FILES), r"summary-[0-9]+\.json"],
@@ -124,7 +128,10 @@ def write_case(folder: Path, case: str, run: str) -> None:
 
 
 def identity(folder: Path) -> str | None:
-    """Return the identity of the run in a folder, "" if it has none, None if there is no run. Raises StoreError if case.json is damaged."""
+    """Return the identity of the run in a folder, "" if it has none, None if there is no run.
+
+    Raises StoreError if case.json is damaged.
+    """
     if not (folder / "case.json").exists():
         return None
     return str(read_json(folder / "case.json").get("run", ""))
@@ -144,19 +151,23 @@ def summary(folder: Path) -> dict | None:
 
 
 def check_unchanged(path: Path, summary: dict | None, name: str) -> None:
-    """Raise StoreError if a file has changed since the summary of its run was written. Without a summary nothing is checked."""
+    """Raise StoreError if a file has changed since the summary of its run was written.
+
+    Without a summary nothing is checked.
+    """
     due = (summary or {}).get("files", {}).get(name)
     if due is not None and path.is_file() and digest(path) != due:
         raise StoreError(f"{path} is damaged: it is not as it was when the run ended. Move it away, or mend it")
 
 
 def move_aside(folder: Path, moved: Iterable[Path], copied: Iterable[Path] = ()) -> Path | None:
-    """Move or copy the files of a run that will be replaced to replaced/N; return that folder, None if there are no files."""
+    """Move or copy the files of a run that will be replaced to replaced/N; return that folder, None without files."""
     moved, copied = ([path for path in paths if path.exists()] for paths in (moved, copied))
     if not moved and not copied:
         return None
     if (folder / REPLACED).is_symlink():
-        raise StoreError(f"{folder / REPLACED} is a symbolic link, and parisph writes only inside the folder of the run: remove the link")
+        raise StoreError(f"{folder / REPLACED} is a symbolic link, and parisph writes only inside the folder of the "
+                         "run: remove the link")
     place = _free(folder / REPLACED / "1", lambda number: folder / REPLACED / str(number))
     for path in (*moved, *copied):
         there = place / path.relative_to(folder)
@@ -169,15 +180,16 @@ def move_aside(folder: Path, moved: Iterable[Path], copied: Iterable[Path] = ())
 
 
 def move_run_aside(folder: Path) -> Path | None:
-    """Rename a folder to FOLDER.old, FOLDER.old-2, ...; return the new name, None if it holds nothing that a run would write to.
+    """Rename a folder to FOLDER.old, FOLDER.old-2, ...; return the new name, None if it holds nothing that a run would
+    write to.
 
     Raises CaseError if the current folder is in it.
     """
     if not content(folder):
         return None
     if Path.cwd().is_relative_to(folder):
-        raise CaseError(f"{folder} contains the current folder, and cannot be moved aside: give another folder with -o, "
-                        "or repeat the command in another folder")
+        raise CaseError(f"{folder} contains the current folder, and cannot be moved aside: "
+                        "give another folder with -o, or repeat the command in another folder")
     old = folder.with_name(f"{folder.name}.old")
     place = _free(old, lambda number: folder.with_name(f"{folder.name}.old-{number}"))
     os.rename(folder, place)

@@ -1,21 +1,26 @@
 """The table at the end of a run, and the text of `parisph info`. Not collective."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from parisph.base.errors import StoreError
 from parisph.base.text import plain_lines
 from parisph.io.layout import INDEX, PEAKS
+from parisph.io.reader import Run
 
 
-def table(summary):
+def table(summary: Mapping[str, Any]) -> list[str]:
     """Return the lines of a short table of summary.json; missing entries are left out."""
     return _plain(f"{name:<15} {text}" for name, text in _entries(summary) if text is not None)
 
 
-def describe(run):
+def describe(run: Run) -> str:
     """Return the description of a Run (io.reader): its content and its results. Raises StoreError."""
     lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
     lines += ["", *(_results(run) if run.summary else ["no summary.json: the run goes on, or was killed"])]
     if len(run):
-        lines += ["", f"{'snapshots':<16}{len(run)}, t = {run.times[0]:.6g} to {run.times[-1]:.6g} s ({run.folder / INDEX})"]
+        lines += ["", f"{'snapshots':<16}{len(run)}, t = {run.times[0]:.6g} to {run.times[-1]:.6g} s "
+                      f"({run.folder / INDEX})"]
     checkpoints = sorted((run.folder / "checkpoints").glob("*.h5"))
     if checkpoints:
         lines.append(f"{'checkpoints':<16}{', '.join(path.name for path in checkpoints)}")
@@ -27,17 +32,23 @@ def describe(run):
     return "\n".join(_plain(lines))
 
 
-def provenance(run):
-    """Return the versions and options of a Run as text, "" if it has no snapshot. Raises StoreError if the first one is damaged.
+def provenance(run: Run) -> str:
+    """Return the versions and options of a Run as text, "" if it has no snapshot.
+
+    Raises StoreError if the first one is damaged.
 
     What the summary says too, and `describe` has told, is left out.
     """
     told = {name: str((run.summary or {}).get(name)) for name in ("method", "ranks")}
-    return "\n".join(_plain(f"{name:<16}{value}" for name, value in sorted(run.about.items()) if told.get(name) != str(value)))
+    return "\n".join(_plain(f"{name:<16}{value}" for name, value in sorted(run.about.items())
+                            if told.get(name) != str(value)))
 
 
 def _results(run):
-    """Return the table of the summary of a Run. Raises StoreError if an entry is not of the kind that parisph writes."""
+    """Return the table of the summary of a Run.
+
+    Raises StoreError if an entry is not of the kind that parisph writes.
+    """
     try:
         return table(run.summary)
     except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
@@ -45,7 +56,10 @@ def _results(run):
 
 
 def _plain(entries):
-    """Return texts whose control characters are escaped and whose further lines are indented: a run's files may come from anybody."""
+    """Return texts whose control characters are escaped and whose further lines are indented.
+
+    A run's files may come from anybody.
+    """
     return [plain_lines(entry, indent=4 * " ") for entry in entries]
 
 
@@ -63,11 +77,13 @@ def _entries(summary):
     yield "CPU time", _number(get("cpu_seconds"), ".1f", " s")
     iterations = get("iterations")
     if iterations:
-        words = (f"{name} {iterations[name]:.0f}" for name in ("median", "p99", "max") if iterations.get(name) is not None)
+        words = (f"{name} {iterations[name]:.0f}" for name in ("median", "p99", "max")
+                 if iterations.get(name) is not None)
         yield "iterations", ", ".join(words)
     fallbacks = get("fallbacks")
     if fallbacks:
-        yield "fallbacks", ", ".join(f"{name} {n}" for name, n in fallbacks.items()) if isinstance(fallbacks, dict) else str(fallbacks)
+        each = isinstance(fallbacks, dict)
+        yield "fallbacks", ", ".join(f"{name} {n}" for name, n in fallbacks.items()) if each else str(fallbacks)
     left = get("left") or {}
     if left.get("particles"):
         yield "left the tank", f"{left['particles']:,d} particles over the rim, {left['volume']:.4g} m2 of water"

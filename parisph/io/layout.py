@@ -16,6 +16,8 @@
 
 from pathlib import Path
 
+from parisph.base.paths import AnyPath
+
 INDEX = "flow.hdf.series"
 FILES = ("case.json", "summary.json", "steps.csv", INDEX, "run.log")
 FOLDERS = ("probes", "snapshots", "checkpoints")
@@ -23,7 +25,7 @@ PEAKS, BEFORE = "peaks", "peaks/before"     # made when there is something to pu
 REPLACED = "replaced"
 
 
-def run_of(path):
+def run_of(path: AnyPath) -> Path:
     """Return the folder (pathlib.Path) of the run that a checkpoint file is in; any other path is returned as it is.
 
     The folder is relative if it is inside the current one, as users name it. Not collective.

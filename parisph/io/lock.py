@@ -30,10 +30,11 @@ class Lock:
 
     Raises
     ------
-    StoreError : another process writes into the folder; says which, and what to do. OSError : the folder cannot be written.
+    StoreError : another process writes into the folder; says which, and what to do. OSError : the folder cannot be
+        written.
     """
 
-    def __init__(self, folder: Path, force: bool = False):
+    def __init__(self, folder: Path, force: bool = False) -> None:
         self.path = Path(folder) / NAME
         self._mine = {"host": _host(), "processes": _numbering(), "process": os.getpid(), "began": _began(os.getpid()),
                       "since": time.strftime("%Y-%m-%d %H:%M:%S"), "token": os.urandom(8).hex()}
@@ -51,7 +52,8 @@ class Lock:
         self._beaten = time.monotonic()
         found = _read(self.path)
         if found is None:
-            raise StoreError(f"{self.path} is gone: somebody has removed or moved the folder of this run while it was running")
+            raise StoreError(f"{self.path} is gone: somebody has removed or moved the folder of this run while "
+                             "it was running")
         if found.get("token") != self._mine["token"]:
             raise StoreError(f"{self.path} is of {_words(found)} now: it was taken from this process with --force")
         with suppress(OSError):
@@ -78,7 +80,10 @@ class Lock:
         return True
 
     def _clear(self, force):
-        """Remove a lock whose process has ended, or any lock if `force`. Raises StoreError if its process still runs."""
+        """Remove a lock whose process has ended, or any lock if `force`.
+
+        Raises StoreError if its process still runs.
+        """
         found = _read(self.path)
         if found is None:
             return
@@ -101,8 +106,9 @@ class Lock:
         here = socket.gethostname()
         if str(found.get("host")).partition(" ")[0] == here:
             here += ", in another container"
-        return (f"{folder} is in use by {_words(found)}. Its last sign of life was {self._silence()} ago, and whether it still runs "
-                f"cannot be seen from here ({here}). If it does not, repeat the command with --force")
+        return (f"{folder} is in use by {_words(found)}. Its last sign of life was {self._silence()} ago, "
+                f"and whether it still runs cannot be seen from here ({here}). If it does not, "
+                "repeat the command with --force")
 
     def _silence(self):
         """Return as text how long ago the lock was renewed, by the clock of its file system."""
@@ -156,7 +162,8 @@ def _alive(found):
 def _words(found):
     if not found:
         return "a process that left no name"
-    return f"process {found.get('process')!s:.20} on {str(found.get('host')).partition(' ')[0]:.80}, since {found.get('since')!s:.20}"
+    return (f"process {found.get('process')!s:.20} on {str(found.get('host')).partition(' ')[0]:.80}, "
+            f"since {found.get('since')!s:.20}")
 
 
 def _host():
@@ -169,7 +176,10 @@ def _host():
 
 
 def _numbering():
-    """Return which numbering of processes this one is in (the PID namespace of Linux); "" if unknown. Each container has its own."""
+    """Return which numbering of processes this one is in (the PID namespace of Linux); "" if unknown.
+
+    Each container has its own.
+    """
     try:
         return os.readlink("/proc/self/ns/pid")
     except OSError:

@@ -1,7 +1,6 @@
 """Read a run: `run = open_run(DIR)`, then fields and probes as numpy arrays. Needs no MPI."""
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +8,7 @@ import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.log import logger
+from parisph.base.paths import AnyPath
 from parisph.base.text import named, shown
 from parisph.case import stored
 from parisph.io import series, snapshot
@@ -33,7 +33,7 @@ class Run:
     probe_names : list of str
     """
 
-    def __init__(self, folder: str | os.PathLike):
+    def __init__(self, folder: AnyPath) -> None:
         self.folder = Path(folder)
         if not (self.folder / "case.json").exists():
             raise StoreError(f"{folder} is not the folder of a run: it has no case.json")
@@ -50,7 +50,8 @@ class Run:
     @property
     def summary(self) -> dict | None:
         """The content of summary.json; None while the run goes on, or if it was killed."""
-        path, sealed = self.folder / "summary.json", "schema" in self.case    # early runs have neither schema nor digest
+        # early runs have neither schema nor digest
+        path, sealed = self.folder / "summary.json", "schema" in self.case
         if not path.exists():
             return None
         content = read_json(path, must_be_sealed=sealed)
@@ -64,7 +65,8 @@ class Run:
         return len(self.times)
 
     def snapshot(self, which: int | float = -1) -> dict[str, Any]:
-        """Return the particles of a snapshot, given by its number (int; negative from the end) or the nearest time [s] (float).
+        """Return the particles of a snapshot, given by its number (int; negative from the end) or the nearest time [s]
+        (float).
 
         dict of arrays by the names of the field registry: x (n, dim) [m], u [m/s], p [Pa], role, kind,
         id, ..., sorted by id; and `time` [s], `step`.
@@ -89,7 +91,10 @@ class Run:
         return [path for path in self._paths if not path.exists()]
 
     def check(self) -> None:
-        """Read every snapshot and peak once and raise StoreError, which names a few of them, if any is damaged, missing or of another run."""
+        """Read every snapshot and peak once.
+
+        Raises StoreError, which names a few of them, if any is damaged, missing or of another run.
+        """
         checks = [lambda path=path, time=time: snapshot.read_attributes(path, time, self.identity)
                   for path, time in zip(self._paths, self.times)]
         peaks = [self.folder / PEAKS / f"{name}.vtkhdf" for name in self.probe_names]
@@ -156,7 +161,8 @@ class Run:
 
     def _probe_path(self, name):
         if name not in self.probe_names:
-            raise CaseError(f"{self.folder} has no probe {shown(name)} (it has: {named(', '.join(self.probe_names)) or 'none'})")
+            raise CaseError(f"{self.folder} has no probe {shown(name)} (it has: "
+                            f"{named(', '.join(self.probe_names)) or 'none'})")
         return self.folder / "probes" / f"{name}.csv"
 
 
@@ -166,15 +172,20 @@ def _case(path):
     try:
         stored.from_json(json.dumps(content), read_only=True)
     except CaseError as error:
-        raise StoreError(f"{path} is damaged, or is not the case of a run: {str(error).splitlines()[0][:200]}") from None
+        raise StoreError(f"{path} is damaged, or is not the case of a run: "
+                         f"{str(error).splitlines()[0][:200]}") from None
     return content
 
 
-def open_run(folder: str | os.PathLike) -> Run:
-    """Return the Run in `folder`, for notebooks and pictures. Warns of missing snapshots. Raises StoreError if there is none."""
+def open_run(folder: AnyPath) -> Run:
+    """Return the Run in `folder`, for notebooks and pictures. Warns of missing snapshots.
+
+    Raises StoreError if there is none.
+    """
     run = Run(folder)
     if run.missing:
-        logger.warning(f"{run.folder} lacks {len(run.missing)} of its {len(run)} snapshots; the first is {run.missing[0]}")
+        logger.warning(f"{run.folder} lacks {len(run.missing)} of its {len(run)} snapshots; "
+                       f"the first is {run.missing[0]}")
     return run
 
 

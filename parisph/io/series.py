@@ -7,11 +7,13 @@ complete, so that a killed process loses none; an incomplete last line is ignore
 
 import math
 import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from parisph.base.errors import StoreError
+from parisph.base.paths import AnyPath
 from parisph.base.reading import check_regular
 from parisph.io.files import write_text
 
@@ -39,17 +41,19 @@ class Series:
     StoreError : the old file is damaged, or of another run
     """
 
-    def __init__(self, path, columns, title="", keep_to=None, run=""):
+    def __init__(self, path: AnyPath, columns: Mapping[str, str], title: str = "", keep_to: int | None = None,
+                 run: str = "") -> None:
         self.path = Path(path)
         self.columns = {"time": "s", "step": "", **columns}
         kept, self.dropped = self._kept_lines(keep_to, run)
         units = ", ".join(f"{name} [{unit or '-'}]" for name, unit in self.columns.items())
-        head = [f"# {line}" for line in (title, units, f"{OF_RUN}{run}" if run else "") if line] + [",".join(self.columns)]
+        head = ([f"# {line}" for line in (title, units, f"{OF_RUN}{run}" if run else "") if line]
+                + [",".join(self.columns)])
         write_text(self.path, "\n".join(head + kept) + "\n")
         # not buffered: a line that the disk refuses must not come back when the file is closed
         self._file = os.open(self.path, os.O_WRONLY | os.O_APPEND | os.O_NOFOLLOW)
 
-    def append(self, time, step, values):
+    def append(self, time: float, step: int, values: Sequence[float | str | None]) -> None:
         """Add one line: time [s], step and one value (number, str, None for none) for each further column."""
         if len(values) != len(self.columns) - 2:
             raise ValueError(f"{self.path.name} has {len(self.columns) - 2} values a line, got {len(values)}")
@@ -58,7 +62,7 @@ class Series:
         while written < len(line):    # the disk has little room left: the next call says so
             written += os.write(self._file, line[written:])
 
-    def close(self):
+    def close(self) -> None:
         """Close the file."""
         os.close(self._file)
 
@@ -68,7 +72,8 @@ class Series:
             return [], 0
         names, lines = read_own(self.path, run)
         if names != list(self.columns):
-            raise StoreError(f"{self.path} has the columns {', '.join(names)[:200]}, not {', '.join(self.columns)}: it is of another run")
+            raise StoreError(f"{self.path} has the columns {', '.join(names)[:200]}, not {', '.join(self.columns)}: "
+                             "it is of another run")
         kept = [",".join(line) for line in lines if int(line[1]) <= keep_to]
         return kept, len(lines) - len(kept)
 
@@ -101,7 +106,8 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
         if not names:
             names = [name.strip() for name in cells]
             if names[:2] != ["time", "step"]:
-                raise StoreError(f"{path} is damaged, or was not written by parisph: its columns do not begin with time, step")
+                raise StoreError(f"{path} is damaged, or was not written by parisph: "
+                                 "its columns do not begin with time, step")
             continue
         before = _checked(path, number, cells, len(names), before, each_step)
         lines.append(cells)
@@ -117,10 +123,11 @@ def _checked(path, number, cells, count, before, each_step):
             raise ValueError
         time, step = float(cells[0]), int(cells[1])
     except ValueError:
-        raise StoreError(f"{path} is damaged: line {number} does not hold {count} values. Mend the file or move it away") from None
+        raise StoreError(f"{path} is damaged: line {number} does not hold {count} values. "
+                         "Mend the file or move it away") from None
     if before and (not time > before[0] or step < before[1] or (each_step and step != before[1] + 1)):
-        raise StoreError(f"{path} is damaged: in line {number} step {step} at {time:g} s follows step {before[1]} at {before[0]:g} s. "
-                         "Mend the file or move it away")
+        raise StoreError(f"{path} is damaged: in line {number} step {step} at {time:g} s follows step {before[1]} at "
+                         f"{before[0]:g} s. Mend the file or move it away")
     return time, step
 
 
@@ -130,7 +137,7 @@ def row_is_plain(cells: list[str]) -> bool:
 
 
 def table(names: list[str], lines: list[list[str]]) -> np.ndarray:
-    """Return lines of cells as a structured array: numbers as float64, step as int64, columns that hold words as str."""
+    """Return lines of cells as a structured array: numbers as float64, step as int64, columns with words as str."""
     columns = [_column(name, [line[k] for line in lines]) for k, name in enumerate(names)]
     found = np.empty(len(lines), dtype=[(name, column.dtype) for name, column in zip(names, columns)])
     for name, column in zip(names, columns):
@@ -138,7 +145,7 @@ def table(names: list[str], lines: list[list[str]]) -> np.ndarray:
     return found
 
 
-def units(path):
+def units(path: AnyPath) -> dict[str, str]:
     """Return the unit of each column of a Series file as a dict, "" for none or unknown."""
     found = {}
     with open(path, encoding="utf-8") as file:

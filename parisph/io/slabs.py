@@ -14,12 +14,16 @@ is therefore reserved before.
 import errno
 import math
 import os
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 
+from parisph.base.communicator import Communicator
 from parisph.io import digest
 from parisph.io.files import create, on_first, publish, temporary, together
 
@@ -42,10 +46,10 @@ class Slab:
     data: np.ndarray
     start: int
     total: int
-    attributes: dict = field(default_factory=dict)
+    attributes: dict[str, Any] = field(default_factory=dict)
 
 
-def write(comm, path, slabs, decorate):
+def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], None]) -> None:
     """Write one HDF5 file from the rows of all ranks, with its digest, and publish it under its name. Collective.
 
     Parameters
@@ -104,7 +108,7 @@ def _lay_out(path, slabs, decorate):
 
 
 def _size(slabs, decorate):
-    """Return the bytes of the rows of all ranks and of what `decorate` writes (a long case may have many), with room."""
+    """Return the bytes of the rows of all ranks and of what `decorate` writes, with room: a long case has many."""
     with h5py.File("in memory", "w", driver="core", backing_store=False) as file:
         decorate(file)
         file.flush()

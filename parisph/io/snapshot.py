@@ -7,15 +7,19 @@ Attributes of the root say how the run was made: case (JSON), method, versions a
 HDF5 part is a digest of the file (parisph.io.digest).
 """
 
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, Protocol
 
 import h5py
 import numpy as np
 
+from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError
 from parisph.base.fields import FIELDS
 from parisph.base.log import logger
+from parisph.base.paths import AnyPath
 from parisph.io import digest, slabs
 from parisph.io.files import read_json, write_json
 from parisph.io.slabs import Slab
@@ -26,7 +30,31 @@ ALWAYS = ("id", "kind", "role")
 VERTEX = 1  # VTK's number for a cell of one point
 
 
-def write(comm, path, particles, time, step, fields, attributes):
+class Written(Protocol):
+    """This rank's rows of what is written, with the fields as attributes: Particles, or a copy of some."""
+
+    @property
+    def dim(self) -> int:
+        """Number of dimensions."""
+
+    @property
+    def n_owned(self) -> int:
+        """Rows of this rank."""
+
+    @property
+    def offset(self) -> int:
+        """First row of this rank."""
+
+    @property
+    def n_global(self) -> int:
+        """Rows of all ranks."""
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        """Return the rows of a field."""
+
+
+def write(comm: Communicator, path: Path, particles: Written, time: float, step: int, fields: Iterable[str],
+          attributes: Mapping[str, str | float]) -> None:
     """Write the particles of all ranks to the file `path`. Collective.
 
     Parameters
@@ -50,10 +78,11 @@ def write(comm, path, particles, time, step, fields, attributes):
         data = _three(data) if field.shape == "vector" else data
         about = {"unit": field.unit, "meaning": field.meaning}
         arrays.append(Slab(f"VTKHDF/PointData/{NAMES.get(name, name)}", data, start, total, about))
-    slabs.write(comm, path, arrays, lambda file: _decorate(file, total, particles.dim, time, step, comm.size, attributes))
+    slabs.write(comm, path, arrays,
+                lambda file: _decorate(file, total, particles.dim, time, step, comm.size, attributes))
 
 
-def read(path, time=None, run=""):
+def read(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:
     """Return the particles of a snapshot as a dict of arrays, by the names of the field registry.
 
     x (n, dim) [m], id, kind, role, and all other fields in the file: u (n, dim) [m/s], p (n) [Pa], ...
@@ -79,7 +108,7 @@ def read(path, time=None, run=""):
     return {"time": found, "step": step, **arrays}
 
 
-def read_attributes(path, time=None, run=""):
+def read_attributes(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:
     """Return the attributes at the root of a snapshot or checkpoint as a dict. Parameters and errors as of `read`."""
     with _opened(path, time, run) as file:
         return {name: value.item() if hasattr(value, "item") else value for name, value in file.attrs.items()}
@@ -87,7 +116,10 @@ def read_attributes(path, time=None, run=""):
 
 @contextmanager
 def _opened(path, time=None, run=""):
-    """Open a snapshot as h5py.File after a check of its digest. Raises StoreError, also if the body finds something missing."""
+    """Open a snapshot as h5py.File after a check of its digest.
+
+    Raises StoreError, also if the body finds something missing.
+    """
     digest.check(path)
     try:
         with h5py.File(path, "r") as file:
@@ -102,17 +134,19 @@ def _check_expected(path, attributes, time, run):
     if run and attributes.get("run", "") != run:
         raise StoreError(f"{path} is of another run than its folder: it has been copied there")
     if time is not None and (found := float(attributes["time"])) != time:
-        raise StoreError(f"{path} is the snapshot of {found:.12g} s, not of {time:.12g} s: another snapshot has been copied over it")
+        raise StoreError(f"{path} is the snapshot of {found:.12g} s, not of {time:.12g} s: "
+                         "another snapshot has been copied over it")
 
 
-def write_index(path, files, times, run=""):
+def write_index(path: Path, files: Sequence[str], times: Sequence[float], run: str = "") -> None:
     """Write the list of a run's snapshots, which ParaView opens as a series. One rank. Raises OSError."""
     entries = [{"name": name, "time": time} for name, time in zip(files, times)]
     write_json(path, {"file-series-version": "1.0", "run": run, "files": entries})
 
 
 def listed(path: Path, run: str = "") -> dict[str, float] | None:
-    """Return {file name relative to the index: time [s]} of an index; None if it is missing, unreadable or of another run.
+    """Return {file name relative to the index: time [s]} of an index; None if it is missing, unreadable or of another
+    run.
 
     The index is made for ParaView, and saves time here; the files themselves are decisive. Not collective.
     """
@@ -125,7 +159,10 @@ def listed(path: Path, run: str = "") -> dict[str, float] | None:
 
 
 def run_of_index(path: Path) -> str | None:
-    """Return the identity of the run that an index is of, None if there is no index that can be read. Not collective."""
+    """Return the identity of the run that an index is of, None if there is no index that can be read.
+
+    Not collective.
+    """
     try:
         return str(read_json(path).get("run", ""))
     except StoreError:
@@ -146,7 +183,10 @@ def find(folder: Path, run: str = "") -> dict[str, float]:
 
 
 def time_of_own(path: Path, run: str) -> float | None:
-    """Return the time [s] of a snapshot, None if it is damaged (with a warning), a link, or of another run. Not collective."""
+    """Return the time [s] of a snapshot, None if it is damaged (with a warning), a link, or of another run.
+
+    Not collective.
+    """
     if path.is_symlink() or not path.is_file():
         return None
     try:
@@ -157,7 +197,7 @@ def time_of_own(path: Path, run: str) -> float | None:
     return float(about["time"]) if about.get("run", "") == run and "time" in about else None
 
 
-def check_fields(fields):
+def check_fields(fields: Iterable[str]) -> list[str]:
     """Return the names of the arrays in a snapshot of `fields`, apart from the positions.
 
     Raises StoreError for a field that is not in the registry, or cannot be written to snapshots.

@@ -3,19 +3,26 @@
 import json
 import logging
 import os
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 import h5py
 
 import parisph
+from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.log import logger
+from parisph.base.paths import AnyPath
 from parisph.io import checkpoint, snapshot
 from parisph.io import folder as folders
 from parisph.io.files import on_first, write_json
 from parisph.io.layout import BEFORE, INDEX, PEAKS
+from parisph.io.lock import Lock
 from parisph.io.series import Series, read_own
+from parisph.io.snapshot import Written
+from parisph.parallel.particles import Particles
 
 
 class Store:
@@ -32,7 +39,8 @@ class Store:
     notes : list of (level of the log, str), what was done to the folder before the run goes on; rank 0 logs its own
     """
 
-    def __init__(self, comm, folder, case, about, fields, lock=None):
+    def __init__(self, comm: Communicator, folder: AnyPath, case: str, about: Mapping[str, str | float],
+                 fields: Sequence[str], lock: Lock | None = None) -> None:
         self.comm, self.folder, self.lock = comm, Path(folder), lock
         self.times, self.notes = [], []
         snapshot.check_fields(fields)
@@ -42,7 +50,8 @@ class Store:
         self._set_run(case, comm.bcast(os.urandom(8).hex() if comm.rank == 0 else None))
 
     @classmethod
-    def create(cls, comm, folder, case, about=None, fields=("u", "p", "role"), lock=None):
+    def create(cls, comm: Communicator, folder: AnyPath, case: str, about: Mapping[str, str | float] | None = None,
+               fields: Sequence[str] = ("u", "p", "role"), lock: Lock | None = None) -> "Store":
         """Start a run in `folder`. Collective.
 
         Parameters
@@ -63,8 +72,10 @@ class Store:
         return store
 
     @classmethod
-    def resume(cls, comm, folder, case, time, step, about=None, fields=("u", "p", "role"), lock=None, run=None, series=(),
-               checkpoints=()):
+    def resume(cls, comm: Communicator, folder: AnyPath, case: str, time: float, step: int,
+               about: Mapping[str, str | float] | None = None, fields: Sequence[str] = ("u", "p", "role"),
+               lock: Lock | None = None, run: str | None = None, series: Sequence[str] = (),
+               checkpoints: Sequence[str] = ()) -> "Store":
         """Continue to write a run from a checkpoint at `time` [s] and `step`. Collective.
 
         In the folder of the same run, files that it wrote after the checkpoint are moved to replaced/N:
@@ -74,7 +85,8 @@ class Store:
 
         run : identity of the checkpoint's run, by default that in `case`
         series : names of the time series that will be added; they are checked before anything is changed
-        checkpoints : file names of the run's checkpoints, as the state of the last one lists them; ignored in an empty folder
+        checkpoints : file names of the run's checkpoints, as the state of the last one lists them; ignored in an empty
+            folder
         Other parameters as for `create`.
 
         Raises StoreError on every rank: as for `create`, a file is damaged, or the folder holds another run.
@@ -88,36 +100,36 @@ class Store:
         on_first(comm, f"write {folder}/case.json", lambda: folders.write_case(store.folder, store._case, store.run))
         return store
 
-    def add_series(self, name, columns, title=""):
+    def add_series(self, name: str, columns: Mapping[str, str], title: str = "") -> None:
         """Open the time series DIR/<name>.csv ("steps", "probes/P2", ...).
 
         columns : dict of column name -> unit ("" for none); the columns time [s] and step are added in front.
         """
-        def add():
+        def add() -> None:
             path = self.folder / f"{name}.csv"
             path.parent.mkdir(exist_ok=True)
             self._series[name] = Series(path, columns, f"{title}{self._missing(path)}", self._keep_to, self.run)
         on_first(self.comm, f"write {self.folder / name}.csv", add)
 
-    def append(self, time, step, values):
+    def append(self, time: float, step: int, values: Mapping[str, Sequence[Any]] | None) -> None:
         """Add a line to time series: values = {name: sequence of the further columns' values}.
 
         Rank 0's values are written; the other ranks may pass None. From time to time this checks that the folder is
         still locked by this run, and raises StoreError if it is not.
         """
-        def add():
+        def add() -> None:
             if self.lock is not None:
                 self.lock.check()
             for name, line in values.items():
                 self._series[name].append(time, step, line)
         on_first(self.comm, f"write time series in {self.folder}", add)
 
-    def snapshot(self, particles, time, step):
+    def snapshot(self, particles: Particles, time: float, step: int) -> None:
         """Write the particles at `time` [s]; a snapshot of the same time is replaced."""
         name = self.comm.bcast(self._next_name(time) if self.comm.rank == 0 else None)
         snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about)
 
-        def enter():
+        def enter() -> None:
             if self.times[-1:] == [time]:
                 self._names.pop(), self.times.pop()
             self._names.append(name)
@@ -125,7 +137,7 @@ class Store:
             snapshot.write_index(self.folder / INDEX, self._names, self.times, self.run)
         on_first(self.comm, f"write {self.folder / INDEX}", enter)
 
-    def peak(self, particles, time, step, name, value, keep):
+    def peak(self, particles: Written, time: float, step: int, name: str, value: float, keep: bool) -> None:
         """Write the particles at the greatest value of a probe; the file of an earlier peak is replaced.
 
         name, value : of the probe, at `time` [s]
@@ -133,31 +145,35 @@ class Store:
         """
         path = self.folder / PEAKS / f"{name}.vtkhdf"
 
-        def make_room():
+        def make_room() -> None:
             folders.make_inside(path.parent)
             if keep and path.exists():
                 folders.make_inside(self.folder / BEFORE)
                 os.replace(path, self.folder / BEFORE / path.name)
         on_first(self.comm, f"write {path}", make_room)
-        snapshot.write(self.comm, path, particles, time, step, self._fields, {**self.about, "probe": name, "peak": float(value)})
+        snapshot.write(self.comm, path, particles, time, step, self._fields,
+                       {**self.about, "probe": name, "peak": float(value)})
 
-    def checkpoint(self, particles, time, step, dt, state):
+    def checkpoint(self, particles: Particles, time: float, step: int, dt: float, state: Mapping[str, Any]) -> Path:
         """Write a checkpoint and return its path; the last two are kept. See checkpoint.write."""
-        path = checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case, state, self.about,
-                                self._checkpoints)
+        path = checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case,
+                                state, self.about, self._checkpoints)
         self._checkpoints = [*(name for name in self._checkpoints if name != path.name), path.name][-checkpoint.KEEP:]
         return path
 
-    def summary(self, content):
-        """Write summary.json from rank 0's dict (numpy numbers become plain, NaN null), with the digests of the time series."""
-        def write():
+    def summary(self, content: Mapping[str, Any]) -> None:
+        """Write summary.json from rank 0's dict, with the digests of the time series.
+
+        numpy's numbers become plain ones, and NaN null.
+        """
+        def write() -> None:
             files = folders.digests(self.folder, [f"{name}.csv" for name in self._series])
             write_json(self.folder / "summary.json", {"run": self.run, **content, "files": files})
         on_first(self.comm, f"write {self.folder}/summary.json", write)
 
-    def close(self):
+    def close(self) -> None:
         """Close the time series."""
-        def close():
+        def close() -> None:
             while self._series:
                 self._series.popitem()[1].close()
         on_first(self.comm, f"close time series in {self.folder}", close)
@@ -165,7 +181,8 @@ class Store:
     def _set_run(self, case, run):
         """Set the identity of the run, and the case that is written to its files."""
         self.run = run
-        self._case = json.dumps({"run": run, **{name: value for name, value in json.loads(case).items() if name != "run"}})
+        self._case = json.dumps({"run": run,
+                                 **{name: value for name, value in json.loads(case).items() if name != "run"}})
         self.about.update(case=self._case, run=run)
 
     def _start(self):
@@ -203,9 +220,11 @@ class Store:
     def _note(self, without_case, step, aside, results):
         """Note what was found missing, and the folder that earlier results were moved to, or the summary alone."""
         if without_case:
-            self.notes.append((logging.WARNING, f"{self.folder / 'case.json'} is missing: it is written again from the checkpoint"))
+            self.notes.append((logging.WARNING,
+                               f"{self.folder / 'case.json'} is missing: it is written again from the checkpoint"))
         if step < 0:
-            self.notes.append((logging.WARNING, f"no checkpoint found in {self.folder / 'checkpoints'}: the run begins again at t = 0 s"))
+            self.notes.append((logging.WARNING, f"no checkpoint found in {self.folder / 'checkpoints'}: "
+                                                "the run begins again at t = 0 s"))
         if aside is not None:
             self.notes.append((logging.INFO, f"results that are computed again were moved to {aside}" if results else
                                f"only the earlier summary was moved to {aside}; no other result is replaced"))
@@ -213,14 +232,16 @@ class Store:
     def _take_stock(self, time):
         """Find the run's snapshots up to `time` [s], and return those that it wrote later.
 
-        The files themselves are decisive; the index only saves time. Unreadable files and files of other runs are not changed.
+        The files themselves are decisive; the index only saves time. Unreadable files and files of other runs are not
+        changed.
         """
         listed = snapshot.listed(self.folder / INDEX, self.run) or {}
         kept, late = [], []
         for path in sorted((self.folder / "snapshots").glob("*.vtkhdf")):
             name = f"snapshots/{path.name}"
             at = listed.get(name)
-            if at is None or at > time or path.is_symlink():    # about to be taken in, or moved: the file itself must say so
+            # about to be taken in, or moved: the file itself must say so
+            if at is None or at > time or path.is_symlink():
                 at = snapshot.time_of_own(path, self.run)
             if at is not None:
                 (kept if at <= time else late).append((at, name))
@@ -262,7 +283,7 @@ def _last_step(path, run):
     return int(lines[-1][1]) if lines else -1
 
 
-def provenance(method="", petsc_options="", **versions):
+def provenance(method: str = "", petsc_options: str = "", **versions: str | None) -> dict[str, str]:
     """Return how a run is made, for the attributes of its files. Not collective.
 
     method : name; petsc_options : those in force, as text; versions : of libraries that this

@@ -1,11 +1,15 @@
 """Rows that are not exact for linear pressure, made exact for the pressure that balances the body force."""
 
+import numpy as np
+
 from parisph.base.fields import INNER
 from parisph.kernels.jit import kernel
 
 
 @kernel
-def add_linear_part(target, force, density, count, columns, values, measure, x, role, indptr, axes) -> None:
+def add_linear_part(target: np.ndarray, force: np.ndarray, density: float, count: np.ndarray, columns: np.ndarray,
+                    values: np.ndarray, measure: np.ndarray, x: np.ndarray, role: np.ndarray, indptr: np.ndarray,
+                    axes: tuple[int, ...]) -> None:
     """Add the Laplacian that a row finds for rho f_I . (x - x_I), which has none, to the target of inner particles.
 
     The row then means lap (p - rho f_I . x): water at rest is a solution on any particles, whatever the row does

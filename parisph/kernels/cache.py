@@ -7,9 +7,10 @@ import tempfile
 from pathlib import Path
 
 from parisph.base.environment import cache_folder
+from parisph.base.paths import AnyPath
 
 
-def folder():
+def folder() -> str:
     """Return the folder for compiled kernels. Its name contains a digest of their sources. Not collective.
 
     numba recompiles a cached kernel when its own file changes, but not when a kernel that it has
@@ -36,7 +37,7 @@ def _can_be_made(path):
         return False
 
 
-def private_folder(base=None):
+def private_folder(base: AnyPath | None = None) -> Path:
     """Return a folder that only this user can write, the same one in every process if possible.
 
     base : folder to make it in, by default the system's folder for temporary files. numba runs the

@@ -5,7 +5,7 @@ import numpy as np
 from parisph.kernels.jit import axes_of, kernel
 
 
-def neighbour_lists(x, n_owned, radius):
+def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the neighbours of the first n_owned points among all points, as CSR.
 
     Parameters

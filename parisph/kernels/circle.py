@@ -1,11 +1,13 @@
 """Moving least squares at the points of a circle or a sphere about a particle."""
 
+import numpy as np
+
 from parisph.kernels.jit import inlined
 from parisph.kernels.smoothing import quartic_weight
 
 
 @inlined
-def fill_basis(basis, m, axes):
+def fill_basis(basis: np.ndarray, m: int, axes: tuple[int, ...]) -> None:
     """Add the polynomials of degree 2 to those of degree 1: the harmonic ones, then r^2."""
     if len(axes) == 2:
         for k in range(m):
@@ -20,7 +22,7 @@ def fill_basis(basis, m, axes):
 
 
 @inlined
-def weigh(moments, w, basis, at, m, axes):
+def weigh(moments: np.ndarray, w: np.ndarray, basis: np.ndarray, at: np.ndarray, m: int, axes: tuple[int, ...]) -> None:
     """Compute the weights of the neighbours about each point of the circle, and sum their moments.
 
     Second moments follow from those of the harmonic polynomials and of r^2. The sums are named
@@ -57,7 +59,8 @@ def weigh(moments, w, basis, at, m, axes):
 
 
 @inlined
-def sum_over_points(mean, fit, w, basis, unit, m, axes):
+def sum_over_points(mean: np.ndarray, fit: np.ndarray, w: np.ndarray, basis: np.ndarray, unit: np.ndarray, m: int,
+                    axes: tuple[int, ...]) -> None:
     """Sum the shape functions over the circle: alone, and multiplied by each component of the normal."""
     dim = len(axes)
     for r in range(dim + 1):

@@ -12,7 +12,8 @@ ROUNDING = 1e-9    # of the approach by a linear velocity: what differs from it 
 
 
 @kernel
-def count_collisions(number, u, x, kind, distance, indptr, indices, axes) -> None:
+def count_collisions(number: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, distance: float,
+                     indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Number of fluid neighbours closer than the distance that each owned particle approaches: (n_owned,).
 
     These are at least as many as it collides with (pair_collisions).
@@ -32,7 +33,9 @@ def count_collisions(number, u, x, kind, distance, indptr, indices, axes) -> Non
 
 
 @kernel
-def pair_collisions(change, number, u, x, g, kind, volume, distance, restitution, indptr, indices, axes) -> int:
+def pair_collisions(change: np.ndarray, number: np.ndarray, u: np.ndarray, x: np.ndarray, g: np.ndarray,
+                    kind: np.ndarray, volume: np.ndarray, distance: float, restitution: float, indptr: np.ndarray,
+                    indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Velocity change by collisions of fluid pairs that are closer than the distance and approach.
 
     What counts is the approach beyond that of a linear velocity, d . (u_i - u_j) + d . (g_i + g_j) d/2
@@ -81,7 +84,8 @@ def _approach(i, j, x, u, g, axes):
 
 
 @kernel
-def wall_guard(u, x, kind, corner, normal, distance, dt, indptr, indices, axes):
+def wall_guard(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray, distance: float,
+               dt: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Keep fluid from coming closer to a wall than the distance within the next dt [s].
 
     The velocity into the wall is limited to the room in front of the wall, and to zero if there is
@@ -111,7 +115,8 @@ def wall_guard(u, x, kind, corner, normal, distance, dt, indptr, indices, axes):
 
 
 @kernel
-def keep_off_walls(move, x, kind, corner, normal, distance, indptr, indices, axes):
+def keep_off_walls(move: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
+                   distance: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Remove the part of a displacement that would bring fluid closer to a wall than the distance.
 
     move : (n_owned, dim) [m], changed in place
@@ -142,7 +147,9 @@ def _any(move, i, axes):
 
 
 @kernel
-def smooth_velocity(change, u, x, kind, role, strength, radius, indptr, indices, axes):
+def smooth_velocity(change: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray,
+                    strength: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
+                    axes: tuple[int, ...]) -> None:
     """Velocity change -strength_i (u - linear MLS of u) at fluid particles; the fit includes the particle.
 
     A harmonic velocity has no Laplacian, so a wave is almost unchanged. Where the neighbours do not

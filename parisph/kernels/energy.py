@@ -1,10 +1,12 @@
 """Energy of particles."""
 
+import numpy as np
+
 from parisph.kernels.jit import kernel
 
 
 @kernel
-def energy(volume, x, u, gravity, axes) -> float:
+def energy(volume: np.ndarray, x: np.ndarray, u: np.ndarray, gravity: np.ndarray, axes: tuple[int, ...]) -> float:
     """Return the kinetic and potential energy of particles over their density [m^(dim+2)/s^2].
 
     The potential is zero at x = 0. volume : (n,) [m^dim]; x, u : (n, dim) [m], [m/s]; gravity : (dim,) [m/s^2]

@@ -12,7 +12,8 @@ from parisph.kernels.schwaiger import FLAT
 
 
 @kernel
-def fatehi_rows(count, columns, values, measure, x, role, h, indptr, indices, axes) -> None:
+def fatehi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
+                role: np.ndarray, h: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fill the rows of inner particles with the Laplacian that is exact for quadratics on any particles.
 
     With e = r_ij/r, r_ij = r_i - r_j, and the first-order corrected gradient of Zheng, Ma & Duan (2014), Eq. 20d,

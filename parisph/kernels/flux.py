@@ -17,7 +17,9 @@ from parisph.kernels.rankine import UNSOUND
 
 
 @kernel
-def flux_rows(count, columns, flux, div, u, x, role, unit, circle, radius, indptr, indices, axes) -> None:
+def flux_rows(count: np.ndarray, columns: np.ndarray, flux: np.ndarray, div: np.ndarray, u: np.ndarray, x: np.ndarray,
+              role: np.ndarray, unit: np.ndarray, circle: np.ndarray, radius: float, indptr: np.ndarray,
+              indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fill the flux stencils of inner particles, and the flux divergence of u: those of `rankine.rankine_rows`.
 
     The flux of u through the circle of radius R, interpolated by linear moving least squares (Zheng, Ma & Duan
@@ -64,7 +66,9 @@ def _surrounded(mean, basis, m, circle, points):
 
 
 @kernel
-def least_squares_flux(count, columns, flux, div, u, x, role, radius, power, floor, indptr, indices, axes) -> None:
+def least_squares_flux(count: np.ndarray, columns: np.ndarray, flux: np.ndarray, div: np.ndarray, u: np.ndarray,
+                       x: np.ndarray, role: np.ndarray, radius: float, power: int, floor: float, indptr: np.ndarray,
+                       indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fill the divergence stencils of inner particles from the first-order least-squares gradient.
 
     The nodal divergence of SFDI (Zheng et al. 2017, Eqs. 29-32, with power 2), exact for linear u on any particles.

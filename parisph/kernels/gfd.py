@@ -13,7 +13,8 @@ from parisph.kernels.smoothing import quartic_weight
 
 
 @kernel
-def gfd_rows(count, columns, values, measure, x, role, radius, indptr, indices, axes) -> None:
+def gfd_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
+             role: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fill the rows of inner particles with the Laplacian of a least-squares polynomial of degree 2.
 
     p_j - p_i is fitted by the polynomials of degree 1 and 2, 5 in 2D and 9 in 3D: x, y, x^2 - y^2, xy, r^2 in 2D.

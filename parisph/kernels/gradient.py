@@ -17,7 +17,8 @@ SOFTENING = 0.25    # of the moment's mean, times what its quality lacks
 
 
 @kernel
-def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indices, axes):
+def least_squares_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float, power: int,
+                           floor: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """First-order least-squares gradient of f at fluid particles.
 
     power 2: SFDI (Zheng et al. 2017, Eqs. 29-32); power 0: the mixed symmetric form
@@ -58,7 +59,8 @@ def least_squares_gradient(out, f, x, role, radius, power, floor, indptr, indice
 
 
 @inlined
-def support(m, inverse, weighted, near, power, n, columns, axes):
+def support(m: np.ndarray, inverse: np.ndarray, weighted: np.ndarray, near: np.ndarray, power: int, n: int,
+            columns: int, axes: tuple[int, ...]) -> float:
     """Weigh the neighbours and invert their moment; return its det/(trace/dim)^dim, or TOO_FEW: not more than dim."""
     dim = len(axes)
     weigh(weighted, near, power, columns, axes)
@@ -74,7 +76,8 @@ def support(m, inverse, weighted, near, power, n, columns, axes):
 
 @inlined
 def _soften(m, inverse, lack, axes):
-    """Invert the moment with the same in every direction added: neighbours in a line give no slope across it, but one along it.
+    """Invert the moment with the same in every direction added: neighbours in a line give no slope across it, but one
+    along it.
 
     Returns False if there is nothing to add to.
     """
@@ -87,7 +90,8 @@ def _soften(m, inverse, lack, axes):
 
 
 @kernel
-def regain_role(role, start_role, x, radius, power, floor, indptr, indices, axes):
+def regain_role(role: np.ndarray, start_role: np.ndarray, x: np.ndarray, radius: float, power: int, floor: float,
+                indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Give owned fluid in free flight its role of the start, once its neighbours would support a gradient again.
 
     For a surface that keeps its particles: nothing else would end their flight. A `floor` above that of
@@ -108,7 +112,8 @@ def regain_role(role, start_role, x, radius, power, floor, indptr, indices, axes
 
 
 @kernel
-def harmonic_gradient(out, f, x, role, radius, indptr, indices, axes):
+def harmonic_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float,
+                      indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Replace the gradient at surface particles by that of the harmonic fit.
 
     Rows whose neighbours do not span the harmonic basis keep their value in `out`.
@@ -127,7 +132,8 @@ def harmonic_gradient(out, f, x, role, radius, indptr, indices, axes):
 
 
 @kernel
-def symmetric_gradient(out, p, x, role, h, volume, indptr, indices, axes):
+def symmetric_gradient(out: np.ndarray, p: np.ndarray, x: np.ndarray, role: np.ndarray, h: float, volume: float,
+                       indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Momentum-conserving gradient (Zheng et al. 2017, Eq. 25, with the missing m_j).
 
     grad p_i = sum_j V (p_i + p_j) grad_i W_ij, at equal densities.
@@ -150,7 +156,9 @@ def symmetric_gradient(out, p, x, role, h, volume, indptr, indices, axes):
 
 
 @kernel
-def wall_velocity(u, x, kind, corner, normal, role, wall_u, radius, indptr, indices, axes):
+def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
+                  role: np.ndarray, wall_u: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
+                  axes: tuple[int, ...]) -> None:
     """Velocity of wall particles: normal part from the wall, tangential part from the fluid.
 
     The tangential part is the value at the wall of a linear fit through the fluid within the

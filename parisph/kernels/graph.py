@@ -10,7 +10,8 @@ _SWEEPS = 4
 
 
 @kernel
-def spread(reached, pending, indptr, indices, offset):
+def spread(reached: np.ndarray, pending: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
+           offset: int) -> np.ndarray:
     """Mark every pending row that leads to a marked row; return those that do not.
 
     Parameters
@@ -97,7 +98,8 @@ def _search(reached, pending, indptr, indices, offset):
 
 
 @kernel
-def outside(pending, indptr, indices, offset, n):
+def outside(pending: np.ndarray, indptr: np.ndarray, indices: np.ndarray, offset: int,
+            n: int) -> tuple[np.ndarray, np.ndarray]:
     """Return (row, column) int64 of the entries of pending rows with a column outside [offset, offset + n)."""
     count = 0
     for i in pending:

@@ -19,7 +19,8 @@ BEFORE = 1.5    # spacings from a wall within which fluid stands for its half ce
 
 
 @kernel
-def wall_share(share, x, kind, volume, normal, spacing, indptr, indices, axes) -> None:
+def wall_share(share: np.ndarray, x: np.ndarray, kind: np.ndarray, volume: np.ndarray, normal: np.ndarray,
+               spacing: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Write the part of the half cells at owned wall particles that fluid in front of them stands for, 1 for fluid.
 
     share_i = min(1, sum_j (1 - t_ij/s) b_j), b_j = min(1, max(0, 2 (V_j/s^dim - 1))), over the fluid closer than
@@ -47,7 +48,9 @@ def wall_share(share, x, kind, volume, normal, spacing, indptr, indices, axes) -
 
 
 @kernel
-def surplus(ratio, gradient, x, kind, share, corner, normal, h, full, indptr, indices, axes) -> None:
+def surplus(ratio: np.ndarray, gradient: np.ndarray, x: np.ndarray, kind: np.ndarray, share: np.ndarray,
+            corner: np.ndarray, normal: np.ndarray, h: float, full: float, indptr: np.ndarray, indices: np.ndarray,
+            axes: tuple[int, ...]) -> None:
     """Write the part of the density ratio, and of its gradient, that comes from half cells for which no fluid stands.
 
     ratio_i = sum_j (1 - share_j) W_ij / sum W over wall particles and their mirror images (`surface.density_ratio`).

@@ -14,14 +14,14 @@ from parisph.kernels.smoothing import quartic_weight
 
 
 @kernel
-def basis_size(axes):
+def basis_size(axes: tuple[int, ...]) -> int:
     """Return the number of harmonic polynomials of degree 1 and 2: 4 in 2D, 8 in 3D."""
     dim = len(axes)
     return dim + dim * (dim + 1) // 2 - 1
 
 
 @kernel
-def fill_basis(b, i, j, x, radius, axes):
+def fill_basis(b: np.ndarray, i: int, j: int, x: np.ndarray, radius: float, axes: tuple[int, ...]) -> None:
     """Write the harmonic polynomials at neighbour j, in units of the radius."""
     dim = len(axes)
     n = dim
@@ -37,7 +37,8 @@ def fill_basis(b, i, j, x, radius, axes):
 
 
 @kernel
-def coefficients(out, i, x, role, radius, work, b, indptr, indices, axes):
+def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radius: float, work: np.ndarray,
+                 b: np.ndarray, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> bool:
     """Write c_j so that d f/dx_a (x_i) = sum_j c[j, a] (f_j - f_i) for harmonic f.
 
     out : (at least the number of neighbours of i, dim), in the order of the list of i [1/m]
@@ -83,7 +84,7 @@ def _weight(i, j, x, role, radius2, axes):
 
 
 @kernel
-def scratch(indptr, axes):
+def scratch(indptr: np.ndarray, axes: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return scratch arrays (coefficients, work, b) for `coefficients`, large enough for any row."""
     longest = 1
     for i in range(len(indptr) - 1):

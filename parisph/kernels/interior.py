@@ -17,7 +17,8 @@ MOST = 256  # neighbours of one particle; a cell with more is skipped
 
 
 @kernel
-def interior_cells(x, role, away, reach, indptr, indices):
+def interior_cells(x: np.ndarray, role: np.ndarray, away: float, reach: float, indptr: np.ndarray,
+                   indices: np.ndarray) -> tuple[float, int]:
     """Return (sum of the areas [m^2], number) of the Voronoi cells of owned particles inside the fluid.
 
     Inside means: inner fluid particles farther than `away` from every surface and ballistic

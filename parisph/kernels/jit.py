@@ -40,6 +40,6 @@ unlocked = _compiler(nogil=True, **_OPTIONS)
 _AXES = {2: (0, 1), 3: (0, 1, 2)}
 
 
-def axes_of(dim):
+def axes_of(dim: int) -> tuple[int, ...]:
     """Return the compile-time tuple of axes for a dimension, 2 or 3."""
     return _AXES[dim]

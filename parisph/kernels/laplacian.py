@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from parisph.base.fields import INNER
 from parisph.kernels.jit import kernel
 from parisph.kernels.roles import outside
@@ -9,7 +11,9 @@ from parisph.kernels.smoothing import cubic_spline_slope
 
 
 @kernel
-def isph_rows(count, columns, values, measure, x, role, h, volume, indptr, indices, axes):
+def isph_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
+              role: np.ndarray, h: float, volume: float, indptr: np.ndarray, indices: np.ndarray,
+              axes: tuple[int, ...]) -> None:
     """Fill the rows of inner particles with the SPH Laplacian (Zheng, Ma & Duan 2014, Eq. 20a).
 
     lap p_i = sum_j 2 V (r_ij . grad W_ij)/(r_ij^2 + delta^2) (p_i - p_j), delta = 0.1 h. With

@@ -5,6 +5,8 @@ is never closer to i than j itself, so every image within a radius belongs to a 
 radius: the neighbour lists contain all that is needed.
 """
 
+import numpy as np
+
 from parisph.base.fields import ABSENT, FLUID, WALL
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.near import fill_up
@@ -14,7 +16,8 @@ PARALLEL = 0.9  # cosine above which two wall normals belong to the same plane
 
 
 @kernel
-def near_planes(member, i, x, kind, corner, normal, indptr, indices, axes):
+def near_planes(member: np.ndarray, i: int, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
+                indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Find the walls next to particle i: one wall particle for each orientation.
 
     A wall ends with its last particles: there is no mirror plane above the rim of an open tank.
@@ -83,7 +86,7 @@ def _is_beside(i, wall, x, kind, normal, indptr, indices, axes):
 
 
 @kernel
-def height(i, wall, x, normal, axes):
+def height(i: int, wall: int, x: np.ndarray, normal: np.ndarray, axes: tuple[int, ...]) -> float:
     """Return the distance of particle i from the plane of a wall particle, positive inside."""
     h = 0.0
     for a in range(len(axes)):
@@ -92,7 +95,8 @@ def height(i, wall, x, normal, axes):
 
 
 @kernel
-def reflect(image, j, subset, member, x, normal, axes):
+def reflect(image: np.ndarray, j: int, subset: int, member: np.ndarray, x: np.ndarray, normal: np.ndarray,
+            axes: tuple[int, ...]) -> None:
     """Write the image of particle j in the planes whose bits are set in subset."""
     dim = len(axes)
     for a in range(dim):
@@ -108,7 +112,8 @@ def reflect(image, j, subset, member, x, normal, axes):
 
 
 @kernel
-def casts_image(j, subset, member, x, kind, normal, thin, axes):
+def casts_image(j: int, subset: int, member: np.ndarray, x: np.ndarray, kind: np.ndarray, normal: np.ndarray,
+                thin: float, axes: tuple[int, ...]) -> bool:
     """Return whether particle j has an image, other than itself, in the planes whose bits are set in subset.
 
     All fluid has one. A wall particle on one of the planes (closer than `thin` [m]) is its own image;
@@ -123,7 +128,9 @@ def casts_image(j, subset, member, x, kind, normal, thin, axes):
 
 
 @inlined
-def gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes):
+def gather_around(near: np.ndarray, member: np.ndarray, image: np.ndarray, i: int, x: np.ndarray, kind: np.ndarray,
+                  corner: np.ndarray, normal: np.ndarray, h: float, indptr: np.ndarray, indices: np.ndarray,
+                  axes: tuple[int, ...]) -> int:
     """Write all neighbours of fluid particle i, and the images of itself and its neighbours in nearby walls.
 
     Particles of the kind ABSENT are left out, as neighbours and as walls.

@@ -1,18 +1,20 @@
 """Linear moving least squares in closed form."""
 
+import numpy as np
+
 from parisph.kernels.jit import inlined
 from parisph.kernels.moments import PIVOT_FLOOR
 
 
 @inlined
-def moment_count(axes):
+def moment_count(axes: tuple[int, ...]) -> int:
     """Return the number of moments up to the second: 6 in 2D, 10 in 3D."""
     dim = len(axes)
     return 1 + dim + dim * (dim + 1) // 2
 
 
 @inlined
-def linear_fit(fit, moments, at, points, axes):
+def linear_fit(fit: np.ndarray, moments: np.ndarray, at: np.ndarray, points: int, axes: tuple[int, ...]) -> int:
     """Write the coefficients of the shape functions at some points.
 
     The value at a point p of the weighted linear fit is sum_k Phi_k f_k with

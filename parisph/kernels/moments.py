@@ -5,6 +5,8 @@ is the same with the weight W, and the wall rows are its normal component. One m
 serves all three, in 2D and 3D.
 """
 
+import numpy as np
+
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.near import CLOSE, dot4
 from parisph.kernels.roles import outside
@@ -20,7 +22,7 @@ QUADRATIC_UNIT = 0.3
 
 
 @inlined
-def cholesky(a, n):
+def cholesky(a: np.ndarray, n: int) -> bool:
     """Factorise the leading n x n block of a (lower triangle) in place; False if degenerate.
 
     a = L D L^T without square roots: the diagonal becomes 1/D, the entries below it L D.
@@ -43,7 +45,7 @@ def cholesky(a, n):
 
 
 @inlined
-def cholesky_solve(a, b, n):
+def cholesky_solve(a: np.ndarray, b: np.ndarray, n: int) -> None:
     """Solve in place with the factor of `cholesky`: b becomes the solution."""
     for k in range(n):
         value = b[k]
@@ -58,7 +60,7 @@ def cholesky_solve(a, b, n):
 
 
 @inlined
-def normal_matrix(matrix, basis, w, size, m):
+def normal_matrix(matrix: np.ndarray, basis: np.ndarray, w: np.ndarray, size: int, m: int) -> None:
     """Write the lower triangle of sum_k w[0, k] b_k b_k^T of the first rows of a basis over m columns.
 
     basis, matrix : with rows, or columns, up to a multiple of four: four products are summed at a time, whether
@@ -70,7 +72,7 @@ def normal_matrix(matrix, basis, w, size, m):
 
 
 @inlined
-def eliminate(a, b, n):
+def eliminate(a: np.ndarray, b: np.ndarray, n: int) -> bool:
     """Solve a b = b in place by elimination with row exchange; False if degenerate, with b undefined.
 
     a : (n, n), any matrix, overwritten; b : (n,), becomes the solution
@@ -101,7 +103,8 @@ def eliminate(a, b, n):
 
 
 @kernel
-def second_moment(m, i, x, role, radius2, power, indptr, indices, axes):
+def second_moment(m: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radius2: float, power: int,
+                  indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Sum w r r^T over the neighbours of i, lengths in units of the radius.
 
     w is the quartic weight over r^power: power 2 for SFDI, 0 for Zheng et al. 2017 Eq. 28.
@@ -130,7 +133,8 @@ def second_moment(m, i, x, role, radius2, power, indptr, indices, axes):
 
 
 @kernel
-def pair_weight(i, j, x, radius2, power, axes):
+def pair_weight(i: int, j: int, x: np.ndarray, radius2: float, power: int,
+                axes: tuple[int, ...]) -> tuple[float, float]:
     """Return the least-squares weight of a pair and its squared distance (0 beyond the radius)."""
     r2 = 0.0
     for a in range(len(axes)):
@@ -144,7 +148,7 @@ def pair_weight(i, j, x, radius2, power, axes):
 
 
 @kernel
-def invert(m, inverse, axes):
+def invert(m: np.ndarray, inverse: np.ndarray, axes: tuple[int, ...]) -> float:
     """Invert the dim x dim moment; return det/(trace/dim)^dim, 1 for isotropic, 0 for flat."""
     dim = len(axes)
     trace = 0.0

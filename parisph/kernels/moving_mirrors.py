@@ -1,5 +1,7 @@
 """The neighbours of a particle with the differences of their velocities, and their images in moving walls."""
 
+import numpy as np
+
 from parisph.base.fields import ABSENT, FLUID, WALL
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mirrors import PARALLEL, casts_image, height, near_planes, reflect
@@ -8,8 +10,10 @@ ON_PLANE = 0.1      # of the radius: what is closer to the plane of a wall lies 
 
 
 @kernel
-def gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip, h,
-                  everywhere, indptr, indices, axes):
+def gather_moving(near: np.ndarray, du: np.ndarray, speed: float, member: np.ndarray, image: np.ndarray,
+                  mirror: np.ndarray, slips: np.ndarray, i: int, u: np.ndarray, nu: np.ndarray, x: np.ndarray,
+                  kind: np.ndarray, corner: np.ndarray, normal: np.ndarray, no_slip: np.ndarray, h: float,
+                  everywhere: bool, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Write the neighbours of i and their images relative to i, in units of h, and nu_ij (u_j - u_i).
 
     With `everywhere` all walls are neighbours and make images. Without, free-slip walls only make images, and no-slip

@@ -23,7 +23,7 @@ SPLINE, SPLINE_SLOPE = -1, -2
 
 
 @kernel
-def room_for(indptr):
+def room_for(indptr: np.ndarray) -> int:
     """Return the number of columns that scratch arrays need for any row, including the particle itself."""
     longest = 0
     for i in range(len(indptr) - 1):
@@ -37,7 +37,8 @@ CLOSE = 0.0625
 
 
 @inlined
-def gather(near, member, first, i, x, role, radius, indptr, indices, axes):
+def gather(near: np.ndarray, member: np.ndarray, first: int, i: int, x: np.ndarray, role: np.ndarray, radius: float,
+           indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Write the neighbours of i that are used in stencils, in units of the radius.
 
     near : (dim, columns from `room_for`); member : int32, their numbers, from `first` on
@@ -56,7 +57,8 @@ def gather(near, member, first, i, x, role, radius, indptr, indices, axes):
 
 
 @inlined
-def gather_within(near, member, first, i, x, role, radius, reach, indptr, indices, axes):
+def gather_within(near: np.ndarray, member: np.ndarray, first: int, i: int, x: np.ndarray, role: np.ndarray,
+                  radius: float, reach: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Write the neighbours as `gather` does, but only those nearer than the reach: lists may reach farther."""
     n, scale, cx, cy = 0, 1.0 / radius, x[i, 0], x[i, 1]
     cz = x[i, 2] if len(axes) == 3 else 0.0
@@ -76,7 +78,7 @@ def gather_within(near, member, first, i, x, role, radius, reach, indptr, indice
 
 
 @inlined
-def fill_up(near, n, axes):
+def fill_up(near: np.ndarray, n: int, axes: tuple[int, ...]) -> int:
     """Pad the first n columns with points without weight; return the number of columns in use."""
     m = (n + LANES - 1) // LANES * LANES
     for k in range(n, m):
@@ -86,7 +88,7 @@ def fill_up(near, n, axes):
 
 
 @inlined
-def weigh(weighted, near, power, m, axes):
+def weigh(weighted: np.ndarray, near: np.ndarray, power: int, m: int, axes: tuple[int, ...]) -> None:
     """Write the least-squares weight of each neighbour and its products with the coordinates.
 
     weighted : (1 + dim, columns): w, then w near[a]; w is the quartic weight over r^power
@@ -126,7 +128,8 @@ def _weigh_by_spline(weighted, near, power, m, axes):
 
 
 @inlined
-def sum_moments(moments, q, weighted, near, m, axes):
+def sum_moments(moments: np.ndarray, q: np.ndarray, weighted: np.ndarray, near: np.ndarray, m: int,
+                axes: tuple[int, ...]) -> None:
     """Write the sums of w, w x_a and w x_a x_b (in the order 00, 10, 11, 20, 21, 22) to column q."""
     r = 1 + len(axes)
     for a in range(len(axes)):
@@ -141,7 +144,7 @@ def sum_moments(moments, q, weighted, near, m, axes):
 
 
 @inlined
-def dot(p, r, q, s, m):
+def dot(p: np.ndarray, r: int, q: np.ndarray, s: int, m: int) -> float:
     """Return sum_k p[r, k] q[s, k] over the first m columns."""
     total = 0.0
     for k in range(m):
@@ -150,7 +153,7 @@ def dot(p, r, q, s, m):
 
 
 @inlined
-def dot4(p, r, w, q, s, m):
+def dot4(p: np.ndarray, r: int, w: np.ndarray, q: np.ndarray, s: int, m: int) -> tuple[float, float, float, float]:
     """Return sum_k p[r, k] w[0, k] q[s + t, k] for t = 0, 1, 2, 3."""
     t0, t1, t2, t3 = 0.0, 0.0, 0.0, 0.0
     for k in range(m):

@@ -20,7 +20,7 @@ def _hash(first, second):
 
 
 @kernel
-def across(side, d, first, second, axes) -> None:
+def across(side: np.ndarray, d: np.ndarray, first: int, second: int, axes: tuple[int, ...]) -> None:
     """Write a vector across d, of its length (3D: at most), to one side or the other by the ids of the pair.
 
     It changes its sign with d, so that the sum over a pair is zero.
@@ -39,7 +39,8 @@ def across(side, d, first, second, axes) -> None:
 
 
 @kernel
-def turn_pairs(shift, x, kind, role, ident, distance, strength, indptr, indices, axes) -> None:
+def turn_pairs(shift: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, ident: np.ndarray, distance: float,
+               strength: np.ndarray, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Add a turn of close pairs of inner particles: a lattice that is compressed has no gradient of concentration.
 
     Each pair moves apart across its line, by (1 - r/distance) times the mean of its strengths.
@@ -65,7 +66,8 @@ def turn_pairs(shift, x, kind, role, ident, distance, strength, indptr, indices,
 
 
 @kernel
-def count_close(number, x, kind, role, distance, indptr, indices, axes) -> None:
+def count_close(number: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, distance: float,
+                indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Number of fluid neighbours nearer than the distance, of pairs that are not both inner: (n_owned,)."""
     d = np.empty(len(axes))
     for i in range(len(indptr) - 1):
@@ -79,7 +81,9 @@ def count_close(number, x, kind, role, distance, indptr, indices, axes) -> None:
 
 
 @kernel
-def part_pairs(shift, number, x, kind, role, ident, distance, strength, indptr, indices, axes) -> None:
+def part_pairs(shift: np.ndarray, number: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray,
+               ident: np.ndarray, distance: float, strength: float, indptr: np.ndarray, indices: np.ndarray,
+               axes: tuple[int, ...]) -> None:
     """Part fluid pairs nearer than the distance of which at least one has no pressure equation (jets, drops, films).
 
     A pair parts by strength (distance - r), divided by the larger number of such pairs of the two,
@@ -109,7 +113,8 @@ def part_pairs(shift, number, x, kind, role, ident, distance, strength, indptr, 
 
 
 @kernel
-def keep_apart(move, near, x, kind, ident, distance, longest, indptr, indices, axes) -> int:
+def keep_apart(move: np.ndarray, near: np.ndarray, x: np.ndarray, kind: np.ndarray, ident: np.ndarray, distance: float,
+               longest: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Sum of the moves that bring each fluid pair to the distance, half each, along its line turned by TILT.
 
     For repeated sweeps: the sum is right for a pair of its own, and limited in a crowd.

@@ -16,7 +16,7 @@ if _first:    # it looks again before each compilation; a program that has loade
     numba.config._config_fname = os.devnull
 
 
-def leave_out_avx512():
+def leave_out_avx512() -> None:
     """Make numba compile without AVX-512 in this process, unless NUMBA_CPU_FEATURES is set.
 
     The compiler in numba 0.62 to 0.68 (LLVM 20 to 22) stores wrong AVX-512 masks when it runs out of

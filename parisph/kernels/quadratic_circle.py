@@ -13,8 +13,9 @@ from parisph.kernels.smoothing import quartic_weight
 
 
 @kernel
-def quadratic_rankine_rows(count, columns, values, measure, x, role, unit, circle, radius, indptr, indices,
-                           axes) -> None:
+def quadratic_rankine_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray,
+                           x: np.ndarray, role: np.ndarray, unit: np.ndarray, circle: np.ndarray, radius: float,
+                           indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fill the rows of inner particles with the mean over a circle or sphere of a quadratic fit.
 
     mean p - p_I = (R^2/2 dim) lap p (Zheng, Ma & Duan 2014, Eqs. 21-23 and 33), as in `rankine`, where p is

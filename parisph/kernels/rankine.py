@@ -29,7 +29,7 @@ NEGATIVE = 0.1  # a row is made isotropic only as far as this
 UNSOUND = 0.5   # a row beyond this gave a drop at the lid fourteen times the pressure of all the water
 
 
-def directions(dim, count=None):
+def directions(dim: int, count: int | None = None) -> np.ndarray:
     """Return unit vectors spread evenly over the circle or the sphere: (K, dim).
 
     2D: `count` (default 8) points; 3D: the 12 corners of the icosahedron, whose mean
@@ -45,8 +45,10 @@ def directions(dim, count=None):
 
 
 @kernel
-def rankine_rows(count, columns, values, measure, flux, div, u, x, role, unit, circle, radius,
-                 normalised, indptr, indices, axes):
+def rankine_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, flux: np.ndarray,
+                 div: np.ndarray, u: np.ndarray, x: np.ndarray, role: np.ndarray, unit: np.ndarray, circle: np.ndarray,
+                 radius: float, normalised: bool, indptr: np.ndarray, indices: np.ndarray,
+                 axes: tuple[int, ...]) -> None:
     """Fill the rows of inner particles, and the flux divergence of u.
 
     With row_I(p) = p_I - sum_J values_J p_J, the equation is row_I(p) = -measure_I lap p.
@@ -162,7 +164,8 @@ def _finish(i, first, n, m, spanned, mean, basis, columns, values, measure, flux
 
 
 @kernel
-def divergence(div, u, role, count, columns, flux, indptr, axes):
+def divergence(div: np.ndarray, u: np.ndarray, role: np.ndarray, count: np.ndarray, columns: np.ndarray,
+               flux: np.ndarray, indptr: np.ndarray, axes: tuple[int, ...]) -> None:
     """Flux divergence of a velocity with the stored flux coefficients, at inner particles [1/s]."""
     for i in range(len(indptr) - 1):
         div[i] = 0.0
@@ -176,7 +179,8 @@ def divergence(div, u, role, count, columns, flux, indptr, axes):
 
 
 @kernel
-def second_invariant(out, u, role, count, columns, flux, indptr, axes):
+def second_invariant(out: np.ndarray, u: np.ndarray, role: np.ndarray, count: np.ndarray, columns: np.ndarray,
+                     flux: np.ndarray, indptr: np.ndarray, axes: tuple[int, ...]) -> None:
     """tr((grad u)^2) of a velocity at inner particles, from the stored flux coefficients [1/s^2].
 
     (dim/R) times the mean of u_b n_a over the circle is d u_b/dx_a for linear u.
@@ -194,7 +198,8 @@ def second_invariant(out, u, role, count, columns, flux, indptr, axes):
 
 
 @kernel
-def turnover(out, u, role, count, columns, flux, indptr, axes) -> None:
+def turnover(out: np.ndarray, u: np.ndarray, role: np.ndarray, count: np.ndarray, columns: np.ndarray, flux: np.ndarray,
+             indptr: np.ndarray, axes: tuple[int, ...]) -> None:
     """sqrt(2 G:G) with G = grad u at inner particles, from the stored flux coefficients [1/s].
 
     The rate at which neighbours move relative to each other: a shear rate, or twice a rotation's angular velocity.

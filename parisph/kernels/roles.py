@@ -5,7 +5,7 @@ from parisph.kernels.jit import kernel
 
 
 @kernel
-def outside(role):
+def outside(role: int) -> bool:
     """Return whether a particle with this role is left out of all stencils.
 
     Dry walls have no pressure. The wall particle at the contact line is left out too: it does not

@@ -1,5 +1,7 @@
 """What all pressure rows of inner particles have in common: their form, and when one is given up."""
 
+import numpy as np
+
 from parisph.base.fields import INNER
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.rankine import UNSOUND
@@ -7,7 +9,8 @@ from parisph.kernels.roles import outside
 
 
 @inlined
-def finish_row(i, first, n, scale, sound, count, values, measure):
+def finish_row(i: int, first: int, n: int, scale: float, sound: bool, count: np.ndarray, values: np.ndarray,
+               measure: np.ndarray) -> None:
     """Scale a row to a unit diagonal, from the coefficients of its Laplacian.
 
     lap p_i = scale sum_k values[first + k] (p_k - p_i) over n neighbours becomes row_i(p) = p_i - sum_k values p_k
@@ -31,7 +34,8 @@ def finish_row(i, first, n, scale, sound, count, values, measure):
 
 
 @kernel
-def mean_rows(count, columns, values, measure, role, indptr, indices) -> None:
+def mean_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, role: np.ndarray,
+              indptr: np.ndarray, indices: np.ndarray) -> None:
     """Give inner particles whose row was given up the mean of their neighbours, as `rankine.rankine_rows` does.
 
     A row without entries means p = 0, which pins the pressure in the middle of a closed tank. The measure stays 0,

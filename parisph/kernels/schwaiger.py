@@ -11,7 +11,9 @@ from parisph.kernels.row import finish_row
 FLAT = 0.02  # det/(trace/dim)^dim of Gamma below which a row is given up: the neighbours lie almost in a line
 
 
-def cisph1_rows(count, columns, values, measure, x, role, h, volume, indptr, indices, axes) -> None:
+def cisph1_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
+                role: np.ndarray, h: float, volume: float, indptr: np.ndarray, indices: np.ndarray,
+                axes: tuple[int, ...]) -> None:
     """Fill the rows of inner particles with CISPH1 (Zheng, Ma & Duan 2014, Eq. 20b with the gradient of Eq. 20c).
 
     With r_ij = r_i - r_j, F_ij = W'/r and grad_i W_ij = F_ij r_ij,
@@ -27,7 +29,8 @@ def cisph1_rows(count, columns, values, measure, x, role, h, volume, indptr, ind
     _rows(count, columns, values, measure, x, role, h, volume, False, indptr, indices, axes)
 
 
-def cisph2_rows(count, columns, values, measure, x, role, h, indptr, indices, axes) -> None:
+def cisph2_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
+                role: np.ndarray, h: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fill the rows of inner particles with CISPH2 (Zheng, Ma & Duan 2014, Eq. 20b with the gradient of Eq. 20d).
 
     As cisph1_rows, but grad p_i = sum_j V (p_j - p_i) L grad_i W_ij with L = [sum_j V (r_j - r_i) grad_i W_ij^T]^-1,

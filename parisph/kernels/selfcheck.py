@@ -15,7 +15,7 @@ def _mark(role, kind, alpha, limit):
             role[i] = SURFACE if alpha[i] < limit else INNER
 
 
-def stores_hold():
+def stores_hold() -> bool:
     """Return whether conditional stores change only the selected values. Not collective.
 
     Wrong machine code for such stores is known (see `kernels.processor`), and a flow computed with

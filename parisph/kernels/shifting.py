@@ -12,7 +12,9 @@ from parisph.kernels.smoothing import cubic_spline_slope
 
 
 @kernel
-def compression(e, alpha, role, x, kind, limit, doubt, reach, indptr, indices, axes) -> None:
+def compression(e: np.ndarray, alpha: np.ndarray, role: np.ndarray, x: np.ndarray, kind: np.ndarray, limit: float,
+                doubt: np.ndarray, reach: float, indptr: np.ndarray, indices: np.ndarray,
+                axes: tuple[int, ...]) -> None:
     """Relative density error that the position projection removes.
 
     e = alpha - 1 at inner particles, clipped to +-limit. If a surface particle lies within the reach [m], only
@@ -47,7 +49,9 @@ def _near_surface(i, x, kind, role, reach2, indptr, indices, axes):
 
 
 @kernel
-def concentration_gradient(out, x, kind, corner, normal, h, full, indptr, indices, axes):
+def concentration_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
+                           h: float, full: float, indptr: np.ndarray, indices: np.ndarray,
+                           axes: tuple[int, ...]) -> None:
     """Gradient of the density ratio at fluid particles, walls and mirror images included [1/m]."""
     dim = len(axes)
     member, image = np.empty(dim, np.int64), np.empty(dim)
@@ -68,7 +72,9 @@ def concentration_gradient(out, x, kind, corner, normal, h, full, indptr, indice
 
 
 @kernel
-def fick_shift(shift, gradient, role, x, kind, strength, cap, reach, indptr, indices, axes):
+def fick_shift(shift: np.ndarray, gradient: np.ndarray, role: np.ndarray, x: np.ndarray, kind: np.ndarray,
+               strength: np.ndarray, cap: float, reach: float, indptr: np.ndarray, indices: np.ndarray,
+               axes: tuple[int, ...]) -> None:
     """Shift down the gradient of concentration; near the surface, only along it.
 
     dr = -strength grad alpha (Lind et al. 2012), |dr| <= cap; zero on the surface; within the
@@ -113,7 +119,7 @@ def _remove_along(shift, i, direction, axes):
 
 
 @kernel
-def limit_length(vector, i, cap, axes):
+def limit_length(vector: np.ndarray, i: int, cap: float, axes: tuple[int, ...]) -> None:
     """Shorten row i of a vector field to the cap."""
     length2 = 0.0
     for a in range(len(axes)):
@@ -124,7 +130,7 @@ def limit_length(vector, i, cap, axes):
 
 
 @kernel
-def limit_lengths(vector, n, cap, axes):
+def limit_lengths(vector: np.ndarray, n: int, cap: float, axes: tuple[int, ...]) -> None:
     """Shorten the first n rows of a vector field to the cap."""
     for i in range(n):
         limit_length(vector, i, cap, axes)

@@ -21,7 +21,9 @@ CLOSEST = 1e-3              # of the radius: nearer neighbours count as if they 
 
 
 @kernel
-def xu_shift(shift, x, kind, corner, normal, role, radius, strength, cap, indptr, indices, axes) -> None:
+def xu_shift(shift: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
+             role: np.ndarray, radius: float, strength: np.ndarray, cap: float, indptr: np.ndarray, indices: np.ndarray,
+             axes: tuple[int, ...]) -> None:
     """Shift of Xu, Stansby & Laurence (2009, Eqs. 25 and 26), for fluid without a free surface.
 
     dr_i = strength sum_j (mean_i/r_ij)^2 n_ij, mean_i = sum_j r_ij/N_i, with n_ij from j to i, and strength = C U dt,
@@ -55,7 +57,9 @@ def xu_shift(shift, x, kind, corner, normal, role, radius, strength, cap, indptr
 
 
 @kernel
-def tensile_gradient(out, x, kind, corner, normal, h, spacing, full, indptr, indices, axes) -> None:
+def tensile_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray, h: float,
+                     spacing: float, full: float, indptr: np.ndarray, indices: np.ndarray,
+                     axes: tuple[int, ...]) -> None:
     """Concentration gradient with the term against the pairing of particles (Lind et al. 2012, Eqs. 23 and 27) [1/m].
 
     grad C_i = sum_j V_j (1 + 0.2 (W_ij/W(s))^4) grad_i W_ij, in place of `shifting.concentration_gradient`, in the
@@ -81,7 +85,9 @@ def tensile_gradient(out, x, kind, corner, normal, h, spacing, full, indptr, ind
 
 
 @kernel
-def surface_shift(shift, gradient, surface_normal, close, role, strength, beta, level, cap, axes) -> None:
+def surface_shift(shift: np.ndarray, gradient: np.ndarray, surface_normal: np.ndarray, close: np.ndarray,
+                  role: np.ndarray, strength: np.ndarray, beta: float, level: float, cap: float,
+                  axes: tuple[int, ...]) -> None:
     """Shift of Lind et al. (2012, Eqs. 24 and 25): along a free surface as inside, across it weakly.
 
     dr = -D (t dC/dt + beta (dC/dn - level) n) at particles of the surface and close to it, where n is the normal and
@@ -108,7 +114,9 @@ def surface_shift(shift, gradient, surface_normal, close, role, strength, beta, 
 
 
 @kernel
-def surface_normals(normal, close, gradient, role, x, kind, reach, indptr, indices, axes) -> None:
+def surface_normals(normal: np.ndarray, close: np.ndarray, gradient: np.ndarray, role: np.ndarray, x: np.ndarray,
+                    kind: np.ndarray, reach: float, indptr: np.ndarray, indices: np.ndarray,
+                    axes: tuple[int, ...]) -> None:
     """Direction of the surface's grad C at fluid near a free surface, for `surface_shift`.
 
     n_i = sum_j grad C_j/r_ij^2 over the surface particles within the reach, normalised; at a surface particle its own.
@@ -155,7 +163,9 @@ def _square_of(vector, i, axes):
 
 
 @kernel
-def pressure_shift(shift, p, x, kind, corner, normal, role, radius, strength, cap, indptr, indices, axes) -> None:
+def pressure_shift(shift: np.ndarray, p: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
+                   normal: np.ndarray, role: np.ndarray, radius: float, strength: float, cap: float, indptr: np.ndarray,
+                   indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Shift by the pressure gradient relative to a minimum pressure, after Sriram & Ma (2012).
 
     Zheng, Ma & Duan (2014, Sec. 2.2) describe it in words: particles move with a velocity from pressure gradients
@@ -199,7 +209,7 @@ def pressure_shift(shift, p, x, kind, corner, normal, role, radius, strength, ca
 
 
 @kernel
-def carry(change, shift, g, kind, axes) -> None:
+def carry(change: np.ndarray, shift: np.ndarray, g: np.ndarray, kind: np.ndarray, axes: tuple[int, ...]) -> None:
     """Change of velocity that goes with a shift, u(r + dr) - u(r) = (grad u) dr (Xu et al. 2009, Eq. 27).
 
     change : (n_owned, dim) output [m/s]; shift : (n_owned, dim) [m]; g : (n_owned, dim, dim) [1/s]; kind : (n_all,)

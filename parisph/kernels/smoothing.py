@@ -6,7 +6,7 @@ from parisph.kernels.jit import inlined, kernel
 
 
 @inlined
-def cubic_spline(r, h, dim):
+def cubic_spline(r: float, h: float, dim: int) -> float:
     """Return W(r) of the cubic spline with support 2h (Zheng et al. 2014, Eq. 5) [m^-dim]."""
     q = min(r / h, 2.0)  # no branches, so that loops over neighbours are vectorised
     near, far = 2.0 / 3.0 - q * q * (1.0 - 0.5 * q), (2.0 - q) ** 3 / 6.0
@@ -14,7 +14,7 @@ def cubic_spline(r, h, dim):
 
 
 @inlined
-def cubic_spline_slope(r, h, dim):
+def cubic_spline_slope(r: float, h: float, dim: int) -> float:
     """Return W'(r)/r of the cubic spline, finite at r = 0 [m^-dim-2]."""
     q = min(r / h, 2.0)
     near, far = 1.5 * q - 2.0, -0.5 * (2.0 - q) ** 2 / max(q, 1.0)
@@ -27,7 +27,7 @@ def _cubic_scale(h, dim):
 
 
 @kernel
-def wendland(r, h, dim):
+def wendland(r: float, h: float, dim: int) -> float:
     """Return W(r) of the Wendland C2 kernel with support 2h (Wendland 1995) [m^-dim]."""
     q = r / h
     if q >= 2.0:
@@ -37,7 +37,7 @@ def wendland(r, h, dim):
 
 
 @kernel
-def wendland_slope(r, h, dim):
+def wendland_slope(r: float, h: float, dim: int) -> float:
     """Return W'(r)/r of the Wendland C2 kernel [m^-dim-2]."""
     q = r / h
     if q >= 2.0:
@@ -47,7 +47,7 @@ def wendland_slope(r, h, dim):
 
 
 @inlined
-def quartic_weight(r2, radius2):
+def quartic_weight(r2: float, radius2: float) -> float:
     """Return the least-squares weight 1 - 6q^2 + 8q^3 - 3q^4 of q = r/radius, from squares.
 
     It is C2 at q = 1, and not normalised, because only ratios of weights matter. It needs no branch:

@@ -11,7 +11,9 @@ from parisph.kernels.near import dot, fill_up, gather, room_for
 
 
 @kernel
-def velocity_gradient(g, rate, u, x, kind, role, radius, floor, indptr, indices, axes) -> None:
+def velocity_gradient(g: np.ndarray, rate: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray,
+                      radius: float, floor: float, indptr: np.ndarray, indices: np.ndarray,
+                      axes: tuple[int, ...]) -> None:
     """Gradient of the velocity at owned fluid particles, by linear least squares with the quartic weight.
 
     It is exact for a linear velocity. It is zero at walls, and where the neighbours do not span the
@@ -54,7 +56,8 @@ def _strain_rate(g, i, axes):
 
 
 @kernel
-def mean_over_fluid(out, f, x, kind, radius, indptr, indices, axes) -> None:
+def mean_over_fluid(out: np.ndarray, f: np.ndarray, x: np.ndarray, kind: np.ndarray, radius: float, indptr: np.ndarray,
+                    indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Mean of a scalar over the fluid within the radius, the particle itself included.
 
     out : (n_owned,) output, zero at walls; f, x, kind : of owned and ghost particles

@@ -19,7 +19,7 @@ SECTORS = 16  # of the circle, in the quick test for a gap
 
 
 @kernel
-def lattice_sum(spacing, h, axes):
+def lattice_sum(spacing: float, h: float, axes: tuple[int, ...]) -> float:
     """Return sum_j W(r_ij) over the full square or cubic lattice, i included [m^-dim]."""
     dim = len(axes)
     reach = int(2.0 * h / spacing) + 1
@@ -35,7 +35,8 @@ def lattice_sum(spacing, h, axes):
 
 
 @kernel
-def density_ratio(alpha, x, kind, corner, normal, h, full, indptr, indices, axes):
+def density_ratio(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray, h: float,
+                  full: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Kernel-sum density of fluid particles over its lattice value: 1 on a full lattice.
 
     rho_i = sum_j m W_ij over fluid, wall particles and the mirror images of both
@@ -60,8 +61,9 @@ def density_ratio(alpha, x, kind, corner, normal, h, full, indptr, indices, axes
 
 
 @kernel
-def surface_by_gap(role, was, x, kind, corner, normal, alpha, radius, enter, leave, thin, indptr, indices,
-                   axes):
+def surface_by_gap(role: np.ndarray, was: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
+                   normal: np.ndarray, alpha: np.ndarray, radius: float, enter: float, leave: float, thin: float,
+                   indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Mark fluid particles on the surface by the largest angle free of neighbours (2D).
 
     A particle joins the surface if the gap exceeds `enter` [rad], and stays on it while the gap exceeds
@@ -174,8 +176,10 @@ def _largest_gap(angles, n):
 
 
 @kernel
-def surface_by_auxiliary_functions(role, was, x, kind, corner, normal, alpha, radius, limit, indptr, indices,
-                                   axes):
+def surface_by_auxiliary_functions(role: np.ndarray, was: np.ndarray, x: np.ndarray, kind: np.ndarray,
+                                   corner: np.ndarray, normal: np.ndarray, alpha: np.ndarray, radius: float,
+                                   limit: float, indptr: np.ndarray, indices: np.ndarray,
+                                   axes: tuple[int, ...]) -> None:
     """Mark the surface by density ratio and three auxiliary functions (2D).
 
     Zheng, Ma & Duan (2014), Sec. 2.4.2, Eqs. 28-30, conditions (a) to (e), with limit = 0.90.
@@ -256,7 +260,7 @@ def _bits(mask):
 
 
 @kernel
-def surface_by_density(role, kind, alpha, limit, indptr):
+def surface_by_density(role: np.ndarray, kind: np.ndarray, alpha: np.ndarray, limit: float, indptr: np.ndarray) -> None:
     """Mark the surface by the density ratio alone (any dimension), alpha < limit."""
     for i in range(len(indptr) - 1):
         if kind[i] == FLUID:

@@ -9,12 +9,15 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.smoothing import quartic_weight
 
 BESIDE = 1.2    # spacings from a wall particle within which a particle also stands for the half spacing to the wall
-HALF = 0.6      # of a cell, up to which a particle lies on the surface: a half, and what its share of the whole volume adds
+# of a cell, up to which a particle lies on the surface: a half, and what its share of the whole volume adds
+HALF = 0.6
 LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surface has about one
 
 
 @kernel
-def surface_rows(count, columns, values, x, kind, role, volume, offset, spacing, radius, indptr, indices, axes) -> None:
+def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: np.ndarray, kind: np.ndarray,
+                 role: np.ndarray, volume: np.ndarray, offset: float, spacing: float, radius: float, indptr: np.ndarray,
+                 indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fill the rows of surface particles: pressure falls in proportion to the distance to zero on the surface.
 
     With the surface at the distance a outside the particle and the weighted mean of its inner neighbours

@@ -2,12 +2,14 @@
 
 import math
 
+import numpy as np
+
 from parisph.base.fields import FLUID
 from parisph.kernels.jit import kernel
 
 
 @kernel
-def eddy_viscosity(nu_t, g, kind, length, axes) -> None:
+def eddy_viscosity(nu_t: np.ndarray, g: np.ndarray, kind: np.ndarray, length: float, axes: tuple[int, ...]) -> None:
     """Eddy viscosity of Smagorinsky (1963), nu_t = length^2 sqrt(2 S : S), with S = (g + g^T)/2.
 
     Its length is C_s s: C_s = 0.1 to 0.2 in shear flows. Only the product with the mean rate of strain is modelled,
@@ -22,7 +24,8 @@ def eddy_viscosity(nu_t, g, kind, length, axes) -> None:
 
 
 @kernel
-def stress(tau, nu_t, g, kind, length, isotropic, axes) -> None:
+def stress(tau: np.ndarray, nu_t: np.ndarray, g: np.ndarray, kind: np.ndarray, length: float, isotropic: float,
+           axes: tuple[int, ...]) -> None:
     """Kinematic sub-particle stress tau/rho of owned fluid (Dalrymple & Rogers 2006, Eqs. 8 to 10).
 
     tau_ab/rho = 2 nu_t S_ab - (2/3) nu_t tr(S) delta_ab - (2/3) isotropic length^2 (2 S : S) delta_ab

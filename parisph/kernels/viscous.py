@@ -27,7 +27,9 @@ STRETCH = 3.0       # of squares in units of the radius, so that they are about 
 
 
 @kernel
-def morris(out, u, nu, x, kind, corner, normal, no_slip, h, volume, indptr, indices, axes) -> None:
+def morris(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
+           normal: np.ndarray, no_slip: np.ndarray, h: float, volume: float, indptr: np.ndarray, indices: np.ndarray,
+           axes: tuple[int, ...]) -> None:
     """Viscous acceleration of owned fluid by the form of Morris et al. (1997, Eq. 22), at one density.
 
     a_i = sum_j V (nu_i + nu_j) (r_ij . grad_i W_ij)/(r_ij^2 + 0.01 h^2) (u_i - u_j)
@@ -56,7 +58,9 @@ def morris(out, u, nu, x, kind, corner, normal, no_slip, h, volume, indptr, indi
 
 
 @kernel
-def corrected(out, u, nu, x, kind, corner, normal, role, no_slip, radius, h, volume, indptr, indices, axes) -> None:
+def corrected(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
+              normal: np.ndarray, role: np.ndarray, no_slip: np.ndarray, radius: float, h: float, volume: float,
+              indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Viscous acceleration of owned fluid by a quadratic fit (generalised finite differences).
 
     The Laplacian is exact for quadratic velocities on any set of particles, also beside walls. Where the
@@ -149,7 +153,8 @@ def _fill_basis(basis, near, weight, k, axes):
 
 
 @kernel
-def continue_to_walls(a, x, kind, corner, normal, radius, indptr, indices, axes) -> None:
+def continue_to_walls(a: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
+                      radius: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Continue the normal part of an acceleration from the fluid to the walls, for n . (nu lap u) of Eq. 25.
 
     (Zheng, Ma & Duan 2014.) A wall takes the value at y = 0 of a linear fit over the distance y from it, with

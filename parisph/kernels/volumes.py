@@ -22,7 +22,8 @@ BOX = -1         # side of the box from which cells are cut: there the cell is o
 
 
 @kernel
-def current_volumes(out, x, kind, role, lower, upper, spacing, reach, indptr, indices) -> None:
+def current_volumes(out: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, lower: np.ndarray,
+                    upper: np.ndarray, spacing: float, reach: float, indptr: np.ndarray, indices: np.ndarray) -> None:
     """Write the volume out (n_owned,) [m^2] that owned fluid particles represent now, 0 for walls.
 
     A particle in no triangle, such as a drop, represents one cell of the lattice.

@@ -13,7 +13,9 @@ FLAT = 4.0e-3
 
 
 @kernel
-def sfdi_rows(count, columns, values, measure, x, role, normal, radius, indptr, indices, axes):
+def sfdi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
+              role: np.ndarray, normal: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
+              axes: tuple[int, ...]) -> None:
     """Fill the rows of wet wall particles by SFDI (Zheng et al. 2014, Eq. 26b; Eq. A6 corrected).
 
     n . grad p = sum_J Psi_IJ (p_J - p_I), that is Psi_II = -sum_J Psi_IJ, which the printed
@@ -67,7 +69,9 @@ def _mean(i, first, n, columns, values, x, radius2, weights, axes):
 
 
 @kernel
-def harmonic_rows(count, columns, values, measure, x, role, normal, radius, indptr, indices, axes):
+def harmonic_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
+                  role: np.ndarray, normal: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
+                  axes: tuple[int, ...]) -> None:
     """Replace SFDI wall rows by n . (harmonic stencil) wherever the neighbours allow it."""
     dim = len(axes)
     c, work, b = harmonic.scratch(indptr, axes)

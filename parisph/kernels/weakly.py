@@ -23,28 +23,28 @@ KAPPA = 7.0                    # exponent of the equation of state for water
 COURANT, FORCE = 0.4, 0.25     # fractions of the times h/c and sqrt(h/a) (Monaghan 1992)
 
 
-def tait_pressure(rho, sound, density) -> np.ndarray:
+def tait_pressure(rho: np.ndarray, sound: float, density: float) -> np.ndarray:
     """Return p = c0^2 rho0/7 ((rho/rho0)^7 - 1) [Pa] (Eq. 3, first form). sound : c0 [m/s]; density : rho0 [kg/m^3]."""
     return sound**2 * density / KAPPA * ((np.asarray(rho) / density) ** KAPPA - 1.0)
 
 
-def tait_density(p, sound, density) -> np.ndarray:
+def tait_density(p: np.ndarray, sound: float, density: float) -> np.ndarray:
     """Return the density [kg/m^3] of the pressure p [Pa] by `tait_pressure`, at least that of p = -0.9 c0^2 rho0/7."""
     ratio = 1.0 + KAPPA * np.asarray(p) / (sound**2 * density)
     return density * np.maximum(ratio, 0.1) ** (1.0 / KAPPA)
 
 
-def linear_pressure(rho, sound, density) -> np.ndarray:
+def linear_pressure(rho: np.ndarray, sound: float, density: float) -> np.ndarray:
     """Return p = c0^2 (rho - rho0) [Pa] (Eq. 3, second form)."""
     return sound**2 * (np.asarray(rho) - density)
 
 
-def linear_density(p, sound, density) -> np.ndarray:
+def linear_density(p: np.ndarray, sound: float, density: float) -> np.ndarray:
     """Return the density [kg/m^3] that has the pressure p [Pa] by `linear_pressure`."""
     return density + np.asarray(p) / sound**2
 
 
-def longest_step(h, sound, speed, omega, acceleration) -> float:
+def longest_step(h: float, sound: float, speed: float, omega: float, acceleration: float) -> float:
     """Return the longest stable step [s] (Monaghan 1992).
 
     It is the least of 0.4 h/(c0 (1 + 0.6 omega) + speed) and 0.25 sqrt(h/a).
@@ -57,7 +57,8 @@ def longest_step(h, sound, speed, omega, acceleration) -> float:
 
 
 @kernel
-def density_rate(out, u, x, mass, kind, h, indptr, indices, axes) -> None:
+def density_rate(out: np.ndarray, u: np.ndarray, x: np.ndarray, mass: np.ndarray, kind: np.ndarray, h: float,
+                 indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Rate of density D rho_i/Dt = sum_j m_j u_ij . grad_i W_ij of owned fluid, from Eqs. 1, 4b and 7.
 
     Eq. 7 prints m_j/rho_i behind rho_i, which is the same.
@@ -79,7 +80,9 @@ def density_rate(out, u, x, mass, kind, h, indptr, indices, axes) -> None:
 
 
 @kernel
-def acceleration(out, u, x, p, rho, mass, kind, h, sound, omega, xi, indptr, indices, axes) -> None:
+def acceleration(out: np.ndarray, u: np.ndarray, x: np.ndarray, p: np.ndarray, rho: np.ndarray, mass: np.ndarray,
+                 kind: np.ndarray, h: float, sound: float, omega: float, xi: float, indptr: np.ndarray,
+                 indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Acceleration of owned fluid by pressure and artificial viscosity (Eqs. 6 and 8), without g.
 
     a_i = -sum_j m_j (p_i/rho_i^2 + p_j/rho_j^2 + Pi_ij) grad_i W_ij
@@ -110,7 +113,8 @@ def acceleration(out, u, x, p, rho, mass, kind, h, sound, omega, xi, indptr, ind
 
 
 @kernel
-def xsph_velocity(out, u, x, rho, mass, kind, h, epsilon, indptr, indices, axes) -> None:
+def xsph_velocity(out: np.ndarray, u: np.ndarray, x: np.ndarray, rho: np.ndarray, mass: np.ndarray, kind: np.ndarray,
+                  h: float, epsilon: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Velocity with which owned fluid moves, u_i - epsilon sum_j m_j/rho_mean u_ij W_ij over fluid (Eq. 9).
 
     Eq. 9 prints rho_i. The mean of both densities, from which it differs by less than the fluid is compressed,
@@ -135,7 +139,9 @@ def xsph_velocity(out, u, x, rho, mass, kind, h, epsilon, indptr, indices, axes)
 
 
 @kernel
-def wall_pressure(out, x, p, rho, force, wall_force, kind, h, indptr, indices, axes) -> None:
+def wall_pressure(out: np.ndarray, x: np.ndarray, p: np.ndarray, rho: np.ndarray, force: np.ndarray,
+                  wall_force: np.ndarray, kind: np.ndarray, h: float, indptr: np.ndarray, indices: np.ndarray,
+                  axes: tuple[int, ...]) -> None:
     """Pressure of owned wall and ghost particles, continued from the fluid (Adami, Hu & Adams 2012, Eq. 27).
 
     p_w = sum_j (p_j + rho_j (g - a_w) . r_wj) W_wj / sum_j W_wj over fluid j, with r_wj from j to w: exact at rest.
@@ -165,7 +171,8 @@ def wall_pressure(out, x, p, rho, force, wall_force, kind, h, indptr, indices, a
 
 
 @kernel
-def position_divergence(out, x, volume, kind, h, indptr, indices, axes) -> None:
+def position_divergence(out: np.ndarray, x: np.ndarray, volume: float, kind: np.ndarray, h: float, indptr: np.ndarray,
+                        indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Divergence of the positions, sum_j V r_ji . grad_i W_ij over all neighbours: dim inside, less at the surface.
 
     Lee et al. (2008) take 1.5 for the limit in 2D. out : (n_owned,) output, 0 for walls; volume : of a particle [m^dim]

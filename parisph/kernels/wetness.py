@@ -1,5 +1,7 @@
 """The wall particles that touch the fluid, in any dimension."""
 
+import numpy as np
+
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.jit import kernel
 
@@ -14,7 +16,9 @@ APART, FREE, CLOSING = 0, 1, 2
 
 
 @kernel
-def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr, indices, axes):
+def closing_walls(closing: np.ndarray, role: np.ndarray, x: np.ndarray, u: np.ndarray, force: np.ndarray,
+                  kind: np.ndarray, normal: np.ndarray, spacing: float, dt: float, indptr: np.ndarray,
+                  indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Classify owned wall particles: CLOSING the fluid off, APART from it, or FREE.
 
     By positions alone, water that rests one spacing below a lid looks like water that fills the tank,
@@ -24,8 +28,8 @@ def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr,
     step, and moving or pulled towards it, unlike water at rest below a lid.
 
     A wall particle is apart if fluid is in front of it and on both sides but does not touch it or the wall
-    beside it, as below a lid: it must not crowd that fluid. All others are free; those of a side wall above the water line
-    crowd the water as those below do, so that water at rest has no gradient of concentration there.
+    beside it, as below a lid: it must not crowd that fluid. All others are free; those of a side wall above the water
+    line crowd the water as those below do, so that water at rest has no gradient of concentration there.
 
     closing : (n_all,) output; role, x, u : of the previous step (role) and of now, ghosts included
     force : (n_all, dim), body force per unit mass [m/s^2]; dt : step [s]
@@ -54,14 +58,17 @@ def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr,
                 near |= away < TOUCH * spacing
                 moves = towards * dt > MOVING * spacing or towards + pull * dt > 0.0
                 hit |= moves and away - (towards + max(pull, 0.0) * dt) * dt < TOUCH * spacing
-        facing = opposite and not near and not beside_wet and _covered_on_both_sides(i, closing, APART, x, kind, normal, spacing, indptr, indices, axes)
+        facing = (opposite and not near and not beside_wet
+                  and _covered_on_both_sides(i, closing, APART, x, kind, normal, spacing, indptr, indices, axes))
         closing[i] = APART if facing else FREE
         if role[i] == WET or hit or (beside_wet and beside_inner):
             closing[i] = CLOSING
 
 
 @kernel
-def wet_walls(role, closing, x, kind, corner, normal, spacing, indptr, indices, axes):
+def wet_walls(role: np.ndarray, closing: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
+              normal: np.ndarray, spacing: float, indptr: np.ndarray, indices: np.ndarray,
+              axes: tuple[int, ...]) -> None:
     """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
 
     Wet: it closes the fluid off (closing_walls), an inner fluid particle is within 2.1 spacings, and
@@ -88,7 +95,8 @@ def wet_walls(role, closing, x, kind, corner, normal, spacing, indptr, indices, 
             beside |= (role[j] == SURFACE and 0.0 < away < 1.5 * spacing
                        and r2 - away * away < (0.55 * spacing) ** 2)
         if inner and closing[i] == CLOSING and (
-                corner[i] or _covered_on_both_sides(i, closing, CLOSING, x, kind, normal, spacing, indptr, indices, axes)):
+                corner[i] or _covered_on_both_sides(i, closing, CLOSING, x, kind, normal, spacing, indptr, indices,
+                                                    axes)):
             role[i] = WET
         else:
             role[i] = CONTACT if beside else DRY
@@ -96,7 +104,8 @@ def wet_walls(role, closing, x, kind, corner, normal, spacing, indptr, indices, 
 
 @kernel
 def _covered_on_both_sides(i, closing, least, x, kind, normal, spacing, indptr, indices, axes):
-    """Return whether fluid is on both sides of wall particle i along the wall; another wall that is `least` counts as fluid."""
+    """Return whether fluid is on both sides of wall particle i along the wall; another wall that is `least` counts as
+    fluid."""
     dim = len(axes)
     for b in range(dim):  # the tangent along axis b is e_b - n_b n
         if 1.0 - normal[i, b] ** 2 < 0.25:
@@ -111,7 +120,8 @@ def _covered_on_both_sides(i, closing, least, x, kind, normal, spacing, indptr, 
             along -= away * normal[i, b]
             # one spacing from a corner the other wall is where fluid would be
             facing = normal[j, b] - cosine * normal[i, b]
-            covers = kind[j] == FLUID or (closing[j] >= least and along * facing < -0.5 * abs(along) and abs(along) < 1.5 * spacing)
+            covers = (kind[j] == FLUID
+                      or (closing[j] >= least and along * facing < -0.5 * abs(along) and abs(along) < 1.5 * spacing))
             ahead |= covers and along > 0.3 * spacing
             behind |= covers and along < -0.3 * spacing
         if not (ahead and behind):

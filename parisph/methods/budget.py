@@ -22,7 +22,7 @@ class Budget:
         kinetic and potential energy between them
     """
 
-    def __init__(self, density: float, gravity: np.ndarray, causes: tuple[str, ...]):
+    def __init__(self, density: float, gravity: np.ndarray, causes: tuple[str, ...]) -> None:
         self._density, self._gravity, self.causes = density, gravity, causes
         self._gains, self._last = np.zeros(len(causes)), 0.0
 

@@ -66,11 +66,13 @@ class Parts:
         n, viscous = numerics, viscosity > 0.0 or numerics.smagorinsky > 0.0
         return cls(n, LAPLACIANS[n.laplacian], DIVERGENCES[n.divergence], WALL_ROWS[n.wall_rows], GRADIENTS[n.gradient],
                    SURFACE_GRADIENTS[n.surface_gradient], SURFACES[n.surface_rule], SOURCES[n.source],
-                   tuple(part for part in (FORCES[name] for name in n.forces) if part.wanted(n) and (viscous or not part.viscous)),
+                   tuple(part for part in (FORCES[name] for name in n.forces)
+                         if part.wanted(n) and (viscous or not part.viscous)),
                    tuple(part for part in (REGULARISERS[name] for name in n.regularisers) if part.wanted(n)))
 
     def __iter__(self) -> Iterator[Part]:
-        yield from (self.laplacian, self.divergence, self.wall_rows, self.gradient, self.surface_gradient, self.surface, self.source)
+        yield from (self.laplacian, self.divergence, self.wall_rows, self.gradient, self.surface_gradient, self.surface,
+                    self.source)
         yield from (*self.forces, *self.regularisers)
 
     @cached_property
@@ -112,7 +114,8 @@ class Parts:
         further = [part.words for part in self.forces if part.words]
         source = self.source.words(n) and f", {self.source.words(n)}"
         flux = f", {self.divergence.name} divergence" if self.laplacian.gives != self.divergence.name else ""
-        surface = f", {self.surface_gradient.name} at the surface" if self.surface_gradient.name != "same" and self.surface.open else ""
+        own = self.surface.open and self.surface_gradient.name != "same"
+        surface = f", {self.surface_gradient.name} at the surface" if own else ""
         return [*found, *further, f"assemble ({n.method}, {self.wall_rows.name} walls{flux}{source})",
                 "solve" + (" (null space)" if closed else ""), f"correct ({self.gradient.name} gradient{surface})",
                 *(part.words for part in self.regularisers)]
@@ -122,7 +125,8 @@ class Parts:
         for part in self:
             if dim not in part.dims:
                 known = " and ".join(f"{n}D" for n in part.dims)
-                raise CaseError(f"{part.name!r} works in {known} only, and this scene has {dim} dimensions: choose another part")
+                raise CaseError(f"{part.name!r} works in {known} only, and this scene has {dim} dimensions: "
+                                "choose another part")
 
 
 class CompressibleParts:
@@ -131,7 +135,7 @@ class CompressibleParts:
     reach = 2.0 * lengths.SPH
     causes = ("pressure",)
 
-    def __init__(self, numerics: Numerics):
+    def __init__(self, numerics: Numerics) -> None:
         self.numerics = numerics
         self.keeps_surface = SURFACES[numerics.surface_rule].keeps
         self.fields = FieldSet(("rho", "pull", *(("start_role",) if self.keeps_surface else ())))
@@ -141,19 +145,24 @@ class CompressibleParts:
         n = self.numerics
         xsph = [f"XSPH ({n.xsph:g})"] if n.xsph else []
         viscosity = f" and artificial viscosity ({n.artificial_viscosity:g})" if n.artificial_viscosity else ""
-        return ["half step of velocities", *xsph, "move", "redistribute", "densities", f"equation of state ({n.equation_of_state})",
-                "pressure of walls", f"pressure{viscosity}", "half step of velocities"]
+        return ["half step of velocities", *xsph, "move", "redistribute", "densities",
+                f"equation of state ({n.equation_of_state})", "pressure of walls", f"pressure{viscosity}",
+                "half step of velocities"]
 
     def check(self, dim: int) -> None:
         """Raise CaseError for what weakly compressible SPH cannot do."""
         n = self.numerics
         if n.smagorinsky:
-            raise CaseError(f"numerics.smagorinsky = {n.smagorinsky:g}: weakly compressible SPH has its artificial viscosity; "
-                            "leave it out, or choose a projection method")
+            raise CaseError(f"numerics.smagorinsky = {n.smagorinsky:g}: "
+                            "weakly compressible SPH has its artificial viscosity; leave it out, "
+                            "or choose a projection method")
 
 
 def parts_of(numerics: Numerics, viscosity: float = 0.0) -> Any:
-    """Return the parts of a method: Parts of a projection, or CompressibleParts. numerics : resolved. Not collective."""
+    """Return the parts of a method: Parts of a projection, or CompressibleParts. numerics : resolved.
+
+    Not collective.
+    """
     if METHODS[numerics.method].step == "compressible":
         return CompressibleParts(numerics)
     return Parts.of(numerics, viscosity)

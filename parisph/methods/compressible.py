@@ -1,7 +1,6 @@
 """One time step of traditional, weakly compressible SPH (Zheng, Ma & Duan 2014, Sec. 2.1)."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -14,7 +13,8 @@ from parisph.methods.catalogue import CompressibleParts
 from parisph.methods.flow import Flow
 from parisph.methods.reports import StepReport
 
-EQUATIONS = {"tait": (weakly.tait_pressure, weakly.tait_density), "linear": (weakly.linear_pressure, weakly.linear_density)}
+EQUATIONS = {"tait": (weakly.tait_pressure, weakly.tait_density),
+             "linear": (weakly.linear_pressure, weakly.linear_density)}
 SURFACE_EVERY = 20      # steps between two looks for the free surface, which only probes and pictures need
 OPEN = 1.5              # div r of 2 inside (3D: 3 and 2.25) below which a particle is on the surface
 
@@ -42,7 +42,8 @@ class CompressibleReport(StepReport):
 class Compressible:
     """Weakly compressible SPH on the particles of one scene, in steps of velocity Verlet.
 
-    u half a step, x and rho a step, p(rho), the acceleration there, u the other half: one evaluation of the forces a step.
+    u half a step, x and rho a step, p(rho), the acceleration there, u the other half: one evaluation of the forces a
+    step.
 
     Parameters
     ----------
@@ -54,12 +55,12 @@ class Compressible:
     """
 
     def __init__(self, flow: Flow, parts: CompressibleParts, sound: float, settle: float = 0.0,
-                 gravity: np.ndarray | None = None):
+                 gravity: np.ndarray | None = None) -> None:
         self.flow, self.parts, self.sound, n = flow, parts, sound, flow.numerics
         self.settle, self.gravity, self._mass = settle, gravity, np.empty(0)
         if flow.viscosity:
-            raise CaseError(f"fluid.viscosity = {flow.viscosity:g}: weakly compressible SPH has its artificial viscosity alone; "
-                            "set numerics.artificial_viscosity, or choose a projection method")
+            raise CaseError(f"fluid.viscosity = {flow.viscosity:g}: weakly compressible SPH has its artificial "
+                            "viscosity alone; set numerics.artificial_viscosity, or choose a projection method")
         self.h = lengths.SPH * flow.spacing
         self.mass = flow.density * flow.spacing**flow.particles.dim
         self.pressure, self.density = EQUATIONS[n.equation_of_state]
@@ -133,7 +134,7 @@ class Compressible:
         self._begun = True
         self.top_acceleration, self._steps = state.get("acceleration", 0.0), state.get("surface_steps", 0)
 
-    def about(self) -> Any:
+    def about(self) -> dict[str, str | None]:
         """Return the options of PETSc: none."""
         return {}
 
@@ -143,7 +144,10 @@ class Compressible:
     # -- the parts of the step, in order ---------------------------------------------------
 
     def _settle(self, time):
-        """Let water come to rest, its velocity damped within a hundredth of the whole time that this takes. Collective."""
+        """Let water come to rest, its velocity damped within a hundredth of the whole time that this takes.
+
+        Collective.
+        """
         flow, left = self.flow, self.settle
         p, body = flow.particles, flow.body
         flow.body = lambda x, t: np.tile(self.gravity, (len(x), 1))
@@ -196,12 +200,13 @@ class Compressible:
         p.rho[wall] = self.density(p.p[wall], self.sound, flow.density)
         p.role[wall] = np.where(p.p[wall] > 0.0, WET, DRY)
         d.update("p", "rho")
-        weakly.acceleration(p.pull, p.u_all, p.x_all, p.p_all, p.rho_all, self._masses(), p.kind_all, self.h, self.sound,
-                            n.artificial_viscosity, 0.0, d.indptr, d.indices, flow.axes)
+        weakly.acceleration(p.pull, p.u_all, p.x_all, p.p_all, p.rho_all, self._masses(), p.kind_all, self.h,
+                            self.sound, n.artificial_viscosity, 0.0, d.indptr, d.indices, flow.axes)
         p.pull[p.kind == FLUID] += force[:p.n_owned][p.kind == FLUID]
 
     def _find_surface(self):
-        """Give fluid its role, for probes and pictures: that of the start, or on the surface where div r is small (Lee et al. 2008)."""
+        """Give fluid its role, for probes and pictures: that of the start, or on the surface where div r is small
+        (Lee et al. 2008)."""
         flow = self.flow
         p, d = flow.particles, flow.domain
         if self.parts.keeps_surface:
@@ -209,8 +214,10 @@ class Compressible:
             return
         spread = np.empty(p.n_owned)
         d.update("role")
-        seen = np.where(p.role_all == DRY, np.int8(ABSENT), p.kind_all)     # walls above the water would fill its surface up
-        weakly.position_divergence(spread, p.x_all, self.mass / flow.density, seen, self.h, d.indptr, d.indices, flow.axes)
+        # walls above the water would fill its surface up
+        seen = np.where(p.role_all == DRY, np.int8(ABSENT), p.kind_all)
+        weakly.position_divergence(spread, p.x_all, self.mass / flow.density, seen, self.h, d.indptr, d.indices,
+                                   flow.axes)
         fluid = p.kind == FLUID
         found = np.where(spread[fluid] < OPEN * 0.5 * p.dim, SURFACE, INNER)
         p.role[fluid] = np.where(spread[fluid] == 0.0, BALLISTIC, found)

@@ -37,12 +37,13 @@ class Flow:
     top_speed : of fluid, on all ranks [m/s]; known in steps with a part that needs it
     stale : names of fields that have changed since the ghosts got them; the same on all ranks
     collisions : pairs of owned particles that have collided in this step
-    rows, solver, pressure_gradient : PressureRows, PressureSolver, and a function of f (n_all,), of a projection; else None
+    rows, solver, pressure_gradient : PressureRows, PressureSolver, and a function of f (n_all,), of a projection; else
+        None
     position_solve : SolveRecord of the position projection in this step, or None
     """
 
     def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, timers: Any,
-                 closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0):
+                 closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.timers = particles, domain, timers
         self.closed, self.budget = closed, budget or NoBudget()
@@ -87,7 +88,10 @@ class Flow:
         return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
 
     def density_ratio(self, seen: np.ndarray) -> None:
-        """Write the field alpha of owned fluid. seen : (n_all,) kind, ABSENT for what does not count. Not collective."""
+        """Write the field alpha of owned fluid. seen : (n_all,) kind, ABSENT for what does not count.
+
+        Not collective.
+        """
         p, d = self.particles, self.domain
-        surface.density_ratio(p.alpha, p.x_all, seen, p.corner_all, p.normal_all, lengths.DENSITY * self.spacing, self.full,
-                              d.indptr, d.indices, self.axes)
+        surface.density_ratio(p.alpha, p.x_all, seen, p.corner_all, p.normal_all, lengths.DENSITY * self.spacing,
+                              self.full, d.indptr, d.indices, self.axes)

@@ -1,11 +1,17 @@
 """The forces per unit mass, which add up to the acceleration of a step."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from parisph.base.fields import FLUID, WALL
+from parisph.case.numerics import Numerics
 from parisph.kernels import turbulence, viscous
 from parisph.methods import lengths, straining
 from parisph.methods.parts import FORCES, Force
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 
 class Body(Force):
@@ -13,20 +19,21 @@ class Body(Force):
 
     name = "body"
 
-    def add(self, out, flow, time) -> None:
+    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
         out += flow.body(flow.particles.x_all, time)
 
 
 class Viscous(Force):
-    """nu lap u by a quadratic fit, exact for quadratic velocities; at walls its normal part is that of the fluid before them."""
+    """nu lap u by a quadratic fit, exact for quadratic velocities; at walls its normal part is that of the fluid before
+    them."""
 
     name, source, reach, viscous, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, True, "viscous force"
     fields = ("no_slip", "wall_u", "nu", "viscous")
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return (*self.fields, *(straining.FIELDS if numerics.smagorinsky else ()))
 
-    def add(self, out, flow, time) -> None:
+    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
         wall = p.kind == WALL
         p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
@@ -39,13 +46,14 @@ class Viscous(Force):
         d.update("viscous")
         out += p.viscous_all
 
-    def laplacian(self, out, flow) -> None:
+    def laplacian(self, out: np.ndarray, flow: "Flow") -> None:
         """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2]."""
         p, d, s = flow.particles, flow.domain, flow.spacing
-        viscous.corrected(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
-                          lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
+        viscous.corrected(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all,
+                          p.no_slip_all, lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices,
+                          flow.axes)
 
-    def longest_step(self, flow) -> float:
+    def longest_step(self, flow: "Flow") -> float:
         p = flow.particles
         nu = flow.viscosity + (p.nu.max(initial=0.0) if flow.numerics.smagorinsky else 0.0)
         return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
@@ -66,7 +74,7 @@ class MorrisViscous(Viscous):
 
     name, source, words = "viscous_morris", "Morris et al. 1997, Eq 22", "viscous force of Morris"
 
-    def laplacian(self, out, flow) -> None:
+    def laplacian(self, out: np.ndarray, flow: "Flow") -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
         viscous.morris(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.no_slip_all,
                        lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)

@@ -4,15 +4,20 @@ A case names one of them in place of "shift" among its regularisers. None of the
 """
 
 from abc import abstractmethod
+from typing import TYPE_CHECKING
 
 import numpy as np
 from mpi4py import MPI
 
 from parisph.base.fields import FLUID
+from parisph.case.numerics import Numerics
 from parisph.kernels import shifting, shifts, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Regulariser
 from parisph.methods.positions import CAP
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 NEAR_SURFACE = 2.0      # spacings from a surface particle within which the shift of Lind et al. knows the surface
 
@@ -22,42 +27,43 @@ class Shift(Regulariser):
 
     cause, moves = "shift", True
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return (*self.fields, *(straining.FIELDS if numerics.shift_strain else ()))
 
-    def change(self, flow, dt) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> np.ndarray:
         move = np.empty_like(flow.particles.x)
         self.write(move, flow, dt)
         return move
 
-    def strength(self, flow) -> np.ndarray:
+    def strength(self, flow: "Flow") -> np.ndarray:
         """Return the weight of this step at owned particles (n_owned,)."""
         return straining.strength(flow, flow.numerics.shift, flow.numerics.shift_strain)
 
     @abstractmethod
-    def write(self, move, flow, dt) -> None:
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         """Write the displacement in a step of dt [s] of owned fluid to move (n_owned, dim) [m]. Not collective."""
 
 
 class TensileShift(Shift):
     """Shifts by C h^2 along -grad C with the term against pairs of particles; at the surface along it."""
 
-    name, source, words, fields = "shift_tensile", "Lind et al. 2012, Eqs 23 and 27", "shift with tensile term", ("grad_alpha",)
+    name, source, words = "shift_tensile", "Lind et al. 2012, Eqs 23 and 27", "shift with tensile term"
+    fields = ("grad_alpha",)
 
-    def prepare(self, flow, dt) -> None:
+    def prepare(self, flow: "Flow", dt: float) -> None:
         tensile_gradient(flow)
 
-    def write(self, move, flow, dt) -> None:
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         h = lengths.DENSITY * flow.spacing
         shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, self.strength(flow) * h * h,
                             CAP * flow.spacing, NEAR_SURFACE * flow.spacing, d.indptr, d.indices, flow.axes)
 
 
-def tensile_gradient(flow) -> None:
+def tensile_gradient(flow: "Flow") -> None:
     """Write the field grad_alpha, with the term against pairs of particles, and name it in flow.stale. Not collective."""
     p, d = flow.particles, flow.domain
     shifts.tensile_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all,
@@ -66,16 +72,19 @@ def tensile_gradient(flow) -> None:
 
 
 class XuShift(Shift):
-    """Shifts by C v dt from near neighbours, with the largest speed v of the fluid. For fluid without a free surface."""
+    """Shifts by C v dt from near neighbours, with the largest speed v of the fluid.
+
+    For fluid without a free surface.
+    """
 
     name, source, words, reach = "shift_xu", "Xu et al. 2009, Eqs 25 and 26", "shift of Xu et al.", lengths.MLS
 
-    def prepare(self, flow, dt) -> None:
+    def prepare(self, flow: "Flow", dt: float) -> None:
         p = flow.particles
         top = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0)
         flow.top_speed = p.comm.allreduce(float(top), op=MPI.MAX)
 
-    def write(self, move, flow, dt) -> None:
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         shifts.xu_shift(move, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all, lengths.MLS * flow.spacing,
                         self.strength(flow) * flow.top_speed * dt, CAP * flow.spacing, d.indptr, d.indices, flow.axes)
@@ -87,28 +96,30 @@ class LindShift(Shift):
     name, source, words = "shift_lind", "Lind et al. 2012, Eqs 23 to 27, beta = 0", "shift of Lind et al."
     fields = ("grad_alpha",)
 
-    def prepare(self, flow, dt) -> None:
+    def prepare(self, flow: "Flow", dt: float) -> None:
         tensile_gradient(flow)
 
-    def write(self, move, flow, dt) -> None:
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         h = lengths.DENSITY * flow.spacing
         normal, close = np.empty_like(p.x), np.empty(p.n_owned, bool)
-        shifts.surface_normals(normal, close, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, NEAR_SURFACE * flow.spacing,
-                               d.indptr, d.indices, flow.axes)
+        shifts.surface_normals(normal, close, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all,
+                               NEAR_SURFACE * flow.spacing, d.indptr, d.indices, flow.axes)
         shifts.surface_shift(move, p.grad_alpha, normal, close, p.role, self.strength(flow) * h * h, 0.0, 0.0,
                              CAP * flow.spacing, flow.axes)
 
 
 class PressureShift(Shift):
-    """Shifts by dt^2/(2 rho) times the excess of the gradient of pressure relative to the least one around each particle."""
+    """Shifts by dt^2/(2 rho) times the excess of the gradient of pressure relative to the least one around each
+    particle."""
 
-    name, source, words, reach = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure", lengths.MLS
+    name, source, words = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure"
+    reach = lengths.MLS
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return self.fields
 
-    def write(self, move, flow, dt) -> None:
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         shifts.pressure_shift(move, p.p_all, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all,
                               lengths.MLS * flow.spacing, 0.5 * dt * dt / flow.density, CAP * flow.spacing,

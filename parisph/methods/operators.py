@@ -1,6 +1,9 @@
 """The operators of the pressure equation: Laplacians, divergences, wall rows and gradients."""
 
 from abc import abstractmethod
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from parisph.kernels import fatehi, gfd, gradient, laplacian, quadratic_circle, rankine, row, schwaiger, walls
 from parisph.kernels import flux as fluxes
@@ -17,6 +20,10 @@ from parisph.methods.parts import (
     Laplacian,
     WallRows,
 )
+from parisph.pressure.rows import Cloud, Flux, Rows
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 
 class Rankine(Laplacian):
@@ -26,11 +33,11 @@ class Rankine(Laplacian):
     gives = "flux"
     normalised = True
 
-    def fill(self, rows, cloud, flux, u) -> None:
+    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
         s = cloud.spacing
-        rankine.rankine_rows(rows.count, rows.columns, rows.values, rows.measure, flux.flux, flux.div, u, cloud.x, cloud.role,
-                             rankine.directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s, self.normalised,
-                             cloud.indptr, cloud.indices, cloud.axes)
+        rankine.rankine_rows(rows.count, rows.columns, rows.values, rows.measure, flux.flux, flux.div, u, cloud.x,
+                             cloud.role, rankine.directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s,
+                             self.normalised, cloud.indptr, cloud.indices, cloud.axes)
 
 
 class RankinePrinted(Rankine):
@@ -42,12 +49,12 @@ class RankinePrinted(Rankine):
 class Sparse(Laplacian):
     """Rows that are given up where neighbours do not suffice: they become the mean of their neighbours."""
 
-    def fill(self, rows, cloud, flux, u) -> None:
+    def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
         self.laplacian(rows, cloud)
         row.mean_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.role, cloud.indptr, cloud.indices)
 
     @abstractmethod
-    def laplacian(self, rows, cloud) -> None:
+    def laplacian(self, rows: Rows, cloud: Cloud) -> None:
         """Fill the rows of inner particles that have neighbours enough."""
 
 
@@ -57,9 +64,10 @@ class Sph(Sparse):
     name, source, reach = "sph", "Z14 Eq 20a", 2.0 * lengths.SPH
     linear = False
 
-    def laplacian(self, rows, cloud) -> None:
-        laplacian.isph_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * cloud.spacing,
-                            cloud.spacing ** len(cloud.axes), cloud.indptr, cloud.indices, cloud.axes)
+    def laplacian(self, rows: Rows, cloud: Cloud) -> None:
+        laplacian.isph_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
+                            lengths.SPH * cloud.spacing, cloud.spacing ** len(cloud.axes), cloud.indptr, cloud.indices,
+                            cloud.axes)
 
 
 class Cisph1(Sparse):
@@ -68,7 +76,7 @@ class Cisph1(Sparse):
     name, source, reach = "cisph1", "Z14 Eqs 20b and 20c, sign corrected", 2.0 * lengths.SPH
     linear = False
 
-    def laplacian(self, rows, cloud) -> None:
+    def laplacian(self, rows: Rows, cloud: Cloud) -> None:
         s = cloud.spacing
         schwaiger.cisph1_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * s,
                               s ** len(cloud.axes), cloud.indptr, cloud.indices, cloud.axes)
@@ -79,7 +87,7 @@ class Cisph2(Sparse):
 
     name, source, reach = "cisph2", "Z14 Eqs 20b and 20d, sign corrected", 2.0 * lengths.SPH
 
-    def laplacian(self, rows, cloud) -> None:
+    def laplacian(self, rows: Rows, cloud: Cloud) -> None:
         schwaiger.cisph2_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
                               lengths.SPH * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
@@ -89,9 +97,9 @@ class Gfd(Sparse):
 
     name, source, reach = "gfd", "generalised finite differences", lengths.QUADRATIC
 
-    def laplacian(self, rows, cloud) -> None:
-        gfd.gfd_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.QUADRATIC * cloud.spacing,
-                     cloud.indptr, cloud.indices, cloud.axes)
+    def laplacian(self, rows: Rows, cloud: Cloud) -> None:
+        gfd.gfd_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
+                     lengths.QUADRATIC * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
 
 class QuadraticRankine(Sparse):
@@ -99,11 +107,12 @@ class QuadraticRankine(Sparse):
 
     name, source, reach = "rankine_quadratic", "Z14 Eqs 21-23", lengths.QUADRATIC_CIRCLE + lengths.QUADRATIC
 
-    def laplacian(self, rows, cloud) -> None:
+    def laplacian(self, rows: Rows, cloud: Cloud) -> None:
         s = cloud.spacing
         quadratic_circle.quadratic_rankine_rows(
-            rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, rankine.directions(len(cloud.axes)),
-            lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s, cloud.indptr, cloud.indices, cloud.axes)
+            rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
+            rankine.directions(len(cloud.axes)), lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s, cloud.indptr,
+            cloud.indices, cloud.axes)
 
 
 class Fatehi(Sparse):
@@ -111,9 +120,9 @@ class Fatehi(Sparse):
 
     name, source, reach = "fatehi", "Fatehi and Manzari 2011", 2.0 * lengths.SPH
 
-    def laplacian(self, rows, cloud) -> None:
-        fatehi.fatehi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, lengths.SPH * cloud.spacing,
-                           cloud.indptr, cloud.indices, cloud.axes)
+    def laplacian(self, rows: Rows, cloud: Cloud) -> None:
+        fatehi.fatehi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
+                           lengths.SPH * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
 
 class FluxDivergence(Divergence):
@@ -121,7 +130,7 @@ class FluxDivergence(Divergence):
 
     name, source, reach = "flux", "Z14 Eq 23, right-hand side", lengths.MLS
 
-    def fill(self, flux, cloud, u) -> None:
+    def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
         s = cloud.spacing
         fluxes.flux_rows(flux.count, flux.columns, flux.flux, flux.div, u, cloud.x, cloud.role,
                          rankine.directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s,
@@ -133,7 +142,7 @@ class SfdiWalls(WallRows):
 
     name, source, reach = "sfdi", "Z14 Eq 26b, with Eq A6 corrected", lengths.WALL
 
-    def fill(self, rows, cloud) -> None:
+    def fill(self, rows: Rows, cloud: Cloud) -> None:
         walls.sfdi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, cloud.normal,
                         lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
@@ -143,7 +152,7 @@ class HarmonicWalls(SfdiWalls):
 
     name, source = "harmonic", ""
 
-    def fill(self, rows, cloud) -> None:
+    def fill(self, rows: Rows, cloud: Cloud) -> None:
         super().fill(rows, cloud)
         walls.harmonic_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, cloud.normal,
                             lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
@@ -157,13 +166,14 @@ class LeastSquares(Gradient):
 
     power, floor = 0, 0.05
 
-    def form(self, spacing) -> tuple[float, int, float]:
+    def form(self, spacing: float) -> tuple[float, int, float]:
         """Return radius [m], power and floor, as the kernels take them."""
         return self.reach * spacing, self.power, self.floor
 
-    def write(self, out, f, flow) -> None:
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         p, d = flow.particles, flow.domain
-        gradient.least_squares_gradient(out, f, p.x_all, p.role_all, *self.form(flow.spacing), d.indptr, d.indices, flow.axes)
+        gradient.least_squares_gradient(out, f, p.x_all, p.role_all, *self.form(flow.spacing), d.indptr, d.indices,
+                                        flow.axes)
 
 
 class Mixed(LeastSquares):
@@ -196,9 +206,10 @@ class Nodal(Divergence):
 
     name, source, reach = "nodal", "Z17 Eqs 29-32", lengths.MLS
 
-    def fill(self, flux, cloud, u) -> None:
+    def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
         fluxes.least_squares_flux(flux.count, flux.columns, flux.flux, flux.div, u, cloud.x, cloud.role,
-                                  lengths.MLS * cloud.spacing, Sfdi.power, Sfdi.floor, cloud.indptr, cloud.indices, cloud.axes)
+                                  lengths.MLS * cloud.spacing, Sfdi.power, Sfdi.floor, cloud.indptr, cloud.indices,
+                                  cloud.axes)
 
 
 class Symmetric(LeastSquares):
@@ -206,12 +217,13 @@ class Symmetric(LeastSquares):
 
     name, source, reach = "symmetric", "Z17 Eq 25", 2.0 * lengths.SPH
 
-    def form(self, spacing) -> tuple[float, int, float]:
+    def form(self, spacing: float) -> tuple[float, int, float]:
         return self.reach * spacing, 0, self.floor
 
-    def write(self, out, f, flow) -> None:
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
-        gradient.symmetric_gradient(out, f, p.x_all, p.role_all, lengths.SPH * s, s**p.dim, d.indptr, d.indices, flow.axes)
+        gradient.symmetric_gradient(out, f, p.x_all, p.role_all, lengths.SPH * s, s**p.dim, d.indptr, d.indices,
+                                    flow.axes)
 
 
 class Same(Gradient):
@@ -219,7 +231,7 @@ class Same(Gradient):
 
     name = "same"
 
-    def write(self, out, f, flow) -> None:
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         pass
 
 
@@ -228,9 +240,10 @@ class HarmonicSurface(Gradient):
 
     name, reach = "harmonic", lengths.WALL
 
-    def write(self, out, f, flow) -> None:
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         p, d = flow.particles, flow.domain
-        gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+        gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, d.indptr, d.indices,
+                                   flow.axes)
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):

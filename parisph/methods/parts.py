@@ -6,13 +6,16 @@ neighbour lists reach, which dimensions it can have, its longest time step, and 
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 
 import numpy as np
 
 from parisph.base import vocabulary
 from parisph.case.numerics import Numerics
 from parisph.pressure.rows import Cloud, Flux, Rows
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 
 class Part(ABC):
@@ -48,8 +51,11 @@ class Part(ABC):
         """Whether `longest_step` can be less than infinite."""
         return type(self).longest_step is not Part.longest_step
 
-    def longest_step(self, flow: Any) -> float:
-        """Return the longest time step [s] that it allows on this rank, infinite if it does not limit it. Not collective."""
+    def longest_step(self, flow: "Flow") -> float:
+        """Return the longest time step [s] that it allows on this rank, infinite if it does not limit it.
+
+        Not collective.
+        """
         return np.inf
 
 
@@ -91,7 +97,7 @@ class Gradient(Part):
     """The gradient of pressure at fluid particles."""
 
     @abstractmethod
-    def write(self, out: np.ndarray, f: np.ndarray, flow: Any) -> None:
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         """Write the gradient of f (n_all,) at owned fluid particles to out (n_owned, dim). Not collective.
 
         A particle with too few neighbours gets a zero gradient, and the role BALLISTIC.
@@ -109,7 +115,7 @@ class Surface(Part):
     keeps: ClassVar[bool] = False
 
     @abstractmethod
-    def find(self, flow: Any, seen: np.ndarray) -> None:
+    def find(self, flow: "Flow", seen: np.ndarray) -> None:
         """Write the roles of owned fluid particles. Not collective.
 
         seen : (n_all,) kind, ABSENT for walls that do not count
@@ -124,7 +130,7 @@ class Source(Part):
         return ""
 
     @abstractmethod
-    def target(self, flow: Any, dt: float) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> np.ndarray:
         """Return what lap p shall be at owned particles (n_owned,) [Pa/m^2], before a step of dt [s]. Collective."""
 
 
@@ -139,7 +145,7 @@ class Force(Part):
     words: ClassVar[str] = ""
 
     @abstractmethod
-    def add(self, out: np.ndarray, flow: Any, time: float) -> None:
+    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
         """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""
 
 
@@ -160,11 +166,11 @@ class Regulariser(Part):
     cause: ClassVar[str]
     words: ClassVar[str]
 
-    def prepare(self, flow: Any, dt: float) -> None:
+    def prepare(self, flow: "Flow", dt: float) -> None:
         """Write the fields that `change` needs of neighbours, and put their names into flow.stale. Collective."""
 
     @abstractmethod
-    def change(self, flow: Any, dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> np.ndarray:
         """Return the change of velocity [m/s], or of position [m], of owned particles (n_owned, dim). Not collective.
 
         dt : of the step [s]
@@ -174,12 +180,12 @@ class Regulariser(Part):
 class Limiter(Regulariser):
     """A regulariser that acts on what those before it have left."""
 
-    def change(self, flow: Any, dt: float) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> np.ndarray:
         """Return no change, because it is not known before the others have acted."""
         return np.zeros_like(flow.particles.x)
 
     @abstractmethod
-    def apply(self, flow: Any, dt: float) -> None:
+    def apply(self, flow: "Flow", dt: float) -> None:
         """Change the velocities or positions of owned fluid in a step of dt [s]. Collective."""
 
 
@@ -194,7 +200,7 @@ class Registry(Mapping[str, P], Generic[P]):
     what : kind of part, a key of base.vocabulary.WORDS
     """
 
-    def __init__(self, what: str):
+    def __init__(self, what: str) -> None:
         self.what, self._parts = what, {}
 
     def register(self, part: P) -> P:

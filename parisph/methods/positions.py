@@ -1,20 +1,28 @@
 """The regularisers of positions: position projection, close pairs, and Fick shift."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from parisph.base.fields import FLUID
+from parisph.case.numerics import Numerics
 from parisph.kernels import collisions, halves, pairs, shifting, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, SURFACES, Limiter, Regulariser
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 SLACK = 1e3  # tolerance of the position solve over that of the pressure: one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
 
 # Close pairs; lengths in spacings.
 TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
-TURNS = 2.5     # times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
+# times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
+TURNS = 2.5
 PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the fraction of what is missing
-APART, SWEEPS, SWEEP = 0.45, 8, 0.15    # distance that all pairs are brought to, sweeps at most, and longest move in one
+# distance that all pairs are brought to, sweeps at most, and longest move in one
+APART, SWEEPS, SWEEP = 0.45, 8, 0.15
 
 
 class PositionProjection(Regulariser):
@@ -24,21 +32,22 @@ class PositionProjection(Regulariser):
     far less than a spacing.
     """
 
-    name, cause, words, moves, fields = "projection", "projection", "position projection", True, (*straining.FIELDS, "alpha", "phi")
+    name, cause, words, moves = "projection", "projection", "position projection", True
+    fields = (*straining.FIELDS, "alpha", "phi")
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.kappa > 0.0
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return (*self.fields, *_share_of(numerics))
 
-    def prepare(self, flow, dt) -> None:
+    def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
         e = straining.strength(flow, n.kappa, n.kappa_strain) * density_error(flow)
         p.phi[:], flow.position_solve = flow.solver.solve_again(flow.rows.right_hand_side(-e), p.phi, slack=SLACK)
         flow.stale.add("phi")
 
-    def change(self, flow, dt) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p = flow.particles
         move = -flow.pressure_gradient(p.phi_all)
         shifting.limit_lengths(move, p.n_owned, CAP * flow.spacing, flow.axes)
@@ -50,15 +59,15 @@ class Parting(Regulariser):
 
     name, cause, words, moves, strain, fields = "parting", "parting", "parting of close pairs", True, False, ("pairs",)
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0
 
-    def prepare(self, flow, dt) -> None:
+    def prepare(self, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, PART_WITHIN * flow.spacing, d.indptr, d.indices, flow.axes)
         flow.stale.add("pairs")
 
-    def change(self, flow, dt) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p, d = flow.particles, flow.domain
         move = np.empty_like(p.x)
         pairs.part_pairs(move, p.pairs_all, p.x_all, p.kind_all, p.role_all, p.id_all, PART_WITHIN * flow.spacing, PART,
@@ -72,14 +81,14 @@ class FickShift(Regulariser):
     name, source, cause, words, moves = "shift", "Lind et al. 2012", "shift", "Fick shift", True
     fields = ("grad_alpha", "turn")
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         strain = (*straining.FIELDS, *_share_of(numerics)) if numerics.shift_strain else ()
         return (*self.fields, *strain)
 
-    def prepare(self, flow, dt) -> None:
+    def prepare(self, flow: "Flow", dt: float) -> None:
         p, d, n = flow.particles, flow.domain, flow.numerics
         h = lengths.DENSITY * flow.spacing
         shifting.concentration_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, h, flow.full,
@@ -90,7 +99,7 @@ class FickShift(Regulariser):
         p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
         flow.stale.update(self.fields)
 
-    def change(self, flow, dt) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p, d, n = flow.particles, flow.domain, flow.numerics
         h = lengths.DENSITY * flow.spacing
         move = np.empty_like(p.x)
@@ -111,16 +120,16 @@ class KeepApart(Limiter):
 
     name, cause, words, moves, strain = "keep_apart", "parting", "least distance", True, False
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0
 
-    def apply(self, flow, dt) -> None:
+    def apply(self, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         move, near = np.empty_like(p.x), np.ones(p.n_owned, bool)
         for _ in range(SWEEPS):
             flow.fresh("x")
-            crowded = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing, SWEEP * flow.spacing,
-                                       d.indptr, d.indices, flow.axes)
+            crowded = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing,
+                                       SWEEP * flow.spacing, d.indptr, d.indices, flow.axes)
             if not p.comm.allreduce(crowded):
                 break
             displace(flow, move)
@@ -131,7 +140,7 @@ def _share_of(numerics):
     return ("share",) if SURFACES[numerics.surface_rule].open else ()
 
 
-def surplus(flow) -> tuple[np.ndarray, np.ndarray]:
+def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
     """Return what half cells at walls for which no fluid stands add to alpha (n_owned,), and to its gradient (n_owned, dim)."""
     p, d = flow.particles, flow.domain
     ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
@@ -141,7 +150,7 @@ def surplus(flow) -> tuple[np.ndarray, np.ndarray]:
     return ratio, gradient
 
 
-def less_pushed(push, less, rapid) -> np.ndarray:
+def less_pushed(push: np.ndarray, less: np.ndarray, rapid: np.ndarray) -> np.ndarray:
     """Return a push with the part of it that is due to a surplus left out in rapid flow, but without a pull: (n,).
 
     push : (n,), with the surplus; less : (n,), without it; rapid : (n,), 0 to 1
@@ -149,7 +158,7 @@ def less_pushed(push, less, rapid) -> np.ndarray:
     return push + rapid * (np.minimum(push, np.maximum(less, 0.0)) - push)
 
 
-def push_off_less(flow, surplus) -> None:
+def push_off_less(flow: "Flow", surplus: np.ndarray) -> None:
     """Leave out of grad alpha what pushes fluid off a wall by half cells for which no fluid stands, in rapid flow.
 
     surplus : (n_owned, dim), the part of grad alpha by those
@@ -162,7 +171,7 @@ def push_off_less(flow, surplus) -> None:
     p.grad_alpha[some] += (less_pushed(push, push - size[some], flow.rapid[some]) - push)[:, None] * towards
 
 
-def density_error(flow) -> np.ndarray:
+def density_error(flow: "Flow") -> np.ndarray:
     """Return the density error that the position projection removes: (n_owned,). Also writes alpha.
 
     A wall for which no fluid stands does not lift rapid fluid off, nor attract it: e = min(e, max(e', 0)) with the
@@ -174,7 +183,7 @@ def density_error(flow) -> np.ndarray:
     return less_pushed(e, compression(flow, p.alpha - more, flow.doubt), flow.rapid) if more.any() else e
 
 
-def compression(flow, alpha, doubt) -> np.ndarray:
+def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray) -> np.ndarray:
     """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
 
     alpha, doubt : (n_owned,)
@@ -186,7 +195,7 @@ def compression(flow, alpha, doubt) -> np.ndarray:
     return e
 
 
-def displace(flow, move) -> None:
+def displace(flow: "Flow", move: np.ndarray) -> None:
     """Displace the owned fluid by move (n_owned, dim) [m], but not into a wall. Not collective."""
     p, d, n = flow.particles, flow.domain, flow.numerics
     if n.wall_guard > 0.0:

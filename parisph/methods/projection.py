@@ -36,7 +36,8 @@ class Stepping:
 
 
 # midpoint: r^n + dt/2 u^n is neutral for waves
-STEPPINGS = {"midpoint": Stepping(0.5), "start": Stepping(0.0), "predicted": Stepping(1.0), "symplectic": Stepping(0.0, new=True)}
+STEPPINGS = {"midpoint": Stepping(0.5), "start": Stepping(0.0), "predicted": Stepping(1.0),
+             "symplectic": Stepping(0.0, new=True)}
 
 
 class Projection:
@@ -51,11 +52,12 @@ class Projection:
     The driver uses `start`, `step`, `columns`, `state` and `destroy`, as of any method.
     """
 
-    def __init__(self, flow: Flow, parts: Parts, petsc_options: list[str] | None = None):
+    def __init__(self, flow: Flow, parts: Parts, petsc_options: list[str] | None = None) -> None:
         self.flow, self.parts, n = flow, parts, flow.numerics
         self.stepping = STEPPINGS[n.stepping]
         self.knows_pressure = False     # whether particles have the pressure of an earlier step, or of the start
-        self.rows = PressureRows(flow.particles.dim, parts.laplacian, parts.divergence, parts.wall_rows, n.surface_offset, lengths.MLS)
+        self.rows = PressureRows(flow.particles.dim, parts.laplacian, parts.divergence, parts.wall_rows,
+                                 n.surface_offset, lengths.MLS)
         self.solver = PressureSolver(flow.particles.comm, petsc_options, n.rtol, closed=flow.closed)
         flow.rows, flow.solver, flow.pressure_gradient = self.rows, self.solver, self.pressure_gradient
 
@@ -103,7 +105,9 @@ class Projection:
             return self._report(dt, solve, isolated)
 
     def start(self, time: float) -> int:
-        """Solve for the pressure at the current positions, at `time` [s]; return the number of isolated particles. Collective.
+        """Solve for the pressure at the current positions, at `time` [s]; return the number of isolated particles.
+
+        Collective.
 
         This gives the pressure at the start of a run, before any step. An incompressible flow has lap p =
         rho (div g - tr((grad u)^2)) at every instant, the divergence of Euler's equation. In a step, half
@@ -168,7 +172,7 @@ class Projection:
         self.flow.top_acceleration = state.get("acceleration", 0.0)
         self.knows_pressure = True
 
-    def about(self) -> object:
+    def about(self) -> dict[str, str | None]:
         """Return the options of PETSc in use."""
         return self.solver.options
 
@@ -216,8 +220,8 @@ class Projection:
         p, force = self.flow.particles, self.flow.force
         if not self.parts.laplacian.linear:
             rows, cloud = self.rows.rows, self.rows.cloud
-            balance.add_linear_part(target, force, self.flow.density, rows.count, rows.columns, rows.values, rows.measure,
-                                    p.x_all, p.role_all, cloud.indptr, cloud.axes)
+            balance.add_linear_part(target, force, self.flow.density, rows.count, rows.columns, rows.values,
+                                    rows.measure, p.x_all, p.role_all, cloud.indptr, cloud.axes)
         walls = p.role == WET
         target[walls] = self.flow.density * np.einsum("ia,ia->i", p.normal[walls], force[:p.n_owned][walls])
         right = self.rows.right_hand_side(target)
@@ -240,7 +244,8 @@ class Projection:
         for _ in range(BODIES):
             if left <= FEW:
                 break
-            top = groups.highest(p.comm, alone & (p.kind == FLUID), p.x, flow.force[:p.n_owned], p.id, ROUNDING * flow.spacing)
+            top = groups.highest(p.comm, alone & (p.kind == FLUID), p.x, flow.force[:p.n_owned], p.id,
+                                 ROUNDING * flow.spacing)
             p.role[top] = SURFACE
             self.rows.pin(top)
             d.update("role")
@@ -252,7 +257,10 @@ class Projection:
         return matrix, count
 
     def _anchored(self):
-        """Compress the rows to CSR; return it, its rows without a link to p = 0, and their number on all ranks. Collective."""
+        """Compress the rows to CSR; return it, its rows without a link to p = 0, and their number on all ranks.
+
+        Collective.
+        """
         p = self.flow.particles
         *matrix, anchored = self.rows.csr(p.role_all, self.flow.domain.global_rows)
         return matrix, *groups.isolated_rows(p.comm, p.offset, matrix[0], matrix[1], anchored)
@@ -284,16 +292,22 @@ class Projection:
         regularising.change(flow, regularisers, dt)
 
     def _mean_time(self, dt, usual):
-        """Return the time [s] over which the pressure of a step of dt is averaged; 0 for its own pressure. Collective."""
+        """Return the time [s] over which the pressure of a step of dt is averaged; 0 for its own pressure.
+
+        Collective.
+        """
         flow = self.flow
         p, n = flow.particles, flow.numerics
         shortened = usual if usual is not None and dt < 0.5 * usual else 0.0
         if not n.pressure_mean:
             return shortened
-        return max(shortened, n.pressure_mean * resolved_time(p.comm, p, flow.spacing, flow.force[:p.n_owned][p.kind == FLUID]))
+        return max(shortened, n.pressure_mean * resolved_time(p.comm, p, flow.spacing,
+                                                              flow.force[:p.n_owned][p.kind == FLUID]))
 
     def _average_pressure(self, earlier, share):
-        """Leave a mean over time as the pressure after a short step, of which this step has the given share. Collective.
+        """Leave a mean over time as the pressure after a short step, of which this step has the given share.
+
+        Collective.
 
         The pulse of a particle that comes to a wall or to the surface acts in one step of any length. The velocity
         needs its whole impulse, but as a pressure it would grow without bound as dt -> 0.
@@ -328,10 +342,12 @@ class Projection:
         div = np.empty(p.n_owned)
         self.rows.divergence(div, p.u_all, p.role_all)
         inner = p.role == INNER
-        mine = [div[inner] @ div[inner], inner.sum(), np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC))), flow.collisions]
+        mine = [div[inner] @ div[inner], inner.sum(), np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC))),
+                flow.collisions]
         squares, count, surface, collisions = p.comm.allreduce(np.array(mine, float))
-        again = {} if second is None else {"position_iterations": second.iterations, "position_residual": second.residual,
-                                           "position_fallback": second.fallback}
-        return ProjectionReport(dt, int(surface), 0, flow.budget.works(p.comm), solve.iterations, solve.residual, solve.reason,
+        again = {} if second is None else {"position_iterations": second.iterations,
+                                           "position_residual": second.residual, "position_fallback": second.fallback}
+        return ProjectionReport(dt, int(surface), 0, flow.budget.works(p.comm), solve.iterations,
+                                solve.residual, solve.reason,
                                 solve.fallback, solve.rebuilt, solve.setup_seconds, solve.solve_seconds,
                                 float(np.sqrt(squares / max(count, 1.0))) * dt, isolated, int(collisions), **again)

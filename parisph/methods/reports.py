@@ -69,8 +69,9 @@ class ProjectionReport(StepReport):
     @classmethod
     def columns(cls) -> dict[str, str]:
         """Return {column: unit} of its line, but the energies, in the order that older runs have."""
-        names = ("dt", "iterations", "residual", "reason", "fallback", "rebuilt", "setup_seconds", "solve_seconds", "divergence",
-                 "surface", "isolated", "collisions", "position_iterations", "position_residual", "position_fallback", "left")
+        names = ("dt", "iterations", "residual", "reason", "fallback", "rebuilt", "setup_seconds", "solve_seconds",
+                 "divergence", "surface", "isolated", "collisions", "position_iterations", "position_residual",
+                 "position_fallback", "left")
         return {name: UNITS.get(name, "") for name in names}
 
     def words(self) -> str:

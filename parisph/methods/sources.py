@@ -1,9 +1,15 @@
 """The sources of the pressure equation."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from parisph.case.numerics import Numerics
 from parisph.methods.parts import SOURCES, Source
 from parisph.methods.positions import compression
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source answers
 
@@ -11,18 +17,19 @@ STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source
 class Mixed(Source):
     """Velocity divergence and density error, weighed by zeta and gamma: Eq 17 for gamma 0, Eq 18 for zeta 0.
 
-    To it belong, each with a weight of its own, the strain source, and that a residual divergence is removed per strain.
+    To it belong, each with a weight of its own, the strain source, and that a residual divergence is removed per
+    strain.
     """
 
     name, source = "mixed", "Z14 Eqs 17-19"
 
-    def words(self, numerics) -> str:
+    def words(self, numerics: Numerics) -> str:
         return "strain source" if numerics.strain else ""
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return ("alpha",) if numerics.gamma > 0.0 else ()
 
-    def target(self, flow, dt) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> np.ndarray:
         n, density = flow.numerics, flow.density
         zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
         strain = strain_source(flow, dt) if n.strain > 0.0 or n.residual_strain > 0.0 else 0.0
@@ -31,7 +38,8 @@ class Mixed(Source):
             divergence = divergence - put_off(flow, dt, strain)
         target = density / dt * zeta * divergence
         if n.gamma > 0.0:
-            target -= n.gamma * density / dt**2 * compression(flow, flow.particles.alpha, np.zeros(flow.particles.n_owned))
+            target -= n.gamma * density / dt**2 * compression(flow, flow.particles.alpha,
+                                                              np.zeros(flow.particles.n_owned))
         target -= n.strain * density * strain
         return target
 
@@ -41,7 +49,7 @@ class VelocityDivergence(Source):
 
     name, source = "divergence", "Z14 Eq 17"
 
-    def target(self, flow, dt) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> np.ndarray:
         return flow.density / dt * flow.rows.div
 
 
@@ -50,27 +58,27 @@ class DensityInvariance(Source):
 
     name, source, fields = "density", "Z14 Eq 18", ("alpha",)
 
-    def target(self, flow, dt) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> np.ndarray:
         return -flow.density / dt**2 * compression(flow, flow.particles.alpha, np.zeros(flow.particles.n_owned))
 
 
 class ErrorCompensating(Source):
     """The divergence of the predicted velocity, and two terms that compensate the errors of the step before.
 
-    With e = alpha - 1 and d = div u^n, target = rho/dt (div u* + |e| d - |d| e): where both errors have a sign, each weighs
-    the other.
+    With e = alpha - 1 and d = div u^n, target = rho/dt (div u* + |e| d - |d| e): where both errors have a sign, each
+    weighs the other.
     """
 
     name, source, fields = "compensating", "Khayyer and Gotoh 2011", ("alpha",)
 
-    def target(self, flow, dt) -> np.ndarray:
+    def target(self, flow: "Flow", dt: float) -> np.ndarray:
         p = flow.particles
         e, before = compression(flow, p.alpha, np.zeros(p.n_owned)), np.empty(p.n_owned)
         flow.rows.divergence(before, p.u_all, p.role_all)
         return flow.density / dt * (flow.rows.div + np.abs(e) * before - np.abs(before) * e)
 
 
-def strain_source(flow, dt) -> np.ndarray:
+def strain_source(flow: "Flow", dt: float) -> np.ndarray:
     """Return tr((grad u)^2)/2 (n_owned,) [1/s^2], the effect of a step in straight lines on volume. Not collective.
 
     Particles move from one set of operators to the next by dt u, which changes a volume by the factor
@@ -84,7 +92,7 @@ def strain_source(flow, dt) -> np.ndarray:
     return np.clip(0.5 * out, -STRAIN_LIMIT / dt**2, STRAIN_LIMIT / dt**2)
 
 
-def put_off(flow, dt, strain) -> np.ndarray:
+def put_off(flow: "Flow", dt: float, strain: np.ndarray) -> np.ndarray:
     """Return the part of the divergence that is left to later steps (n_owned,) [1/s]. Not collective.
 
     Rows and gradients do not match exactly: a pressure solve leaves a part of the divergence, near the surface

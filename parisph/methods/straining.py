@@ -1,9 +1,14 @@
 """The strain of a step, to which regularisation is in proportion."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from parisph.kernels import strain
 from parisph.methods import lengths
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
 DOUBT = 0.02  # density error near the surface that is no more than disorder in calm fluid
@@ -13,7 +18,7 @@ REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as 
 FIELDS = ("grad_u", "strain_rate")
 
 
-def begin(flow) -> None:
+def begin(flow: "Flow") -> None:
     """Write the fields grad_u and strain_rate, and name them in flow.stale. Collective."""
     p, d = flow.particles, flow.domain
     flow.fresh("role", "u")
@@ -22,7 +27,7 @@ def begin(flow) -> None:
     flow.stale.update(FIELDS)
 
 
-def finish(flow, dt) -> None:
+def finish(flow: "Flow", dt: float) -> None:
     """Write flow.strained, dt sqrt(2 S:S) as the mean around each particle, flow.rapid and flow.doubt. Collective.
 
     Regularisation is in proportion to strain: fluid at rest or in rigid motion is left alone, and the effect over
@@ -41,7 +46,7 @@ def finish(flow, dt) -> None:
     flow.strained = dt * out * out / np.maximum(out + small, np.finfo(float).tiny)
 
 
-def rapid(rate, square) -> np.ndarray:
+def rapid(rate: np.ndarray, square: np.ndarray) -> np.ndarray:
     """Return how rapid a strain is, D^2/(D^2 + RAPID^2 a/s), from 0 in calm fluid to 1: (n,).
 
     Rapid strain packs particles faster than disorder does, and all of that is compression: the density error near
@@ -53,8 +58,8 @@ def rapid(rate, square) -> np.ndarray:
     return 1.0 - calm / np.maximum(calm + rate**2, np.finfo(float).tiny)
 
 
-def strength(flow, most, per_strain) -> np.ndarray:
-    """Return a strength in proportion to the strain of the step, at most `most`; `most` itself if per_strain is 0: (n,)."""
+def strength(flow: "Flow", most: float, per_strain: float) -> np.ndarray:
+    """Return a strength (n,) in proportion to the strain of the step, at most `most`; `most` if per_strain is 0."""
     if per_strain:
         return np.minimum(most, per_strain * flow.strained)
     return np.full(flow.particles.n_owned, most)

@@ -1,5 +1,7 @@
 """The rules that find the free surface, and the walls that are wet."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, FLUID, INNER, WET
@@ -7,10 +9,13 @@ from parisph.kernels import gradient, halves, surface, wetness
 from parisph.methods import lengths
 from parisph.methods.parts import GRADIENTS, SURFACES, Surface
 
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
+
 REGAIN = 1.5    # times the floor of the gradient: when free flight of a kept surface ends
 
 
-def classify(flow, rule, dt) -> None:
+def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     """Find the free surface and the wet walls, and write the field role. Collective.
 
     Where a part needs it, also the field share, of the half cells at walls for which fluid stands: fluid that fills a
@@ -42,7 +47,7 @@ class Closed(Surface):
 
     name, open = "none", False
 
-    def find(self, flow, seen) -> None:
+    def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p = flow.particles
         p.role[:] = np.where(p.kind == FLUID, INNER, WET)
 
@@ -52,11 +57,12 @@ class Frozen(Surface):
 
     name, keeps, fields = "frozen", True, ("closing", "start_role")
 
-    def find(self, flow, seen) -> None:
+    def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p, d = flow.particles, flow.domain
         radius, power, floor = GRADIENTS[flow.numerics.gradient].form(flow.spacing)
         p.role[:] = np.where((p.kind == FLUID) & (p.role != BALLISTIC), p.start_role, p.role)
-        gradient.regain_role(p.role_all, p.start_role, p.x_all, radius, power, REGAIN * floor, d.indptr, d.indices, flow.axes)
+        gradient.regain_role(p.role_all, p.start_role, p.x_all, radius, power, REGAIN * floor, d.indptr, d.indices,
+                             flow.axes)
 
 
 class AngularGap(Surface):
@@ -64,7 +70,7 @@ class AngularGap(Surface):
 
     name, reach, fields = "gap", lengths.SURFACE_GAP, ("closing", "alpha")
 
-    def find(self, flow, seen) -> None:
+    def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p, d = flow.particles, flow.domain
         surface.surface_by_gap(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all, p.alpha,
                                lengths.SURFACE_GAP * flow.spacing, 2.3, 1.4, 0.55, d.indptr, d.indices, flow.axes)
@@ -75,10 +81,11 @@ class Auxiliary(Surface):
 
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
 
-    def find(self, flow, seen) -> None:
+    def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p, d = flow.particles, flow.domain
-        surface.surface_by_auxiliary_functions(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all, p.alpha,
-                                               lengths.WALL * flow.spacing, 0.9, d.indptr, d.indices, flow.axes)
+        surface.surface_by_auxiliary_functions(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all,
+                                               p.alpha, lengths.WALL * flow.spacing, 0.9, d.indptr, d.indices,
+                                               flow.axes)
 
 
 class DensityRatio(Surface):
@@ -86,7 +93,7 @@ class DensityRatio(Surface):
 
     name, fields = "density", ("closing", "alpha")
 
-    def find(self, flow, seen) -> None:
+    def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p, d = flow.particles, flow.domain
         surface.surface_by_density(p.role_all, p.kind_all, p.alpha, 0.9, d.indptr)
 

@@ -1,19 +1,25 @@
 """The limits on the time step. None of them depends on the end of the run."""
 
+from collections.abc import Callable
+
 import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import SolverDiverged
 from parisph.base.fields import FLUID
+from parisph.case.numerics import Numerics
+from parisph.parallel.particles import Particles
 
 GROWTH = 1.1    # from one step to the next, at most
-BRISK = 1.5     # times the acceleration of the fluid: the acceleration that limits the step, if less than the body force
+# times the acceleration of the fluid: the acceleration that limits the step, if less than the body force
+BRISK = 1.5
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
 
 
-def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0, acceleration=0.0) -> float:
+def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity: float, previous: float | None = None,
+              shortest: float = 0.0, acceleration: float = 0.0) -> float:
     """Return the time step [s]: fixed, or limited by velocity and body force. Collective.
 
     No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor
@@ -41,8 +47,8 @@ def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0, a
     move = _longest_move(numerics)
     dt = np.inf if fastest == 0.0 else move / fastest
     if dt < shortest:
-        raise SolverDiverged(f"a particle has reached {fastest:.3g} m/s, for which the time step would have to be {dt:.3g} s: "
-                             "the flow is far too fast for this scene")
+        raise SolverDiverged(f"a particle has reached {fastest:.3g} m/s, for which the time step would have to "
+                             f"be {dt:.3g} s: the flow is far too fast for this scene")
     dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * acceleration, gravity)))
     if numerics.max_time_step is not None:
         dt = min(dt, numerics.max_time_step)
@@ -51,7 +57,8 @@ def next_step(comm, particles, numerics, gravity, previous=None, shortest=0.0, a
     return float(dt)
 
 
-def first_step(comm, particles, numerics, acceleration, dt, force_at):
+def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceleration: np.ndarray, dt: float,
+               force_at: Callable[[float], float]) -> float:
     """Return the first step of an adaptive run: `dt` [s], shortened. Collective.
 
     The velocity of fluid that is released is zero, so the first step is limited by the acceleration,
@@ -84,20 +91,21 @@ def first_step(comm, particles, numerics, acceleration, dt, force_at):
         dt = min(allowed, 0.5 * dt)
 
 
-def resolved_time(comm, particles, spacing, force) -> float:
+def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: np.ndarray) -> float:
     """Return the shortest time [s] over which the pressure of particles has a meaning. Collective.
 
-    It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/g); 0 if nothing moves or pulls.
-    Within it, pressure consists of the pulses of single particles that come to a wall or to the surface.
+    It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/g); 0 if nothing moves or
+    pulls. Within it, pressure consists of the pulses of single particles that come to a wall or to the surface.
 
     force : (n, dim), body force per unit mass on this rank's fluid [m/s^2]
     """
-    fastest, strongest, _ = _largest_of_all(comm, _fastest(particles), float(np.sqrt((force**2).sum(axis=1).max(initial=0.0))))
+    fastest, strongest, _ = _largest_of_all(comm, _fastest(particles),
+                                            float(np.sqrt((force**2).sum(axis=1).max(initial=0.0))))
     rate = max(fastest / (TOLD_MOVE * spacing), np.sqrt(strongest / spacing) / TOLD_FALL)
     return 1.0 / rate if 0.0 < rate < np.inf else 0.0
 
 
-def rest_step(numerics):
+def rest_step(numerics: Numerics) -> float:
     """Return the time [s] in which a particle on earth falls from rest as far as it may move in an adaptive step."""
     return float(_fall(_longest_move(numerics), REST))
 

@@ -1,11 +1,17 @@
 """The regularisers of velocities: filter, pair collisions and wall guard."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from parisph.base.fields import FLUID
+from parisph.case.numerics import Numerics
 from parisph.kernels import collisions
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Limiter, Regulariser
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
 
 
 class Filter(Regulariser):
@@ -13,13 +19,13 @@ class Filter(Regulariser):
 
     name, cause, words, reach = "filter", "filter", "velocity filter", lengths.MLS
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.filter > 0.0
 
-    def needs(self, numerics) -> tuple[str, ...]:
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return straining.FIELDS if numerics.filter_strain else ()
 
-    def change(self, flow, dt) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p, d, n = flow.particles, flow.domain, flow.numerics
         change = np.empty_like(p.u)
         collisions.smooth_velocity(change, p.u_all, p.x_all, p.kind_all, p.role_all,
@@ -33,16 +39,16 @@ class Collisions(Regulariser):
 
     name, cause, words, fields = "collisions", "collisions", "pair collisions", (*straining.FIELDS, "pairs")
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.collision_distance > 0.0
 
-    def prepare(self, flow, dt) -> None:
+    def prepare(self, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.kind_all, flow.numerics.collision_distance * flow.spacing,
                                     d.indptr, d.indices, flow.axes)
         flow.stale.add("pairs")
 
-    def change(self, flow, dt) -> np.ndarray:
+    def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p, d, n = flow.particles, flow.domain, flow.numerics
         change = np.empty_like(p.u)
         flow.collisions = collisions.pair_collisions(change, p.pairs_all, p.u_all, p.x_all, p.grad_u_all, p.kind_all,
@@ -56,22 +62,22 @@ class WallGuard(Limiter):
 
     name, cause, words = "wall_guard", "guard", "wall guard"
 
-    def wanted(self, numerics) -> bool:
+    def wanted(self, numerics: Numerics) -> bool:
         return numerics.wall_guard > 0.0
 
-    def apply(self, flow, dt) -> None:
+    def apply(self, flow: "Flow", dt: float) -> None:
         guard(flow, flow.particles.u_all, dt)
         flow.stale.add("u")
 
 
-def guard(flow, u, dt) -> None:
+def guard(flow: "Flow", u: np.ndarray, dt: float) -> None:
     """Limit velocities u (n_all, dim) of owned fluid, so that a step of dt [s] ends before a wall. Not collective."""
     p, d = flow.particles, flow.domain
-    collisions.wall_guard(u, p.x_all, p.kind_all, p.corner_all, p.normal_all, flow.numerics.wall_guard * flow.spacing, dt,
-                          d.indptr, d.indices, flow.axes)
+    collisions.wall_guard(u, p.x_all, p.kind_all, p.corner_all, p.normal_all, flow.numerics.wall_guard * flow.spacing,
+                          dt, d.indptr, d.indices, flow.axes)
 
 
-def keep_in_tank(flow, u, dt) -> np.ndarray:
+def keep_in_tank(flow: "Flow", u: np.ndarray, dt: float) -> np.ndarray:
     """Limit a velocity (n_owned, dim) of the fluid, by which it will be moved, with the wall guard. Not collective.
 
     Particles move by the mean of two velocities. The guard of the new one alone would let a particle that is

@@ -7,6 +7,7 @@ from parisph.base.errors import CaseError, ParisphError
 from parisph.kernels.cells import neighbour_lists
 from parisph.parallel.halo import ROUNDING, Halo
 from parisph.parallel.migrate import migrate
+from parisph.parallel.particles import Particles
 from parisph.parallel.partition import Grid, Partition, imbalance, split
 from parisph.parallel.survey import survey
 from parisph.parallel.work import work_of
@@ -48,8 +49,9 @@ class Domain:
     CaseError : a length is out of range. The constructor does not communicate.
     """
 
-    def __init__(self, particles, lower, upper, radius, skin, list_skin=0.0, closed=False,
-                 tolerated=1.03, balance_every=100):
+    def __init__(self, particles: Particles, lower: np.ndarray, upper: np.ndarray, radius: float, skin: float,
+                 list_skin: float = 0.0, closed: bool = False, tolerated: float = 1.03,
+                 balance_every: int = 100) -> None:
         self.particles = particles
         self.lower, self.upper = np.array(lower, float), np.array(upper, float)
         self.radius, self.skin, self.list_skin, self.closed = radius, skin, list_skin, closed
@@ -73,7 +75,7 @@ class Domain:
 
     # -- what a step calls -----------------------------------------------------------------
 
-    def redistribute(self, force=False):
+    def redistribute(self, force: bool = False) -> bool:
         """Move particles to their owners if any has moved by more than the skin. Collective.
 
         Also if forced, or if the work is uneven: cells then change owners. Sorts the owned
@@ -84,7 +86,7 @@ class Domain:
         """
         return self._redistribute(force, self._survey())
 
-    def refresh(self, *also):
+    def refresh(self, *also: str) -> bool:
         """Update the ghosts' positions and the neighbour lists to the present positions. Collective.
 
         also : names of fields that are sent in the same message as the positions
@@ -100,7 +102,7 @@ class Domain:
         renumbered, self._removed = renumbered or self._removed, False
         return renumbered
 
-    def remove(self, which):
+    def remove(self, which: np.ndarray) -> None:
         """Take owned particles out of the scene, and renew order, ghosts and lists. Collective.
 
         which : (n_owned,) bool. The next `refresh` tells that row numbers have changed.
@@ -113,18 +115,19 @@ class Domain:
         self.refresh()
         self._removed = True
 
-    def update(self, *names):
+    def update(self, *names: str) -> None:
         """Copy the named fields from the owners to the ghosts, in one message. Collective.
 
         Raises ParisphError if there is no such field.
         """
         unknown = [name for name in names if name not in self.particles.fields]
         if unknown:
-            raise ParisphError(f"no such particle field: {', '.join(unknown)} (this scene has {', '.join(self.particles.fields)})")
+            raise ParisphError("no such particle field: "
+                               f"{', '.join(unknown)} (this scene has {', '.join(self.particles.fields)})")
         if self._halo is not None and names:
             self._halo.update(*names)
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Free the MPI and PETSc objects of the halo. Collective."""
         if self._halo is not None:
             self._halo.destroy()
@@ -164,7 +167,10 @@ class Domain:
         return old if np.array_equal(new.splitters, old.splitters) else new
 
     def _is_uneven(self, moving):
-        """Return whether the work is too uneven. Measured only in every `balance_every`-th call and whenever particles move."""
+        """Return whether the work is too uneven.
+
+        Measured only in every `balance_every`-th call and whenever particles move.
+        """
         comm = self.particles.comm
         if comm.size == 1 or not (moving or self._calls - self._looked >= self.balance_every):
             return False

@@ -11,7 +11,9 @@ import threading
 import time
 import traceback
 import weakref
-from contextlib import contextmanager, nullcontext, suppress
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from types import TracebackType
 
 import numpy as np
 from mpi4py import MPI
@@ -47,7 +49,7 @@ class Guard:
     _met = False       # all ranks of `_world` have been in `of`
 
     @classmethod
-    def of(cls, comm):
+    def of(cls, comm: MPI.Comm) -> "Guard | None":
         """Return the Guard of a communicator, None if it has one rank only. Collective the first time."""
         guard = None if comm.size == 1 else cls._found(comm)
         cls._used = True
@@ -75,7 +77,7 @@ class Guard:
             _abort(comm, f"rank {meeting.ended} has ended, and rank {comm.rank} waits for it in its first call", 1)
         cls._met = True
 
-    def __init__(self, comm):
+    def __init__(self, comm: MPI.Comm) -> None:
         self.comm = comm.Dup()
         self.calls = 0            # made so far, with the present one
         self.alone = False        # an error of this rank is not on the others
@@ -88,7 +90,7 @@ class Guard:
         self._all.add(self)
 
     @contextmanager
-    def call(self, name):
+    def call(self, name: str) -> Iterator[None]:
         """Context of a collective call: an error is on all ranks, or all are ended. Calls inside are part of it."""
         if self._call is not None or self._ended.is_set():
             yield
@@ -105,12 +107,12 @@ class Guard:
         finally:
             self._call = None
 
-    def on_all(self):
+    def on_all(self) -> bool:
         """Return whether all ranks have an error, that is, arrive here within PATIENCE. Collective on those that do."""
         self.alone = self.alone or not all_come(self.comm)
         return not self.alone
 
-    def close(self):
+    def close(self) -> None:
         """Free the communicator. Collective."""
         self._stop_looking()
         self._all.discard(self)
@@ -130,7 +132,8 @@ class Guard:
             self._receive()
             for rank, calls in self._left.items():
                 if calls < now:
-                    _abort(self.comm, f"rank {rank} has ended, and rank {self.comm.rank} waits for it in {self._call}", 1)
+                    _abort(self.comm, f"rank {rank} has ended, and rank {self.comm.rank} waits for it in {self._call}",
+                           1)
 
     def _stop_looking(self):
         self._ended.set()
@@ -158,13 +161,16 @@ class Guard:
             _abort(self.comm, f"rank {self.comm.rank} ends with an error, while others continue", 1)
 
     def _partners(self, sign):
-        """Return the ranks that hear from this one (1), or that it hears from (-1): few, and where all but one wait, one of them."""
+        """Return the ranks that hear from this one (1), or that it hears from (-1): few, and where all but one wait,
+        one of them."""
         size = self.comm.size
         return {(self.comm.rank + sign * 2**k) % size for k in range(size.bit_length())} - {self.comm.rank}
 
     @classmethod
-    def watch(cls, world=None):
-        """Call the guards when this process ends: atexit runs after an exception is shown and before MPI_Finalize. Not collective.
+    def watch(cls, world: MPI.Comm | None = None) -> None:
+        """Call the guards when this process ends: atexit runs after an exception is shown and before MPI_Finalize.
+
+        Not collective.
 
         world : communicator of all ranks, on which ranks may end before their first call; None to leave it
         """
@@ -173,11 +179,12 @@ class Guard:
             return
         cls._watched = True
 
-        def hook(kind, error, trace, before=sys.excepthook):
+        def hook(kind: type[BaseException], error: BaseException, trace: TracebackType | None,
+                 before: Callable[..., object] = sys.excepthook) -> None:
             before(kind, error, trace)
             cls._failed = True
 
-        def leave():
+        def leave() -> None:
             if MPI.Is_initialized() and not MPI.Is_finalized():
                 for guard in list(cls._all):
                     guard._leave()
@@ -202,7 +209,10 @@ class Guard:
 
 
 class _Meeting:
-    """A collective operation on `comm` in which ranks say whether they end. It cannot be mistaken for a user's messages."""
+    """A collective operation on `comm` in which ranks say whether they end.
+
+    It cannot be mistaken for a user's messages.
+    """
 
     def __init__(self, comm, ends):
         self.size = comm.size
@@ -225,7 +235,7 @@ class _Meeting:
         return True
 
 
-def all_come(comm):
+def all_come(comm: MPI.Comm) -> bool:
     """Return whether all ranks of `comm` arrive here within PATIENCE. Collective on those that do."""
     return _Meeting(comm, ends=True).wait(PATIENCE)
 
@@ -237,7 +247,7 @@ def _abort(comm, text, code):
     comm.Abort(code)
 
 
-def guarded(comm, name):
+def guarded(comm: MPI.Comm, name: str) -> AbstractContextManager[None]:
     """Return the context of a collective call on `comm` (Guard.call). Collective the first time."""
     guard = Guard.of(comm)
     return nullcontext() if guard is None else guard.call(name)

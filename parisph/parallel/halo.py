@@ -8,7 +8,8 @@ from parisph.base.fields import FIELDS, ORDER
 from parisph.kernels.jit import kernel
 from parisph.parallel.hilbert import key_of, machine
 from parisph.parallel.messages import exchange, pack, unpack
-from parisph.parallel.partition import cell_along
+from parisph.parallel.particles import Particles
+from parisph.parallel.partition import Partition, cell_along
 
 # A pair exactly one halo width apart must not be lost by rounding.
 ROUNDING = 1.0 + 1e-9
@@ -35,7 +36,7 @@ class Halo:
     rows : (n_ghost,) int64, global rows of the ghosts, which are sorted by owner
     """
 
-    def __init__(self, particles, partition, cells, width):
+    def __init__(self, particles: Particles, partition: Partition, cells: np.ndarray, width: float) -> None:
         self.particles = particles
         self._units = {}
         particles.resize(particles.n_owned, 0)
@@ -60,7 +61,7 @@ class Halo:
         self.rows = arrived["row"].copy()
         return np.repeat(np.arange(p.comm.size), counts), arrived["root"]
 
-    def update(self, *names):
+    def update(self, *names: str) -> None:
         """Send the named fields of the owners to the ghosts, all in one message. Collective.
 
         Raises ParisphError if there is no such field (on all ranks if all ask for the same fields).
@@ -87,7 +88,7 @@ class Halo:
             self._units[columns] = MPI.DOUBLE.Create_contiguous(columns).Commit()
         return self._units[columns]
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Free the plan; the ghosts keep their values. Collective."""
         self._forest.destroy()
         for unit in self._units.values():
@@ -122,7 +123,8 @@ def _star_forest(comm, n_roots, owner, root):
     return forest
 
 
-def senders(x, cells, partition, width, rank):
+def senders(x: np.ndarray, cells: np.ndarray, partition: Partition, width: float,
+            rank: int) -> tuple[np.ndarray, np.ndarray]:
     """Find which ranks need ghosts of which particles. Not collective.
 
     Parameters

@@ -17,7 +17,7 @@ from parisph.kernels.jit import kernel
 KEY_BITS = 62  # bits in a key; int64 also holds the key one past the last
 
 
-def keys_of_cells(cells, bits):
+def keys_of_cells(cells: np.ndarray, bits: int) -> np.ndarray:
     """Return the places of cells on the curve.
 
     Parameters
@@ -36,7 +36,7 @@ def keys_of_cells(cells, bits):
 
 
 @lru_cache(maxsize=None)
-def machine(dim):
+def machine(dim: int) -> tuple[np.ndarray, np.ndarray]:
     """Return (place, following): (states, 2^dim) tables of the machine, int64, for `key_of`.
 
     A state is (entry corner, direction) of the curve in a cube: state = direction * 2^dim + entry.
@@ -91,7 +91,7 @@ def _direction(w, dim):
 
 
 @kernel
-def key_of(cell, bits, place, following):
+def key_of(cell: np.ndarray, bits: int, place: np.ndarray, following: np.ndarray) -> int:
     """Return the key of one cell, an int64 array or tuple of coordinates."""
     dim = len(cell)
     state, key = 0, 0

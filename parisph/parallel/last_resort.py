@@ -10,7 +10,7 @@ import threading
 
 import numpy as np
 
-from parisph.base.signals import CODE, NUMBERS
+from parisph.base.signals import CODE, NUMBERS, Signals
 from parisph.kernels.jit import unlocked
 from parisph.kernels.processor import numba
 
@@ -25,12 +25,13 @@ _usleep = types.ExternalFunction("usleep", types.int32(types.uint32))
 _exit = types.ExternalFunction("_exit", types.void(types.int32))
 
 
-def arm(signals):
+def arm(signals: Signals) -> None:
     """Start the thread for Signals that end several ranks; it ends with them. Not collective."""
     if signals.abort is None or signals.socket is None or signals.helper is not None:
         return
     signals.taken = np.array(signals.taken, np.int64)
-    text = np.frombuffer(b"parisph: stopped at once by a second signal, while this rank waited for another\n", np.uint8).copy()
+    text = np.frombuffer(b"parisph: stopped at once by a second signal, while this rank waited for another\n",
+                         np.uint8).copy()
     values = (signals.socket.fileno(), socket.MSG_PEEK, socket.MSG_PEEK | socket.MSG_DONTWAIT, signals.taken,
               np.array(NUMBERS, np.uint8), int(PATIENCE / SLICE), int(1e6 * SLICE), text, CODE)
     signals.helper = threading.Thread(target=_watch, args=values, name="last resort", daemon=True)
@@ -39,7 +40,7 @@ def arm(signals):
 
 @unlocked
 def _watch(source, peek, peek_now, taken, numbers, patience, pause, text, code):
-    """Return when the socket is shut down; end the process when a second signal has been unread for `patience` pauses."""
+    """Return when the socket is shut down; end the process if a second signal is unread for `patience` pauses."""
     unread = np.empty(64, np.uint8)
     while _recv(source, unread.ctypes.data, 64, peek) > 0:
         for k in range(patience + 1):

@@ -1,20 +1,24 @@
 """Particles packed into records, and their exchange between any ranks."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from mpi4py import MPI
 
 from parisph.base.fields import FIELDS
+from parisph.parallel.particles import Particles
 
 _TAG = 71
 
 
-def record_type(names, dim, extra=()):
+def record_type(names: Sequence[str], dim: int, extra: Sequence[tuple[str, type]] = ()) -> np.dtype:
     """Return the numpy type of one particle's record: the named fields, then extra (name, type) pairs."""
     fields = [(name, FIELDS[name].dtype, FIELDS[name].empty(0, dim).shape[1:]) for name in names]
     return np.dtype(fields + list(extra))
 
 
-def pack(particles, names, which, extra=()):
+def pack(particles: Particles, names: Sequence[str], which: np.ndarray,
+         extra: Sequence[tuple[str, type]] = ()) -> np.ndarray:
     """Return the records of the owned particles `which` (n,), with `extra` parts left undefined."""
     records = np.empty(len(which), record_type(names, particles.dim, extra))
     for name in names:
@@ -22,13 +26,13 @@ def pack(particles, names, which, extra=()):
     return records
 
 
-def unpack(particles, names, records, start):
+def unpack(particles: Particles, names: Sequence[str], records: np.ndarray, start: int) -> None:
     """Write the named fields of records to the local particles from number `start` on."""
     for name in names:
         getattr(particles, f"{name}_all")[start:start + len(records)] = records[name]
 
 
-def exchange(comm, records, counts):
+def exchange(comm: MPI.Comm, records: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Send records to other ranks, in one message per receiver. Collective.
 
     Parameters

@@ -3,9 +3,10 @@
 import numpy as np
 
 from parisph.parallel.messages import exchange, pack, unpack
+from parisph.parallel.particles import Particles
 
 
-def migrate(particles, owners):
+def migrate(particles: Particles, owners: np.ndarray) -> int:
     """Move each owned particle to its owner, with all fields that migrate. Collective.
 
     Parameters

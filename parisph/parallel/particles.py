@@ -1,7 +1,11 @@
 """The particles of one rank: a struct of arrays, [owned | ghost]."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
+from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, agree
 from parisph.base.fields import EVERY, FieldSet
 
@@ -27,7 +31,15 @@ class Particles:
     n_assigned : int, how often `assign` has replaced all particles
     """
 
-    def __init__(self, comm, dim, fields: FieldSet = EVERY):
+    comm: Any    # mpi4py's, or what stands for one in a test
+    dim: int
+    fields: FieldSet
+    n_owned: int
+    n_ghost: int
+    n_assigned: int
+    offsets: np.ndarray
+
+    def __init__(self, comm: Communicator, dim: int, fields: FieldSet = EVERY) -> None:
         if dim not in (2, 3):
             raise CaseError(f"dimension {dim}: particles live in 2 or 3 dimensions")
         vars(self).update(comm=comm, dim=dim, fields=fields, n_owned=0, n_ghost=0, n_assigned=0,
@@ -36,31 +48,31 @@ class Particles:
         self._expose()
 
     @property
-    def n_all(self):
+    def n_all(self) -> int:
         return self.n_owned + self.n_ghost
 
     @property
-    def offset(self):
+    def offset(self) -> int:
         return int(self.offsets[self.comm.rank])
 
     @property
-    def n_global(self):
+    def n_global(self) -> int:
         return int(self.offsets[-1])
 
-    def __setattr__(self, name, values):
+    def __setattr__(self, name: str, values: Any) -> None:
         view = vars(self).get(name)
         if name not in self.fields and name.removesuffix("_all") not in self.fields:
             object.__setattr__(self, name, values)
         elif values is not view:  # `p.u += a` has already worked in place
             view[...] = values
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> np.ndarray:
         # only asked for what is not there
         raise AttributeError(f"these particles have no {name!r}: no part of the scene's method declares such a field")
 
     # -- contents --------------------------------------------------------------------------
 
-    def assign(self, arrays):
+    def assign(self, arrays: Mapping[str, np.ndarray]) -> None:
         """Replace all particles; fields not given get their default, ghosts are dropped. Collective.
 
         Parameters
@@ -92,12 +104,12 @@ class Particles:
                 return f"field {name} has shape {np.shape(values)}, not {(len(arrays['x']), *due)}"
         return None
 
-    def renumber(self):
+    def renumber(self) -> None:
         """Update the global rows after the number of owned particles has changed. Collective."""
         counts = self.comm.allgather(self.n_owned) if self.comm.size > 1 else [self.n_owned]
         self.offsets[1:] = np.cumsum(counts)
 
-    def resize(self, n_owned, n_ghost):
+    def resize(self, n_owned: int, n_ghost: int) -> None:
         """Set how many particles this rank has. Owned ones are kept, up to the new number.
 
         The contents of added particles and of all ghosts are undefined. Not collective: call
@@ -107,7 +119,7 @@ class Particles:
         self.n_owned, self.n_ghost = n_owned, n_ghost
         self._expose()
 
-    def reorder(self, order):
+    def reorder(self, order: np.ndarray) -> None:
         """Keep the owned particles `order` (n,), int, in that order; drop ghosts. Not collective."""
         for array in self._store.values():
             array[:len(order)] = array[:self.n_owned][order]

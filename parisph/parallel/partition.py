@@ -29,7 +29,7 @@ class Grid:
     fine: int
 
     @classmethod
-    def covering(cls, lower, upper, width):
+    def covering(cls, lower: np.ndarray, upper: np.ndarray, width: float) -> "Grid":
         """Return the grid over a box, (dim,) corners [m], with cells at least `width` [m] wide."""
         dim = len(lower)
         extent = max(float(np.max(upper - lower)), width)
@@ -39,33 +39,33 @@ class Grid:
                    min(SORT_LEVELS, KEY_BITS // dim - bits))
 
     @property
-    def dim(self):
+    def dim(self) -> int:
         return len(self.origin)
 
     @property
-    def end(self):
+    def end(self) -> int:
         """One past the last cell's key."""
         return 1 << (self.dim * self.bits)
 
     @property
-    def upper(self):
+    def upper(self) -> np.ndarray:
         """(dim,) upper corner [m]."""
         return self.origin + self.size * 2.0**self.bits
 
-    def keys(self, x):
+    def keys(self, x: np.ndarray) -> np.ndarray:
         """Return the fine keys (n,) int64 of positions (n, dim) [m], by which particles are sorted."""
         keys = np.empty(len(x), np.int64)
         size, bits = self.size / 2.0**self.fine, self.bits + self.fine
         _position_keys(keys, x, self.origin, size, bits, *machine(self.dim))
         return keys
 
-    def cells(self, keys):
+    def cells(self, keys: np.ndarray) -> np.ndarray:
         """Return the keys of the cells that contain fine keys."""
         return keys >> (self.dim * self.fine)
 
 
 @kernel
-def cell_along(x, origin, size, count):
+def cell_along(x: float, origin: float, size: float, count: float) -> int:
     """Return the cell of a coordinate; points outside belong to the cells on the border."""
     # Compare as floats: far outside, the quotient does not fit an integer.
     return int(min(max(np.floor((x - origin) / size), 0.0), count - 1.0))
@@ -95,12 +95,12 @@ class Partition:
     grid: Grid
     splitters: np.ndarray
 
-    def owners(self, cells):
+    def owners(self, cells: np.ndarray) -> np.ndarray:
         """Return the ranks (n,) that own the cells of the given keys (n,)."""
         return np.searchsorted(self.splitters[1:-1], cells, side="right")
 
 
-def split(comm, cells, weights, end):
+def split(comm: MPI.Comm, cells: np.ndarray, weights: np.ndarray, end: int) -> np.ndarray:
     """Divide the curve into one range per rank, of equal weight as far as cells allow. Collective.
 
     Finds all cuts at once by bisection of the range of keys. Each round needs one sum over the ranks,
@@ -140,7 +140,7 @@ def split(comm, cells, weights, end):
     return np.concatenate([[0], cuts, [end]])
 
 
-def imbalance(loads):
+def imbalance(loads: np.ndarray) -> float:
     """Return max/mean of the ranks' loads; 1 if there is no load."""
     mean = np.mean(loads)
     return float(np.max(loads) / mean) if mean > 0.0 else 1.0

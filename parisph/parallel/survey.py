@@ -7,6 +7,7 @@ from mpi4py import MPI
 
 from parisph.base.errors import ParticleLost, agree
 from parisph.kernels.jit import kernel
+from parisph.parallel.particles import Particles
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,8 @@ class Survey:
     stray: float
 
 
-def survey(particles, plan_x, list_x, grid, tank=None):
+def survey(particles: Particles, plan_x: np.ndarray | None, list_x: np.ndarray | None,
+           grid: tuple[np.ndarray, np.ndarray], tank: tuple[np.ndarray, np.ndarray] | None = None) -> Survey:
     """Check every particle once. Collective.
 
     Parameters

@@ -20,7 +20,7 @@ BY_ITSELF = 10
 TAKING_PART, LEFT_OUT = 10, 3
 
 
-def work_of(role, neighbours):
+def work_of(role: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
     """Return the work of particles (n,) int64, in tenths of what one neighbour costs.
 
     role : (n,) as in the field registry; neighbours : (n,) int, lengths of their lists

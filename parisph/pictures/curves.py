@@ -1,19 +1,32 @@
-"""Pictures of time series: probes of one or several runs, and a probe with its reference. Needs matplotlib, but no MPI."""
+"""Pictures of time series: probes of one or several runs, and a probe with its reference.
 
+Needs matplotlib, but no MPI.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.paths import AnyPath
 from parisph.base.table import read_reference
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
+
 # What a probe of a kind (as in the case) shows, and which kinds share one set of axes.
 KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
-    "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum", "velocity_profile": "velocity and pressure",
+    "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum",
+    "velocity_profile": "velocity and pressure",
 }
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
 COLUMNS = {("volume", "count"): "cells counted"}  # where one column is something else
@@ -44,7 +57,9 @@ class Curve:
     values: np.ndarray
 
 
-def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
+def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[str] | str | None = None,
+               path: AnyPath | None = None, truth: Mapping[str, Samples] | None = None,
+               normalise: bool = False) -> "Figure":
     """Draw the time series of probes, one set of axes for each quantity; return the matplotlib Figure.
 
     Several runs are drawn over each other, labelled by their folders.
@@ -65,7 +80,8 @@ def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
     runs = [run if isinstance(run, Run) else open_run(run) for run in (runs if isinstance(runs, list) else [runs])]
     panels = list(by_quantity(runs, [names] if isinstance(names, str) else names).items())
     if not panels:
-        raise StoreError(f"{', '.join(str(run.folder) for run in runs)} {'has' if len(runs) == 1 else 'have'} no probes to draw")
+        raise StoreError(f"{', '.join(str(run.folder) for run in runs)} {'has' if len(runs) == 1 else 'have'} no "
+                         "probes to draw")
     columns = 1 if len(panels) <= TALL else 2
     rows = -(-len(panels) // columns)
     picture = style.drawing().Figure(figsize=(8.0 * columns ** 0.75, 1.2 + 2.6 * rows), layout="constrained")
@@ -76,12 +92,14 @@ def plot_probe(runs, names=None, path=None, truth=None, normalise=False):
             _second_time_axis(axes, runs, normalise)
         time_label(axes, normalise, number + columns >= len(panels))
     picture.set_figwidth(picture.get_figwidth() + columns * max(map(_further_columns, picture.axes)))
-    picture.suptitle(style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in runs))), x=0.01, ha="left", fontsize=11)
+    picture.suptitle(style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in runs))), x=0.01,
+                     ha="left", fontsize=11)
     style.save(picture, path)
     return picture
 
 
-def plot_comparison(found, reference, difference, title, label, unit, path=None):
+def plot_comparison(found: Samples, reference: Samples, difference: Samples, title: str, label: str, unit: str,
+                    path: AnyPath | None = None) -> "Figure":
     """Draw a probe, its reference, and their difference; return the matplotlib Figure.
 
     Parameters
@@ -97,9 +115,11 @@ def plot_comparison(found, reference, difference, title, label, unit, path=None)
     inside = [part[1][(part[0] >= start) & (part[0] <= end)] for part in (found, reference)]
     factor, shown = style.with_prefix(max(np.max(np.abs(part), initial=0.0) for part in inside), unit)
     upper.plot(found[0], factor * found[1], color=style.LINES[0], linewidth=1.1, label="run")
-    upper.plot(reference[0], factor * reference[1], color="black", linewidth=1.0, label="reference", **_marks(len(inside[1])))
+    upper.plot(reference[0], factor * reference[1], color="black", linewidth=1.0, label="reference",
+               **_marks(len(inside[1])))
     lower.axhline(0.0, color="black", linewidth=0.6)
-    lower.plot(difference[0], factor * difference[1], color=style.LINES[1], linewidth=1.0, marker="." if len(difference[0]) < MARKS else "")
+    lower.plot(difference[0], factor * difference[1], color=style.LINES[1], linewidth=1.0,
+               marker="." if len(difference[0]) < MARKS else "")
     upper.set_ylabel(f"{label} [{shown or '-'}]")
     lower.set_ylabel(f"run - reference [{shown or '-'}]")
     lower.set_xlabel("$t$ [s]")
@@ -112,7 +132,7 @@ def plot_comparison(found, reference, difference, title, label, unit, path=None)
     return picture
 
 
-def truths(run, folder):
+def truths(run: Run, folder: Path) -> dict[str, Samples]:
     """Return {probe name: (time [s], value)} for the probes of a run whose case names a truth.
 
     folder : where the case file is; the files of the truths are relative to it. Raises StoreError.
@@ -126,7 +146,7 @@ def truths(run, folder):
     return found
 
 
-def by_quantity(runs, names=None):
+def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict[tuple[str, str], list[Curve]]:
     """Return {(quantity, unit): [Curve]} of probes of runs: one entry for each set of axes.
 
     Heights, positions along x, pressures, energies, ... each have their own axes. names : of probes, all if None.
@@ -136,16 +156,18 @@ def by_quantity(runs, names=None):
         kinds = {probe["name"]: probe["kind"] for probe in run.case.get("probes", ())}
         for name in (run.probe_names if names is None else names):
             table, units = run.probe(name), run.units(name)
-            columns = [column for column in table.dtype.names if column not in ("time", "step") and table[column].dtype.kind == "f"]
+            columns = [column for column in table.dtype.names if column not in ("time", "step")
+                       and table[column].dtype.kind == "f"]
             for column in columns:
                 # What is of no known kind has something in common with its like in unit, if with any.
                 kind = kinds.get(name, "" if units[column] else name)
-                curve = Curve(run, label if len(runs) > 1 else "", name, column if len(columns) > 1 else "", table["time"], table[column])
+                curve = Curve(run, label if len(runs) > 1 else "", name, column if len(columns) > 1 else "",
+                              table["time"], table[column])
                 groups.setdefault((FAMILIES.get(kind, kind), units[column]), []).append(curve)
     return groups
 
 
-def folder_names(folders):
+def folder_names(folders: Sequence[Path]) -> list[str]:
     """Return a short name for each folder: as much of the end of its path as is needed to distinguish them."""
     parts = [Path(folder).resolve().parts for folder in folders]
     names = []
@@ -157,7 +179,8 @@ def folder_names(folders):
     return names
 
 
-def draw_curves(axes, curves, unit, normalise=False, truth=None):
+def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: bool = False,
+                truth: Mapping[str, Samples] | None = None) -> None:
     """Draw curves of one quantity into axes, with a legend and the label of the values.
 
     truth : {probe: (time, values)}, drawn over the first run
@@ -171,12 +194,13 @@ def draw_curves(axes, curves, unit, normalise=False, truth=None):
     looks = style.line_looks(len(runs), len(series))
     for curve, own, scale in zip(curves, scales, by):
         look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
-        axes.plot(curve.time / (own.time if normalise else 1.0), curve.values * (1.0 / scale if scale else factor), linewidth=1.1,
-                  label=_line_label(curve, series), **look)
+        axes.plot(curve.time / (own.time if normalise else 1.0), curve.values * (1.0 / scale if scale else factor),
+                  linewidth=1.1, label=_line_label(curve, series), **look)
     for name in dict.fromkeys(curve.probe for curve in curves):
         if name in (truth or {}):
             first = next(k for k, curve in enumerate(curves) if curve.probe == name)
-            _draw_truth(axes, curves[first], truth[name], 1.0 / by[first] if by[first] else factor, scales[first].time if normalise else 1.0)
+            _draw_truth(axes, curves[first], truth[name], 1.0 / by[first] if by[first] else factor,
+                        scales[first].time if normalise else 1.0)
     axes.set_ylabel(_value_label(curves, series, unit, shown, bool(by[0])))
     _plain_axes(axes)
     if len(axes.lines) <= BESIDE:
@@ -196,7 +220,7 @@ def _further_columns(axes):
     return (max(_legend_columns(axes), 1) - 1) * (LETTER * longest + 0.7)
 
 
-def own_scales(run, normalise):
+def own_scales(run: Run, normalise: bool) -> style.Scales:
     """Return the style.Scales of a run. Raises CaseError if it has none to normalise by."""
     own = style.scales(run.case)
     if normalise and own.time is None:
@@ -204,7 +228,7 @@ def own_scales(run, normalise):
     return own
 
 
-def time_label(axes, normalise, last):
+def time_label(axes: "Axes", normalise: bool, last: bool) -> None:
     """Label the axis of time, in the lowest panels only."""
     if last:
         axes.set_xlabel(r"$t\sqrt{g/H}$" if normalise else "$t$ [s]")
@@ -235,7 +259,8 @@ def _marks(samples):
 
 
 def _value_label(curves, series, unit, shown, scaled):
-    kinds = {probe["kind"] for curve in curves for probe in curve.run.case.get("probes", ()) if probe["name"] == curve.probe}
+    kinds = {probe["kind"] for curve in curves for probe in curve.run.case.get("probes", ())
+             if probe["name"] == curve.probe}
     what = UNITS.get(unit, "")
     if len(kinds) == 1:
         kind = kinds.pop()

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from pathlib import Path
 from subprocess import CalledProcessError
+from typing import Any
 
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, plain
 from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run
@@ -20,7 +22,8 @@ MOST_FRAMES = 20_000
 SAMPLE = 24             # snapshots from which the scale of the colours is taken
 
 
-def movie(run, path, field="pressure", fps=None, slow=None, dpi=100, **look):
+def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float | None = None,
+          slow: float | None = None, dpi: float = 100, **look: Any) -> Path:
     """Write the snapshots of a run as an animation: .gif, or .mp4 if ffmpeg is installed; return its path.
 
     Colours and axes are the same in every frame. The animation runs at constant speed, whatever the times
@@ -67,7 +70,8 @@ def movie(run, path, field="pressure", fps=None, slow=None, dpi=100, **look):
         raise StoreError(f"cannot write the movie {path}: {error.strerror or error}") from None
     except CalledProcessError as error:
         said = "".join(f" ({clipped(plain(line))})" for line in str(error.stderr or "").strip().splitlines()[-1:])
-        raise StoreError(f"cannot write the movie {path}: ffmpeg ended with code {error.returncode}{said}; a .gif needs no ffmpeg") from None
+        raise StoreError(f"cannot write the movie {path}: ffmpeg ended with code {error.returncode}{said}; "
+                         "a .gif needs no ffmpeg") from None
     return path
 
 
@@ -83,11 +87,12 @@ class Pace:
     """
 
     fps: float
-    slow: float
+    slow: float | None
     numbers: np.ndarray
 
     @classmethod
-    def of(cls, times, fps=None, slow=None, whole_hundredths=False):
+    def of(cls, times: np.ndarray, fps: float | None = None, slow: float | None = None,
+           whole_hundredths: bool = False) -> "Pace":
         """Return the Pace for snapshots at `times` (n,) [s], increasing.
 
         fps, slow : see movie; whole_hundredths : whether frames last whole hundredths of a second, as in
@@ -106,14 +111,15 @@ class Pace:
         slow = slow or 1.0 / (fps * apart)
         count = (times[-1] - times[0]) * fps * slow
         if count > MOST_FRAMES:
-            raise CaseError(f"--slow {slow:g} with --fps {fps:g} makes {count:.3g} frames of {times[-1] - times[0]:g} s, "
-                            f"at most {MOST_FRAMES:,} are drawn: slow it less, or show fewer frames a second")
+            raise CaseError(f"--slow {slow:g} with --fps {fps:g} makes {count:.3g} frames of "
+                            f"{times[-1] - times[0]:g} s, at most {MOST_FRAMES:,} are drawn: slow it less, "
+                            "or show fewer frames a second")
         shown = times[0] + np.arange(round(count) + 1) / (fps * slow)
         half_way = 0.5 * (times[1:] + times[:-1]) + 1e-6 * apart      # the earlier one, whatever the rounding
         return cls(fps, slow, np.searchsorted(half_way, shown))
 
     @property
-    def note(self):
+    def note(self) -> str:
         """Return the slow-motion factor as text, "" for a single frame."""
         if self.slow is None:
             return ""
@@ -122,7 +128,7 @@ class Pace:
         return f"slowed {self.slow:.3g} x" if self.slow > 1.0 else f"speeded up {1.0 / self.slow:.3g} x"
 
     @property
-    def repeated(self):
+    def repeated(self) -> int:
         """Number of frames that repeat a snapshot."""
         return len(self.numbers) - len(np.unique(self.numbers))
 

@@ -2,18 +2,24 @@
 
 import shutil
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.paths import AnyPath
 from parisph.base.text import clipped
+from parisph.io.reader import Run
 from parisph.pictures import curves, movies, overview, view
+from parisph.truth.comparison import Comparison
 
 LONGEST = 100   # characters of the name of a file that is made up
 
 
-def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **look):
+def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None, probes: Sequence[str] | None = None,
+         out: AnyPath | None = None, normalise: bool = False, **look: Any) -> list[Path]:
     """Write pictures of a run, or of the probes of several runs, and return their paths.
 
     For one run without time, peak, field and probes: the whole run on one page.
@@ -22,7 +28,8 @@ def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **l
     ----------
     runs : list of io.reader.Run
     time : [s], the flow at the nearest snapshot; the last one if only `field` is given. A time before the first or
-        after the last snapshot, by more than half the longest time between two snapshots, gives a warning on standard error
+        after the last snapshot, by more than half the longest time between two snapshots, gives a warning on standard
+        error
     peak : name of a probe: the flow when its first column is greatest, instead of `time`, as the run has kept it
         (Run.peak), else at the nearest snapshot, and standard error says how far from it that is
     probes : list of probe names: their series in one picture
@@ -40,11 +47,13 @@ def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **l
         _check_probes_only(flow or look)
         return [_plot_probes(runs, probes, normalise, out)]
     if out is not None and flow and probes:
-        raise CaseError("-o names one file, but these are two pictures, of the flow and of probes: make them one by one")
+        raise CaseError("-o names one file, but these are two pictures, of the flow and of probes: "
+                        "make them one by one")
     run, = runs
     if not flow and not probes:
         if normalise:
-            raise CaseError("--normalise does not apply to the whole run on one page: also give --time, --peak, --field or --probe")
+            raise CaseError("--normalise does not apply to the whole run on one page: also give --time, --peak, "
+                            "--field or --probe")
         path = Path(out or run.folder / "overview.png")
         overview.plot_overview(run, path, **look)
         return [path]
@@ -56,14 +65,16 @@ def plot(runs, time=None, peak=None, probes=None, out=None, normalise=False, **l
     return made
 
 
-def animate(run, out=None, fps=None, slow=None, **look):
+def animate(run: Run, out: AnyPath | None = None, fps: float | None = None, slow: float | None = None,
+            **look: Any) -> Path:
     """Write an animation of all snapshots (movies.movie) and return its path: .mp4 with ffmpeg, else .gif."""
     look = {name: value for name, value in look.items() if value is not None}
     ending = "mp4" if shutil.which("ffmpeg") else "gif"
-    return movies.movie(run, Path(out or run.folder / f"flow_{look.get('field', 'pressure')}.{ending}"), fps=fps, slow=slow, **look)
+    return movies.movie(run, Path(out or run.folder / f"flow_{look.get('field', 'pressure')}.{ending}"), fps=fps,
+                        slow=slow, **look)
 
 
-def compare(run, comparison, reference, path) -> None:
+def compare(run: Run, comparison: Comparison, reference: AnyPath, path: AnyPath) -> None:
     """Draw a probe of a run, its reference and their difference to a file.
 
     comparison : truth.comparison.Comparison; reference : path of the file that it was compared with
@@ -73,12 +84,16 @@ def compare(run, comparison, reference, path) -> None:
     result, (time, values) = comparison.result, comparison.found
     shift = f"; run shifted by {result['shift']:+.4g} s" if result["shift"] else ""
     title = f"{run.folder.name}: {result['probe']} against {result['value']} of {Path(reference).name}{shift}"
-    curves.plot_comparison((time + result["shift"], values), comparison.truth, comparison.difference, clipped(title, 100),
+    curves.plot_comparison((time + result["shift"], values), comparison.truth, comparison.difference,
+                           clipped(title, 100),
                            result["column"], run.units(result["probe"])[result["column"]], path)
 
 
-def peak_of(run, probe):
-    """Return the time [s] at which the first column of a probe is greatest, and its value. Raises CaseError, StoreError."""
+def peak_of(run: Run, probe: str) -> tuple[float, float]:
+    """Return the time [s] at which the first column of a probe is greatest, and its value.
+
+    Raises CaseError, StoreError.
+    """
     series = run.probe(probe)
     column = next(name for name in series.dtype.names if name not in ("time", "step"))
     if not np.any(np.isfinite(series[column])):
@@ -94,7 +109,8 @@ def _check_probes_only(other):
 
 def _plot_probes(runs, probes, normalise, out):
     if out is None:
-        names = ["probes", *(probes or []), *(curves.folder_names([run.folder for run in runs]) if len(runs) > 1 else [])]
+        names = ["probes", *(probes or []),
+                 *(curves.folder_names([run.folder for run in runs]) if len(runs) > 1 else [])]
         name = "_".join(names).replace("/", "-")
         out = runs[0].folder / f"{name if len(name) <= LONGEST else f'probes_of_{len(runs)}_runs'}.png"
     truths = {}
@@ -129,8 +145,9 @@ def _at_peak(run, probe):
         return kept
     late = run.times[run.number(time)] - time
     if late:
-        print(f"parisph: note: there is no snapshot at the peak of {probe}, t = {time:.6g} s: the nearest one is drawn, which is "
-              f"{abs(late):.3g} s {'later' if late > 0.0 else 'earlier'}; a probe with peak=True keeps the flow at its peak", file=sys.stderr)
+        print(f"parisph: note: there is no snapshot at the peak of {probe}, t = {time:.6g} s: "
+              f"the nearest one is drawn, which is {abs(late):.3g} s {'later' if late > 0.0 else 'earlier'}; "
+              "a probe with peak=True keeps the flow at its peak", file=sys.stderr)
     return time
 
 
@@ -140,8 +157,8 @@ def _warn_of_other_time(run, time):
         return
     slack = 0.5 * np.diff(run.times).max(initial=0.0)
     if not run.times[0] - slack <= time <= run.times[-1] + slack:
-        print(f"parisph: warning: --time {time:g} s is outside the run, whose snapshots are of {run.times[0]:g} to {run.times[-1]:g} s: "
-              f"the picture is of {run.times[run.number(float(time))]:g} s", file=sys.stderr)
+        print(f"parisph: warning: --time {time:g} s is outside the run, whose snapshots are of {run.times[0]:g} to "
+              f"{run.times[-1]:g} s: the picture is of {run.times[run.number(float(time))]:g} s", file=sys.stderr)
 
 
 def _truths(run):

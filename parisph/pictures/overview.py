@@ -1,14 +1,20 @@
 """A whole run on one page: four moments of the flow, the probes, and the solver. Needs matplotlib, but no MPI."""
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from parisph.base.errors import StoreError
+from parisph.base.paths import AnyPath
 from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, style
 from parisph.pictures.view import FieldView, Look
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def plot_overview(run, path=None, field="pressure", **look):
+
+def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = "pressure", **look: Any) -> "Figure":
     """Draw a whole run on one page; return the matplotlib Figure.
 
     Parameters and errors as in view.plot_field and curves.plot_probe. The colours cover most of the
@@ -63,7 +69,8 @@ def _draw_steps(axes, steps):
     """Draw the iterations of the pressure solve, or the compression of a method without one, and the time step."""
     solved = "iterations" in steps.dtype.names
     axes.plot(steps["time"], steps["iterations" if solved else "compression"], ".", color=style.LINES[0], markersize=2)
-    axes.set_ylabel("iterations a solve [-]" if solved else r"compression $|\rho/\rho_0 - 1|$ [-]", color=style.LINES[0])
+    axes.set_ylabel("iterations a solve [-]" if solved else r"compression $|\rho/\rho_0 - 1|$ [-]",
+                    color=style.LINES[0])
     axes.set_ylim(bottom=0)
     if solved:
         axes.yaxis.get_major_locator().set_params(integer=True)

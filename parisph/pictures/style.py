@@ -1,17 +1,23 @@
 """The style of pictures: quantities with their labels, units and colours, and a scene's own scales."""
 
 import difflib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from parisph.base import libraries
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WET
+from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, plain, shown
 from parisph.io.files import replacing
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 @dataclass(frozen=True)
 class Quantity:
@@ -28,12 +34,12 @@ class Quantity:
     """
 
     needs: str
-    of: callable
+    of: Callable[..., np.ndarray]
     symbol: str
     unit: str
     colours: str
     scale: str
-    centre: float = None
+    centre: float | None = None
 
 
 # Sequential maps are perceptually uniform, so that equal steps look equal.
@@ -57,10 +63,12 @@ WALL_COLOUR = "#333333"
 # blindness can distinguish all of them.
 LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#332288", "#882255", "#5b3a00")
 STYLES = ("-", (0, (6, 2)), (0, (6, 2, 1, 2)), (0, (2, 1.5)))  # full, dashed, dash-dotted, dotted
+LineLook = dict[str, Any]    # {"color", "linestyle"} of a line
+
 FEW = 6     # lines that differ in colour only; more of them also differ in line style
 
 
-def line_looks(groups, members=1):
+def line_looks(groups: int, members: int = 1) -> list[LineLook]:
     """Return a list of {"color", "linestyle"} for groups x members lines, member after member in each group.
 
     Up to FEW lines differ in colour only. More lines also differ in line style: groups in colour and
@@ -76,7 +84,7 @@ def line_looks(groups, members=1):
     return [{"color": LINES[colour % len(LINES)], "linestyle": STYLES[kind % len(STYLES)]} for colour, kind in pairs]
 
 
-def quantity(name):
+def quantity(name: str) -> Quantity:
     """Return the Quantity of that name. Raises CaseError that lists the known ones."""
     found = QUANTITIES.get(ALIASES.get(name, name))
     if found is None:
@@ -84,7 +92,7 @@ def quantity(name):
     return found
 
 
-def check_colours(name):
+def check_colours(name: str | None) -> None:
     """Raise CaseError if there is no matplotlib colour map of that name; None is fine."""
     if name is None:
         return
@@ -107,12 +115,12 @@ class Scales:
     """
 
     length: float
-    time: float = None
-    speed: float = None
-    pressure: float = None
+    time: float | None = None
+    speed: float | None = None
+    pressure: float | None = None
 
 
-def scales(case):
+def scales(case: Mapping[str, Any]) -> Scales:
     """Return the Scales of a case (dict, as in case.json)."""
     low, high = fluid_bounds(case)
     height, density = high[-1] - low[-1], case["fluid"]["density"]
@@ -125,7 +133,7 @@ def scales(case):
     return Scales(height, np.sqrt(height / g), np.sqrt(g * height), density * g * height)
 
 
-def fluid_bounds(case):
+def fluid_bounds(case: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Return the lower and upper corner [m] of the fluid of a case (dict) at the start."""
     shape = case["fluid"]["shape"]
     if shape["kind"] == "polygon":
@@ -137,12 +145,12 @@ def fluid_bounds(case):
     return at, at + np.array([shape["width"], shape["height"]])
 
 
-def literal(text, limit=100):
+def literal(text: str, limit: int = 100) -> str:
     """Return a title or name as matplotlib shows it unchanged: a dollar sign would begin a formula, or fail as one."""
     return clipped(plain(text), limit).replace("$", r"\$")
 
 
-def time_label(time, own):
+def time_label(time: float, own: Scales) -> str:
     """Return "t = 0.512 s", followed by the dimensionless time if the scene has gravity."""
     label = rf"$t$ = {time:.3f} s"
     if own.time is None:
@@ -150,7 +158,7 @@ def time_label(time, own):
     return label + rf",   $t\sqrt{{g/H}}$ = {time / own.time:.2f}"
 
 
-def with_prefix(largest, unit):
+def with_prefix(largest: float, unit: str) -> tuple[float, str]:
     """Return (factor, unit) that bring values up to `largest` to a readable size: 12000 Pa -> (1e-3, "kPa")."""
     if unit == "Pa" and largest >= 2000.0:
         return 1e-3, "kPa"
@@ -159,7 +167,7 @@ def with_prefix(largest, unit):
     return 1.0, unit
 
 
-def drawing():
+def drawing() -> ModuleType:
     """Return matplotlib's module `figure`. Raises MissingLibrary, which says how to get it."""
     libraries.require("matplotlib")
     from matplotlib import figure
@@ -167,7 +175,7 @@ def drawing():
     return figure
 
 
-def save(picture, path, dpi=150):
+def save(picture: "Figure", path: AnyPath | None, dpi: float = 150) -> None:
     """Write a figure to `path` (the ending says the format); nothing if path is None. Raises CaseError, StoreError."""
     if path is None:
         return

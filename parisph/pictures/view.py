@@ -1,13 +1,21 @@
 """Pictures of the flow from the folder of a run. Needs matplotlib; needs no MPI."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.paths import AnyPath
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import Collection
+    from matplotlib.figure import Figure
 
 # Diameters in spacings: a drawn particle; and the ground below those inside, which closes the gaps that
 # discs leave between them, without making the surface thicker than half a particle.
@@ -35,16 +43,17 @@ class Look:
     field: str = "pressure"
     surface: bool = False
     normalise: bool = False
-    limits: tuple = None
-    colours: str = None
-    zoom: tuple = None
+    limits: tuple[float, float] | None = None
+    colours: str | None = None
+    zoom: tuple[float, float, float, float] | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         style.quantity(self.field)
         if self.field == "role":
             for name, value in (("limits", self.limits), ("cmap", self.colours)):
                 if value is not None:
-                    raise CaseError(f"--{name} does not apply to the field role, whose colours stand for names: leave it out")
+                    raise CaseError(f"--{name} does not apply to the field role, "
+                                    "whose colours stand for names: leave it out")
         if self.limits is not None:
             _check_order("--limits", *self.limits)
         if self.zoom is not None:
@@ -58,7 +67,8 @@ def _check_order(name, low, high):
         raise CaseError(f"{name}: {low:g} to {high:g} is not a range; give two numbers, the lower one first")
 
 
-def plot_field(run, which=-1, field="pressure", path=None, **look):
+def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, field: str = "pressure",
+               path: AnyPath | None = None, **look: Any) -> "Figure":
     """Draw the particles at one time, coloured by a quantity; return the matplotlib Figure.
 
     The colours end at the greatest value that is shown, on the fluid or on a wet wall, so that a peak is
@@ -94,7 +104,7 @@ class FieldView:
     case : dict, as in case.json; snapshots : list of dicts; look : Look
     """
 
-    def __init__(self, case, snapshots, look):
+    def __init__(self, case: Mapping[str, Any], snapshots: Sequence[Mapping[str, Any]], look: Look) -> None:
         if snapshots[0]["x"].shape[1] != 2:
             raise StoreError("only 2D flows can be drawn: open the run's .series file in ParaView")
         self.case, self.look = case, look
@@ -105,13 +115,14 @@ class FieldView:
         self.spacing = case["numerics"]["spacing"] / self.length
         self.window = self._window(snapshots)
 
-    def size(self, width=8.0):
+    def size(self, width: float = 8.0) -> tuple[float, float]:
         """Return the figure size [inch] for the window, with room for labels and colour bar."""
         (left, right), (low, high) = self.window
         height = 0.84 * width * (high - low) / (right - left) + 1.2
         return (width, height) if height <= 9.0 else (max(4.0, width * 9.0 / height), 9.0)
 
-    def draw(self, axes, snapshot, limits, label=True, note=""):
+    def draw(self, axes: "Axes", snapshot: Mapping[str, Any], limits: tuple[float, float] | None, label: bool = True,
+             note: str = "") -> "Collection | None":
         """Draw one snapshot into axes; return the coloured collection, or None for roles.
 
         limits : (lowest, highest) of the colours; label : whether to show the title of the case;
@@ -136,15 +147,16 @@ class FieldView:
         self._finish(axes, snapshot["time"], label, note)
         return None if roles else layers[1][0]
 
-    def values(self, snapshot):
+    def values(self, snapshot: Mapping[str, Any]) -> np.ndarray:
         """The quantity in the picture's unit, (n,)."""
         needed = self.quantity.needs
         if needed not in snapshot:
-            raise StoreError(f"{self.look.field} cannot be shown: the field {needed!r} was not written (see Output.fields)")
+            raise StoreError(f"{self.look.field} cannot be shown: the field {needed!r} was not written (see "
+                             "Output.fields)")
         values = np.asarray(self.quantity.of(snapshot[needed]), dtype=float)
         return values * self._factor()
 
-    def limits(self, snapshots, whole=False):
+    def limits(self, snapshots: Sequence[Mapping[str, Any]], whole: bool = False) -> tuple[float, float] | None:
         """Return the (lowest, highest) of the colours for all of the snapshots, None for roles.
 
         Those given by the user, else a range for most of the values, so that a short impact or single
@@ -167,7 +179,8 @@ class FieldView:
             low = 0.0
         return (low, high) if high > low else (low, low + 1.0)
 
-    def add_colour_bar(self, picture, axes, discs, snapshots):
+    def add_colour_bar(self, picture: "Figure", axes: "Axes | Sequence[Axes]", discs: "Collection | None",
+                       snapshots: Sequence[Mapping[str, Any]]) -> None:
         """Add the colour bar of `discs`, pointed where values of the snapshots lie beyond it; nothing for roles.
 
         axes : one, which the bar then is as high as, or a list of them
@@ -178,7 +191,8 @@ class FieldView:
         beyond = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}
         low, high = discs.get_clim()
         extend = beyond[bool(np.any(values < low)), bool(np.any(values > high))]
-        beside = {"ax": axes, "aspect": 25, "pad": 0.02} if isinstance(axes, list) else {"cax": axes.inset_axes((1.02, 0.0, 0.025, 1.0))}
+        beside = ({"ax": axes, "aspect": 25, "pad": 0.02} if isinstance(axes, list)
+                  else {"cax": axes.inset_axes((1.02, 0.0, 0.025, 1.0))})
         bar = picture.colorbar(discs, extend=extend, **beside)
         bar.set_label(self._label())
         bar.outline.set_linewidth(0.5)
@@ -209,7 +223,7 @@ class FieldView:
         return f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
 
     def _window(self, snapshots):
-        """((left, right), (low, high)) of the axes: as zoomed, or the fluid of the snapshots and the tank but for its empty top."""
+        """((left, right), (low, high)) of the axes: as zoomed, or fluid of the snapshots and tank but its empty top."""
         x = np.concatenate([snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots])
         low, high = x.min(axis=0), x.max(axis=0)
         tank = self.case.get("walls")
@@ -230,7 +244,7 @@ class FieldView:
         return (left, right), (bottom, top)
 
     def _walls_to_fill(self, snapshot):
-        """Return the wet wall particles, which have the pressure on the wall and close the gap of half a spacing to it."""
+        """Return the wet wall particles, which have the pressure on the wall and close the gap to it of s/2."""
         wet = (snapshot["kind"] == WALL) & (snapshot["role"] == WET)
         return wet if self.quantity.needs in ("p", "role") else np.zeros_like(wet)
 
@@ -240,7 +254,8 @@ class FieldView:
 
         size = np.full(len(x), diameter * self.spacing)
         how = {"linewidths": 0.0, **how}
-        discs = EllipseCollection(size, size, np.zeros(len(x)), units="xy", offsets=x, offset_transform=axes.transData, **how)
+        discs = EllipseCollection(size, size, np.zeros(len(x)), units="xy", offsets=x,
+                                  offset_transform=axes.transData, **how)
         discs.set_in_layout(False)
         axes.add_collection(discs)
         return discs
@@ -259,7 +274,8 @@ class FieldView:
         tank = self.case.get("walls")
         if not tank:
             return
-        (left, low), width, height = np.array(tank["at"]) / self.length, tank["width"] / self.length, tank["height"] / self.length
+        left, low = np.array(tank["at"]) / self.length
+        width, height = tank["width"] / self.length, tank["height"] / self.length
         right, top = left + width, low + height
         corners = [(left, top), (left, low), (right, low), (right, top)] + ([(left, top)] if tank["lid"] else [])
         axes.plot(*np.transpose(corners), color=style.WALL_COLOUR, linewidth=2.0, solid_joinstyle="miter", zorder=3)
@@ -276,10 +292,11 @@ class FieldView:
             chosen = (snapshot["kind"] == FLUID) & (snapshot["role"] == role)
             if np.any(chosen):
                 self._discs(axes, x[chosen], DISC, facecolors="none", edgecolors=colour, linewidths=0.8, zorder=4)
-                handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="none", color=colour, label=name))
+                handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="none",
+                                      color=colour, label=name))
         if handles:
-            axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=9,
-                        borderaxespad=0.2, handletextpad=0.1)
+            axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2,
+                        frameon=False, fontsize=9, borderaxespad=0.2, handletextpad=0.1)
 
     def _finish(self, axes, time, label, note):
         axes.set_xlim(self.window[0])
@@ -289,4 +306,5 @@ class FieldView:
         axes.set_ylabel("$y/H$" if self.look.normalise else "$y$ [m]")
         axes.tick_params(direction="in", top=True, right=True)
         when = style.time_label(time, self.own) + (f",   {note}" if note else "")
-        axes.set_title(f"{style.literal(self.case['title'])}\n{when}" if label else when, loc="left", fontsize=11 if label else 9)
+        axes.set_title(f"{style.literal(self.case['title'])}\n{when}" if label else when, loc="left",
+                       fontsize=11 if label else 9)

@@ -15,7 +15,8 @@ from parisph.base.errors import ParisphError, agree, agree_and_sum
 from parisph.kernels import graph
 
 
-def isolated_rows(comm, offset, indptr, indices, anchored):
+def isolated_rows(comm: MPI.Comm, offset: int, indptr: np.ndarray, indices: np.ndarray,
+                  anchored: np.ndarray) -> tuple[np.ndarray, int]:
     """Return which rows lead to no anchored row. Collective.
 
     Such rows lead only to each other. Fixing p in one row of each group makes the equation
@@ -55,7 +56,8 @@ def isolated_rows(comm, offset, indptr, indices, anchored):
     return ~reached, comm.allreduce(int(np.count_nonzero(~reached)))
 
 
-def highest(comm, candidates, x, force, ids, rounding):
+def highest(comm: MPI.Comm, candidates: np.ndarray, x: np.ndarray, force: np.ndarray, ids: np.ndarray,
+            rounding: float) -> np.ndarray:
     """Return which candidate lies farthest against their mean body force, one of all ranks. Collective.
 
     Parameters

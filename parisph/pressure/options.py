@@ -1,7 +1,10 @@
 """PETSc options of the pressure solve: the defaults, and the user's options, which override them."""
 
 import ctypes
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+
+from mpi4py import MPI
 
 from parisph.base.errors import CaseError
 from parisph.parallel.petsc import PETSc
@@ -71,7 +74,8 @@ def _incomplete(ranks, levels):
             **{f"sub_{name}": value for name, value in factor.items()}}
 
 
-def primary(rtol, closed, ranks, unknowns, entries, lasting=True):
+def primary(rtol: float, closed: bool, ranks: int, unknowns: int, entries: int,
+            lasting: bool = True) -> dict[str, str | None]:
     """Return the default options of the first attempt, name without prefix -> value or None.
 
     They depend on the user's `-pressure_pc_type` if it is set, else on the size of the system.
@@ -99,7 +103,7 @@ def primary(rtol, closed, ranks, unknowns, entries, lasting=True):
     return dict(_KRYLOV, ksp_rtol=repr(float(rtol)), **preconditioner)
 
 
-def backup(stage, rtol, ranks):
+def backup(stage: str, rtol: float, ranks: int) -> dict[str, str | None]:
     """Return the default options of a later attempt: "gamg", "asm" or "lu".
 
     The attempts differ in the Krylov method and the preconditioner, and grow in cost and robustness.
@@ -123,7 +127,7 @@ def _direct(ranks):
 
 
 @contextmanager
-def defaults(prefix, options):
+def defaults(prefix: str, options: Mapping[str, str | None]) -> Iterator[None]:
     """Add options that the user has not set to PETSc's database, and remove them again afterwards.
 
     The database is global and holds 512 entries at most, so the defaults stay in it only while an
@@ -140,7 +144,7 @@ def defaults(prefix, options):
             database.delValue(name)
 
 
-def configured(comm, prefix, options):
+def configured(comm: MPI.Comm, prefix: str, options: Mapping[str, str | None]) -> PETSc.KSP:
     """Return a new KSP with these options, overridden by the user's. Collective.
 
     Raises
@@ -164,7 +168,7 @@ def configured(comm, prefix, options):
     return ksp
 
 
-def check_tolerances(prefix):
+def check_tolerances(prefix: str) -> None:
     """Check the tolerances and limits that the user gave under a prefix. Not collective.
 
     PETSc itself accepts any number here, and fails later, in the middle of a run.
@@ -187,7 +191,7 @@ def check_tolerances(prefix):
                             "give such a value, or leave the option out")
 
 
-def reason_of(error):
+def reason_of(error: BaseException) -> str:
     """Return the last line of a PETSc error's message: the cause, without PETSc's call stack."""
     lines = [line for line in str(error).splitlines() if line.strip()]
     return lines[-1].strip() if lines else "no message"
@@ -206,7 +210,7 @@ class UserOptions:
     CaseError : a word is neither an option nor a value, or a solver option has no prefix.
     """
 
-    def __init__(self, options=None):
+    def __init__(self, options: Sequence[str] | None = None) -> None:
         self.given = _parse(options or [])
         database = PETSc.Options()
         before = database.getAll()
@@ -214,7 +218,7 @@ class UserOptions:
         for name, value in self.given.items():
             database.setValue(name, value)
 
-    def unused(self):
+    def unused(self) -> list[str]:
         """Return the options that PETSc has not used yet; none if PETSc cannot be asked. Not collective.
 
         These are misspelled options, and those of a solver or preconditioner that is not in use.
@@ -232,7 +236,7 @@ class UserOptions:
                 names.append(name)
         return names
 
-    def withdraw(self):
+    def withdraw(self) -> None:
         """Restore PETSc's database."""
         database = PETSc.Options()
         for name, value in self._before.items():
@@ -243,7 +247,7 @@ class UserOptions:
         self._before = {}
 
 
-def as_text(options):
+def as_text(options: Mapping[str, str | None]) -> str:
     """Return options, name -> value or None, as text for the command line after `--`."""
     words = (f"-{name}" if value is None else f"-{name} {value}" for name, value in options.items())
     return " ".join(words)

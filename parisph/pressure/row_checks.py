@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.errors import ParisphError, SolverDiverged
 
 
-def row_fault(indptr, indices, values, n, total):
+def row_fault(indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, n: int, total: int) -> ParisphError | None:
     """Return the error of this rank's CSR rows, or None.
 
     Parameters
@@ -29,7 +29,7 @@ def row_fault(indptr, indices, values, n, total):
     return None
 
 
-def vector_fault(name, vector, n):
+def vector_fault(name: str, vector: np.ndarray | None, n: int) -> ParisphError | None:
     """Return the error of an owned array of n numbers (None is fine), or None."""
     if vector is None:
         return None

@@ -36,7 +36,7 @@ class Rows:
     count : (n,) int32, entries of each row but its diagonal; columns, values : (nnz,); measure : (n,)
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.columns, self.count = np.empty(0, np.int32), np.empty(0, np.int32)
         self.values, self.measure = np.empty(0), np.empty(0)
 
@@ -59,7 +59,7 @@ class Flux:
     filled with. Count and columns are those of the rows if the same kernel fills both.
     """
 
-    def __init__(self, dim: int):
+    def __init__(self, dim: int) -> None:
         self.columns, self.count = np.empty(0, np.int32), np.empty(0, np.int32)
         self.flux, self.div = np.empty((0, dim)), np.empty(0)
 
@@ -93,7 +93,7 @@ class PressureRows:
     radius : of the neighbours that count in rows of the surface, in spacings
     """
 
-    def __init__(self, dim: int, laplacian: Any, divergence: Any, walls: Any, offset: float, radius: float):
+    def __init__(self, dim: int, laplacian: Any, divergence: Any, walls: Any, offset: float, radius: float) -> None:
         self.laplacian, self.divergence_part, self.walls = laplacian, divergence, walls
         self.offset, self.radius = offset, radius
         self.own_flux = laplacian.gives != divergence.name
@@ -111,12 +111,13 @@ class PressureRows:
         self.walls.fill(rows, cloud)
         if self.offset > 0.0:
             s = cloud.spacing
-            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.kind, cloud.role, cloud.volume,
-                                      self.offset * s, s, self.radius * s, cloud.indptr, cloud.indices, cloud.axes)
+            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.kind, cloud.role,
+                                      cloud.volume, self.offset * s, s, self.radius * s, cloud.indptr, cloud.indices,
+                                      cloud.axes)
 
     @property
     def div(self) -> np.ndarray:
-        """Flux divergence of the velocity that the rows were filled with, 0 where there is no stencil: (n_owned,) [1/s]."""
+        """Flux divergence (n_owned,) [1/s] of the velocity that the rows were filled with, 0 without a stencil."""
         return self.flux.div[:len(self.cloud.indptr) - 1]
 
     def pin(self, which: np.ndarray) -> None:
@@ -129,7 +130,8 @@ class PressureRows:
         anchored : (n_owned,) bool, rows with p = 0 or of the surface, or with such a neighbour.
         """
         rows, indptr = self.rows, self.cloud.indptr
-        return compress(len(indptr) - 1, rows.count, rows.columns, rows.values, indptr, role, global_rows, self.offset > 0.0)
+        return compress(len(indptr) - 1, rows.count, rows.columns, rows.values, indptr, role, global_rows,
+                        self.offset > 0.0)
 
     def right_hand_side(self, target: np.ndarray) -> np.ndarray:
         """Return -measure * target, (n_owned,)."""
@@ -153,7 +155,8 @@ class PressureRows:
 
 
 @kernel
-def compress(n, count, columns, values, start, role, global_rows, solved):
+def compress(n: int, count: np.ndarray, columns: np.ndarray, values: np.ndarray, start: np.ndarray, role: np.ndarray,
+             global_rows: np.ndarray, solved: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Join the rows to one CSR with global columns; Dirichlet rows become p = 0.
 
     solved : whether surface particles have rows of their own

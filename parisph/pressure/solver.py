@@ -1,9 +1,11 @@
 """The pressure equation A p = b: Krylov solve, kept preconditioner, fallback chain, record."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
+from mpi4py import MPI
 
 from parisph.base.errors import CaseError, ParisphError, SolverDiverged, agree
 from parisph.base.log import logger
@@ -31,10 +33,10 @@ _NAMES = {
 
 _REFUSED = -100
 _REASONS = {
-    _REFUSED: "PETSc refused", 1: "converged", 2: "converged", 3: "converged", 4: "iteration limit reached", 5: "converged",
-    -2: "no progress", -3: "too many iterations", -4: "residual grew without bound", -5: "breakdown",
-    -6: "breakdown", -7: "method needs a symmetric matrix", -8: "indefinite preconditioner",
-    -9: "not a number", -10: "indefinite matrix", -11: "preconditioner could not be built",
+    _REFUSED: "PETSc refused", 1: "converged", 2: "converged", 3: "converged", 4: "iteration limit reached",
+    5: "converged", -2: "no progress", -3: "too many iterations", -4: "residual grew without bound", -5: "breakdown",
+    -6: "breakdown", -7: "method needs a symmetric matrix", -8: "indefinite preconditioner", -9: "not a number",
+    -10: "indefinite matrix", -11: "preconditioner could not be built",
 }
 
 
@@ -101,7 +103,8 @@ class PressureSolver:
     CaseError on all ranks: an option cannot be understood, or a tolerance is out of range.
     """
 
-    def __init__(self, comm, options=None, rtol=1e-6, closed=False):
+    def __init__(self, comm: MPI.Comm, options: Sequence[str] | None = None, rtol: float = 1e-6,
+                 closed: bool = False) -> None:
         if not rtol > 0.0:
             raise ParisphError(f"relative tolerance {rtol} of the pressure solve must be positive")
         self.setups = 0
@@ -124,7 +127,8 @@ class PressureSolver:
             self._user.withdraw()
             raise
 
-    def solve(self, indptr, indices, values, rhs, guess, renumbered=False):
+    def solve(self, indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, rhs: np.ndarray,
+              guess: np.ndarray | None, renumbered: bool = False) -> tuple[np.ndarray, SolveRecord]:
         """Solve A p = b with a new matrix. Collective.
 
         Parameters
@@ -157,7 +161,8 @@ class PressureSolver:
             self._warn_of_unused_options()
         return found
 
-    def solve_again(self, rhs, guess, slack=1.0):
+    def solve_again(self, rhs: np.ndarray, guess: np.ndarray | None,
+                    slack: float = 1.0) -> tuple[np.ndarray, SolveRecord]:
         """Solve for another right-hand side with the matrix of the last `solve`. Collective.
 
         slack : float
@@ -175,7 +180,7 @@ class PressureSolver:
             agree(self._comm, error)
         return self._run("again", rhs, guess, start, max(self._rtol, min(slack * self._rtol, LOOSEST)), error)
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Free the PETSc objects and restore the options database. Collective."""
         if self._ksp is not None:
             self._ksp.destroy()
@@ -212,8 +217,8 @@ class PressureSolver:
         later = tuple(f"{opts.PREFIX}{stage}_" for stage in _BACKUPS)
         names = [f"-{name}" for name in self._user.unused() if not name.startswith(later)]
         if names and self._comm.rank == 0:
-            logger.warning(f"PETSc does not use {', '.join(names)}: misspelled, or for another solver than the one in use "
-                           "(-pressure_ksp_view shows it)")
+            logger.warning(f"PETSc does not use {', '.join(names)}: misspelled, "
+                           "or for another solver than the one in use (-pressure_ksp_view shows it)")
 
     def _configure(self, unknowns, entries):
         """Make the Krylov solver of the first attempt; its preconditioner depends on the size."""
@@ -235,7 +240,10 @@ class PressureSolver:
     # -- the solve ----------------------------------------------------------------------------
 
     def _run(self, kind, rhs, guess, start, goal, error=None):
-        """Load the vectors and make attempts until one succeeds. Return (p, SolveRecord). error : of this rank's vectors, or None."""
+        """Load the vectors and make attempts until one succeeds.
+
+        Return (p, SolveRecord). error : of this rank's vectors, or None.
+        """
         system, self._goal = self._system, goal
         self._ksp.setTolerances(rtol=goal)
         system.load(rhs, guess, error)

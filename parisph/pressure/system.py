@@ -35,7 +35,7 @@ class System:
     norm : |b|, or |Q b|
     """
 
-    def __init__(self, comm, closed):
+    def __init__(self, comm: MPI.Comm, closed: bool) -> None:
         self.comm = comm
         self.matrix = self.operator = self.preconditioned = None
         self.b = self.x = self._r = None
@@ -44,7 +44,7 @@ class System:
         self._null = None
         self._sizes = None
 
-    def resize(self, n, total):
+    def resize(self, n: int, total: int) -> None:
         """Prepare vectors for n rows of `total` on this rank. Collective."""
         self.destroy()
         self._sizes = ((n, total), (n, total))
@@ -52,7 +52,7 @@ class System:
         self.x, self.b, self._r = (
             PETSc.Vec().createWithArray(array, size=(n, total), comm=self.comm) for array in self._arrays)
 
-    def assemble(self, indptr, indices, values):
+    def assemble(self, indptr: np.ndarray, indices: np.ndarray, values: np.ndarray) -> None:
         """Make the matrix from this rank's rows (global columns, any order). Collective."""
         self._drop_matrix()
         csr = (np.asarray(indptr, PETSc.IntType), np.asarray(indices, PETSc.IntType), np.asarray(values, float))
@@ -63,7 +63,7 @@ class System:
         if self._closed:
             self._find_null_vector(csr)
 
-    def load(self, rhs, guess, error=None):
+    def load(self, rhs: np.ndarray, guess: np.ndarray | None, error: Exception | None = None) -> None:
         """Set b and the initial guess, and compute |b|. Collective.
 
         error : what is wrong with rhs or guess on this rank, or None; it is raised on all ranks
@@ -85,7 +85,8 @@ class System:
             self._null.remove(self.b)
             self._null.remove(self.x)
         self.operator.mult(self.x, self._r)
-        bb, rr, given, zeros, failed = self.sum(b @ b, np.sum((b - r) ** 2), np.dot(rhs, rhs), self._zeros, error is not None)
+        bb, rr, given, zeros, failed = self.sum(b @ b, np.sum((b - r) ** 2), np.dot(rhs, rhs), self._zeros,
+                                                error is not None)
         if failed:
             agree(self.comm, error)
         if zeros:
@@ -95,31 +96,31 @@ class System:
             x[:] = 0.0
             self._touch(self.x)
 
-    def start_from(self, values):
+    def start_from(self, values: np.ndarray) -> None:
         """Set the initial guess to an array of owned values."""
         self._arrays[0][:] = values
         self._touch(self.x)
 
-    def residual(self):
+    def residual(self) -> float:
         """Return |b - A x| / |b| of the current x (with Q, in a closed domain). Collective."""
         _, b, r = self._arrays
         self.operator.mult(self.x, self._r)
         return np.sqrt(self.sum(np.sum((b - r) ** 2))[0]) / self.norm
 
-    def solution(self):
+    def solution(self) -> np.ndarray:
         """Return a copy of the owned part of x, with zero mean in a closed domain. Collective."""
         if self._null:
             self._null.remove(self.x)
         return self._arrays[0].copy()
 
-    def sum(self, *local):
+    def sum(self, *local: float) -> np.ndarray:
         """Return the sums over the ranks of some numbers. Collective."""
         numbers = np.array(local, float)
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, numbers)
         return numbers
 
-    def destroy(self):
+    def destroy(self) -> None:
         """Free the PETSc objects. Collective."""
         self._drop_matrix()
         for vector in (self.b, self.x, self._r):

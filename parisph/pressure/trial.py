@@ -2,6 +2,7 @@
 
 import ctypes
 import os
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -12,7 +13,7 @@ from parisph.pressure.solver import PressureSolver
 SIDE = 48    # unknowns along one side of the square: enough for several multigrid levels
 
 
-def versions():
+def versions() -> dict[str, str | None]:
     """Return {"PETSc", "petsc4py", "hypre": text or None, "scalar", "integer"}. Not collective.
 
     "hypre" is None where PETSc was built without it, and "" where its version cannot be read.
@@ -26,7 +27,7 @@ def versions():
     }
 
 
-def solve(comm):
+def solve(comm: MPI.Comm) -> dict[str, Any]:
     """Solve a five-point Poisson equation on the ranks of `comm`, as a step would. Collective.
 
     Returns {"ranks", "iterations", "error": max |p - exact| / max |exact|, the same on every rank}.

@@ -1,12 +1,12 @@
 """The agenda of a study: its runs, all checked, which of them are done, and what the others cost."""
 
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from parisph.base import paths
 from parisph.base.errors import CaseError
+from parisph.base.paths import AnyPath
 from parisph.base.text import named
 from parisph.driver import preview
 from parisph.study import conduct, prepared, report, study_file
@@ -44,8 +44,8 @@ class Agenda:
         return {key: end for key, end in found.items() if end is not None}
 
 
-def agenda(path: str | os.PathLike, sets: Sequence[str] = (), only: Sequence[str] = (),
-           out: str | os.PathLike | None = None, limit: float | None = None) -> Agenda:
+def agenda(path: AnyPath, sets: Sequence[str] = (), only: Sequence[str] = (),
+           out: AnyPath | None = None, limit: float | None = None) -> Agenda:
     """Return the Agenda of a study file, after all its runs have been checked. Writes nothing. Not collective.
 
     sets : texts "name=value" for all runs; only : names of methods or labels; out : folder, studies/NAME by default

@@ -20,12 +20,14 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
+from types import FrameType
 
 from parisph.base.errors import Interrupted, MissingLibrary, ParisphError, StoreError
 from parisph.base.text import clipped
 from parisph.io.files import write_json, write_text
 from parisph.study import conduct, error_plots, history_plots, limits, measures, other_codes, processes, report, results
 from parisph.study.agenda import Agenda
+from parisph.study.prepared import Prepared
 from parisph.study.results import Result
 
 UNDONE = 1    # exit code if a run failed, or something required is not met
@@ -48,8 +50,8 @@ def carry_out(plan: Agenda, jobs: int = 1, progress: bool = True, force: bool = 
     processes.command([], max(item.point.ranks for item in plan.chosen))    # an error if there is no mpirun
     with conduct.Held(plan.folder, force) as held, terminated_as_interrupted():
         tell = _Progress(plan, progress)
-        found, stopped = _run(plan, jobs, tell, held.beat)
-        found = [found[item.key] for item in plan.items if item.key in found]
+        made, stopped = _run(plan, jobs, tell, held.beat)
+        found = _ordered(plan, made)
         results.add_finest(found, plan.study, plan.place)
         code = _conclude(plan, found, show, tell)
     if stopped:
@@ -58,7 +60,7 @@ def carry_out(plan: Agenda, jobs: int = 1, progress: bool = True, force: bool = 
     return code
 
 
-def _run(plan, jobs, tell, beat):
+def _run(plan: Agenda, jobs: int, tell: "_Progress", beat: Callable[[], None]) -> tuple[dict[str, Result], bool]:
     """Return {key: Result} of all runs that have one, and whether the user has stopped the study."""
     ends, found = plan.ends(), {}
     for item in plan.items:
@@ -84,11 +86,11 @@ def _run(plan, jobs, tell, beat):
     return found, False
 
 
-def _ordered(plan, found):
+def _ordered(plan: Agenda, found: dict[str, Result]) -> list[Result]:
     return [found[item.key] for item in plan.items if item.key in found]
 
 
-def _conclude(plan, found, show, tell):
+def _conclude(plan: Agenda, found: Sequence[Result], show: Callable[[str], None], tell: "_Progress") -> int:
     """Write table and pictures, show the table, and return the exit code."""
     verdicts = limits.verdicts(plan.study, plan.chosen, found)
     parts = [report.table(found, plan.study)] + ([limits.table(verdicts)] if verdicts else [])
@@ -115,7 +117,7 @@ def _conclude(plan, found, show, tell):
     return UNDONE if unmet or failed else 0
 
 
-def _pictures(plan: Agenda, found: Sequence[Result], tell) -> list[Path]:
+def _pictures(plan: Agenda, found: Sequence[Result], tell: "_Progress") -> list[Path]:
     """Draw the pictures and return their paths; without matplotlib, say so and return nothing."""
     study, title = plan.study, plan.title
     names, made = [measures.name_of(measure) for measure in study.errors], []
@@ -145,20 +147,20 @@ def file_name(name: str) -> str:
 class _Progress:
     """One line for each run, on standard error."""
 
-    def __init__(self, plan, wanted):
+    def __init__(self, plan: Agenda, wanted: bool) -> None:
         self._study, self._wanted = plan.study, wanted
         self._number = {item.key: number for number, item in enumerate(plan.chosen, 1)}
 
-    def say(self, text):
+    def say(self, text: str) -> None:
         if self._wanted:
             print(text, file=sys.stderr, flush=True)
 
-    def cores(self, items, jobs):
+    def cores(self, items: Sequence[Prepared], jobs: int) -> None:
         ranks, cores = conduct.ranks_at_once(items, jobs)
         if ranks > cores:
             self.say(f"warning: {ranks} ranks at once on {cores} cores: times on the clock will be too long")
 
-    def run(self, one, note=""):
+    def run(self, one: Result, note: str = "") -> None:
         errors = [f"{name} {value:.3g}" for name, value in one.errors.items() if value is not None]
         cpu = one.values.get("cpu_seconds")
         parts = [*errors, "" if cpu is None else f"{cpu:.3g} CPU s", "" if one.survived else one.end.status,
@@ -174,7 +176,7 @@ def terminated_as_interrupted() -> Iterator[None]:
         yield
         return
 
-    def interrupt(number, frame):
+    def interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
     before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGHUP)}

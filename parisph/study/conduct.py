@@ -3,13 +3,14 @@
 import os
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from parisph.base.errors import ParisphError, StoreError
 from parisph.base.text import plain
+from parisph.case.schema import Case
 from parisph.io import reader
 from parisph.io.files import read_json, write_json, write_text
 from parisph.io.folder import make_inside
@@ -80,7 +81,7 @@ def warm_up(items: Sequence[Prepared]) -> None:
 
     That such a run fails is no error here: the real one will say why.
     """
-    smallest: dict[tuple, Prepared] = {}
+    smallest: dict[tuple[str, str, int], Prepared] = {}
     for item in items:
         like = (item.method, item.case.numerics.preset, item.point.ranks)
         if like not in smallest or item.spacing > smallest[like].spacing:
@@ -99,19 +100,20 @@ def warm_up(items: Sequence[Prepared]) -> None:
                 processes.stop([one])
 
 
-def _first_step(case):
+def _first_step(case: Case) -> float:
     step = case.numerics.time_step or case.numerics.max_time_step
     return min(step or FIRST_STEP * case.end_time, case.end_time)
 
 
 def conduct(items: Sequence[Prepared], folder: Path, jobs: int, limit: float | None,
-            beat: Callable[[], None] = lambda: None) -> Iterator[tuple[Prepared, End]]:
+            beat: Callable[[], None] = lambda: None) -> Generator[tuple[Prepared, End], None, None]:
     """Make runs, at most `jobs` at once, and yield each with its End as soon as it has ended.
 
     folder : of the study; limit : longest time of a run [s], None for any; beat : called again and again
     If the generator is closed, or an exception is raised in it (Ctrl-C), the runs that it has started are ended.
     """
-    waiting, running = list(items), {}
+    waiting = list(items)
+    running: dict[str, tuple[Prepared, processes.Process]] = {}
     try:
         while waiting or running:
             while waiting and len(running) < jobs:
@@ -121,16 +123,17 @@ def conduct(items: Sequence[Prepared], folder: Path, jobs: int, limit: float | N
                 late = limit is not None and process.code is None and process.seconds > limit
                 if late:
                     processes.stop([process])
-                if process.code is not None:
+                code = process.code
+                if code is not None:
                     del running[key]
-                    yield item, _ended(item, process, folder, limit, late)
+                    yield item, _ended(item, code, process.seconds, folder, limit, late)
             beat()
             time.sleep(processes.PAUSE)
     finally:
         processes.stop(process for _, process in running.values())
 
 
-def _start(item, folder):
+def _start(item: Prepared, folder: Path) -> processes.Process:
     case, out = folder / CASES / f"{item.folder}.json", folder / RUNS / item.folder
     write_text(case, item.stored)
     with suppress(FileNotFoundError):
@@ -140,23 +143,22 @@ def _start(item, folder):
     return processes.Process(processes.command(words, item.point.ranks), folder / ENDS / f"{item.folder}.txt")
 
 
-def _ended(item, process, folder, limit, late):
-    """Return the End of a process, and keep it beside the runs if it is final."""
-    code = process.code
+def _ended(item: Prepared, code: int, seconds: float, folder: Path, limit: float | None, late: bool) -> End:
+    """Return the End of a run that took some seconds, and keep it beside the runs if it is final."""
     status = "completed" if code == 0 else "out of time" if late else "diverged" if code == DIVERGED else "failed"
     reason = ""
     if status == "out of time":
         reason = f"out of time after {limit:g} s"
     elif status != "completed":
         reason = _reason(item, folder, code)
-    end = End(item.key, code, process.seconds, status, reason, limit)
+    end = End(item.key, code, seconds, status, reason, limit)
     if end.final:
         content = {**asdict(end), "code_version": code_version(), "run": item.point.described()}
         write_json(folder / ENDS / f"{item.folder}.json", content)
     return end
 
 
-def _reason(item, folder, code):
+def _reason(item: Prepared, folder: Path, code: int) -> str:
     """Return why a run failed, from its summary, else from the last line that it printed."""
     with suppress(ParisphError):
         status = str((reader.Run(folder / RUNS / item.folder).summary or {}).get("status", ""))
@@ -171,7 +173,7 @@ def _reason(item, folder, code):
     return _one_line(f"{word}: {lines[0].removeprefix('parisph: error: ')}" if lines else word)
 
 
-def _one_line(words):
+def _one_line(words: str) -> str:
     """Return the first sentence of a message, of at most LONGEST characters."""
     words = plain(" ".join(words.split()))
     return words if len(words) <= LONGEST else f"{words[:LONGEST].rpartition(' ')[0].rstrip(',;:')} ..."
@@ -180,7 +182,7 @@ def _one_line(words):
 class Held:
     """The lock of the folder of a study, renewed by `beat`. Raises StoreError if another study writes there."""
 
-    def __init__(self, folder: Path, force: bool = False):
+    def __init__(self, folder: Path, force: bool = False) -> None:
         make_folders(folder)
         self._lock = Lock(folder, force)
 
@@ -188,10 +190,10 @@ class Held:
         """Renew it. Raises StoreError if it was taken over."""
         self._lock.check()
 
-    def __enter__(self):
+    def __enter__(self) -> "Held":
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self._lock.release()
 
 

@@ -45,14 +45,14 @@ class Choices(Model):
 
     @field_validator("methods", "spacings", "time_steps", "seeds", "ranks", mode="before")
     @classmethod
-    def _several(cls, values):
+    def _several(cls, values: object) -> object:
         if isinstance(values, (str, int, float)) and not isinstance(values, bool):
             raise ValueError(f"{shown(values)}: must be a list; write [{shown(values)}]")
         return values
 
     @field_validator("methods", "spacings", "time_steps", "seeds", "ranks")
     @classmethod
-    def _each_once(cls, values):
+    def _each_once(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
         twice = next((value for value in values if values.count(value) > 1), _NONE)
         if twice is not _NONE:
             raise ValueError(f"{shown(twice)} is given twice: leave one of them out")
@@ -60,7 +60,7 @@ class Choices(Model):
 
     @field_validator("parameters")
     @classmethod
-    def _known_kinds(cls, found):
+    def _known_kinds(cls, found: dict[str, Any]) -> dict[str, Any]:
         for name, value in found.items():
             if name in OWN or name.removeprefix("numerics.") in OWN:
                 raise ValueError(f"{name}: give it as {OWN[name.removeprefix('numerics.')]}=[...]")
@@ -98,7 +98,7 @@ class Required(Model):
     where: dict[str, Any] = Field(default_factory=dict, description="which runs, by name and value")
 
     @model_validator(mode="after")
-    def _some_limit(self):
+    def _some_limit(self) -> "Required":
         if self.must is None and self.aim is None:
             raise ValueError(f"of = {shown(self.of)}: give must= or aim=, the limit")
         return self
@@ -154,13 +154,13 @@ class Study(Choices):
 
     @field_validator("variants", "errors", "required", "others", "histories", mode="before")
     @classmethod
-    def _listed(cls, values):
+    def _listed(cls, values: object) -> object:
         if isinstance(values, (Model, str)):
             raise ValueError("must be a list; write [...]")
         return values
 
     @model_validator(mode="after")
-    def _names_fit(self):
+    def _names_fit(self) -> "Study":
         names = [name_of(measure) for measure in self.errors]
         twice = next((name for name in names if names.count(name) > 1), None)
         if twice is not None:

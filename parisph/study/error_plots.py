@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from parisph.study import report
 from parisph.study.fits import fitted_order, pareto
 from parisph.study.other_codes import OtherPoint
 from parisph.study.results import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 FRONT = "Pareto front"
@@ -43,7 +46,8 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
     if not dots:
         return False
     both = axis is not None and len({dot.x for group in dots.values() for dot in group}) > 1
-    picture = style.drawing().Figure(figsize=(10.4 if both else 6.0, 4.6 + 0.11 * max(0, len(dots) - MANY)), layout="constrained")
+    picture = style.drawing().Figure(figsize=(10.4 if both else 6.0, 4.6 + 0.11 * max(0, len(dots) - MANY)),
+                                     layout="constrained")
     panels = picture.subplots(1, 2 if both else 1, sharey=True, squeeze=False)[0]
     looks = dict(zip(report.curves(results), style.line_looks(len(report.curves(results)))))
     marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(report.curves(results))}
@@ -62,7 +66,7 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
     return True
 
 
-def _dots(group, name, axis):
+def _dots(group: Sequence[Result], name: str, axis: str | None) -> list[Dot]:
     found = []
     for family in report.families(group):
         pairs = [(one.errors.get(name), one.values.get("cpu_seconds")) for one in family]
@@ -74,8 +78,8 @@ def _dots(group, name, axis):
     return sorted(found, key=lambda dot: dot.x)
 
 
-def convergence(axes: Any, dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, dict], marks: Mapping[str, str], label: str,
-                others: Sequence[OtherPoint] = (), most: int = MANY) -> None:
+def convergence(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, style.LineLook],
+                marks: Mapping[str, str], label: str, others: Sequence[OtherPoint] = (), most: int = MANY) -> None:
     """Draw errors against spacing with their fitted orders.
 
     dots : {curve: dots}; label : of the axis; most : entries of a legend inside, more of them are below
@@ -90,13 +94,15 @@ def convergence(axes: Any, dots: Mapping[str, Sequence[Dot]], looks: Mapping[str
             fit = middle[1] * (ends / middle[0]) ** order
             axes.plot(ends, fit, color=looks[curve]["color"], linewidth=0.8, linestyle=":")
     _draw_others(axes, others, "spacing", "")
-    _logarithmic(axes, [dot.x for group in dots.values() for dot in group] + [one.spacing for one in others])
+    _logarithmic(axes, [dot.x for group in dots.values() for dot in group]
+                 + [one.spacing for one in others if one.spacing])
     axes.set_yscale("log")
     axes.set_xlabel(label)
     add_legend(axes, dots, most)
 
 
-def _costs(axes, dots, looks, marks, others):
+def _costs(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[str, style.LineLook],
+           marks: Mapping[str, str], others: Sequence[OtherPoint]) -> None:
     everything = [dot for group in dots.values() for dot in group]
     front = [everything[k] for k in pareto([dot.cpu for dot in everything], [dot.mean for dot in everything])]
     axes.plot([dot.cpu for dot in front], [dot.mean for dot in front], color="0.8", linewidth=6, solid_capstyle="round",
@@ -105,13 +111,14 @@ def _costs(axes, dots, looks, marks, others):
         group = sorted(group, key=lambda dot: dot.cpu)
         error_bars(axes, [dot.cpu for dot in group], group, looks[curve], marks[curve], curve)
     _draw_others(axes, others, "cpu", " (other computer)")
-    _logarithmic(axes, [dot.cpu for dot in everything] + [one.cpu for one in others])
+    _logarithmic(axes, [dot.cpu for dot in everything] + [one.cpu for one in others if one.cpu])
     axes.set_yscale("log")
     axes.set_xlabel("CPU time of all ranks [s]")
     add_legend(axes, dots)
 
 
-def error_bars(axes: Any, x: Sequence[float], group: Sequence[Dot], look: dict, mark: str, label: str) -> None:
+def error_bars(axes: "Axes", x: Sequence[float], group: Sequence[Dot], look: style.LineLook, mark: str,
+               label: str) -> None:
     """Draw the mean of each dot at a place of the axis, with a bar from the least to the largest."""
     y = np.array([dot.mean for dot in group])
     spread = np.array([[dot.mean - dot.low for dot in group], [dot.high - dot.mean for dot in group]])
@@ -119,15 +126,16 @@ def error_bars(axes: Any, x: Sequence[float], group: Sequence[Dot], look: dict, 
                   label=style.literal(label, 60), zorder=3, **look)
 
 
-def _draw_others(axes, others, of, note):
+def _draw_others(axes: "Axes", others: Sequence[OtherPoint], of: str, note: str) -> None:
     for number, code in enumerate(dict.fromkeys(one.code for one in others)):
         points = [one for one in others if one.code == code]
-        axes.plot([getattr(one, of) for one in points], [one.error for one in points], color="black", linestyle="",
+        axes.plot([getattr(one, of) for one in points], [one.error or np.nan for one in points],
+                  color="black", linestyle="",
                   marker=OTHER_MARKS[number % len(OTHER_MARKS)], markersize=8, markerfacecolor="none", zorder=2,
                   label=style.literal(f"{code}{note}", 60))
 
 
-def add_legend(axes: Any, curves: Iterable[str], most: int = MANY) -> None:
+def add_legend(axes: "Axes", curves: Iterable[str], most: int = MANY) -> None:
     """Add a legend: first what is said of all, then our curves, then other codes."""
     pairs = list(zip(*axes.get_legend_handles_labels()))
     names = [style.literal(curve, 60) for curve in curves]
@@ -141,7 +149,7 @@ def add_legend(axes: Any, curves: Iterable[str], most: int = MANY) -> None:
         axes.legend(*zip(*pairs), loc="upper center", bbox_to_anchor=(0.5, -0.14), fontsize=7, ncols=2, frameon=False)
 
 
-def _logarithmic(axes, values):
+def _logarithmic(axes: "Axes", values: Sequence[float]) -> None:
     """Make the x axis logarithmic, with plain numbers at 1, 2 and 5 if it spans little more than a decade."""
     from matplotlib import ticker
 

@@ -24,7 +24,8 @@ def pareto(costs: Sequence[float], errors: Sequence[float]) -> list[int]:
     costs, errors : (n,) finite numbers. The indices are in the order of increasing cost.
     """
     order = sorted(range(len(costs)), key=lambda k: (costs[k], errors[k]))
-    front, best = [], float("inf")
+    front: list[int] = []
+    best = float("inf")
     for k in order:
         if errors[k] < best or (front and (costs[k], errors[k]) == (costs[front[-1]], errors[front[-1]])):
             front.append(k)

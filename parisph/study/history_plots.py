@@ -1,19 +1,27 @@
 """Pictures of a study: the series of a probe side by side, one panel for each curve, with the truth."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.base.errors import ParisphError
+from parisph.base.table import names as columns_of
 from parisph.base.table import read_reference
 from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, style
 from parisph.study import report
 from parisph.study.definition import Study
 from parisph.study.results import Result
-from parisph.truth.comparison import columns_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
+
+Drawn = tuple[Result, Run]    # a run, and its files
 
 ACROSS = 3    # panels beside each other
 WIDE = 4.6    # [inch] of a panel
@@ -47,7 +55,7 @@ def draw(results: Sequence[Result], probe: str, study: Study, place: Path, path:
     truths, sort = _truths(run, probe, study, place), report.axis_of(results)[0]
     keys = list(dict.fromkeys(_key(one, sort) for group in panels.values() for one, _ in group))
     looks = dict(zip(keys, style.line_looks(len(keys))))
-    lines = {}
+    lines: dict[str, Line2D] = {}
     for axes, (curve, group) in zip(grid.flat, panels.items()):
         _panel(axes, curve, group, probe, column, factor, looks, sort, truths, lines)
     for axes in list(grid.flat)[len(panels):]:
@@ -66,7 +74,9 @@ def draw(results: Sequence[Result], probe: str, study: Study, place: Path, path:
     return True
 
 
-def _panel(axes, curve, group, probe, column, factor, looks, sort, truths, lines):
+def _panel(axes: "Axes", curve: str, group: Sequence[Drawn], probe: str, column: str, factor: float,
+           looks: Mapping[str, style.LineLook], sort: str | None, truths: Mapping[str, tuple[Floats, Floats]],
+           lines: "dict[str, Line2D]") -> None:
     end = 0.0
     for one, run in group:
         series = run.probe(probe)
@@ -89,7 +99,7 @@ def _panel(axes, curve, group, probe, column, factor, looks, sort, truths, lines
     axes.margins(x=0.0)
 
 
-def _with_samples(group, probe):
+def _with_samples(group: Sequence[Result], probe: str) -> Iterator[Drawn]:
     """Yield (result, Run) of the first starts of a curve that have samples of a probe."""
     for family in report.families(group):
         with suppress(ParisphError):    # a run that failed at its start has no files
@@ -98,19 +108,19 @@ def _with_samples(group, probe):
                 yield family[0], run
 
 
-def _key(one, sort):
+def _key(one: Result, sort: str | None) -> str:
     if sort == "time_step":
         return "adaptive" if one.item.time_step is None else f"time step {one.item.time_step:.4g}"
     return f"spacing {one.item.spacing:.4g}"
 
 
-def _column(run, probe):
-    names = [name for name in run.probe(probe).dtype.names if name not in ("time", "step")]
+def _column(run: Run, probe: str) -> str:
+    names = [name for name in run.probe(probe).dtype.names or () if name not in ("time", "step")]
     kind = next((about["kind"] for about in run.case.get("probes", ()) if about["name"] == probe), "")
     return "total" if kind == "energy" and "total" in names else names[0]
 
 
-def _truths(run: Run, probe: str, study: Study, place: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def _truths(run: Run, probe: str, study: Study, place: Path) -> dict[str, tuple[Floats, Floats]]:
     """Return {label: (time [s], values)}, the references of a probe: that of the case, and those of the study."""
     found = {}
     try:
@@ -129,12 +139,13 @@ def _truths(run: Run, probe: str, study: Study, place: Path) -> dict[str, tuple[
     return found
 
 
-def _largest(panels, probe, column):
+def _largest(panels: Mapping[str, Sequence[Drawn]], probe: str, column: str) -> float:
     values = [np.nanmax(np.abs(run.probe(probe)[column]), initial=0.0) for group in panels.values() for _, run in group]
     return float(max(values, default=0.0))
 
 
-def _limit(axes, panels, probe, column, factor, truths):
+def _limit(axes: "Axes", panels: Mapping[str, Sequence[Drawn]], probe: str, column: str, factor: float,
+           truths: Iterable[tuple[Floats, Floats]]) -> None:
     """Leave out of the range of values what would hide the rest: spikes, runs that blew up, errors beyond the truth."""
     runs = [pair for group in panels.values() for pair in group]
     kept = [run for one, run in runs if one.survived] or [run for _, run in runs]
@@ -146,8 +157,8 @@ def _limit(axes, panels, probe, column, factor, truths):
     if np.ptp(values) <= SPIKE * (high - low):
         low, high = values.min(), values.max()
     end = max(run.probe(probe)["time"][-1] for run in kept)
-    true = [factor * part[time <= end] for time, part in truths if np.any(time <= end)]
-    if true and np.ptp(true := np.concatenate(true)) > 0.0:
+    parts = [factor * part[time <= end] for time, part in truths if np.any(time <= end)]
+    if parts and np.ptp(true := np.concatenate(parts)) > 0.0:
         low = min(max(low, true.min() - BEYOND * np.ptp(true)), true.min())
         high = max(min(high, true.max() + BEYOND * np.ptp(true)), true.max())
     if high > low:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from parisph.study import report
 from parisph.study.definition import Required, Study
@@ -35,7 +36,7 @@ class Verdict:
         """Whether every start reaches `aim`, None where there is none."""
         return self._within(self.required.aim)
 
-    def _within(self, limit):
+    def _within(self, limit: float | None) -> bool | None:
         if limit is None:
             return None
         return bool(self.values) and all(
@@ -62,7 +63,7 @@ def table(found: Sequence[Verdict]) -> str:
                                    _limit(one.required, one.required.aim), _word(one)] for one in found])
 
 
-def as_lines(found: Sequence[Verdict]) -> list[dict]:
+def as_lines(found: Sequence[Verdict]) -> list[dict[str, Any]]:
     """Return verdicts as a list of dicts for JSON."""
     return [{"of": one.of, "run": one.where, "values": one.values, "must": one.required.must, "aim": one.required.aim,
              "least": one.required.least, "met": one.met, "reached": one.reached} for one in found]
@@ -74,23 +75,23 @@ def unmet(found: Sequence[Verdict]) -> list[str]:
             for one in found if one.met is False]
 
 
-def _place(item):
+def _place(item: Prepared) -> str:
     parts = [item.point.label, f"spacing {text(item.spacing)}"]
     if "time_step" in item.point.sets and "dt = " not in item.point.label:
         parts.append(f"time step {text(item.time_step)}")
     return ", ".join(parts)
 
 
-def _range(values):
+def _range(values: Sequence[float | None]) -> str:
     numbers = [value for value in values if value is not None]
     ends = list(dict.fromkeys(f"{value:.4g}" for value in (min(numbers), max(numbers)))) if numbers else []
     return " to ".join(ends) + f"{' and ' * bool(ends)}none" * (len(numbers) < len(values))
 
 
-def _limit(required, limit):
+def _limit(required: Required, limit: float | None) -> str:
     return "" if limit is None else f"{'>=' if required.least else '<='} {limit:.4g}"
 
 
-def _word(one):
+def _word(one: Verdict) -> str:
     met = {None: "", True: "yes", False: "NO"}[one.met]
     return (met + {None: "", True: " (aim)", False: ""}[one.reached]).strip()

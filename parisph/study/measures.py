@@ -95,7 +95,7 @@ class Function(Model):
 
     @field_validator("of", mode="before")
     @classmethod
-    def _callable(cls, value):
+    def _callable(cls, value: object) -> object:
         if not callable(value):
             raise ValueError(f"of = {shown(value)}: must be a function of a run that returns a number")
         return value
@@ -113,10 +113,11 @@ def name_of(measure: AnyMeasure) -> str:
         return measure.name
     if isinstance(measure, Quantity):
         return measure.entry
-    if isinstance(measure, TruthError) and measure.norm != "relative_l2":
-        return f"{measure.probe} ({measure.norm})"
-    return {"series": f"{measure.probe} against {Path(getattr(measure, 'file', '')).stem}",
-            "finest": f"{measure.probe} against the finest"}.get(measure.kind, measure.probe)
+    if isinstance(measure, TruthError):
+        return measure.probe if measure.norm == "relative_l2" else f"{measure.probe} ({measure.norm})"
+    if isinstance(measure, SeriesError):
+        return f"{measure.probe} against {Path(measure.file).stem}"
+    return f"{measure.probe} against the finest" if isinstance(measure, FinestError) else measure.kind
 
 
 def label_of(measure: AnyMeasure) -> str:

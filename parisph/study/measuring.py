@@ -2,17 +2,21 @@
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from parisph.base import table
+from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError, ParisphError
 from parisph.base.text import named, of_error, shown
+from parisph.case.schema import Case
 from parisph.io.reader import Run
-from parisph.study.measures import AnyMeasure, Function, Quantity, SeriesError, TruthError, name_of
+from parisph.study.measures import AnyMeasure, FinestError, Function, Quantity, SeriesError, TruthError, name_of
 from parisph.truth import comparison, norms
 
 
-def faults(measure: AnyMeasure, case, folder: Path) -> list[str]:
+def faults(measure: AnyMeasure, case: Case, folder: Path) -> list[str]:
     """Return what is wrong with a measure of a case, one line each, before anything runs. Not collective.
 
     case : Case; folder : of the study file, which the paths of references are relative to
@@ -28,9 +32,9 @@ def faults(measure: AnyMeasure, case, folder: Path) -> list[str]:
                 "SeriesError"]
     if isinstance(measure, SeriesError):
         try:
-            comparison.columns_of(folder / measure.file)
+            table.names(folder / measure.file)
             for column in filter(None, (measure.time, measure.value)):
-                comparison.read_reference(folder / measure.file, measure.time or column, measure.value or column)
+                table.read_reference(folder / measure.file, measure.time or column, measure.value or column)
         except ParisphError as error:
             return [f"{name_of(measure)}: {error}"]
     return []
@@ -46,7 +50,7 @@ def value(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None = None
     CaseError : it cannot be computed, with the reason; StoreError : files of the run cannot be read
     """
     try:
-        found = _VALUES[measure.kind](measure, run, folder, finest)
+        found = _found(measure, run, folder, finest)
     except ParisphError:
         raise
     except KeyboardInterrupt:
@@ -57,34 +61,44 @@ def value(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None = None
     return None if found is None or not math.isfinite(found) else float(found)
 
 
-def _of_truth(measure, run, folder, finest):
+def _found(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None) -> float | None:
+    if isinstance(measure, TruthError):
+        return _of_truth(measure, run)
+    if isinstance(measure, SeriesError):
+        return _of_series(measure, run, folder)
+    if isinstance(measure, FinestError):
+        return _of_finest(measure, run, finest)
+    return _of_summary(measure, run) if isinstance(measure, Quantity) else float(measure.of(run))
+
+
+def _of_truth(measure: TruthError, run: Run) -> float:
     found = ((run.summary or {}).get("errors") or {}).get(measure.probe) or {}
     if found.get(measure.norm) is None:
         raise CaseError(str(found.get("reason") or f"the summary has no error of {measure.probe}"))
-    return found[measure.norm]
+    return float(found[measure.norm])
 
 
-def _of_series(measure, run, folder, finest):
+def _of_series(measure: SeriesError, run: Run, folder: Path) -> float:
     names = ("probe", "column", "time", "value", "offset", "scale", "time_scale", "shift", "best_shift", "rest")
     found = comparison.compare(run, folder / measure.file, **{name: getattr(measure, name) for name in names})
     key = "z14" if measure.norm == "z14" else "relative_l2"
     if measure.start is None and measure.end is None:
-        return found.result[key]
+        return float(found.result[key])
     t, truth = _within(*found.truth, measure)
     return norms.judge(*found.found, t, truth, measure.rest, found.result["shift"])[key]
 
 
-def _of_finest(measure, run, folder, finest):
+def _of_finest(measure: FinestError, run: Run, finest: Run | None) -> float | None:
     if finest is None or finest.folder == run.folder:
         return None
     ours, theirs = run.probe(measure.probe), finest.probe(measure.probe)
-    column = measure.column or next(name for name in ours.dtype.names if name not in ("time", "step"))
+    column = measure.column or next(name for name in ours.dtype.names or () if name not in ("time", "step"))
     reference = _within(theirs["time"], theirs[column], measure)
     return norms.judge(ours["time"], ours[column], *reference)["relative_l2"]
 
 
-def _of_summary(measure, run, folder, finest):
-    found = run.summary
+def _of_summary(measure: Quantity, run: Run) -> float | None:
+    found: Any = run.summary
     for part in measure.entry.split("."):
         if not isinstance(found, dict) or part not in found:
             there = ", ".join(found) if isinstance(found, dict) else "nothing"
@@ -96,18 +110,11 @@ def _of_summary(measure, run, folder, finest):
     return abs(float(found)) if measure.absolute else float(found)
 
 
-def _of_function(measure, run, folder, finest):
-    return float(measure.of(run))
 
-
-def _within(t, values, measure):
+def _within(t: Floats, values: Floats, measure: SeriesError | FinestError) -> tuple[Floats, Floats]:
     """Return the part of a series between the start and the end of a measure [s]."""
     low = -np.inf if measure.start is None else measure.start
     high = np.inf if measure.end is None else measure.end
     inside = (t >= low) & (t <= high)
     return t[inside], values[inside]
 
-
-_VALUES = {
-    "truth": _of_truth, "series": _of_series, "finest": _of_finest, "quantity": _of_summary, "function": _of_function,
-}

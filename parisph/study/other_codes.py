@@ -1,5 +1,6 @@
 """Points of other codes, from CSV files, for the pictures of a study."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -39,7 +40,7 @@ def read(other: OtherCodes, folder: Path) -> list[OtherPoint]:
             raise CaseError(f"others: {named(other.file)} has no column {shown(name)} "
                             f'(it has: {reading.listed(names)}); write "" for one that there is not')
 
-    def number(line, cells, name):
+    def number(line: int, cells: Sequence[str], name: str) -> float | None:
         cell = cells[names.index(name)] if name else ""
         try:
             return float(cell) if cell else None

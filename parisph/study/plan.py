@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -56,16 +57,16 @@ def points(study: Study, sets: dict[str, Any] | None = None) -> list[Point]:
     ------
     CaseError : a parameter of `sets` is one that the study varies, or two runs are the same.
     """
-    found = []
+    found: list[Point] = []
     for choices in study.variants or (study,):
         found += _product(study, choices, sets or {})
-    seen = {}
+    seen: set[str] = set()
     for point in found:
         key = repr((sorted(point.sets.items(), key=lambda item: item[0]), point.ranks, point.given))
         if key in seen:
             raise CaseError(f"two runs of the study are the same ({named(point.described())}): leave one out, or give "
                             "their variants other labels")
-        seen[key] = point
+        seen.add(key)
     return _labelled(found)
 
 
@@ -76,7 +77,7 @@ def text(value: Any) -> str:
     return "none" if value is None else f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-def _product(study, choices, sets):
+def _product(study: Study, choices: Choices, sets: Mapping[str, Any]) -> Iterator[Point]:
     axes = [(name, _chosen(study, choices, several)) for name, several in
             (("method", "methods"), ("spacing", "spacings"), ("time_step", "time_steps"))]
     axes += [(name, value if isinstance(value, list) else [value])
@@ -92,8 +93,9 @@ def _product(study, choices, sets):
             yield Point({**given, **sets}, ranks, given=getattr(choices, "label", ""))
 
 
-def _chosen(study: Study, choices: Choices, name: str):
-    return getattr(choices, name) or getattr(study, name)
+def _chosen(study: Study, choices: Choices, name: str) -> Sequence[Any]:
+    values: Sequence[Any] = getattr(choices, name) or getattr(study, name)
+    return values
 
 
 def _labelled(found: list[Point]) -> list[Point]:
@@ -108,7 +110,7 @@ def _labelled(found: list[Point]) -> list[Point]:
               and len({repr(point.sets.get(name, "-")) for point in unnamed}) > 1]
     if len({point.ranks for point in unnamed}) > 1:
         varied.append("ranks")
-    groups: dict[tuple, set] = {}
+    groups: dict[tuple[Any, ...], set[Any]] = {}
     for point in found:
         like = (_label(point, varied), point.sets.get("spacing"), point.sets.get("seed"))
         groups.setdefault(like, set()).add(point.sets.get("time_step"))
@@ -118,7 +120,7 @@ def _labelled(found: list[Point]) -> list[Point]:
     return [Point(point.sets, point.ranks, _label(point, varied), point.given) for point in found]
 
 
-def _label(point, varied):
+def _label(point: Point, varied: Sequence[str]) -> str:
     parts = [point.given or str(point.sets.get("method", ""))]
     for name in varied:
         if name == "time_step" and name in point.sets:

@@ -4,7 +4,7 @@ import difflib
 import functools
 import hashlib
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from parisph.base.errors import CaseError
 from parisph.base.text import clipped, named, shown
 from parisph.case import load as case_file
 from parisph.case import scales, size
-from parisph.case.model import first_lines
+from parisph.case.faults import first_lines
 from parisph.case.numerics import Numerics
 from parisph.case.schema import Case
 from parisph.case.stored import to_json
@@ -56,7 +56,8 @@ class Prepared:
     @property
     def spacing(self) -> float:
         """Particle spacing as the study gives it, else [m]."""
-        return float(set_words.number_or(self.point.sets.get("spacing"), self.case.numerics.spacing))
+        given = self.point.sets.get("spacing")
+        return float(self.case.numerics.spacing if given is None else set_words.number_of(given))
 
     @property
     def time_step(self) -> float | None:
@@ -64,7 +65,8 @@ class Prepared:
         given = self.point.sets.get("time_step", ...)
         if given is ...:
             return self.case.numerics.time_step
-        return None if given is None else set_words.number_or(given, self.case.numerics.time_step)
+        found = set_words.value("time_step", given) if isinstance(given, str) else given
+        return None if found is None else float(found)
 
     @property
     def step_text(self) -> str:
@@ -97,7 +99,9 @@ def prepare(study: Study, file: Path, sets: Sequence[str] = (), parts: Sequence[
     ------
     CaseError : a case, a measure or a limit of the study is wrong; one line for each problem
     """
-    case, found, problems = (file.parent / study.case).resolve(), [], {}
+    case = (file.parent / study.case).resolve()
+    found: list[Prepared] = []
+    problems: dict[str, Point] = {}
     for point in plan.points(study, set_words.read(sets)):
         try:
             made = _case(case, point)
@@ -122,7 +126,8 @@ def selected(found: Iterable[Prepared], methods: Sequence[str]) -> list[Prepared
     there = list(dict.fromkeys(name for item in found for name in (item.method, item.point.label)))
     for name in methods:
         if name not in there:
-            raise CaseError(f"--only {named(name)}: the study has no such method (it has: {clipped('; '.join(map(named, there)), LINE)})")
+            raise CaseError(f"--only {named(name)}: the study has no such method (it has: "
+                            f"{clipped('; '.join(map(named, there)), LINE)})")
     return [item for item in found if not methods or {item.method, item.point.label} & set(methods)]
 
 
@@ -137,7 +142,7 @@ def code_version() -> str:
     return f"{parisph.__version__}+{found.hexdigest()}"
 
 
-def _key(text, ranks):
+def _key(text: str, ranks: int) -> str:
     return hashlib.blake2b(f"{text}\n{ranks}\n{code_version()}".encode(), digest_size=16).hexdigest()
 
 
@@ -163,7 +168,7 @@ def _case(path: Path, point: Point) -> Case:
     return case.changed(**inside) if inside else case
 
 
-def _faults(study, case, folder):
+def _faults(study: Study, case: Case, folder: Path) -> Iterator[str]:
     """Yield what is wrong with the measures, histories and other codes of a study, for one of its cases."""
     for measure in study.errors:
         yield from measuring.faults(measure, case, folder)
@@ -185,21 +190,21 @@ def matches(where: dict[str, Any], item: Prepared) -> bool:
     return all(name in there and _same(there[name], value) for name, value in where.items())
 
 
-def _same(a, b):
+def _same(a: object, b: object) -> bool:
     number = (int, float)
     if isinstance(a, number) and isinstance(b, number) and not isinstance(a, bool) and not isinstance(b, bool):
         return abs(a - b) <= 1e-9 * max(abs(a), abs(b))
     return a == b
 
 
-def _check_places(study, found):
+def _check_places(study: Study, found: Sequence[Prepared]) -> None:
     for item in study.required:
         if not any(matches(item.where, one) for one in found):
             raise CaseError(f"required, {named(item.of)}: no run of the study has {shown(item.where)}")
 
 
-def _check_different(found):
-    seen = {}
+def _check_different(found: Sequence[Prepared]) -> None:
+    seen: dict[str, Prepared] = {}
     for item in found:
         if item.key in seen:
             raise CaseError(f"two runs of the study are the same case: {named(seen[item.key].point.described())}, and "

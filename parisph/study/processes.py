@@ -49,8 +49,9 @@ class Process:
     stopped : whether `ask` or `kill` has ended it
     """
 
-    def __init__(self, command: Sequence[str], output: Path):
-        self._began, self.stopped, self._seconds = time.monotonic(), False, None
+    def __init__(self, command: Sequence[str], output: Path) -> None:
+        self._began, self.stopped = time.monotonic(), False
+        self._seconds: float | None = None
         with open(output, "w", encoding="utf-8") as file:
             self._process = subprocess.Popen(command, env=surroundings(), stdin=subprocess.DEVNULL, stdout=file,
                                              stderr=subprocess.STDOUT, start_new_session=True)
@@ -99,7 +100,7 @@ def stop(running: Iterable[Process]) -> None:
         _wait(running, GRACE)
 
 
-def _wait(running, seconds):
+def _wait(running: Sequence[Process], seconds: float) -> None:
     until = time.monotonic() + seconds
     while any(process.code is None for process in running) and time.monotonic() < until:
         time.sleep(PAUSE)

@@ -1,6 +1,6 @@
 """The table of a study as Markdown that can be read as plain text: starts that differ by their seed are one line."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -10,6 +10,8 @@ from parisph.study.fits import fitted_order
 from parisph.study.plan import text
 from parisph.study.results import Result
 
+Cell = Callable[[Sequence[Result]], str]    # of the runs of a line
+
 # Further columns: head, name of the value, digits.
 FURTHER = (("CPU s", "cpu_seconds", 3), ("wall s", "wall_seconds", 3), ("it./step", "iterations", 3))
 ENERGIES = (("energy, end", "energy_end", 4), ("energy, most", "energy_high", 5))
@@ -17,7 +19,7 @@ ENERGIES = (("energy, end", "energy_end", 4), ("energy, most", "energy_high", 5)
 
 def families(results: Iterable[Result]) -> list[list[Result]]:
     """Return results in groups that differ by their seed only, in the order in which they come."""
-    found: dict[tuple, list[Result]] = {}
+    found: dict[tuple[str, str, int], list[Result]] = {}
     for one in results:
         point = one.item.point
         sets = {name: value for name, value in point.sets.items() if name != "seed"}
@@ -52,7 +54,7 @@ def table(results: Sequence[Result], study: Study) -> str:
     errors = [measures.name_of(measure) for measure in study.errors if measures.is_error(measure)]
     several = any(len(group) > 1 for group in families(results))
     on_several = any(one.item.point.ranks > 1 for one in results)
-    columns: list[tuple[str, Callable]] = [
+    columns: list[tuple[str, Cell]] = [
         ("run", lambda group: group[0].item.point.label), ("spacing", lambda group: f"{group[0].item.spacing:.4g}"),
         ("time step", lambda group: group[0].item.step_text),
         *([("starts", lambda group: str(len(group)))] if several else []),
@@ -81,14 +83,14 @@ def name_of(one: Result) -> str:
     return ", ".join(filter(None, parts))
 
 
-def _constant(results):
+def _constant(results: Sequence[Result]) -> str:
     """Return the parameters that are the same in all runs, as text."""
     found = [one.item.point.further for one in results]
     return ", ".join(f"{name} = {text(value)}" for name, value in found[0].items()
                      if all(name in other and repr(other[name]) == repr(value) for other in found))
 
 
-def _orders(results, names):
+def _orders(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     """Yield a line with the fitted orders of each curve, in the spacing or the time step."""
     axis, _ = axis_of(results)
     if axis is None:
@@ -102,37 +104,36 @@ def _orders(results, names):
             yield f"Fitted order in the {axis.replace('_', ' ')}, {curve}: {found}"
 
 
-def _column(head, name, digits):
+def _column(head: str, name: str, digits: int) -> tuple[str, Cell]:
     """Return the head of a column, and the function of the runs of a line that gives its cell."""
     return head, lambda group: _spread(group, name, digits)
 
 
-def _spread(group, name, digits):
-    values = [one.number(name) for one in group]
-    values = [value for value in values if value is not None]
+def _spread(group: Sequence[Result], name: str, digits: int) -> str:
+    values = [value for value in (one.number(name) for one in group) if value is not None]
     if not values:
         return "-"
     mean, low, high = (f"{value:.{digits}g}" for value in (np.mean(values), min(values), max(values)))
     return mean if low == high else f"{mean} ({low} to {high})"
 
 
-def _volume(group):
+def _volume(group: Sequence[Result]) -> str:
     """Return the least and the largest volume of all starts, over that at their start."""
-    low, high = ([one.values[name] for one in group if one.values.get(name) is not None]
+    low, high = ([value for value in (one.values.get(name) for one in group) if value is not None]
                  for name in ("volume_low", "volume_high"))
     return f"{min(low):.4f} to {max(high):.4f}" if low and high else "-"
 
 
-def _survived(group):
+def _survived(group: Sequence[Result]) -> str:
     good = sum(one.survived for one in group)
     return "yes" if good == len(group) else "no" if len(group) == 1 else f"{good} of {len(group)}"
 
 
-def _count(value):
+def _count(value: float | None) -> str:
     return "-" if value is None else str(int(value))
 
 
-def markdown(head, rows):
+def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a Markdown table whose columns are aligned."""
     rows = [[cell.replace("|", "/") for cell in row] for row in [head, *rows]]
     widths = [max(len(row[k]) for row in rows) for k in range(len(head))]

@@ -15,6 +15,7 @@ from parisph.io.reader import Run, open_run
 from parisph.study import measures, measuring
 from parisph.study.conduct import RUNS, End
 from parisph.study.definition import Study
+from parisph.study.measures import AnyMeasure
 from parisph.study.plan import text
 from parisph.study.prepared import Prepared, code_version
 
@@ -110,11 +111,11 @@ def add_finest(results: Iterable[Result], study: Study, place: Path) -> None:
             _measure(found, measure, runs[0], place, runs[1])
 
 
-def _seed(found):
+def _seed(found: Result) -> int:
     return found.item.case.numerics.seed
 
 
-def _measure(found, measure, run, place, finest):
+def _measure(found: Result, measure: AnyMeasure, run: Run, place: Path, finest: Run | None) -> None:
     name = measures.name_of(measure)
     found.errors[name] = None
     if not found.survived:    # over another time than that of the others, an error cannot be compared with theirs
@@ -139,17 +140,17 @@ def _values(run: Run, end: End) -> dict[str, float | None]:
     return found
 
 
-def _iterations(run):
+def _iterations(run: Run) -> float | None:
     """Return the mean number of iterations of a step, of all its solves; None where a method solves nothing."""
     try:
         steps = run.steps
-        counts = [steps[name] for name in ("iterations", "position_iterations") if name in steps.dtype.names]
+        counts = [steps[name] for name in ("iterations", "position_iterations") if name in (steps.dtype.names or ())]
         return float(np.mean(np.sum(counts, axis=0))) if counts and len(steps) else None
     except ParisphError:
         return None
 
 
-def _reached(run):
+def _reached(run: Run) -> tuple[int | None, float | None]:
     try:
         steps = run.steps
         return (int(steps["step"][-1]), float(steps["time"][-1])) if len(steps) else (None, None)

@@ -35,8 +35,6 @@ def value(name: str, text: str) -> Any:
     return int(found) if found == int(found) and name == "seed" else found
 
 
-def number_or(value: Any, default: float | None) -> float | None:
-    """Return a number that may be given as text, or the default for None."""
-    if isinstance(value, str):
-        return number(value)
-    return default if value is None else value
+def number_of(value: float | str) -> float:
+    """Return a number that may be given as text."""
+    return number(value) if isinstance(value, str) else value

@@ -10,12 +10,13 @@ from pathlib import Path
 
 from parisph.base import paths, reading
 from parisph.base.errors import CaseError
+from parisph.base.paths import AnyPath
 from parisph.base.text import class_name, clipped, named, of_error, plain
 from parisph.study.definition import Study
 from parisph.study.patch_study import PatchStudy
 
 
-def read(path: str | os.PathLike) -> tuple[Study | PatchStudy, Path]:
+def read(path: AnyPath) -> tuple[Study | PatchStudy, Path]:
     """Return the study that a file describes, and the absolute path of the file. Not collective, needs no MPI.
 
     path : a Python file with `study = Study(...)` or `study = PatchStudy(...)`, or a function `study()` that returns one;
@@ -43,7 +44,7 @@ def read(path: str | os.PathLike) -> tuple[Study | PatchStudy, Path]:
     return _of_python(text, file, path), file
 
 
-def _kind_of(text):
+def _kind_of(text: str) -> type[Study] | type[PatchStudy]:
     """Return the class of the study in a JSON text."""
     try:
         found = json.loads(text)
@@ -52,7 +53,7 @@ def _kind_of(text):
     return PatchStudy if isinstance(found, dict) and found.get("kind") == "patch" else Study
 
 
-def _of_python(text, file, path):
+def _of_python(text: str, file: Path, path: AnyPath) -> Study | PatchStudy:
     """Execute a study file, compiled here and not imported: no __pycache__ beside it."""
     module = types.ModuleType("parisph_study")
     module.__file__ = str(file)
@@ -74,7 +75,7 @@ def _of_python(text, file, path):
     return found
 
 
-def _where(error, file, path):
+def _where(error: BaseException, file: Path, path: AnyPath) -> str:
     """Return 'path, line n' of the last line of the file that the error passed through."""
     if isinstance(error, SyntaxError) and error.filename == str(file):
         return f"{named(path)}, line {error.lineno}"
@@ -82,7 +83,7 @@ def _where(error, file, path):
     return f"{named(path)}, line {lines[-1]}" if lines else named(path)
 
 
-def _what(error):
+def _what(error: BaseException) -> str:
     if isinstance(error, CaseError):
         return "\n  ".join(clipped(plain(line), 400) for line in str(error).split("\n"))
     if isinstance(error, SyntaxError):

@@ -1,16 +1,19 @@
 """Comparison of a probe with a reference series, for `parisph compare`. Not collective."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from parisph.base.errors import CaseError
+from parisph.base.paths import AnyPath
 from parisph.base.reading import listed
 from parisph.base.table import LARGEST, read_reference
 from parisph.base.table import names as columns_of
 from parisph.base.text import named, shown
 from parisph.truth import norms
+from parisph.truth.recorded import Recorded
 
 
 @dataclass(frozen=True)
@@ -33,8 +36,10 @@ class Comparison:
         return at, ours - theirs
 
 
-def compare(run, reference, probe=None, column=None, time=None, value=None, offset=0.0, scale=1.0,
-            time_scale=1.0, shift=0.0, best_shift=None, rest=None) -> Comparison:
+def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column: str | None = None,
+            time: str | None = None, value: str | None = None, offset: float = 0.0, scale: float = 1.0,
+            time_scale: float = 1.0, shift: float = 0.0, best_shift: float | None = None,
+            rest: float | None = None) -> Comparison:
     """Return how far a probe is from a reference.
 
     Parameters
@@ -56,7 +61,8 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
     _check_numbers(offset=offset, scale=scale, time_scale=time_scale, shift=shift, best_shift=best_shift, rest=rest)
     probe = _only(probe, run.probe_names, f"{run.folder} has the probes", "--probe")
     found = run.probe(probe)
-    column = _only(column, [name for name in found.dtype.names if name not in ("time", "step")], f"{probe} has the columns", "--column")
+    column = _only(column, [name for name in found.dtype.names if name not in ("time", "step")],
+                   f"{probe} has the columns", "--column")
     time, value = _columns(reference, columns_of(reference), time, value, column)
     t, truth = read_reference(reference, time, value, offset, scale, time_scale)
     try:
@@ -69,7 +75,7 @@ def compare(run, reference, probe=None, column=None, time=None, value=None, offs
     return Comparison(result, (found["time"], found[column]), (t, truth))
 
 
-def text(result):
+def text(result: Mapping[str, Any]) -> str:
     """Return the result of `compare` as lines."""
     of = "the wave" if result["relative_l2"] != result["z14"] else "the reference"
     return (f"{result['probe']}, {result['column']} against the column {result['value']} over {result['time']}: "
@@ -94,10 +100,11 @@ def _check_numbers(**numbers):
 
 
 def _columns(reference, there, time, value, column):
-    """Return the names of the reference's columns of time and of value; raise CaseError for those that are not there."""
+    """Return the names of the reference's columns of time and of value. Raises CaseError if they are not there."""
     for name, option in ((time, "--time"), (value, "--value")):
         if name is not None and name not in there:
-            raise CaseError(f"{named(reference)} has no column {shown(name)} (it has: {listed(there)}): choose one with {option}")
+            raise CaseError(f"{named(reference)} has no column {shown(name)} (it has: {listed(there)}): "
+                            f"choose one with {option}")
     time = time or there[0]
     values = [name for name in there if name not in (time, "time", "step")]
     if value is None and not values:

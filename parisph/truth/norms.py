@@ -7,7 +7,7 @@ increase. Nothing here is collective. A series that cannot be evaluated raises V
 import numpy as np
 
 
-def relative_l2(value, truth):
+def relative_l2(value: np.ndarray, truth: np.ndarray) -> float:
     """Return |value - truth| / |truth| in the discrete L2 norm; both (n,), any unit.
 
     This is also the norm of Z14 for pressure (Er_p, Sec. 3.1.2) and, with elevations measured
@@ -16,7 +16,7 @@ def relative_l2(value, truth):
     return wave_relative_l2(value, truth, 0.0)
 
 
-def wave_relative_l2(value, truth, rest):
+def wave_relative_l2(value: np.ndarray, truth: np.ndarray, rest: float) -> float:
     """Return |value - truth| / |truth - rest|: the error relative to the wave itself.
 
     rest : level of the water at rest, in the unit of the series.
@@ -28,7 +28,7 @@ def wave_relative_l2(value, truth, rest):
     return float(np.linalg.norm(value - truth) / size)
 
 
-def z17_elevation(elevation, truth):
+def z17_elevation(elevation: np.ndarray, truth: np.ndarray) -> float:
     """Return Z17's Err as printed (Eq 35): sqrt(sum (truth - elevation)^2) / sum(truth); (n,) each [m].
 
     This is an L2 norm over an L1 norm: it decreases as 1/sqrt(n) with the number of samples, and its
@@ -41,7 +41,8 @@ def z17_elevation(elevation, truth):
     return float(np.linalg.norm(value - truth) / abs(total))
 
 
-def on_reference(time, value, reference_time, reference, shift=0.0):
+def on_reference(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, reference: np.ndarray,
+                 shift: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return (t, value at t, reference at t), (k,) each, where the two series overlap.
 
     t are the times of the reference, or those of the run if fewer than two times of the reference are
@@ -72,7 +73,8 @@ def on_reference(time, value, reference_time, reference, shift=0.0):
     return t, value[inside], np.interp(t, reference_time, reference)
 
 
-def best_shift(time, value, reference_time, reference, limit):
+def best_shift(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, reference: np.ndarray,
+               limit: float) -> float:
     """Return the shift [s] of the run's time, at most `limit` in either direction, with the least error.
 
     All shifts are compared on the same samples of the reference: those that overlap the run for every
@@ -82,7 +84,8 @@ def best_shift(time, value, reference_time, reference, limit):
     reference_time, reference = _series(reference_time, reference)
     common = (reference_time >= time[0] + limit) & (reference_time <= time[-1] - limit)
     if np.count_nonzero(common) < 2:
-        raise ValueError(f"fewer than two samples of the reference stay inside the series under every shift up to {limit:g} s")
+        raise ValueError("fewer than two samples of the reference stay inside the series under every shift up "
+                         f"to {limit:g} s")
     t, truth = reference_time[common], reference[common]
 
     def error(shift):
@@ -95,7 +98,8 @@ def best_shift(time, value, reference_time, reference, limit):
     return float(centre)
 
 
-def judge(time, value, reference_time, reference, rest=None, shift=0.0):
+def judge(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, reference: np.ndarray,
+          rest: float | None = None, shift: float = 0.0) -> dict[str, float]:
     """Return the errors of a probe against its truth, for summary.json.
 
     shift : [s], added to the run's time
@@ -113,7 +117,7 @@ def judge(time, value, reference_time, reference, rest=None, shift=0.0):
     }
 
 
-def noise(time, pressure, window, smooth=0.05):
+def noise(time: np.ndarray, pressure: np.ndarray, window: tuple[float, float], smooth: float = 0.05) -> float:
     """Return std(p - its moving mean) / mean(p) over a window of time: the noise of a pressure trace.
 
     time [s], pressure [Pa] : (n,), steps of any length (means are integrals over time)
@@ -123,14 +127,15 @@ def noise(time, pressure, window, smooth=0.05):
     t, p = _inside(time, pressure, window)
     mean = _area(t, p) / (t[-1] - t[0])
     if mean <= 0.0:
-        raise ValueError(f"the mean pressure from {t[0]:g} to {t[-1]:g} s is {mean:g} Pa: noise relative to it has no meaning")
+        raise ValueError(f"the mean pressure from {t[0]:g} to {t[-1]:g} s is {mean:g} Pa: "
+                         "noise relative to it has no meaning")
     low, high = np.maximum(t - smooth / 2, t[0]), np.minimum(t + smooth / 2, t[-1])
     rough = p - (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
     average = _area(t, rough) / (t[-1] - t[0])
     return float(np.sqrt(_area(t, (rough - average) ** 2) / (t[-1] - t[0])) / mean)
 
 
-def impulse(time, pressure, window):
+def impulse(time: np.ndarray, pressure: np.ndarray, window: tuple[float, float]) -> float:
     """Return the integral of the pressure over a window (start, end) [s]: [Pa s].
 
     In the papers' units divide by rho g H sqrt(H/g).
@@ -149,7 +154,8 @@ def _inside(time, value, window):
     time, value = _series(time, value)
     start, end = window
     if not time[0] <= start < end <= time[-1]:
-        raise ValueError(f"the window from {start:g} to {end:g} s is not inside the series from {time[0]:g} to {time[-1]:g} s")
+        raise ValueError(f"the window from {start:g} to {end:g} s is not inside the series from {time[0]:g} to "
+                         f"{time[-1]:g} s")
     t = np.concatenate(([start], time[(time > start) & (time < end)], [end]))
     return t, np.interp(t, time, value)
 

@@ -1,14 +1,18 @@
 """Errors of a run's probes against their truths: the `errors` of summary.json."""
 
+from typing import Any
+
 from parisph.base.errors import ParisphError
 from parisph.case.probes import read_truth
+from parisph.case.schema import Case
 from parisph.truth import norms
+from parisph.truth.recorded import Recorded
 
 # The column that a truth is of; the first one of other probes.
 COLUMNS = {"energy": "total", "volume": "cell"}
 
 
-def errors(case, run):
+def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     """Return {probe name: errors} for the probes that have a truth. Not collective.
 
     case : Case; run : io.reader.Run

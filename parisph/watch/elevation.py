@@ -3,6 +3,8 @@
 Computed from the few particles near a gauge. Nothing is collective.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 COLUMN = 1.5    # half the width of the column of water at a gauge, in spacings
@@ -10,7 +12,7 @@ SLOPE = 2.0     # steeper than this between two particles is not one smooth surf
 CLOSEST = 0.05  # nor are two particles nearer to each other along x, in spacings
 
 
-def bodies(z, gap, counts=None, ends=None):
+def bodies(z: np.ndarray, gap: float, counts: np.ndarray | None = None, ends: np.ndarray | None = None) -> np.ndarray:
     """Return the connected bodies (n, 3) along a line: lower end [m], upper end [m], particles; in order.
 
     Neighbours along the line belong to one body unless they are farther apart than `gap` [m].
@@ -30,7 +32,8 @@ def bodies(z, gap, counts=None, ends=None):
     return np.column_stack([z[first], reach[last], np.add.reduceat(number, first)])
 
 
-def surface_height(at, x, y, top, spacing, walls):
+def surface_height(at: float, x: np.ndarray, y: np.ndarray, top: float, spacing: float,
+                   walls: Sequence[float]) -> float:
     """Return the height [m] of the free surface above x = `at`, from the particles on it.
 
     If the surface is smooth and single-valued, this is the polynomial through the two particles on

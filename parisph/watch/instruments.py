@@ -4,14 +4,19 @@ Call `samplers = build(case, comm)` once, then `sample_all(samplers, particles, 
 each sample.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, agree
 from parisph.base.fields import INNER, SURFACE, WET
+from parisph.case import probes
+from parisph.case.schema import Case
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
 from parisph.watch.elevation import COLUMN, bodies, surface_height
-from parisph.watch.sampling import WIDTH, Sampler, Scene, sample_all
+from parisph.watch.sampling import WIDTH, Sampler, Scene, View, sample_all
 
 __all__ = ["SAMPLERS", "build", "sample_all"]
 
@@ -30,7 +35,7 @@ ROUNDING = 1.0 + 1e-9
 HEIGHT, BODY = 0.0, 1.0  # what a row is: a surface particle (x, y), or a body (lower end, upper end, particles)
 
 
-def build(case, comm):
+def build(case: Case, comm: Communicator) -> list[Sampler]:
     """Return the samplers of the case's probes, in their order. Collective.
 
     Raises
@@ -78,11 +83,11 @@ class ColumnHeight(_Column):
 
     gap = COLUMN_GAP
 
-    def __init__(self, probe, scene):
+    def __init__(self, probe: probes.ColumnHeight, scene: Scene) -> None:
         super().__init__(probe, scene)
         self.title = f"Height of the water column at x = {probe.at:g} m"
 
-    def values(self, sums, rows):
+    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         return (self.top(rows),)
 
 
@@ -95,21 +100,21 @@ class SurfaceGauge(_Column):
 
     dims = (2,)
 
-    def __init__(self, probe, scene):
+    def __init__(self, probe: probes.SurfaceGauge, scene: Scene) -> None:
         super().__init__(probe, scene)
         self.title = f"Height of the free surface above x = {probe.at:g} m"
         reach = NODES * scene.spacing
         sides = (scene.lower[0], scene.upper[0]) if scene.tank else ()
         self.mirrors = [side for side in sides if abs(side - probe.at) < reach]
 
-    def rows(self, view):
+    def rows(self, view: View) -> np.ndarray:
         x, y = view.surface
         chosen = np.abs(x - self.probe.at) <= NODES * self.scene.spacing
         heights = np.zeros((np.count_nonzero(chosen), WIDTH - 1))
         heights[:, 0], heights[:, 1], heights[:, 2] = HEIGHT, x[chosen], y[chosen]
         return np.concatenate([heights, super().rows(view)])
 
-    def values(self, sums, rows):
+    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         height = rows[:, 0] == HEIGHT
         top = self.top(rows[~height])
         if not height.any() or not top > (self.scene.bed if self.scene.tank else -np.inf):
@@ -127,17 +132,18 @@ class WaterFront(Sampler):
 
     columns = {"x": "m"}
 
-    def __init__(self, probe, scene):
+    def __init__(self, probe: probes.WaterFront, scene: Scene) -> None:
         super().__init__(probe, scene)
-        self.title = "Position of the water's foremost particle along the bed" if scene.tank else "Foremost position of the fluid"
+        self.title = ("Position of the water's foremost particle along the bed" if scene.tank
+                      else "Foremost position of the fluid")
 
-    def rows(self, view):
+    def rows(self, view: View) -> np.ndarray:
         x, y = view.body
         if self.scene.tank:
             x = x[y <= self.scene.bed + BED * self.scene.spacing * ROUNDING]
         return _body_rows(bodies(x, BED_GAP * self.scene.spacing))
 
-    def values(self, sums, rows):
+    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         found = _bodies_of_all(rows, BED_GAP * self.scene.spacing)
         return (found[np.argmax(found[:, 2]), 1] if len(found) else np.nan,)
 
@@ -161,7 +167,7 @@ class PressureTap(Sampler):
 
     columns = {"pressure": "Pa"}
 
-    def __init__(self, probe, scene):
+    def __init__(self, probe: probes.PressureTap, scene: Scene) -> None:
         super().__init__(probe, scene)
         self.title = f"Pressure on the wall at ({', '.join(f'{a:g}' for a in probe.at)}) m"
         self.at = np.array(probe.at)
@@ -169,7 +175,7 @@ class PressureTap(Sampler):
         tolerance = 1e-6 * np.max(scene.upper - scene.lower)
         self.across = (np.abs(self.at - scene.lower) <= tolerance) | (np.abs(self.at - scene.upper) <= tolerance)
 
-    def sums(self, view):
+    def sums(self, view: View) -> np.ndarray:
         x, p = view.walls
         d = (x - self.at) / self.radius
         same_wall = (np.abs(x - self.at) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
@@ -177,7 +183,7 @@ class PressureTap(Sampler):
         basis = np.column_stack([np.ones(len(x)), d[:, ~self.across]])
         return np.append((basis.T * weight) @ basis, (basis.T * weight) @ p)
 
-    def values(self, sums, rows):
+    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
         n = 1 + np.count_nonzero(~self.across)
         moments, right = np.reshape(sums[:n * n], (n, n)), sums[n * n:]
         if np.isfinite(moments).all() and np.linalg.matrix_rank(moments) == n:
@@ -199,7 +205,7 @@ class Energy(Sampler):
     these: what a particle represents changes when it comes to a wall or to the surface, or leaves it.
     """
 
-    def __init__(self, probe, scene):
+    def __init__(self, probe: probes.Energy, scene: Scene) -> None:
         super().__init__(probe, scene)
         unit = "J/m" if scene.dim == 2 else "J"
         self.columns = {"kinetic": unit, "potential": unit, "total": unit}
@@ -214,7 +220,7 @@ class Energy(Sampler):
         if scene.dim != 2:
             raise CaseError(f"probe {self.name!r}: current volumes exist in 2D only; leave out current=True")
 
-    def sums(self, view):
+    def sums(self, view: View) -> np.ndarray:
         volumes = [view.particles.volume]
         if self.probe.current:
             volumes.append(self._current_volumes(view))
@@ -231,7 +237,7 @@ class Energy(Sampler):
         current_volumes(volume, p.x_all, p.kind_all, p.role_all, *s.walls, s.spacing, reach, d.indptr, d.indices)
         return volume
 
-    def values(self, sums, rows):
+    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
         found = ()
         for kinetic, potential, volume in np.reshape(sums, (-1, 3)):
             kinetic, potential = self.scene.density * kinetic, self.scene.density * potential
@@ -242,16 +248,16 @@ class Energy(Sampler):
 class Momentum(Sampler):
     """Momentum of all fluid, in the tank's frame."""
 
-    def __init__(self, probe, scene):
+    def __init__(self, probe: probes.Momentum, scene: Scene) -> None:
         super().__init__(probe, scene)
         unit = "kg/s" if scene.dim == 2 else "kg m/s"
         self.columns = {f"p{axis}": unit for axis in "xyz"[:scene.dim]}
         self.title = "Momentum of the fluid"
 
-    def sums(self, view):
+    def sums(self, view: View) -> np.ndarray:
         return view.particles.volume @ view.particles.u
 
-    def values(self, sums, rows):
+    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> np.ndarray:
         return self.scene.density * sums
 
 
@@ -267,30 +273,31 @@ class Volume(Sampler):
     dims = (2,)
     title = "Mean Voronoi cell inside the fluid over the square of the spacing"
 
-    def sums(self, view):
+    def sums(self, view: View) -> np.ndarray:
         p, d, s = view.particles, view.domain, self.scene.spacing
         return interior_cells(p.x_all, p.role_all, INSIDE * s, d.radius, d.indptr, d.indices)
 
-    def values(self, sums, rows):
+    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
         return (sums[0] / (sums[1] * self.scene.spacing**2) if sums[1] else np.nan), sums[1]
 
 
 class VelocityProfile(Sampler):
     """Velocity and pressure at points along a line, by least squares of a quadratic polynomial.
 
-    The weight is (1 - r^2/radius^2)^2, the radius PROFILE spacings. Walls count with their own velocity, as far as they are wet.
-    Where particles do not determine the polynomial, the value is nan.
+    The weight is (1 - r^2/radius^2)^2, the radius PROFILE spacings. Walls count with their own velocity, as far as they
+    are wet. Where particles do not determine the polynomial, the value is nan.
     """
 
-    def __init__(self, probe, scene):
+    def __init__(self, probe: probes.VelocityProfile, scene: Scene) -> None:
         super().__init__(probe, scene)
         self.places, self.radius = probe.places, PROFILE * scene.spacing
         names = [*"uvw"[:scene.dim], "p"]
-        self.columns = {f"{name}_{k}": "Pa" if name == "p" else "m/s" for k in range(len(self.places)) for name in names}
-        self.title = (f"Velocity and pressure at {len(self.places)} points from ({', '.join(f'{a:g}' for a in probe.start)}) "
-                      f"to ({', '.join(f'{a:g}' for a in probe.end)}) m")
+        self.columns = {f"{name}_{k}": "Pa" if name == "p" else "m/s" for k in range(len(self.places))
+                        for name in names}
+        self.title = (f"Velocity and pressure at {len(self.places)} points from "
+                      f"({', '.join(f'{a:g}' for a in probe.start)}) to ({', '.join(f'{a:g}' for a in probe.end)}) m")
 
-    def sums(self, view):
+    def sums(self, view: View) -> np.ndarray:
         p = view.particles
         use = np.isin(p.role, (INNER, SURFACE, WET))
         x, values = p.x[use], np.column_stack([p.u[use], p.p[use]])
@@ -304,10 +311,11 @@ class VelocityProfile(Sampler):
             found += [(weighted.T @ basis).ravel(), (weighted.T @ values[near]).ravel()]
         return np.concatenate(found)
 
-    def values(self, sums, rows):
+    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
         n, quantities = _quadratic(np.zeros((1, self.scene.dim))).shape[1], self.scene.dim + 1
         table = np.reshape(sums, (len(self.places), n * (n + quantities)))
-        return tuple(value for line in table for value in _at_centre(line[:n * n].reshape(n, n), line[n * n:].reshape(n, quantities)))
+        return tuple(value for line in table
+                     for value in _at_centre(line[:n * n].reshape(n, n), line[n * n:].reshape(n, quantities)))
 
 
 def _quadratic(d):

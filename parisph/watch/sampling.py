@@ -5,6 +5,7 @@ water, the surface particles at a gauge). One Allreduce adds the sums of all pro
 Allgatherv collects their rows, for any number of probes.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,11 +15,16 @@ from mpi4py import MPI
 from parisph.base.errors import CaseError
 from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
 from parisph.case import expressions, geometry
+from parisph.case.probes import AnyProbe
+from parisph.case.schema import Case
+from parisph.parallel.domain import Domain
+from parisph.parallel.particles import Particles
 
 WIDTH = 5  # numbers of a row: its probe, what it is, and three more
 
 
-def sample_all(samplers, particles, domain, time):
+def sample_all(samplers: "Sequence[Sampler]", particles: Particles, domain: Domain,
+               time: float) -> dict[str, tuple[float, ...]]:
     """Return {name of the probe: tuple of floats, in the order of its `columns`}. Collective.
 
     Every rank gets the same values. Positions of ghosts are updated if a sampler needs them; nothing
@@ -83,7 +89,7 @@ class Scene:
     lid: bool = False
 
     @classmethod
-    def of(cls, case):
+    def of(cls, case: Case) -> "Scene":
         """Return the Scene of a Case."""
         s = case.numerics.spacing
         return cls(case.dim, s, geometry.lattice(case).step, case.fluid.density,
@@ -91,7 +97,7 @@ class Scene:
                    case.walls is not None and case.walls.closed)
 
     @property
-    def walls(self):
+    def walls(self) -> tuple[np.ndarray, np.ndarray]:
         """Where the walls are: lower, upper (dim,) [m], infinite where there is none."""
         if not self.tank:
             return np.full(self.dim, -np.inf), np.full(self.dim, np.inf)
@@ -100,7 +106,7 @@ class Scene:
         return self.lower, upper
 
     @property
-    def bed(self):
+    def bed(self) -> float | None:
         """Height of the tank's bed [m], or None."""
         return self.lower[-1] if self.tank else None
 
@@ -114,30 +120,30 @@ def _uniform(gravity):
 class View:
     """This rank's particles in the forms that samplers need; each is computed at most once."""
 
-    def __init__(self, particles, domain):
+    def __init__(self, particles: Particles, domain: Domain) -> None:
         self.particles, self.domain = particles, domain
 
     @cached_property
-    def fluid(self):
+    def fluid(self) -> np.ndarray:
         """Bool (n_owned,)."""
         return self.particles.kind == FLUID
 
     @cached_property
-    def body(self):
+    def body(self) -> tuple[np.ndarray, np.ndarray]:
         """Along and up: x and the vertical coordinate of fluid that is not in free flight, (n,) each [m]."""
         p = self.particles
         chosen = self.fluid & (p.role != BALLISTIC)
         return p.x[chosen, 0], p.x[chosen, -1]
 
     @cached_property
-    def surface(self):
+    def surface(self) -> tuple[np.ndarray, np.ndarray]:
         """x and the vertical coordinate of fluid particles on the free surface, (n,) each [m]."""
         p = self.particles
         chosen = self.fluid & (p.role == SURFACE)
         return p.x[chosen, 0], p.x[chosen, -1]
 
     @cached_property
-    def walls(self):
+    def walls(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions (n, dim) [m] and pressures (n,) [Pa] of the wall particles; dry ones have none."""
         p = self.particles
         wall = np.flatnonzero(p.kind == WALL)
@@ -154,27 +160,29 @@ class Sampler:
     ghosts : fields of the ghosts that must be up to date
     """
 
-    columns = {}
-    ghosts = ()
-    dims = (2, 3)
+    columns: dict[str, str] = {}
+    ghosts: tuple[str, ...] = ()
+    dims: tuple[int, ...] = (2, 3)
+    title: str
 
-    def __init__(self, probe, scene):
+    def __init__(self, probe: AnyProbe, scene: Scene) -> None:
         if scene.dim not in self.dims:
-            raise CaseError(f"probe {probe.name!r}: {probe.kind} exists in 2D only; leave it out of a scene in {scene.dim}D")
+            raise CaseError(f"probe {probe.name!r}: {probe.kind} exists in 2D only; "
+                            f"leave it out of a scene in {scene.dim}D")
         self.name, self.probe, self.scene = probe.name, probe, scene
 
-    def sample(self, particles, domain, time):
+    def sample(self, particles: Particles, domain: Domain, time: float) -> tuple[float, ...]:
         """Return the values, a tuple of floats in the order of `columns`. Collective; as sample_all."""
         return sample_all([self], particles, domain, time)[self.name]
 
-    def sums(self, view):
+    def sums(self, view: "View") -> Sequence[float] | np.ndarray:
         """Return the numbers to be added over the ranks. Not collective."""
         return ()
 
-    def rows(self, view):
+    def rows(self, view: "View") -> np.ndarray:
         """Return the rows (n, 4) for all ranks: a kind and three numbers each. Not collective."""
         return np.empty((0, WIDTH - 1))
 
-    def values(self, sums, rows):
+    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float] | np.ndarray:
         """Return the values from the sums and the rows of all ranks. Not collective."""
         raise NotImplementedError

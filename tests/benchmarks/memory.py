@@ -53,7 +53,8 @@ def main():
         fifth = len(found) // 5
         for rank, series in enumerate(zip(*found)):
             first, last = sum(series[:fifth]) / fifth, sum(series[-fifth:]) / fifth
-            print(f"rank {rank}: {first:.1f} MB in the first fifth, {last:.1f} MB in the last, growth {last - first:+.1f} MB, "
+            print(f"rank {rank}: {first:.1f} MB in the first fifth, {last:.1f} MB in the last, "
+                  f"growth {last - first:+.1f} MB, "
                   f"{1e3 * (series[-1] - series[fifth]) / (args.steps * 4 / 5):+.2f} kB a step")
 
 

@@ -30,14 +30,16 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("-n", "--particles", type=float, default=1e5)
     parser.add_argument("--repeats", type=int, default=40)
-    parser.add_argument("-o", "--output", metavar="DIR", help="where to write (default: the folder for temporary files)")
+    parser.add_argument("-o", "--output", metavar="DIR",
+                        help="where to write (default: the folder for temporary files)")
     args = parser.parse_args()
     comm, total = MPI.COMM_WORLD, int(args.particles)
     particles = OwnedRows([total // comm.size + (rank < total % comm.size) for rank in range(comm.size)], comm.rank)
     holder = tempfile.TemporaryDirectory(dir=args.output) if comm.rank == 0 else None
     folder = Path(comm.bcast(holder.name if holder else None))
     actions = {
-        "write a snapshot": lambda: snapshot.write(comm, folder / "a.vtkhdf", particles, 0.1, 1, ("u", "p"), {"case": "{}"}),
+        "write a snapshot": lambda: snapshot.write(comm, folder / "a.vtkhdf", particles, 0.1, 1, ("u", "p"),
+                                                   {"case": "{}"}),
         "write a checkpoint": lambda: checkpoint.write(comm, folder, particles, 0.1, 1, 0.1, "{}", {}, {}),
         "read the checkpoint": lambda: checkpoint.read(comm, folder / "00000001.h5"),
         "read the snapshot (each rank all of it)": lambda: snapshot.read(folder / "a.vtkhdf"),
@@ -56,7 +58,8 @@ def _compared(comm, action, repeats):
     functions = {name: getattr(digest, name) for name in ("append", "check", "check_together")}
     with_digest, without = [], []
     for number in range(repeats + 1):
-        for times, left_out in ((without, True), (with_digest, False)):    # the last file that is written has its digest
+        # the last file that is written has its digest
+        for times, left_out in ((without, True), (with_digest, False)):
             for name, function in functions.items():
                 setattr(digest, name, (lambda *words: None) if left_out else function)
             comm.barrier()
@@ -71,8 +74,8 @@ def _compared(comm, action, repeats):
 def _report(comm, name, with_digest, without):
     if comm.rank == 0:
         print(f"{name:<40}{1e3 * min(with_digest):7.1f} ms, without digest {1e3 * min(without):7.1f} ms, ratio "
-              f"{min(with_digest) / min(without):.2f} (medians {1e3 * median(with_digest):.1f}, {1e3 * median(without):.1f}, "
-              f"{median(with_digest) / median(without):.2f})", flush=True)
+              f"{min(with_digest) / min(without):.2f} (medians {1e3 * median(with_digest):.1f}, "
+              f"{1e3 * median(without):.1f}, {median(with_digest) / median(without):.2f})", flush=True)
 
 
 if __name__ == "__main__":

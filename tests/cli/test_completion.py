@@ -14,9 +14,11 @@ pytest.importorskip("shtab")
 def completed(folder, script, *words):
     """Return what bash offers for the last of the words."""
     (folder / "completion.bash").write_text(script)
-    program = ('. ./completion.bash; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMP_LINE="$*"; COMP_POINT=${#COMP_LINE}; '
-               '_shtab_parisph parisph "${@: -1}" "${@: -2:1}" 2>/dev/null; printf "%s\\n" "${COMPREPLY[@]}"')
-    done = subprocess.run(["bash", "--norc", "-c", program, "bash", "parisph", *words], cwd=folder, capture_output=True, text=True, timeout=30)
+    program = ('. ./completion.bash; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMP_LINE="$*"; '
+               'COMP_POINT=${#COMP_LINE}; _shtab_parisph parisph "${@: -1}" "${@: -2:1}" 2>/dev/null; printf "%s\\n" '
+               '"${COMPREPLY[@]}"')
+    done = subprocess.run(["bash", "--norc", "-c", program, "bash", "parisph", *words], cwd=folder, capture_output=True,
+                          text=True, timeout=30)
     return set(done.stdout.split())
 
 
@@ -31,7 +33,8 @@ def test_script_is_sound(shell, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(("words", "offered", "not_offered"), [
-    ([""], {"run", "restart", "check", "study", "info", "plot", "movie", "compare", "doctor", "completion"}, {"tank.py"}),
+    ([""], {"run", "restart", "check", "study", "info", "plot", "movie", "compare", "doctor", "completion"},
+     {"tank.py"}),
     (["re"], {"restart"}, {"run"}),
     (["run", "ta"], {"tank.py"}, {"table.csv"}),
     (["run", "tank.py", "--"], {"--set", "--out", "--quiet"}, {"--until"}),

@@ -22,7 +22,8 @@ def test_prepare_sets_one_thread_and_leaves_what_the_user_chose():
 
 @pytest.mark.parametrize(("variables", "ranks"), [
     ({}, (0, 1)),
-    ({"OMPI_COMM_WORLD_RANK": "3", "OMPI_COMM_WORLD_SIZE": "4", "SLURM_PROCID": "0", "SLURM_STEP_NUM_TASKS": "2"}, (3, 4)),
+    ({"OMPI_COMM_WORLD_RANK": "3", "OMPI_COMM_WORLD_SIZE": "4", "SLURM_PROCID": "0", "SLURM_STEP_NUM_TASKS": "2"},
+     (3, 4)),
     ({"PMI_RANK": "1", "PMI_SIZE": "2"}, (1, 2)),
     ({"SLURM_PROCID": "5", "SLURM_STEP_NUM_TASKS": "8"}, (5, 8)),
     ({"SLURM_PROCID": "0", "SLURM_NTASKS": "8"}, (0, 1)),    # the batch script itself
@@ -45,7 +46,8 @@ def test_for_launching_takes_out_an_outer_launcher_and_keeps_the_user(monkeypatc
 
 def sourced(**settings):
     """Return the variables that run_scripts/env sets in an otherwise empty shell."""
-    done = subprocess.run(["bash", "-c", '. "$0/run_scripts/env"; env', ROOT], env={"PATH": os.environ["PATH"], **settings},
+    done = subprocess.run(["bash", "-c", '. "$0/run_scripts/env"; env', ROOT],
+                          env={"PATH": os.environ["PATH"], **settings},
                           capture_output=True, text=True, check=True, timeout=20)
     found = dict(line.split("=", 1) for line in done.stdout.splitlines())
     return {name: value for name, value in found.items() if name.startswith("OMPI_")}
@@ -64,7 +66,8 @@ def test_mpirun_inside_mpirun(tmp_path):
     One rank of each speaks: a line and its end reach mpirun apart, and those of two ranks may be mixed.
     """
     inner = tmp_path / "inner.py"
-    inner.write_text("from mpi4py import MPI\ntotal = MPI.COMM_WORLD.allreduce(1)\nif MPI.COMM_WORLD.rank == 0: print('inner', total)\n")
+    inner.write_text("from mpi4py import MPI\ntotal = MPI.COMM_WORLD.allreduce(1)\n"
+                     "if MPI.COMM_WORLD.rank == 0: print('inner', total)\n")
     outer = tmp_path / "outer.py"
     outer.write_text("import sys\nfrom mpi4py import MPI\nfrom tests.launch import mpirun\n"
                      "if MPI.COMM_WORLD.rank == 0: print(mpirun(2, [sys.argv[1]]).stdout)\n")
@@ -75,7 +78,8 @@ def test_mpirun_inside_mpirun(tmp_path):
 def test_a_hang_is_ended_with_its_children(tmp_path):
     program = tmp_path / "hang.py"
     program.write_text("import os, time\nfrom mpi4py import MPI\nr = MPI.COMM_WORLD.rank\n"
-                       "open(f'pid{r}', 'w').write(str(os.getpid()))\nif r == 0: MPI.COMM_WORLD.recv(source=1)\ntime.sleep(600)\n")
+                       "open(f'pid{r}', 'w').write(str(os.getpid()))\nif r == 0: MPI.COMM_WORLD.recv(source=1)\n"
+                       "time.sleep(600)\n")
     start = time.monotonic()
     with pytest.raises(subprocess.TimeoutExpired):
         mpirun(2, [program], timeout=6, cwd=tmp_path)
@@ -99,7 +103,8 @@ def _ends(pid, within=5.0):
 
 def test_launch_kills_what_ignores_a_gentle_end(monkeypatch):
     monkeypatch.setattr(launch, "GRACE", 0.5)
-    stubborn = "import signal, time\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\nprint('here', flush=True)\ntime.sleep(600)"
+    stubborn = ("import signal, time\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\nprint('here', flush=True)\n"
+                "time.sleep(600)")
     with pytest.raises(subprocess.TimeoutExpired) as caught:
         launch.run([sys.executable, "-c", stubborn], 2, clean_environment())
     assert caught.value.output == "here\n"
@@ -119,7 +124,8 @@ def small_clone(tmp_path_factory):
         ".venv/bin/activate": f"PATH={shlex.quote(os.path.dirname(sys.executable))}:$PATH\n",
         "tests/test_a.py": "def test_alone(): pass\n",
         "tests/parallel/test_b.py": "import os\ndef test_ranks(): pass\n"
-                                    "def test_bad(): assert os.environ.get('OMPI_COMM_WORLD_RANK', os.environ.get('PMI_RANK')) != '1'\n",
+                                    "def test_bad(): assert os.environ.get('OMPI_COMM_WORLD_RANK', "
+                                    "os.environ.get('PMI_RANK')) != '1'\n",
     }
     for name, text in files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)

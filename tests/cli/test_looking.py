@@ -25,7 +25,8 @@ CASE = Case(title="small tank", fluid=Fluid(Box(width=1.0, height=0.5), density=
             probes=[PressureTap("P2", at=(1.0, 0.1)), Volume("volume")])
 SUMMARY = {"status": "completed", "method": "ISPH_R", "ranks": 2, "particles": 3200, "steps": 1250, "time": 1.0,
            "iterations": {"median": 11, "p99": 21, "max": 30}, "volume_drift": -0.0042, "energy_drift": -0.07,
-           "errors": {"P2": {"relative_l2": 0.0123}, "gauge_at_the_left": {"relative_l2": None, "reason": "share fewer than two samples"}}}
+           "errors": {"P2": {"relative_l2": 0.0123},
+                      "gauge_at_the_left": {"relative_l2": None, "reason": "share fewer than two samples"}}}
 
 
 @pytest.fixture
@@ -40,12 +41,14 @@ def written(folder, peak=5, keep_peak=False):
     """
     particles = Particles(MPI.COMM_SELF, 2)
     particles.assign(geometry.build(CASE))
-    store = Store.create(MPI.COMM_SELF, folder, CASE.model_dump_json(), provenance("ISPH_R", "-ksp_type gmres", PETSc="3.18.5"))
+    store = Store.create(MPI.COMM_SELF, folder, CASE.model_dump_json(),
+                         provenance("ISPH_R", "-ksp_type gmres", PETSc="3.18.5"))
     store.add_series("steps", {"dt": "s", "iterations": ""})
     store.add_series("probes/P2", {"pressure": "Pa"})
     store.add_series("probes/volume", {"volume": "m2"})
     for step in range(11):
-        store.append(0.1 * step, step, {"steps": (0.1, 9), "probes/P2": (100.0 - 20 * abs(step - peak),), "probes/volume": (0.5,)})
+        store.append(0.1 * step, step,
+                     {"steps": (0.1, 9), "probes/P2": (100.0 - 20 * abs(step - peak),), "probes/volume": (0.5,)})
         if step % 2:
             store.snapshot(particles, 0.1 * step, step)
         if keep_peak and step == peak:
@@ -83,13 +86,15 @@ def test_energy_of_a_driven_fluid_does_not_drift(folder):
         return [" ".join(line.split()) for line in info.table({**SUMMARY, **more})]
 
     assert "energy drift -7.00%" in lines() and "energy drift -7.00%" in lines(driven=False)
-    assert "energy change -7.00%" in lines(driven=True) and not any("energy drift" in line for line in lines(driven=True))
+    assert ("energy change -7.00%" in lines(driven=True)
+            and not any("energy drift" in line for line in lines(driven=True)))
 
 
 def test_energy_in_motion_in_words():
     motion = {"start": 4.0, "end": 3.5, "high": 4.25, "high_time": 0.5, "drift": -0.125, "unit": "J/m"}
     line, = [line for line in info.table({"energy_in_motion": motion})]
-    assert line.split(maxsplit=2)[2] == "4 J/m at the start, 3.5 J/m at the end (drift -12.50% of it), highest 4.25 J/m at 0.5 s"
+    assert (line.split(maxsplit=2)[2]
+            == "4 J/m at the start, 3.5 J/m at the end (drift -12.50% of it), highest 4.25 J/m at 0.5 s")
 
 
 def test_a_summary_from_anybody_writes_no_lines_of_its_own():
@@ -100,7 +105,8 @@ def test_a_summary_from_anybody_writes_no_lines_of_its_own():
 @pytest.mark.parametrize("words", [[], ["--json"]])
 def test_info_to_a_reader_that_leaves(folder, words):
     """As in `parisph info RUN | head -1`: no traceback, neither from the print nor at exit."""
-    command = ["bash", "-c", '"$@" | true; exit ${PIPESTATUS[0]}', "-", sys.executable, "-m", "parisph", "info", folder, *words]
+    command = ["bash", "-c", '"$@" | true; exit ${PIPESTATUS[0]}', "-", sys.executable, "-m", "parisph", "info", folder,
+               *words]
     for unbuffered in ("", "1"):
         done = run(command, PYTHONUNBUFFERED=unbuffered)
         assert (done.returncode, done.stderr) == (0, "")
@@ -127,10 +133,13 @@ def flipped(path):
 @pytest.mark.parametrize(("change", "says"), [
     (lambda run: flipped(run / "snapshots/000003.vtkhdf"), "snapshots/000003.vtkhdf is damaged"),
     (lambda run: (run / "snapshots/000004.vtkhdf").unlink(), "there is no file .*snapshots/000004.vtkhdf"),
-    (lambda run: shutil.copy(run / "snapshots/000001.vtkhdf", run / "snapshots/000002.vtkhdf"), "000002.vtkhdf is the snapshot of 0.3 s"),
-    (lambda run: shutil.copy(written(run / "other") / "snapshots/000002.vtkhdf", run / "snapshots"), "000002.vtkhdf is of another run"),
+    (lambda run: shutil.copy(run / "snapshots/000001.vtkhdf", run / "snapshots/000002.vtkhdf"),
+     "000002.vtkhdf is the snapshot of 0.3 s"),
+    (lambda run: shutil.copy(written(run / "other") / "snapshots/000002.vtkhdf", run / "snapshots"),
+     "000002.vtkhdf is of another run"),
     (lambda run: flipped(run / "peaks/P2.vtkhdf"), "peaks/P2.vtkhdf is damaged"),
-    (lambda run: shutil.copy(run / "peaks/P2.vtkhdf", run / "peaks/volume.vtkhdf"), "volume.vtkhdf is not the flow at the peak of volume"),
+    (lambda run: shutil.copy(run / "peaks/P2.vtkhdf", run / "peaks/volume.vtkhdf"),
+     "volume.vtkhdf is not the flow at the peak of volume"),
 ])
 def test_info_checks_every_snapshot_and_peak(tmp_path, capsys, change, says):
     folder = written(tmp_path / "run", keep_peak=True)
@@ -153,15 +162,17 @@ def test_info_names_several_damaged_snapshots(folder, capsys, monkeypatch):
 
 
 @pytest.mark.parametrize("entry", [
-    {"time": "x"}, {"steps": [1]}, {"left": [1]}, {"iterations": {"median": "x"}}, {"warnings": 5}, {"volume_drift": 10**400},
-    {"energy_in_motion": {"start": 1.0}}, {"volume_range": {"low": "x"}}, {"errors": [0.1]}, {"errors": {"P2": {"relative_l2": "x"}}},
+    {"time": "x"}, {"steps": [1]}, {"left": [1]}, {"iterations": {"median": "x"}}, {"warnings": 5},
+    {"volume_drift": 10**400}, {"energy_in_motion": {"start": 1.0}}, {"volume_range": {"low": "x"}}, {"errors": [0.1]},
+    {"errors": {"P2": {"relative_l2": "x"}}},
 ])
 @pytest.mark.parametrize("sealed", [True, False])
 def test_info_of_a_summary_with_entries_of_the_wrong_kind(folder, capsys, entry, sealed):
     content = {**SUMMARY, **entry, "run": reader.open_run(folder).identity}
     (folder / "summary.json").write_text(json.dumps(seal.sealed(content) if sealed else content))
     assert main(["info", str(folder)]) == 5
-    assert capsys.readouterr().err == f"parisph: error: {folder}/summary.json is damaged: its entries are not those of a summary\n"
+    assert (capsys.readouterr().err
+            == f"parisph: error: {folder}/summary.json is damaged: its entries are not those of a summary\n")
 
 
 def test_info_as_json_and_of_an_unfinished_run(folder, capsys):
@@ -186,8 +197,10 @@ def test_plot_names_the_picture_it_made(folder, capsys, words, name):
 
 
 @pytest.mark.parametrize(("words", "name"), [
-    (["plot"], "overview.png"), (["plot", "--time", "0.24"], "flow_pressure_0.3000s.png"), (["plot", "--probe", "P2"], "probes_P2.png"),
-    (["compare", "REFERENCE", "--probe", "P2", "--plot", "FILE"], "compared.pdf"), (["movie", "-o", "FILE"], "flow_pressure.gif"),
+    (["plot"], "overview.png"), (["plot", "--time", "0.24"], "flow_pressure_0.3000s.png"),
+    (["plot", "--probe", "P2"], "probes_P2.png"),
+    (["compare", "REFERENCE", "--probe", "P2", "--plot", "FILE"], "compared.pdf"),
+    (["movie", "-o", "FILE"], "flow_pressure.gif"),
 ])
 def test_a_picture_is_never_written_through_a_link(folder, reference, words, name):
     target = folder.with_name("target.txt")
@@ -225,14 +238,16 @@ def test_a_picture_replaces_no_pipe_and_no_folder(folder, capsys, words, ending,
     assert f"{path}: {says}" in capsys.readouterr().err and path.lstat().st_ino == before.st_ino
 
 
-@pytest.mark.parametrize(("time", "shown"), [("99", 0.9), ("-1", 0.1), ("1.01", 0.9), ("0.99", None), ("0.9", None), ("0.24", None)])
+@pytest.mark.parametrize(("time", "shown"),
+                         [("99", 0.9), ("-1", 0.1), ("1.01", 0.9), ("0.99", None), ("0.9", None), ("0.24", None)])
 def test_plot_warns_of_a_time_outside_the_run(folder, capsys, time, shown):
     assert main(["plot", str(folder), "--time", time]) == 0
     said = capsys.readouterr().err
     if shown is None:
         assert said == ""
     else:
-        assert f"--time {float(time):g} s is outside the run" in said and f"0.1 to 0.9 s: the picture is of {shown:g} s" in said
+        assert (f"--time {float(time):g} s is outside the run" in said
+                and f"0.1 to 0.9 s: the picture is of {shown:g} s" in said)
 
 
 def test_plot_of_flow_and_probe_makes_two(folder, capsys):
@@ -276,17 +291,20 @@ def test_plot_lays_the_probes_of_several_runs_over_each_other(folder, capsys):
 
 
 def test_plot_of_a_part_in_other_colours(folder, capsys):
-    assert main(["plot", str(folder), "--time", "0.5", "--zoom", "0.2", "0.8", "-0.1", "0.5", "--limits", "-1", "2.5", "--cmap", "magma"]) == 0
+    assert main(["plot", str(folder), "--time", "0.5", "--zoom", "0.2", "0.8", "-0.1", "0.5", "--limits", "-1", "2.5",
+                 "--cmap", "magma"]) == 0
     assert lines_of(capsys) == [str(folder / "flow_pressure_0.5000s.png")]
 
 
 def test_plot_says_how_far_from_the_peak_the_picture_is(tmp_path, capsys):
     assert main(["plot", str(written(tmp_path / "run", peak=6)), "--peak", "P2"]) == 0
-    assert "no snapshot at the peak of P2, t = 0.6 s: the nearest one is drawn, which is 0.1 s " in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "no snapshot at the peak of P2, t = 0.6 s: the nearest one is drawn, which is 0.1 s " in said
 
 
 def test_movie_of_some_speed(folder, tmp_path, capsys):
-    assert main(["movie", str(folder), "-o", str(tmp_path / "a.gif"), "--slow", "2", "--fps", "5", "--zoom", "0", "1", "0", "1"]) == 0
+    assert main(["movie", str(folder), "-o", str(tmp_path / "a.gif"), "--slow", "2", "--fps", "5", "--zoom", "0", "1",
+                 "0", "1"]) == 0
     assert lines_of(capsys) == [str(tmp_path / "a.gif")]
 
 
@@ -299,7 +317,8 @@ def test_movie_of_an_ffmpeg_that_fails(folder, tmp_path, capsys, monkeypatch, sc
     monkeypatch.setenv("PATH", str(program.parent), prepend=os.pathsep)
     assert main(["movie", str(folder), "-o", str(tmp_path / "a.mp4")]) == 5
     said = capsys.readouterr().err
-    assert f"parisph: error: cannot write the movie {tmp_path}/a.mp4: ffmpeg ended with code 3" in said and "Traceback" not in said
+    assert (f"parisph: error: cannot write the movie {tmp_path}/a.mp4: ffmpeg ended with code 3" in said
+            and "Traceback" not in said)
     assert "(no room)" in said or "no room" not in script
     assert not [path for path in tmp_path.iterdir() if path.suffix == ".mp4"]
 
@@ -315,7 +334,8 @@ def reference(tmp_path):
     """The tap's own series, 2 % too high, with its peak at .52 s."""
     t = np.linspace(0.02, 1.02, 51)
     path = tmp_path / "reference.csv"
-    np.savetxt(path, np.transpose([t, 1.02 * (100.0 - 200 * np.abs(t - 0.52)), t]), delimiter=",", header="t,p,other", comments="")
+    np.savetxt(path, np.transpose([t, 1.02 * (100.0 - 200 * np.abs(t - 0.52)), t]), delimiter=",",
+               header="t,p,other", comments="")
     return str(path)
 
 
@@ -335,7 +355,8 @@ def test_compare_finds_a_known_error_and_shift(folder, reference, capsys):
 def test_compare_draws_what_it_compares(folder, reference, tmp_path, capsys):
     words = ["compare", str(folder), reference, "--probe", "P2"]
     assert main([*words, "--plot", str(tmp_path / "both.png"), "--best-shift", "0.1"]) == 0
-    assert (tmp_path / "both.png").read_bytes().startswith(b"\x89PNG") and "relative L2 error" in capsys.readouterr().out
+    assert ((tmp_path / "both.png").read_bytes().startswith(b"\x89PNG")
+            and "relative L2 error" in capsys.readouterr().out)
     assert main([*words, "--plot", str(tmp_path / "both.unknown")]) == 5
     assert "cannot write the picture" in capsys.readouterr().err
 
@@ -343,17 +364,20 @@ def test_compare_draws_what_it_compares(folder, reference, tmp_path, capsys):
 def test_compare_in_words(folder, reference, capsys):
     assert main(["compare", str(folder), reference, "--probe", "P2", "--shift", "0.02"]) == 0
     said = capsys.readouterr().out
-    assert "relative L2 error  0.01961 of the reference" in said and "P2, pressure against the column p over t: " in said
+    assert ("relative L2 error  0.01961 of the reference" in said
+            and "P2, pressure against the column p over t: " in said)
 
 
 @pytest.mark.parametrize(("head", "column"), [
-    ("time,step,pressure", "pressure"), ("time,step,other,pressure", "pressure"), ("time,step,p,q", "p"), ("step,t,p", "p"),
+    ("time,step,pressure", "pressure"), ("time,step,other,pressure", "pressure"), ("time,step,p,q", "p"),
+    ("step,t,p", "p"),
 ])
 def test_compare_takes_the_column_of_values(folder, tmp_path, capsys, head, column):
     """As in the files of parisph's own probes, where the second column is the step."""
     names = head.split(",")
     path = tmp_path / "other.csv"
-    lines = [[{"step": step, "t": 0.1 * step, "time": 0.1 * step, column: 100.0 - 20 * abs(step - 5)}.get(name, -7.0) for name in names]
+    lines = [[{"step": step, "t": 0.1 * step, "time": 0.1 * step, column: 100.0 - 20 * abs(step - 5)}.get(name, -7.0)
+              for name in names]
              for step in range(11)]
     np.savetxt(path, lines, delimiter=",", header=head, comments="")
     words = ["--time", "t"] if "t" in names else []

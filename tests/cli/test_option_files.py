@@ -51,7 +51,8 @@ def test_nor_where_the_current_folder_is_the_home(folder):
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_file_in_the_home_is_read(folder, ranks):
     (folder / "my home" / ".petscrc").write_text(BAD)
-    done = mpirun(ranks, ["-m", "parisph", *VERBS[0]], cwd=folder / "work", timeout=COMPILING, HOME=str(folder / "my home"))
+    done = mpirun(ranks, ["-m", "parisph", *VERBS[0]], cwd=folder / "work", timeout=COMPILING,
+                  HOME=str(folder / "my home"))
     assert done.returncode == 2 and "nonsense" in done.stderr
 
 
@@ -98,7 +99,8 @@ def test_the_users_own_file_for_matplotlib_is_read(folder, name, width):
     """It may be named relative to the current folder; 1.5 is matplotlib's own value."""
     (folder / "work" / "matplotlibrc").write_text("lines.linewidth: 9\n")
     (folder / "mine").write_text("lines.linewidth: 7\n")
-    script = "from parisph.pictures import style; style.drawing(); import matplotlib, os; print(matplotlib.rcParams['lines.linewidth'], os.getcwd())"
+    script = ("from parisph.pictures import style; style.drawing(); import matplotlib, os; "
+              "print(matplotlib.rcParams['lines.linewidth'], os.getcwd())")
     settings = {} if name is None else {"MATPLOTLIBRC": name}
     done = run([sys.executable, "-c", script], cwd=folder / "work", HOME=str(folder / "my home"), **settings)
     assert done.stdout.split() == [str(width), str(folder / "work")], done.stderr
@@ -109,6 +111,7 @@ def test_numba_does_not_read_the_current_folder(folder, before, read):
     """Neither when it is loaded nor when it compiles; but a program that has loaded numba itself keeps what it has."""
     pytest.importorskip("yaml")    # without it numba reads no file
     (folder / "work" / ".numba_config.yaml").write_text("developer_mode: 1\n")
-    script = f"{before}\nimport parisph.parallel.last_resort, numba\nnumba.njit(lambda x: x)(1)\nprint(numba.config.DEVELOPER_MODE)"
+    script = (f"{before}\nimport parisph.parallel.last_resort, numba\nnumba.njit(lambda x: x)(1)\n"
+              "print(numba.config.DEVELOPER_MODE)")
     done = run([sys.executable, "-c", script], cwd=folder / "work", timeout=COMPILING)
     assert done.stdout.split() == [str(read)], done.stderr

@@ -1,4 +1,5 @@
-"""Parts from outside the package: each is registered in a case file, in at most 25 lines, and runs through `parisph study`."""
+"""Parts from outside the package: each is registered in a case file, in at most 25 lines, and runs through `parisph
+study`."""
 
 import json
 

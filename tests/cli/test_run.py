@@ -38,7 +38,8 @@ def test_run_on_two_ranks_and_go_on_with_three(place):
     first = summary(folder)
     assert (first["status"], first["ranks"], first["steps"]) == ("completed", 2, 20)
     assert first["time"] == pytest.approx(0.1)
-    for name in ("case.json", "steps.csv", "probes/corner.csv", "flow.hdf.series", "snapshots/000004.vtkhdf", "run.log"):
+    for name in ("case.json", "steps.csv", "probes/corner.csv", "flow.hdf.series", "snapshots/000004.vtkhdf",
+                 "run.log"):
         assert (folder / name).stat().st_size > 0, name
 
     done = mpirun(3, ["-m", "parisph", "restart", "runs/dam", "--until", "0.15", "-q"], timeout=200, cwd=place)
@@ -106,7 +107,8 @@ def test_a_fault_in_the_step_of_one_rank_ends_the_run(place):
     left = summary(place / "runs/dam")
     assert left["status"] == "failed: rank 1: ZeroDivisionError: in one rank's step"
     assert (left["ranks"], left["steps"]) == (2, 2) and left["wall_seconds"] > 0.0
-    assert left["volume_drift"] == 0.0 and 0.0 < abs(left["energy_drift"]) < 1e-3    # of the last sample, and of the last step
+    # of the last sample, and of the last step
+    assert left["volume_drift"] == 0.0 and 0.0 < abs(left["energy_drift"]) < 1e-3
     assert left["iterations"]["max"] > 0 and len(left["peak_memory_mb"]) == 1
 
 

@@ -18,7 +18,8 @@ def clone(tmp_path):
     (clone / "run_scripts").mkdir()
     text = (ROOT / "run_scripts" / "setup").read_text(encoding="utf-8")
     assert text.endswith("\nmain\n")
-    (clone / "run_scripts" / "setup").write_text(text.removesuffix("main\n") + 'fingerprint python3 >"$stamp"\nready python3\n')
+    (clone / "run_scripts" / "setup").write_text(text.removesuffix("main\n") + 'fingerprint python3 >"$stamp"\n'
+                                                                               'ready python3\n')
     python = clone / ".venv" / "bin" / "python"
     python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
     python.chmod(0o755)

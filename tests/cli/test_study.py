@@ -20,7 +20,8 @@ study = Study(
     variants=[
         Variant(methods=["ISPH", "ISPH_R"], time_steps=[0.032]),
         Variant(methods=["ISPH_R"], spacings=[0.1], time_steps=[0.032], ranks=[2], label="two ranks"),
-        Variant(methods=["Z17_ISPH"], spacings=[0.05], time_steps=[0.032], parameters={{"jitter": 0.4}}, label="no balance"),
+        Variant(methods=["Z17_ISPH"], spacings=[0.05], time_steps=[0.032], parameters={{"jitter": 0.4}},
+                label="no balance"),
     ],
     errors=[TruthError("left"), Quantity("volume_drift", absolute=True, name="volume"), FinestError("left")],
     required=[Required("left", must=1e-9, where={{"label": "two ranks"}})],

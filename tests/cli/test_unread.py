@@ -20,7 +20,8 @@ ONE, TWO = (), (shutil.which("mpirun") or "mpiexec", "-n", "2")
 def unread(folder, *words, both=True, launcher=ONE, **settings):
     """Run `parisph WORDS` into a pipe whose reader leaves at once; return CompletedProcess of what is still said."""
     pipe = '"$@" 2>&1 | true' if both else '"$@" | true'
-    return run(["bash", "-c", f"{pipe}; exit ${{PIPESTATUS[0]}}", "-", *launcher, *PARISPH, *words], 120, folder, **settings)
+    return run(["bash", "-c", f"{pipe}; exit ${{PIPESTATUS[0]}}", "-", *launcher, *PARISPH, *words], 120,
+               folder, **settings)
 
 
 @pytest.fixture
@@ -52,7 +53,8 @@ def test_an_error_keeps_its_code(folder, words, code, unbuffered):
 
 def test_looking_at_a_run(folder):
     assert run([*PARISPH, "run", "case.py", "-o", "run", "-q"], 120, folder).returncode == 0
-    for words in (("info", "run"), ("plot", "run"), ("plot", "run", "--peak", "P1"), ("compare", "run", "run/probes/P1.csv", "--probe", "P1")):
+    for words in (("info", "run"), ("plot", "run"), ("plot", "run", "--peak", "P1"),
+                  ("compare", "run", "run/probes/P1.csv", "--probe", "P1")):
         done = unread(folder, *words)
         assert (done.returncode, done.stderr) == (0, ""), words
 
@@ -70,7 +72,8 @@ def test_petsc_leaves_the_signal_to_the_program(tmp_path):
         assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize(("to", "code"), [(">&-", 0), ("2>&-", 0), (">&- 2>&-", 0), ("2>/dev/full", 0), (">/dev/full", 5)])
+@pytest.mark.parametrize(("to", "code"),
+                         [(">&-", 0), ("2>&-", 0), (">&- 2>&-", 0), ("2>/dev/full", 0), (">/dev/full", 5)])
 def test_output_that_is_closed_or_full(folder, to, code):
     """The run is complete in any case; what cannot be printed is one line, if there is where to print it."""
     done = run(["bash", "-c", f'"$@" {to}', "-", *PARISPH, "run", "case.py", "-o", "run"], 120, folder)

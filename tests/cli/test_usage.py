@@ -63,7 +63,8 @@ def driver(monkeypatch):
     (["check", "tank.py", "--", "-pressure_ksp_view"], "takes no options for PETSc"),
     (["run", "tank.py", "-log_view"], "set PETSC_OPTIONS=-log_view before the command"),
     (["run", "tank.py", "--", "-log_view"], "set PETSC_OPTIONS=-log_view before the command"),
-    (["run", "tank.py", "--", "-pressure_ksp_view", "--set", "spacing=0.05"], "write --set and its value before the --"),
+    (["run", "tank.py", "--", "-pressure_ksp_view", "--set", "spacing=0.05"],
+     "write --set and its value before the --"),
     (["run", "tank.py", "--", "-o", "mine"], "write -o and its value before the --"),
     (["restart", "runs/tank", "--", "--until", "3"], "write --until and its value before the --"),
     (["restart"], "required: DIR"),
@@ -130,11 +131,13 @@ def test_several_values_may_follow_one_set(case, driver):
 
 
 def test_run_hands_over_the_case_and_petsc_options(case, driver, capsys):
-    assert entry.main(["run", "tank.py", "--set", "spacing=0.05", "--set", "title=two = three", "-q", "--", "-pressure_ksp_rtol", "1e-9"]) == 0
+    assert entry.main(["run", "tank.py", "--set", "spacing=0.05", "--set", "title=two = three", "-q", "--",
+                       "-pressure_ksp_rtol", "1e-9"]) == 0
     (given, comm, out), options = driver.calls[0]
     assert (given.numerics.spacing, given.title) == (0.05, "two = three")
     assert comm.size == 1 and out == "runs/tank"
-    assert options == {"petsc_options": ["-pressure_ksp_rtol", "1e-9"], "progress": False, "overwrite": False, "force": False}
+    assert options == {"petsc_options": ["-pressure_ksp_rtol", "1e-9"], "progress": False,
+                       "overwrite": False, "force": False}
     shown = capsys.readouterr().out
     assert "12,345" in shown and "+1.23%" in shown and "runs/tank" in shown
 
@@ -153,7 +156,8 @@ def test_restart_hands_over(driver):
     assert entry.main(["restart", "runs/tank", "--until", "2.5", "-o", "more", "--", "-pressure_ksp_view"]) == 0
     (path, _), options = driver.calls[0]
     assert path == "runs/tank"
-    assert options == {"until": 2.5, "out": "more", "petsc_options": ["-pressure_ksp_view"], "progress": True, "force": False}
+    assert options == {"until": 2.5, "out": "more", "petsc_options": ["-pressure_ksp_view"],
+                       "progress": True, "force": False}
 
 
 def test_check_describes(case, driver, capsys):
@@ -189,7 +193,8 @@ def case(spacing: float = 0.1) -> Case:
     rank = int(os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", 0)))
     width = 1.0 + 0.1 * rank
     return plain(spacing, f"tank {time.time_ns()} {os.getpid()} {uuid.uuid4()}").changed(
-        **{"fluid.shape.width": width, "walls.width": width, "end_time": 0.02, "output.every": 0.02, "numerics.time_step": 0.02 / (5 + os.getpid() % 7)})
+        **{"fluid.shape.width": width, "walls.width": width, "end_time": 0.02, "output.every": 0.02,
+           "numerics.time_step": 0.02 / (5 + os.getpid() % 7)})
 """
 
 
@@ -219,10 +224,12 @@ def test_case_that_differs_from_rank_to_rank_is_loaded_on_one(case):
 
 @pytest.mark.parametrize("trouble", ["assert False, 'no such file here'", "raise SystemExit('no such file here')"])
 def test_case_that_fails_on_the_first_rank_ends_all(case, trouble):
-    case.write_text(CASE + f"\nimport os\nif os.environ.get('OMPI_COMM_WORLD_RANK', os.environ.get('PMI_RANK')) == '0': {trouble}\n")
+    case.write_text(CASE + "\nimport os\n"
+                           f"if os.environ.get('OMPI_COMM_WORLD_RANK', os.environ.get('PMI_RANK')) == '0': {trouble}\n")
     done = mpirun(2, ["-m", "parisph", "run", "tank.py"], cwd=case.parent)
     assert done.returncode == 2 and not (case.parent / "runs").exists()
-    assert done.stderr.count("parisph: error: ") == 1 and "no such file here" in done.stderr and "Traceback" not in done.stderr
+    assert (done.stderr.count("parisph: error: ") == 1 and "no such file here" in done.stderr
+            and "Traceback" not in done.stderr)
 
 
 FAULT = '''

@@ -67,7 +67,8 @@ def test_checking_and_looking_need_no_mpi(stored, laptop, tmp_path, words, says)
 def test_a_script_reads_a_run(stored, laptop):
     program = (f"import sys; from parisph import open_run; run = open_run({str(stored)!r}); "
                "print(run.snapshot(-1)['p'].size, run.probe('left')['y'].size > 1, 'mpi4py' in sys.modules)")
-    done = subprocess.run([sys.executable, "-c", program], env=clean_environment(**laptop), capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", program], env=clean_environment(**laptop), capture_output=True,
+                          text=True, timeout=60)
     assert done.stdout == "241 True False\n", done.stderr
 
 
@@ -77,15 +78,18 @@ def test_a_script_reads_a_run(stored, laptop):
 def test_running_says_what_is_missing(stored, laptop, tmp_path, words):
     done = parisph(*(str(word).replace("RUN", str(stored)) for word in words), cwd=tmp_path, **laptop)
     assert done.returncode == 1 and done.stdout == ""
-    assert done.stderr.startswith("parisph: error: mpi4py and petsc4py are not installed: ") and done.stderr.count("\n") == 1
+    assert (done.stderr.startswith("parisph: error: mpi4py and petsc4py are not installed: ")
+            and done.stderr.count("\n") == 1)
     assert "run_scripts/setup" in done.stderr and "conda install" in done.stderr
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["run", "restart", "Simulation"])
 def test_a_script_is_told_what_is_missing(laptop, name):
-    program = f"try:\n    from parisph import {name}\nexcept ImportError as error:\n    print(type(error).__name__, error)"
-    done = subprocess.run([sys.executable, "-c", program], env=clean_environment(**laptop), capture_output=True, text=True, timeout=60)
+    program = (f"try:\n    from parisph import {name}\nexcept ImportError as error:\n"
+               "    print(type(error).__name__, error)")
+    done = subprocess.run([sys.executable, "-c", program], env=clean_environment(**laptop), capture_output=True,
+                          text=True, timeout=60)
     assert done.stdout.startswith("MissingLibrary mpi4py and petsc4py are not installed: "), done.stderr
 
 
@@ -108,4 +112,5 @@ def test_a_library_that_is_there_but_broken(tmp_path, monkeypatch, error):
     monkeypatch.setitem(libraries._REMEDIES, ("mpi4py_broken.MPI",), "load its module")
     with pytest.raises(MissingLibrary) as found:
         libraries.require("mpi4py_broken.MPI")
-    assert str(found.value) == "mpi4py_broken cannot be loaded (libmpi.so.40: cannot open shared object file): load its module"
+    assert (str(found.value)
+            == "mpi4py_broken cannot be loaded (libmpi.so.40: cannot open shared object file): load its module")

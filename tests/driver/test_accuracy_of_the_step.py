@@ -13,7 +13,8 @@ SPACING, G = 0.05, 9.81
 
 
 def column(**numerics):
-    return Case(title="column", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0), walls=Tank(width=2.0, height=2.0),
+    return Case(title="column", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0),
+                walls=Tank(width=2.0, height=2.0),
                 gravity=(0.0, -G), numerics=Numerics(spacing=SPACING, **numerics), end_time=1.0)
 
 
@@ -52,7 +53,8 @@ def test_still_water_is_not_limited():
 @pytest.mark.parametrize("closed", [True, False])
 def test_a_full_closed_tank_has_numbers_of_its_own(closed):
     height = 1.0 if closed else 0.5
-    case = Case(title="box", fluid=Fluid(Box(width=1.0, height=height), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
+    case = Case(title="box", fluid=Fluid(Box(width=1.0, height=height), density=1000.0),
+                walls=Tank(width=1.0, height=1.0, lid=True),
                 gravity=(0.0, 0.0), numerics=Numerics(spacing=0.1, filter=0.02), end_time=1.0)
     s = Simulation(case, MPI.COMM_SELF)
     n = s.numerics

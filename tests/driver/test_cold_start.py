@@ -47,7 +47,8 @@ def test_small_scene_is_of_the_same_kind():
     """What it compiles is what the run needs: the method, the preset, and a closed tank or not."""
     open_case = scene("dam_break", {"preset": "violent", "method": "ISPH"}, spacing=0.1)
     small = warmup.small(open_case, open_case.numerics.resolved())
-    assert small.numerics.method == "ISPH" and not small.closed and small.numerics.kappa == open_case.numerics.resolved().kappa
+    assert (small.numerics.method == "ISPH" and not small.closed
+            and small.numerics.kappa == open_case.numerics.resolved().kappa)
     full = open_case.changed(**{"fluid.shape": Box(width=2.0, height=2.0)})
     assert full.closed and warmup.small(full, full.numerics.resolved()).closed
 

@@ -45,7 +45,8 @@ def test_volume_that_was_off_on_the_way_is_named(tmp_path):
     summary = run(scene("free_drop", time_step=0.025), MPI.COMM_SELF, tmp_path / "run", progress=False)
     assert abs(summary["volume_drift"]) < 0.01 < 0.02 < summary["volume_range"]["high"]
     assert summary["status"] == "completed with warnings" and len(summary["warnings"]) == 1
-    assert "volume" in summary["warnings"][0] and f"{summary['volume_range']['high_time']:.4g} s" in summary["warnings"][0]
+    assert ("volume" in summary["warnings"][0]
+            and f"{summary['volume_range']['high_time']:.4g} s" in summary["warnings"][0])
     assert json.loads((tmp_path / "run" / "summary.json").read_text())["warnings"] == summary["warnings"]
     lines = words.table(summary)
     assert any(line.startswith("warning ") and "volume" in line for line in lines)
@@ -91,21 +92,25 @@ def test_what_is_no_number_is_named(field):
 @pytest.mark.parametrize("gravity", [(0.0, -9.81), (9.81, 0.0), (0.0, 9.81), (-6.0, 6.0)])
 def test_change_of_energy_has_its_sign_in_every_direction_of_gravity(gravity):
     """Where water lies is 0 or more above the lowest corner; .1 m/s of 500 kg/m is a rise, in per cent of the start."""
-    s, kept = started(Case(title="any way down", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
+    s, kept = started(Case(title="any way down", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0),
+                           walls=Tank(width=1.0, height=1.0, lid=True),
                            gravity=gravity, numerics=Numerics(spacing=0.1), end_time=1.0))
     start = kept.energy.start
     s.particles.u[s.particles.kind == 0] = (0.1, 0.0)
     kept.step(s)
     assert start > 0.0 and kept.energy.now - start == pytest.approx(2.5, rel=0.01)
-    assert kept.content()["energy_range"]["high"] == kept.content()["energy_drift"] == pytest.approx(2.5 / start, rel=0.01)
+    assert (kept.content()["energy_range"]["high"] == kept.content()["energy_drift"]
+            == pytest.approx(2.5 / start, rel=0.01))
     s.destroy()
 
 
 def test_volume_of_a_thin_layer_is_said_to_be_unknown():
-    s, kept = started(Case(title="a puddle", fluid=Fluid(Box(width=1.0, height=0.15), density=1000.0), walls=Tank(width=1.0, height=1.0),
+    s, kept = started(Case(title="a puddle", fluid=Fluid(Box(width=1.0, height=0.15), density=1000.0),
+                           walls=Tank(width=1.0, height=1.0),
                            gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05), end_time=1.0))
     lines = words.table(kept.content())
-    assert any(line.startswith("volume drift ") and "not measured: nothing was 2.1 spacings inside" in line for line in lines)
+    assert any(line.startswith("volume drift ") and "not measured: nothing was 2.1 spacings inside" in line
+               for line in lines)
     s.destroy()
 
 
@@ -140,13 +145,15 @@ def test_energy_in_motion_of_a_standing_wave():
     due = 0.25 * 1000.0 * 9.81 * 0.025**2 * 2.0
     assert in_motion(scene("standing_wave", spacing=0.025))["start"] == pytest.approx(due, rel=0.02)
     raised = Case(title="raised", fluid=Fluid(Box(width=2.0, height=1.0), density=1000.0, elevation="0.025*cos(pi*x)"),
-                  walls=Tank(width=2.0, height=1.5), gravity=(0.0, -9.81), numerics=Numerics(spacing=0.025), end_time=1.0)
+                  walls=Tank(width=2.0, height=1.5), gravity=(0.0, -9.81),
+                  numerics=Numerics(spacing=0.025), end_time=1.0)
     assert in_motion(raised)["start"] == pytest.approx(due, rel=0.03)
 
 
 def test_energy_in_motion_of_water_at_rest_and_of_a_column():
     assert in_motion(scene("hydrostatic", spacing=0.1))["start"] == pytest.approx(0.0, abs=1e-9)
-    full = Case(title="full", fluid=Fluid(Box(width=1.0, height=1.0), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
+    full = Case(title="full", fluid=Fluid(Box(width=1.0, height=1.0), density=1000.0),
+                walls=Tank(width=1.0, height=1.0, lid=True),
                 gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1), end_time=1.0)
     assert in_motion(full)["start"] == pytest.approx(0.0, abs=1e-8)
     column = in_motion(scene("dam_break", spacing=0.05))["start"]    # H^2 L/2 - (L H/D)^2 D/2
@@ -179,9 +186,10 @@ def test_energy_in_motion_means_nothing_without_a_level():
 
 
 def column(end_time, rtol=None):
-    return Case(title="column", fluid=Fluid(Box(width=0.5, height=0.5), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
-                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05, time_step=0.005, rtol=rtol), output=Output(checkpoint_every=0.1),
-                end_time=end_time)
+    return Case(title="column", fluid=Fluid(Box(width=0.5, height=0.5), density=1000.0),
+                walls=Tank(width=1.0, height=1.0, lid=True),
+                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05, time_step=0.005, rtol=rtol),
+                output=Output(checkpoint_every=0.1), end_time=end_time)
 
 
 def test_extremes_go_on_over_a_restart(tmp_path):
@@ -191,7 +199,8 @@ def test_extremes_go_on_over_a_restart(tmp_path):
     both = restart(tmp_path / "parts", MPI.COMM_SELF, until=0.3, progress=False)
     for name in ("volume_range", "energy_range", "energy_in_motion"):
         for key, value in whole[name].items():
-            assert both[name][key] == (value if isinstance(value, str) else pytest.approx(value, rel=1e-6, abs=1e-9)), (name, key)
+            assert (both[name][key] == (value if isinstance(value, str)
+                                        else pytest.approx(value, rel=1e-6, abs=1e-9))), (name, key)
     assert both["energy_range"]["high"] >= first["energy_range"]["high"]
 
 
@@ -211,7 +220,8 @@ def test_account_of_an_older_run_is_taken_up():
 def without_surface():
     """A polygon that fills a tank with a lid: no particle of it lies on a surface."""
     corners = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-    return Case(title="full polygon", fluid=Fluid(Polygon(corners), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
+    return Case(title="full polygon", fluid=Fluid(Polygon(corners), density=1000.0),
+                walls=Tank(width=1.0, height=1.0, lid=True),
                 gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle"), end_time=0.1)
 
 
@@ -221,7 +231,8 @@ def test_fluid_without_a_surface_is_announced(tmp_path):
     assert "warning" not in describe(column(0.3))
     summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
     assert summary["status"] == "completed with warnings"
-    assert any("121 particles had no contact with a free surface at the start (of 81 fluid particles and the walls)" in line for line in summary["warnings"])
+    assert any("121 particles had no contact with a free surface at the start (of 81 fluid particles and the "
+               "walls)" in line for line in summary["warnings"])
 
 
 def test_fluid_without_a_surface_rests_all_the_same():

@@ -20,13 +20,15 @@ from tests.scenes import scene
 
 @pytest.mark.parametrize("path", sorted((ROOT / "cases").glob("*.py")), ids=lambda path: path.stem)
 def test_every_case_is_described(path):
-    lines = dict(line.split(None, 1) for line in describe(scene(path.stem)).splitlines() if not line.startswith("end time"))
+    lines = dict(line.split(None, 1) for line in describe(scene(path.stem)).splitlines()
+                 if not line.startswith("end time"))
     assert lines["case"] and "fluid" in lines["particles"] and "solve" in lines["stages"] and "MB" in lines["memory"]
 
 
 def test_stages_are_those_that_the_scene_has():
     calm, violent = describe(scene("hydrostatic")), describe(scene("dam_break"))
-    assert "surface" not in calm.replace("at the surface", "") and "position projection" not in calm and "collisions" not in calm
+    assert ("surface" not in calm.replace("at the surface", "") and "position projection" not in calm
+            and "collisions" not in calm)
     assert "surface (gap)" in violent and "position projection, parting of close pairs, Fick shift" in violent
     assert "adaptive" in describe(scene("rotating_patch")) and "5000 of 0.000639 s" in violent
 
@@ -39,7 +41,8 @@ def test_memory_is_estimated_as_it_is_measured(tmp_path):
                        timeout=200)
         assert done.returncode == 0, done.stderr
     peak, = json.loads((tmp_path / "second" / "summary.json").read_text())["peak_memory_mb"]
-    told = next(line for line in describe(scene("dam_break", spacing=1 / 240)).splitlines() if line.startswith("memory"))
+    told = next(line for line in describe(scene("dam_break", spacing=1 / 240)).splitlines()
+                if line.startswith("memory"))
     assert int(told.split()[2]) == pytest.approx(peak, rel=0.15)
 
 
@@ -56,8 +59,10 @@ def test_a_case_for_a_larger_machine_is_described_all_the_same(monkeypatch):
 
 
 def test_values_are_written_as_set_takes_them():
-    told = describe(scene("dam_break"), {"spacing": 1 / 3, "method": "ISPH", "time_step": None, "lid": True, "at": (0.0, 2.5)})
-    assert told.splitlines()[-1] == "--set       spacing=0.333333333333333, method=ISPH, time_step=none, lid=True, at=0,2.5"
+    told = describe(scene("dam_break"),
+                    {"spacing": 1 / 3, "method": "ISPH", "time_step": None, "lid": True, "at": (0.0, 2.5)})
+    assert (told.splitlines()[-1]
+            == "--set       spacing=0.333333333333333, method=ISPH, time_step=none, lid=True, at=0,2.5")
 
 
 def test_times_are_due_once_each():

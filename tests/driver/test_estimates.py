@@ -25,8 +25,10 @@ def cache(tmp_path, monkeypatch):
 
 def sloshing(amplitude=0.03, spacing=0.04, **values):
     """The first case of the README: a tank of water shaken at its first natural frequency."""
-    return Case(title="sloshing", fluid=Fluid(Box(width=1.0, height=0.4), density=1000.0), walls=Tank(width=1.0, height=1.0, lid=True),
-                gravity=(0.0, -9.81), frame=Sway(amplitude=amplitude, frequency=float(waves.angular_frequency(np.pi, 0.4))),
+    return Case(title="sloshing", fluid=Fluid(Box(width=1.0, height=0.4), density=1000.0),
+                walls=Tank(width=1.0, height=1.0, lid=True),
+                gravity=(0.0, -9.81), frame=Sway(amplitude=amplitude,
+                                                 frequency=float(waves.angular_frequency(np.pi, 0.4))),
                 numerics=Numerics(spacing=spacing), end_time=3.0).changed(**values)
 
 
@@ -109,7 +111,8 @@ def test_an_earlier_run_is_the_measure(monkeypatch, cache, numerics):
     _, basis = cost.seconds_per_step(numerics, 4000)
     assert basis == "a short timing of this processor"
     clock(monkeypatch, 101, 0.5).remember(numerics, 4000, 1)
-    assert cost.seconds_per_step(numerics, 4000) == (pytest.approx(0.5), "an earlier run of 4000 particles on this processor")
+    assert cost.seconds_per_step(numerics, 4000) == (pytest.approx(0.5),
+                                                     "an earlier run of 4000 particles on this processor")
     assert cost.seconds_per_step(numerics, 40000)[0] == pytest.approx(5.0, rel=0.1)
 
 

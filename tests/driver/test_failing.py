@@ -19,7 +19,8 @@ from parisph import Box, Case, Energy, Fluid, Numerics, Output, PressureTap, Tan
 def case(gravity: str = "-9.81", time_step: float | None = 0.002, lid: bool = True, preset: str = "violent",
          spacing: float = 0.1, method: str = "ISPH_R", end_time: float = 0.1) -> Case:
     return Case(
-        title="wild", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0), walls=Tank(width=2.0, height=2.0, lid=lid),
+        title="wild", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0),
+        walls=Tank(width=2.0, height=2.0, lid=lid),
         gravity=(0.0, gravity), numerics=Numerics(spacing=spacing, time_step=time_step, preset=preset, method=method),
         output=Output(checkpoint_every=0.01, every=0.02), end_time=end_time,
         probes=[Volume("volume"), Energy("energy"), PressureTap("tap", at=(0.0, 0.1))],
@@ -79,7 +80,8 @@ def test_a_run_that_is_refused_leaves_the_folders_as_they_were(folder, capfd, ou
     (folder / out).mkdir(parents=True)
     (folder / out / "case.json").write_text("{}")
     fails(["run", "wild.py", "-o", out, "--overwrite", "--", "-pressure_ksp_type", "nonsense"], capfd, 2)
-    assert [path.name for path in (folder / out).parent.iterdir()] == [Path(out).name] and (folder / out / "case.json").exists()
+    assert ([path.name for path in (folder / out).parent.iterdir()] == [Path(out).name]
+            and (folder / out / "case.json").exists())
 
 
 @pytest.mark.parametrize("out", ["", "a\nb", "x" * 300, "wild.py", "wild.py/a"])
@@ -102,15 +104,16 @@ def test_body_force_that_becomes_infinite(folder, capfd, ranks):
 
 
 def test_body_force_that_has_no_value_and_adaptive_step(folder, capfd):
-    said = fails(["run", "wild.py", "-o", "run", "-q", "--set", "gravity=log(0.05 - t)", "--set", "time_step=none"], capfd, 3)
+    said = fails(["run", "wild.py", "-o", "run", "-q", "--set", "gravity=log(0.05 - t)", "--set", "time_step=none"],
+                 capfd, 3)
     assert "the body force is not a finite number" in said
     check_summary(2)
 
 
 @pytest.mark.parametrize(("lid", "ranks"), [("true", 1), ("false", 1), ("false", 2)])
 def test_absurd_time_step(folder, capfd, lid, ranks):
-    words = ["run", "wild.py", "-o", "run", "-q", "--set", "preset=gentle", "--set", "time_step=0.15", "--set", f"lid={lid}",
-             "--set", "end_time=15"]
+    words = ["run", "wild.py", "-o", "run", "-q", "--set", "preset=gentle", "--set", "time_step=0.15", "--set",
+             f"lid={lid}", "--set", "end_time=15"]
     said = fails(words, capfd, 3, ranks)
     assert "outside the tank" in said and "particle " in said and "last good checkpoint" in said
     check_summary(0)
@@ -120,19 +123,23 @@ STEEP = """
 from parisph import Box, Case, Fluid, Numerics, Tank
 
 def case(preset: str = "gentle", surface_rule: str | None = None):
-    return Case(title="column", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0), walls=Tank(width=2.0, height=2.0, lid=True),
-                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset=preset, surface_rule=surface_rule), end_time=5.0)
+    return Case(title="column", fluid=Fluid(Box(width=0.5, height=1.0), density=1000.0),
+                walls=Tank(width=2.0, height=2.0, lid=True), gravity=(0.0, -9.81),
+                numerics=Numerics(spacing=0.1, preset=preset, surface_rule=surface_rule), end_time=5.0)
 """
 
 
 @pytest.mark.parametrize(("sets", "chosen", "instead"), [
     ([], 'preset="gentle"', 'preset="violent"'),
-    (["--set", "preset=violent", "--set", "surface_rule=frozen", "--set", "wall_guard=0"], 'surface_rule="frozen"', 'surface_rule="gap"'),
+    (["--set", "preset=violent", "--set", "surface_rule=frozen", "--set", "wall_guard=0"], 'surface_rule="frozen"',
+     'surface_rule="gap"'),
 ])
 def test_kept_surface_beyond_its_range_is_named(folder, capfd, sets, chosen, instead):
     """A breaking dam with a surface that keeps its particles."""
-    (folder / "steep.py").write_text(STEEP.replace("surface_rule: str | None = None", "surface_rule: str | None = None, wall_guard: float | None = None")
-                                     .replace("surface_rule=surface_rule)", "surface_rule=surface_rule, wall_guard=wall_guard)"))
+    (folder / "steep.py").write_text(STEEP.replace("surface_rule: str | None = None",
+                                                   "surface_rule: str | None = None, wall_guard: float | None = None")
+                                     .replace("surface_rule=surface_rule)",
+                                              "surface_rule=surface_rule, wall_guard=wall_guard)"))
     said = fails(["run", "steep.py", "-o", "run", "-q", *sets], capfd, 3)
     assert f"{chosen} keeps the initial surface particles" in said and f"use {instead}" in said
 
@@ -170,11 +177,13 @@ def test_failed_run_goes_on_from_its_last_checkpoint(folder, capfd):
     (["run", "wild.py", "--set", "gravity=-9.81*height"], "height"),
     (["run", "wild.py", "--", "-ksp_type", "cg"], "-pressure_ksp_type"),
     (["run", "wild.py", "--", "-pressure_ksp_type", "nonsense"], "nonsense"),
-    (["run", "wild.py", "--", "-pressure_ksp_rtol", "10"], "-pressure_ksp_rtol = 10: must be a number of at least 0 and below 1"),
+    (["run", "wild.py", "--", "-pressure_ksp_rtol", "10"],
+     "-pressure_ksp_rtol = 10: must be a number of at least 0 and below 1"),
     (["run", "wild.py", "--", "-pressure_ksp_rtol", "-1"], "-pressure_ksp_rtol = -1: must be"),
 ])
 def test_bad_case_is_refused_before_any_work(folder, capfd, words, says):
-    assert says in fails([*words, "-o", "run"] if "--" not in words else [*words[:2], "-o", "run", *words[2:]], capfd, 2)
+    assert says in fails([*words, "-o", "run"] if "--" not in words else [*words[:2], "-o", "run", *words[2:]], capfd,
+                         2)
     assert not os.path.exists("run")
 
 
@@ -265,7 +274,8 @@ def test_damaged_older_checkpoint_names_the_last(folder, capfd):
 
 def test_restart_clears_away_what_a_killed_run_left(folder, capfd):
     assert entry.main(["run", "wild.py", "-o", "run", "-q", "--set", "end_time=0.02"]) == 0
-    for name in (".steps.csv.tmp", ".summary-1.json.tmp", "probes/.tap.csv.tmp", "snapshots/.000001.vtkhdf.tmp", "checkpoints/.00000011.h5.tmp"):
+    for name in (".steps.csv.tmp", ".summary-1.json.tmp", "probes/.tap.csv.tmp", "snapshots/.000001.vtkhdf.tmp",
+                 "checkpoints/.00000011.h5.tmp"):
         (folder / "run" / name).touch()
     assert entry.main(["restart", "run", "-q", "--until", "0.03"]) == 0
     assert not list((folder / "run").rglob(".*"))

@@ -76,7 +76,8 @@ def test_a_complete_run_stays_as_it_is(run, capfd):
     assert "ask for more with --until" in capfd.readouterr().err
 
 
-@pytest.mark.parametrize("left", [("case.json",), ("case.json", "steps.csv", "probes", "snapshots/000000.vtkhdf", "flow.hdf.series")])
+@pytest.mark.parametrize("left", [
+    ("case.json",), ("case.json", "steps.csv", "probes", "snapshots/000000.vtkhdf", "flow.hdf.series")])
 def test_killed_before_its_first_checkpoint(run, left):
     for path in sorted(run.rglob("*"), reverse=True):
         if path.is_file() and not any(str(path.relative_to(run)).startswith(name) for name in left):
@@ -93,7 +94,8 @@ def test_killed_after_its_last_checkpoint_but_one(run):
     check_whole(run)
     aside = run / "replaced" / "1"
     assert sorted(str(path.relative_to(aside)) for path in aside.rglob("*.*")) == [
-        "probes/energy.csv", "snapshots/000003.vtkhdf", "snapshots/000004.vtkhdf", "snapshots/000005.vtkhdf", "steps.csv"]
+        "probes/energy.csv", "snapshots/000003.vtkhdf", "snapshots/000004.vtkhdf",
+        "snapshots/000005.vtkhdf", "steps.csv"]
     assert (aside / "snapshots/000004.vtkhdf").read_bytes() == late
     assert reader.open_run(run).about["run"] == json.loads((run / "case.json").read_text())["run"]
 
@@ -118,9 +120,10 @@ def test_snapshots_are_found_without_the_index(run, damage):
 
 def test_files_of_others_are_never_touched(run, tmp_path):
     checkpoint.paths(run / "checkpoints")[-1].unlink()
-    mine = {"notes.txt": b"mine", "snapshots/000009.vtkhdf": b"not HDF5", "snapshots/picture.png": b"png", "snapshots/.hidden.tmp": b"x",
-            "probes/other.csv": b"a,b", "checkpoints/readme.tmp": b"y", ".a.csv.tmp_backup": b"z", ".steps.csv.tmp.old": b"z",
-            "probes/.energy.csv.tmp.2024": b"z", "probes/.mine.csv.tmp": b"z", "checkpoints/.mine.h5.tmp": b"z"}
+    mine = {"notes.txt": b"mine", "snapshots/000009.vtkhdf": b"not HDF5", "snapshots/picture.png": b"png",
+            "snapshots/.hidden.tmp": b"x", "probes/other.csv": b"a,b", "checkpoints/readme.tmp": b"y",
+            ".a.csv.tmp_backup": b"z", ".steps.csv.tmp.old": b"z", "probes/.energy.csv.tmp.2024": b"z",
+            "probes/.mine.csv.tmp": b"z", "checkpoints/.mine.h5.tmp": b"z"}
     for name, content in mine.items():
         (run / name).write_bytes(content)
     foreign = run / "snapshots" / "000007.vtkhdf"
@@ -137,14 +140,16 @@ def test_files_of_others_are_never_touched(run, tmp_path):
 
 def test_copies_of_checkpoints_are_neither_removed_nor_taken_for_the_last(run):
     last = checkpoint.paths(run / "checkpoints")[-1]
-    copies = [run / "checkpoints" / name for name in ("00000003.h5", "1.h5", "9.h5", "\u00b2.h5", "000000011.h5", "mine.h5")]
+    copies = [run / "checkpoints" / name for name in ("00000003.h5", "1.h5", "9.h5", "\u00b2.h5", "000000011.h5",
+                                                      "mine.h5")]
     for path in copies:
         shutil.copy(last, path)
     assert restart("--until", "0.044") == 0
     check_whole(run, 22)
     assert all(path.read_bytes() == copies[0].read_bytes() for path in copies)
     # and of its own the run keeps the last two, those of the restart and those from before it
-    assert {path.name for path in checkpoint.paths(run / "checkpoints")} == {"00000003.h5", "00000020.h5", "00000022.h5"}
+    assert {path.name for path in checkpoint.paths(run / "checkpoints")} == {"00000003.h5",
+                                                                             "00000020.h5", "00000022.h5"}
 
 
 @pytest.mark.parametrize("name", ["snapshots", "checkpoints", "probes", "replaced"])
@@ -159,8 +164,10 @@ def test_a_linked_folder_is_refused(run, name, capfd):
     assert {path: path.read_bytes() for path in elsewhere.rglob("*") if path.is_file()} == before
 
 
-@pytest.mark.parametrize("name", ["run.log", "steps.csv", "probes/energy.csv", "case.json", ".case.json.tmp", "summary.json",
-                                  "flow.hdf.series", "checkpoints/.00000012.h5.tmp", "snapshots/.000006.vtkhdf.tmp", ".steps.csv.tmp"])
+@pytest.mark.parametrize("name",
+                         ["run.log", "steps.csv", "probes/energy.csv", "case.json", ".case.json.tmp", "summary.json",
+                          "flow.hdf.series", "checkpoints/.00000012.h5.tmp", "snapshots/.000006.vtkhdf.tmp",
+                          ".steps.csv.tmp"])
 def test_a_linked_file_is_never_written_through(run, name):
     target = run.parent / "target"
     path = run / name
@@ -182,10 +189,12 @@ def test_a_missing_series_is_said(run, capfd):
 
 @pytest.mark.parametrize("name, damage, says", [
     ("steps.csv", lambda text: text.replace("\n", "\n\0", 5), "steps.csv is damaged"),
-    ("probes/energy.csv", lambda text: text.replace("time,step,kinetic", "time,step,cinetic"), "energy.csv is damaged: it is not as it was"),
+    ("probes/energy.csv", lambda text: text.replace("time,step,kinetic", "time,step,cinetic"),
+     "energy.csv is damaged: it is not as it was"),
     ("probes/energy.csv", lambda text: text.replace("# run ", "# run f"), "energy.csv is of another run"),
     ("case.json", lambda text: text[:100], "case.json is damaged"),
-    ("case.json", lambda text: text.replace('"run": "', '"run": "f'), "case.json is damaged: it does not match its digest"),
+    ("case.json", lambda text: text.replace('"run": "', '"run": "f'),
+     "case.json is damaged: it does not match its digest"),
     ("case.json", lambda text: json.dumps({**json.loads(text), "run": "f", "digest": None}), "is of another run"),
     ("steps.csv", lambda text: text.replace("0.002,1,", "0.0021,1,"), "steps.csv is damaged: it is not as it was"),
 ])
@@ -238,22 +247,25 @@ def test_after_an_interruption_only_the_summary_is_replaced(run):
     for name, until in (("replaced/1", "0.024"), ("replaced/2", "0.028")):
         assert restart("--until", until) == 0
         log = (run / "run.log").read_text().split("continuing in")[-1]
-        assert f"only the earlier summary was moved to run/{name}; no other result is replaced\n" in log and "computed again" not in log
+        assert (f"only the earlier summary was moved to run/{name}; no other result is replaced\n" in log
+                and "computed again" not in log)
         assert [path.name for path in (run / name).rglob("*")] == ["summary.json"]
 
 
 def test_a_restart_says_what_is_continued_where(run):
     assert restart("--until", "0.024") == 0
-    assert "the checkpoint run/checkpoints/00000010.h5, t = 0.02 s, is continued in run\n" in (run / "run.log").read_text()
+    assert "the checkpoint run/checkpoints/00000010.h5, t = 0.02 s, is continued in run\n" in (
+        run / "run.log").read_text()
     assert restart("--until", "0.028", "-o", "longer") == 0
     log = (run.parent / "longer" / "run.log").read_text()
-    assert "the checkpoint run/checkpoints/00000012.h5, t = 0.024 s, is continued in longer; earlier results are in run\n" in log
+    assert ("the checkpoint run/checkpoints/00000012.h5, t = 0.024 s, is continued in longer; "
+            "earlier results are in run\n") in log
     np.testing.assert_array_equal(reader.open_run("longer").steps["step"], [13, 14])
     assert reader.open_run("longer").summary["steps"] == 14    # from t = 0
 
 
-@pytest.mark.parametrize("make, says", [(lambda path: path.symlink_to("mine"), "is a symbolic link"), (os.mkfifo, "is not a regular file"),
-                                        (os.mkdir, "is not a regular file")])
+@pytest.mark.parametrize("make, says", [(lambda path: path.symlink_to("mine"), "is a symbolic link"),
+                                        (os.mkfifo, "is not a regular file"), (os.mkdir, "is not a regular file")])
 def test_a_log_that_cannot_be_continued_is_named_before_anything_is_touched(run, capfd, make, says):
     checkpoint.paths(run / "checkpoints")[-1].unlink()
     (run / "run.log").unlink()
@@ -293,7 +305,8 @@ def test_a_checkpoint_of_another_run_is_refused_beside_a_long_case(run, capfd):
 def test_a_stored_case_that_no_run_writes_is_refused_unread(run, capfd):
     os.truncate(run / "case.json", 10**9)
     assert entry.main(["check", "run/case.json"]) == 2
-    assert capfd.readouterr().err == "parisph: error: run/case.json: cannot be read: it has 1 GB, at most 128 MB are read\n"
+    assert (capfd.readouterr().err
+            == "parisph: error: run/case.json: cannot be read: it has 1 GB, at most 128 MB are read\n")
 
 
 def test_a_case_of_a_newer_release_is_refused_in_plain_words(run, capfd):
@@ -333,12 +346,13 @@ def test_a_folder_behind_a_link_is_moved_aside_under_its_own_name(run):
 
 def test_a_script_is_told_how_to_move_the_old_run_aside(run):
     (run.parent / "small.py").write_text(CASE)
-    with pytest.raises(CaseError, match=r"run holds a run already: give another folder .* \(in Python: overwrite=True\)"):
+    with pytest.raises(CaseError, match=r"run holds a run already: give another folder .* \(in Python: "
+                                        r"overwrite=True\)"):
         driver.run(load("small.py"), MPI.COMM_SELF, "run", progress=False)
 
 
-OCCUPIED = ["steps.csv", "probes/energy.csv", "summary.json", "run.log", "flow.hdf.series", "checkpoints/00000020.h5", "snapshots/a.png",
-            "peaks/a.vtkhdf"]
+OCCUPIED = ["steps.csv", "probes/energy.csv", "summary.json", "run.log", "flow.hdf.series", "checkpoints/00000020.h5",
+            "snapshots/a.png", "peaks/a.vtkhdf"]
 
 
 @pytest.mark.parametrize("name", OCCUPIED)
@@ -350,9 +364,11 @@ def test_what_lies_in_a_folder_without_a_run_is_never_overwritten(run, name, cap
     for words in (["run", "small.py"], ["restart", "run", "--until", "0.024"]):
         assert entry.main([*words, "-q", "-o", "theirs"]) == 2
         said = capfd.readouterr().err
-        assert f"theirs has no case.json, but it holds {name.partition('/')[0]}, which" in said and said.count("parisph: error: ") == 1
+        assert (f"theirs has no case.json, but it holds {name.partition('/')[0]}, which" in said
+                and said.count("parisph: error: ") == 1)
         assert ("--overwrite" in said) == (words[0] == "run")    # which restart does not have
-        assert [path for path in (run.parent / "theirs").rglob("*") if path.is_file()] == [theirs] and theirs.read_text() == "theirs"
+        assert ([path for path in (run.parent / "theirs").rglob("*") if path.is_file()] == [theirs]
+                and theirs.read_text() == "theirs")
     assert entry.main(["run", "small.py", "-q", "-o", "theirs", "--overwrite"]) == 0
     assert (run.parent / "theirs.old" / name).read_text() == "theirs"
     assert " INFO the earlier content was moved to theirs.old\n" in (run.parent / "theirs/run.log").read_text()

@@ -47,8 +47,10 @@ def test_ranks_agree(results, name):
 
 def test_a_weakly_compressible_run_is_stored_continued_and_drawn(tmp_path):
     """Densities are in its checkpoint; nothing that looks at a run asks for a pressure solve."""
-    for words in (("run", ROOT / "cases" / "dam_break.py", "--set", "method=SPH", "spacing=0.1", "end_time=0.2", "-o", "run"),
-                  ("restart", "run", "--until", "0.1", "-o", "more"), ("info", "more"), ("plot", "run", "-o", "run.png")):
+    for words in (("run", ROOT / "cases" / "dam_break.py", "--set", "method=SPH", "spacing=0.1", "end_time=0.2", "-o",
+                   "run"),
+                  ("restart", "run", "--until", "0.1", "-o", "more"), ("info", "more"),
+                  ("plot", "run", "-o", "run.png")):
         done = parisph(*words, cwd=tmp_path, timeout=120)
         assert done.returncode == 0, done.stderr
     assert (tmp_path / "run.png").stat().st_size > 10_000
@@ -70,11 +72,13 @@ import json
 from collections import Counter
 from parisph.parallel.halo import Halo
 
-TALK = {"Allreduce", "allreduce", "Allgather", "allgather", "Allgatherv", "Bcast", "bcast", "Barrier", "Alltoall", "gather", "reduce"}
+TALK = {"Allreduce", "allreduce", "Allgather", "allgather", "Allgatherv", "Bcast", "bcast", "Barrier", "Alltoall",
+        "gather", "reduce"}
 seen = Counter()
 
 def note(frame, event, function):
-    if event == "c_call" and getattr(function, "__name__", "") in TALK and isinstance(getattr(function, "__self__", None), MPI.Comm):
+    talks = event == "c_call" and getattr(function, "__name__", "") in TALK
+    if talks and isinstance(getattr(function, "__self__", None), MPI.Comm):
         seen["collectives"] += function.__self__.size > 1
 
 update = Halo.update

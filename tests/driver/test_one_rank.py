@@ -35,8 +35,10 @@ SOON = 10.0    # [s] from the failure until all ranks are gone
 def carried_out(folder, what="pass", inside=(), between=(), after=""):
     """Run the script on two ranks; return (exit code, output, seconds from the first failure to the end)."""
     (folder / "script.py").write_text(SCRIPT.format(what=what, inside=inside, between=between, after=after))
-    process = subprocess.Popen(["mpirun", "-n", "2", sys.executable, "script.py"], cwd=folder, env=clean_environment(), text=True,
-                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=open(folder / "errors.txt", "w"))
+    process = subprocess.Popen(["mpirun", "-n", "2", sys.executable, "script.py"], cwd=folder,
+                               env=clean_environment(), text=True,
+                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                               stderr=open(folder / "errors.txt", "w"))
     try:
         said, failed = "", None
         for line in process.stdout:
@@ -69,7 +71,9 @@ def test_failure_between_calls(tmp_path, what, says):
 
 
 def test_failure_while_the_others_do_something_else(tmp_path):
-    code, said, seconds = carried_out(tmp_path, after="if comm.rank == 1: raise ValueError(print('failed', flush=True))\ntime.sleep(60)")
+    code, said, seconds = carried_out(tmp_path,
+                                      after="if comm.rank == 1: raise ValueError(print('failed', flush=True))\n"
+                                            "time.sleep(60)")
     assert code == 1 and "ValueError: None" in said and "rank 1 ends with an error, while others continue" in said
     assert seconds < SOON
 
@@ -84,15 +88,18 @@ def test_rank_that_still_works_after_the_others_have_ended_is_left_alone(tmp_pat
 @pytest.mark.parametrize("caught", [False, True])
 def test_error_on_all_ranks_is_left_to_the_user(tmp_path, caught):
     what = "raise ParisphError('on all ranks')"
-    script = SCRIPT.replace("    s.advance()\n", "    try: s.advance()\n    except ParisphError: break\n") if caught else SCRIPT
-    (tmp_path / "script.py").write_text(script.format(what=what, inside=[0, 1], between=[], after="print('end', comm.rank)"))
+    script = (SCRIPT.replace("    s.advance()\n", "    try: s.advance()\n    except ParisphError: break\n")
+              if caught else SCRIPT)
+    (tmp_path / "script.py").write_text(script.format(what=what, inside=[0, 1], between=[],
+                                                      after="print('end', comm.rank)"))
     done = mpirun(2, ["script.py"], cwd=tmp_path)
     assert done.returncode == (0 if caught else 1) and "stopping all" not in done.stderr
     assert done.stdout.count("end") == (2 if caught else 0)
 
 
 def test_script_on_one_rank_raises_as_ever(tmp_path):
-    (tmp_path / "script.py").write_text(SCRIPT.format(what="raise ValueError('alone')", inside=[0], between=[], after=""))
+    (tmp_path / "script.py").write_text(SCRIPT.format(what="raise ValueError('alone')", inside=[0],
+                                                      between=[], after=""))
     done = mpirun(1, ["script.py"], cwd=tmp_path)
     assert done.returncode == 1 and "ValueError: alone" in done.stderr and "stopping all" not in done.stderr
 

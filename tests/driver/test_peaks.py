@@ -138,7 +138,8 @@ def test_in_another_folder_the_peak_so_far_is_there_too(tmp_path):
 
 
 def test_a_peak_that_cannot_be_brought_is_said(tmp_path, caplog):
-    other = Acting(tmp_path / "other", [3.0, 4.0], {"tap": {"least": 0.0, "greatest": 10.0, "time": 0.3, "step": 3, "now": 2.0}})
+    other = Acting(tmp_path / "other", [3.0, 4.0],
+                   {"tap": {"least": 0.0, "greatest": 10.0, "time": 0.3, "step": 3, "now": 2.0}})
     other.peaks.bring(tmp_path / "run")
     assert "the flow at the peak of tap so far, t = 0.3 s, is not in" in caplog.text
     other.go(0, 1)
@@ -218,7 +219,8 @@ def test_a_run_that_fails_leaves_the_peak_up_to_there(tmp_path, monkeypatch):
 
     monkeypatch.setattr(Simulation, "advance", failing)
     with pytest.raises(SolverDiverged):
-        run(impact(1.0).changed(probes=[WaterFront("front", peak=True).model_dump()]), MPI.COMM_SELF, tmp_path / "run", progress=False)
+        run(impact(1.0).changed(probes=[WaterFront("front", peak=True).model_dump()]), MPI.COMM_SELF,
+            tmp_path / "run", progress=False)
     found = reader.open_run(tmp_path / "run")
     assert (found.summary["steps"], found.peak("front")["step"]) == (5, 5)
 
@@ -226,7 +228,8 @@ def test_a_run_that_fails_leaves_the_peak_up_to_there(tmp_path, monkeypatch):
 def test_plot_takes_it_and_says_nothing(whole, capsys):
     assert main(["plot", str(whole.folder), "--peak", "P2"]) == 0
     said = capsys.readouterr()
-    assert said.out.strip() == str(whole.folder / f"flow_pressure_{greatest(whole)['time']:.4f}s.png") and said.err == ""
+    assert (said.out.strip() == str(whole.folder / f"flow_pressure_{greatest(whole)['time']:.4f}s.png")
+            and said.err == "")
     assert main(["plot", str(whole.folder), "--peak", "P1"]) == 0
     assert "no snapshot at the peak of P1" in capsys.readouterr().err
     assert main(["info", str(whole.folder)]) == 0

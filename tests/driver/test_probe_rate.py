@@ -16,7 +16,8 @@ UNIT = (1.0 / 9.81) ** 0.5
 
 def fall(folder, **output):
     """Run the first moments of a dam break in adaptive steps."""
-    case = scene("dam_break", {"rtol": 1e-13}, spacing=0.1, end_time=0.6, time_step="none").changed(output=Output(**output))
+    case = scene("dam_break", {"rtol": 1e-13}, spacing=0.1, end_time=0.6,
+                 time_step="none").changed(output=Output(**output))
     run(case, MPI.COMM_SELF, folder, progress=False)
     return reader.open_run(folder)
 
@@ -62,7 +63,8 @@ def test_particles_are_looked_at_in_the_steps_around_a_sample_only(tmp_path, mon
 
     monkeypatch.setattr(Watch, "_sample", counted)
     found = fall(tmp_path / "run", probe_interval=0.05)
-    around = [0] + [step for k in (1, 2, 3) for step in (np.searchsorted(found.steps["time"], 0.05 * k) + np.array([0, 1])).tolist()]
+    around = ([0] + [step for k in (1, 2, 3)
+                     for step in (np.searchsorted(found.steps["time"], 0.05 * k) + np.array([0, 1])).tolist()])
     assert sampled == around and len(sampled) < len(found.steps)
 
 
@@ -89,7 +91,8 @@ def test_nothing_is_missed_or_repeated_over_a_restart_on_other_ranks(tmp_path):
         assert a["time"].tolist() == b["time"].tolist() == (np.arange(len(b)) * 0.0007).tolist() and len(b) > 250
         np.testing.assert_array_equal(a["step"], b["step"])
         for column in b.dtype.names[2:]:
-            np.testing.assert_allclose(a[column], b[column], rtol=1e-6, atol=1e-6 * np.nanmax(np.abs(b[column])), err_msg=f"{name} {column}")
+            np.testing.assert_allclose(a[column], b[column], rtol=1e-6, atol=1e-6 * np.nanmax(np.abs(b[column])),
+                                       err_msg=f"{name} {column}")
 
 
 def test_a_rate_is_in_steps_or_in_time():

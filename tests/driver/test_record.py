@@ -28,8 +28,8 @@ def test_every_file_holds_the_options_in_force(tmp_path, monkeypatch):
     stored = [found.about, read_attributes(checkpoint.paths(tmp_path / "run" / "checkpoints")[-1]), found.summary]
     for about in stored:
         options = about["petsc_options"] + " "
-        for text in ("-pressure_ksp_gmres_restart 40 ", "-pressure_ksp_rtol 1e-4 ", "-pressure_pc_hypre_type boomeramg ",
-                     "-pressure_pc_hypre_boomeramg_no_CF "):
+        for text in ("-pressure_ksp_gmres_restart 40 ", "-pressure_ksp_rtol 1e-4 ",
+                     "-pressure_pc_hypre_type boomeramg ", "-pressure_pc_hypre_boomeramg_no_CF "):
             assert text in options
         assert options.count("-pressure_ksp_rtol ") == 1
     assert found.summary["driven"] is False

@@ -15,8 +15,8 @@ from parisph import driver
 
 def fall(end, **sets):
     # snapshots and checkpoints fall between steps, where what is due could be missed or repeated
-    return scene("dam_break", {"rtol": 1e-13, "gamma": 0.01}, spacing=0.05, end_time=end, snapshot_every=0.11, **sets).changed(
-        **{"output.checkpoint_every": 0.0777, "output.probe_every": 3})
+    case = scene("dam_break", {"rtol": 1e-13, "gamma": 0.01}, spacing=0.05, end_time=end, snapshot_every=0.11, **sets)
+    return case.changed(**{"output.checkpoint_every": 0.0777, "output.probe_every": 3})
 """
 FIRST = """
 summary = driver.run(fall({end}), comm, "whole", progress=False)
@@ -53,7 +53,8 @@ def particles(run):
 def test_same_result(folder, stopped, straight):
     (found, fields), (due, expected) = particles(folder / stopped), particles(folder / straight)
     assert (found["ranks"], due["ranks"]) == (3, 2)
-    assert (found["step"], found["time"], found["dt"]) == pytest.approx((due["step"], due["time"], due["dt"]), rel=1e-12)
+    assert (found["step"], found["time"], found["dt"]) == pytest.approx((due["step"], due["time"], due["dt"]),
+                                                                        rel=1e-12)
     np.testing.assert_array_equal(fields["role"], expected["role"])
     assert np.abs(expected["u"]).max() > 1.0
     for name in ("x", "u", "p", "phi"):
@@ -71,7 +72,8 @@ def test_series_go_on_without_gap_or_repetition(folder):
         a, b = found.probe(name), expected.probe(name)
         np.testing.assert_array_equal(a["step"], np.arange(0, len(steps) + 1, 3))
         for column in b.dtype.names:
-            np.testing.assert_allclose(a[column], b[column], rtol=1e-6, atol=1e-6 * np.nanmax(np.abs(b[column])), err_msg=f"{name} {column}")
+            np.testing.assert_allclose(a[column], b[column], rtol=1e-6, atol=1e-6 * np.nanmax(np.abs(b[column])),
+                                       err_msg=f"{name} {column}")
 
 
 def test_series_in_another_folder_begin_at_the_checkpoint(folder):
@@ -95,9 +97,11 @@ def test_summary_counts_the_whole_run(folder):
                          ("whole/summary.json", "part/summary.json", "part-summary.json"))
     assert both["status"].startswith("completed") and both["ranks"] == 3
     assert (both["status"], len(both["warnings"])) == (whole["status"], len(whole["warnings"]))
-    assert (both["steps"], both["time"], both["fallbacks"]) == (whole["steps"], pytest.approx(whole["time"]), whole["fallbacks"])
+    assert (both["steps"], both["time"], both["fallbacks"]) == (whole["steps"], pytest.approx(whole["time"]),
+                                                                whole["fallbacks"])
     times = reader.open_run(folder / "whole").steps["time"]
-    assert part["time"] == pytest.approx(times[part["steps"] - 1], rel=1e-12) and 0.45 < part["steps"] / whole["steps"] < 0.55
+    assert (part["time"] == pytest.approx(times[part["steps"] - 1], rel=1e-12)
+            and 0.45 < part["steps"] / whole["steps"] < 0.55)
     for key in ("energy_drift", "volume_drift"):    # against the start of the run, not of its second part
         assert both[key] == pytest.approx(whole[key], rel=1e-6)
     for key in ("phases", "cpu_phases"):

@@ -18,7 +18,8 @@ def pouring(end_time=0.2, **output):
     """A square of water, thrown up and to the right: its upper part goes over the rim."""
     return Case(
         title="pouring", fluid=Fluid(Box(width=0.4, height=0.4, at=(0.5, 0.2)), density=1000.0, velocity=(3.0, 3.0)),
-        walls=Tank(width=1.0, height=0.6), gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05, time_step=0.002, rtol=1e-13),
+        walls=Tank(width=1.0, height=0.6), gravity=(0.0, -9.81),
+        numerics=Numerics(spacing=0.05, time_step=0.002, rtol=1e-13),
         output=Output(**output), probes=[Energy("energy")], end_time=end_time)
 
 
@@ -76,7 +77,8 @@ def test_a_tank_that_is_empty_is_said():
 
 def test_water_flows_over_the_rim():
     """Filled to the brim, with gravity that leans to the right: nothing holds the water above the wall."""
-    case = Case(title="weir", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), walls=Tank(width=1.0, height=0.5),
+    case = Case(title="weir", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0),
+                walls=Tank(width=1.0, height=0.5),
                 gravity=(2.0, -9.6), numerics=Numerics(spacing=0.05), end_time=1.5)
     s = Simulation(case, MPI.COMM_SELF)
     p = s.particles

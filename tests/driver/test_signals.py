@@ -73,7 +73,8 @@ def test_rank_that_waits_for_another_is_ended(tmp_path, where, gap):
         twice(run.ranks()[-1], (signal.SIGTERM, signal.SIGINT), gap)
         code, said = ended(run)
     assert code == 4 and said.count("stopped at once by a second signal; ") == 1 and "Traceback" not in said
-    tells = "the last checkpoint is run/checkpoints/00000000.h5; continue with: parisph restart run" if where == "step" else "nothing has been written"
+    tells = ("the last checkpoint is run/checkpoints/00000000.h5; continue with: parisph restart run" if where == "step"
+             else "nothing has been written")
     assert tells in said
     assert (tmp_path / "run" / "case.json").exists() == (where == "step")
 

@@ -9,9 +9,9 @@ BODY = """
 from parisph import Box, Case, Fluid, Numerics, Polygon, Sway, Tank
 
 def tank(shape, height, **numerics):
-    return Case(title="tank", fluid=Fluid(shape, density=1000.0), walls=Tank(width=1.0, height=height, lid=True), gravity=(0.0, -9.81),
-                frame=Sway(amplitude=0.05, frequency=5.0), numerics=Numerics(spacing=0.05, rtol=1e-13, time_step=0.004, **numerics),
-                end_time=10.0)
+    return Case(title="tank", fluid=Fluid(shape, density=1000.0), walls=Tank(width=1.0, height=height, lid=True),
+                gravity=(0.0, -9.81), frame=Sway(amplitude=0.05, frequency=5.0), end_time=10.0,
+                numerics=Numerics(spacing=0.05, rtol=1e-13, time_step=0.004, **numerics))
 
 cases = {
     "below the lid": (tank(Box(width=1.0, height=0.5), 0.55), 60),

@@ -26,7 +26,8 @@ def main():
     """Run the parts that are named, print the table, and return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m tests.faults", description=__doc__.partition("\n")[0])
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"any of {', '.join(PARTS)} (default: all)")
-    parser.add_argument("--share", type=float, default=1.0, metavar="X", help="share of the attempts, 0 to 1 (default: 1)")
+    parser.add_argument("--share", type=float, default=1.0, metavar="X",
+                        help="share of the attempts, 0 to 1 (default: 1)")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="seed of the random choices (default: 0)")
     args = parser.parse_args()
     unknown = set(args.parts) - set(PARTS)
@@ -36,8 +37,8 @@ def main():
     try:
         for name in args.parts or PARTS:
             with tempfile.TemporaryDirectory(prefix=f"parisph-faults-{name}-") as folder:
-                rows.append(table.carry_out(name, PARTS[name], max(1, round(args.share * PARTS[name].attempts)), args.seed,
-                                            Path(folder)))
+                rows.append(table.carry_out(name, PARTS[name], max(1, round(args.share * PARTS[name].attempts)),
+                                            args.seed, Path(folder)))
     finally:
         print(table.text(rows))
     return int(any(row.misbehaved for row in rows))

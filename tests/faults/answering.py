@@ -31,7 +31,8 @@ class Answering:
         self._end()
 
     def ask(self, question):
-        """Return (name of the class of the error or None, its text or the answer); ("hang" or "crash", how) without an answer."""
+        """Return (name of the class of the error or None, its text or the answer); ("hang" or "crash", how) without an
+        answer."""
         if self._process is None:
             self._start()
         return self._ask(question, LIMIT)

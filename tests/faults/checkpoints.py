@@ -54,7 +54,8 @@ def _by_shell(run, place, ranks):
     said = [line for line in done.stderr.splitlines() if line.startswith("parisph: ")]    # mpirun says more
     if _contents(run) != before:
         return "change", "restart has changed files of the run"
-    if done.returncode != 5 or done.stdout or not said or "Traceback" in done.stderr or (ranks == 1 and done.stderr.count("\n") != 1):
+    if (done.returncode != 5 or done.stdout or not said or "Traceback" in done.stderr
+        or (ranks == 1 and done.stderr.count("\n") != 1)):
         return "exit", f"code {done.returncode}: {done.stdout}{done.stderr}"
     return "StoreError", "\n".join(said)
 

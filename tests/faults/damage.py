@@ -32,7 +32,8 @@ def two_runs(folder, ranks):
             driver.run(case(density), MPI.COMM_SELF, made[-1], progress=False)
             continue
         (folder / "case.py").write_text(CASE)
-        done = mpirun(ranks, ["-m", "parisph", "run", folder / "case.py", "-q", "-o", made[-1], "--set", f"density={density}"],
+        done = mpirun(ranks, ["-m", "parisph", "run", folder / "case.py", "-q", "-o", made[-1], "--set",
+                              f"density={density}"],
                       timeout=240)
         assert done.returncode == 0, done.stderr
     return made
@@ -100,7 +101,8 @@ def _inserted_bytes(content, others, random):
 
 def _broken_strings(content, others, random):
     """Zero a block of HDF5's heaps of strings, in which HDF5 1.10 may look forever."""
-    places = [place for place in range(0, len(content), 8) if content[place:place + 4] in (b"GCOL", b"HEAP", b"FRHP", b"OHDR", b"SNOD", b"TREE")]
+    places = [place for place in range(0, len(content), 8)
+              if content[place:place + 4] in (b"GCOL", b"HEAP", b"FRHP", b"OHDR", b"SNOD", b"TREE")]
     place = places[random.integers(len(places))] + 16 * int(random.integers(0, 16))
     content[place:place + BLOCK] = bytes(len(content[place:place + BLOCK]))
     return content
@@ -143,8 +145,10 @@ def _line(content):
 
 
 KINDS = {
-    "zeroed blocks": _zeroed_blocks, "flipped bits": _flipped_bits, "overwritten bytes": _overwritten_bytes, "cut short": _cut_short,
-    "swapped blocks": _swapped_blocks, "appended bytes": _appended_bytes, "lost bytes": _lost_bytes, "inserted bytes": _inserted_bytes,
-    "broken strings": _broken_strings, "another file": _another_file, "end of another file": _end_of_another_file,
-    "line of another file": _line_of_another_file, "altered line": _altered_line, "no line": _no_line, "rubbish": _rubbish,
+    "zeroed blocks": _zeroed_blocks, "flipped bits": _flipped_bits, "overwritten bytes": _overwritten_bytes,
+    "cut short": _cut_short, "swapped blocks": _swapped_blocks, "appended bytes": _appended_bytes,
+    "lost bytes": _lost_bytes, "inserted bytes": _inserted_bytes, "broken strings": _broken_strings,
+    "another file": _another_file, "end of another file": _end_of_another_file,
+    "line of another file": _line_of_another_file, "altered line": _altered_line, "no line": _no_line,
+    "rubbish": _rubbish,
 }

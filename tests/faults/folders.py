@@ -19,7 +19,8 @@ SECONDS = 60.0
 CASE = """
 from tests.scenes import scene
 def case():
-    return scene("dam_break", spacing=0.05, end_time=1000.0, snapshot_every=0.05).changed(**{"output.checkpoint_every": 0.1})
+    return scene("dam_break", spacing=0.05, end_time=1000.0, snapshot_every=0.05).changed(
+        **{"output.checkpoint_every": 0.1})
 """
 CAUSES = {
     "the disk is full": r"File too large|No space left",
@@ -49,7 +50,8 @@ def _make(count, random, folder):
     for attempt in range(count):
         place = folder / str(attempt)
         place.mkdir()
-        found = _attempt(place, names[attempt % len(names)], int(random.integers(1, 3)), float(random.uniform(0.0, 1.0)), kernels, random)
+        found = _attempt(place, names[attempt % len(names)], int(random.integers(1, 3)),
+                         float(random.uniform(0.0, 1.0)), kernels, random)
         _open_up(place)
         if os.path.ismount(place):
             subprocess.run(["umount", "--lazy", place], check=True)    # a rank may take a moment to end
@@ -71,7 +73,9 @@ def _attempt(folder, damage, ranks, moment, kernels, random):
         words = [shutil.which("mpirun"), "-n", str(ranks), *words]
     home = folder.parent / "home"
     with open(folder.parent / f"{folder.name}.txt", "w+") as out:
-        process = subprocess.Popen(words, cwd=folder, env=clean_environment(HOME=str(home), TMPDIR=str(home), NUMBA_CACHE_DIR=str(kernels)),
+        process = subprocess.Popen(words, cwd=folder,
+                                   env=clean_environment(HOME=str(home), TMPDIR=str(home),
+                                                         NUMBA_CACHE_DIR=str(kernels)),
                                    stdout=out, stderr=out, stdin=subprocess.DEVNULL, start_new_session=True,
                                    preexec_fn=lambda: _restrict(limit))
         try:
@@ -89,7 +93,8 @@ def _wait(process, folder, damage, moment):
     """Do the damage once the run goes on, and wait for its end."""
     if damage != "the disk is full":
         deadline = time.monotonic() + SECONDS
-        while not (folder / "run" / "checkpoints" / "00000000.h5").exists() and time.monotonic() < deadline and process.poll() is None:
+        while (not (folder / "run" / "checkpoints" / "00000000.h5").exists() and time.monotonic() < deadline
+               and process.poll() is None):
             time.sleep(0.01)
         time.sleep(moment)
         DO[damage](folder / "run")
@@ -126,7 +131,8 @@ DO = {
     "the folder is removed": _remove,
     "snapshots are removed": lambda run: _remove(run / "snapshots"),
     "checkpoints are removed": lambda run: _remove(run / "checkpoints"),
-    "the folder may not be written": lambda run: [os.chmod(path, 0o555) for path in (run / "snapshots", run / "checkpoints", run)],
+    "the folder may not be written": lambda run: [os.chmod(path, 0o555)
+                                                  for path in (run / "snapshots", run / "checkpoints", run)],
     "snapshots may not be written": lambda run: os.chmod(run / "snapshots", 0o555),
     "a file stands where snapshots should be": _put_file,
 }

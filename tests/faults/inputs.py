@@ -1,7 +1,8 @@
 """Bad input: one error of a sane length that names the field or the path, and nothing else.
 
 No traceback, no warning of Python or numpy, nothing left behind, at most 20 s and 1 GB. Most attempts
-are made in one process that goes on (`answer`), some in a process of their own, as from a shell, and a few on two ranks.
+are made in one process that goes on (`answer`), some in a process of their own, as from a shell, and a few on two
+ranks.
 """
 
 import contextlib
@@ -24,10 +25,12 @@ SECONDS, MEMORY = 20.0, 1e9     # for one attempt [s], [bytes]
 COMPILE = 300.0                 # for the sound run [s]
 LONGEST, WIDEST = 2000, 400     # characters of a message, and of one of its lines
 # What is tried, in turn: the more there is of a kind, the more often.
-KINDS = (bad_cases.field, bad_words.line, bad_cases.field, bad_files.stored, bad_cases.file, bad_words.setting, bad_cases.field, bad_words.name, bad_files.reference,
-         bad_words.line, bad_cases.field, bad_files.folder, bad_words.value, bad_cases.mutated, bad_files.stored, bad_files.truth, bad_cases.field, bad_words.setting,
+KINDS = (bad_cases.field, bad_words.line, bad_cases.field, bad_files.stored, bad_cases.file, bad_words.setting,
+         bad_cases.field, bad_words.name, bad_files.reference, bad_words.line, bad_cases.field, bad_files.folder,
+         bad_words.value, bad_cases.mutated, bad_files.stored, bad_files.truth, bad_cases.field, bad_words.setting,
          bad_files.checkpoint, bad_files.folder, bad_words.long_name, bad_words.line)
-OWN, RANKS = 0.1, 0.1           # shares of the attempts in a process of their own; and, of runs and restarts, on two ranks
+# shares of the attempts in a process of their own; and, of runs and restarts, on two ranks
+OWN, RANKS = 0.1, 0.1
 SOUND = """
 from tests.scenes import scene
 def case():
@@ -73,7 +76,8 @@ def _carry_out(attempt, chance, worker, place, sound):
     """
     words = [word.replace("{run}", str(sound)) for word in attempt.words]
     before = _tree(place)
-    possible = not any("\0" in word or len(word) > 100_000 or any("\ud800" <= character <= "\udc7f" for character in word) for word in words)
+    possible = not any("\0" in word or len(word) > 100_000
+                       or any("\ud800" <= character <= "\udc7f" for character in word) for word in words)
     if possible and chance[0] < RANKS and words and words[0] in ("run", "restart"):
         return before, _on_two_ranks(words, place)
     if possible and chance[1] < OWN:
@@ -107,7 +111,8 @@ def _judge(attempt, place, before, said):
 
 
 def _tree(folder):
-    return {(path.relative_to(folder), path.stat(follow_symlinks=False).st_size if path.is_file() else 0) for path in folder.rglob("*")}
+    return {(path.relative_to(folder), path.stat(follow_symlinks=False).st_size if path.is_file() else 0)
+            for path in folder.rglob("*")}
 
 
 def answer(question):
@@ -130,7 +135,8 @@ def answer(question):
         for file in (out, err):
             file.seek(0)
             texts.append(file.read(10**6))
-    return {"code": code, "out": texts[0], "err": texts[1], "seconds": time.monotonic() - begun, "bytes": _status("VmHWM")}
+    return {"code": code, "out": texts[0], "err": texts[1], "seconds": time.monotonic() - begun,
+            "bytes": _status("VmHWM")}
 
 
 @contextlib.contextmanager
@@ -161,8 +167,8 @@ def _status(name, process="self"):
 def _by_itself(words, place):
     begun = time.monotonic()
     with tempfile.TemporaryFile("w+", errors="replace") as out, tempfile.TemporaryFile("w+", errors="replace") as err:
-        process = subprocess.Popen([sys.executable, "-m", "parisph", *words], cwd=place, env=clean_environment(), stdin=subprocess.DEVNULL,
-                                   stdout=out, stderr=err)
+        process = subprocess.Popen([sys.executable, "-m", "parisph", *words], cwd=place, env=clean_environment(),
+                                   stdin=subprocess.DEVNULL, stdout=out, stderr=err)
         peak = 0.0
         while process.poll() is None and time.monotonic() < begun + 2.0 * SECONDS:
             # not `ru_maxrss`, which begins at the memory of the process that forked
@@ -176,7 +182,8 @@ def _by_itself(words, place):
         for file in (out, err):
             file.seek(0)
             texts.append(file.read(10**6))
-    return {"code": process.returncode, "out": texts[0], "err": texts[1], "seconds": time.monotonic() - begun, "bytes": peak}
+    return {"code": process.returncode, "out": texts[0], "err": texts[1], "seconds": time.monotonic() - begun,
+            "bytes": peak}
 
 
 def _on_two_ranks(words, place):
@@ -186,4 +193,5 @@ def _on_two_ranks(words, place):
     except subprocess.TimeoutExpired:
         return f"hang on two ranks: no end after {2.0 * SECONDS:g} s"
     said = done.stderr.partition("-------")[0]    # below it is what mpirun says of a program that fails
-    return {"code": done.returncode, "out": done.stdout.partition("-------")[0], "err": said, "seconds": time.monotonic() - begun, "bytes": 0.0}
+    return {"code": done.returncode, "out": done.stdout.partition("-------")[0], "err": said,
+            "seconds": time.monotonic() - begun, "bytes": 0.0}

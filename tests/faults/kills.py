@@ -97,7 +97,8 @@ def _finish(folder, ranks, due, what):
     else:
         words = ["restart", "run", "-q"]
     if words:
-        done = parisph(*words, cwd=folder, timeout=SECONDS) if ranks == 1 else mpirun(ranks, ["-m", "parisph", *words], cwd=folder, timeout=SECONDS)
+        done = (parisph(*words, cwd=folder, timeout=SECONDS) if ranks == 1
+                else mpirun(ranks, ["-m", "parisph", *words], cwd=folder, timeout=SECONDS))
         if done.returncode != 0 or "Traceback" in done.stderr:
             return f"{what}: {words[0]} on {ranks} ranks ends with {done.returncode}: {done.stderr[-500:]}"
     try:

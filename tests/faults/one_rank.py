@@ -1,4 +1,5 @@
-"""Something fails on one of two ranks: in a stage of the step or a body force, in a script or in `parisph run`, or between two calls."""
+"""Something fails on one of two ranks: in a stage of the step or a body force, in a script or in `parisph run`, or
+between two calls."""
 
 import shutil
 import subprocess
@@ -18,15 +19,18 @@ def case():
 FAULTS = {
     "sys.exit()": "SystemExit", "sys.exit(3)": "SystemExit: 3", "sys.exit('enough')": "enough",
     "raise MemoryError('no room')": "MemoryError: no room", "raise KeyboardInterrupt": "KeyboardInterrupt",
-    "raise ParisphError('mine')": "mine", "raise SolverDiverged('mine too')": "mine too", "raise ValueError('wrong')": "ValueError: wrong",
+    "raise ParisphError('mine')": "mine", "raise SolverDiverged('mine too')": "mine too",
+    "raise ValueError('wrong')": "ValueError: wrong",
 }
 IN_A_STEP = (
     "driver.simulation:Simulation._force", "methods.projection:Projection._predict", "methods.surfaces:AngularGap.find",
-    "methods.projection:Projection._assemble", "methods.projection:Projection._matrix", "pressure.solver:PressureSolver.solve",
-    "parallel.domain:Domain.refresh", "parallel.halo:Halo.update", "methods.projection:Projection._correct_velocity",
-    "methods.projection:Projection._move", "methods.projection:Projection._report",
+    "methods.projection:Projection._assemble", "methods.projection:Projection._matrix",
+    "pressure.solver:PressureSolver.solve", "parallel.domain:Domain.refresh", "parallel.halo:Halo.update",
+    "methods.projection:Projection._correct_velocity", "methods.projection:Projection._move",
+    "methods.projection:Projection._report",
 )
-AROUND_A_STEP = ("driver.summary:Account.step", "driver.probing:Watch.after_step", "io.store:Store.append", "io.store:Store.checkpoint")
+AROUND_A_STEP = ("driver.summary:Account.step", "driver.probing:Watch.after_step", "io.store:Store.append",
+                 "io.store:Store.checkpoint")
 BETWEEN = "between two calls"
 FAILING = """
 import importlib, sys, time
@@ -98,7 +102,8 @@ def _attempt(folder, random):
     places = (*IN_A_STEP, BETWEEN, BETWEEN, BETWEEN) if script else (*IN_A_STEP, *AROUND_A_STEP)
     where, fault = str(random.choice(places)), str(random.choice(list(FAULTS)))
     values = dict(where=where, fault=fault, rank=int(random.integers(2)), calls=int(random.integers(1, 8)))
-    what = f"{fault} on rank {values['rank']} in {where}, time {values['calls']}, {'a script' if script else 'parisph run'}"
+    what = (f"{fault} on rank {values['rank']} in {where}, time {values['calls']}, "
+            f"{'a script' if script else 'parisph run'}")
     (folder / "program.py").write_text((SCRIPT if script else COMMAND).format(**values))
     code, said = _carried_out(folder)
     if code is None:

@@ -16,7 +16,8 @@ from tests.running import running
 CASE = """
 from tests.scenes import scene
 def case():
-    return scene("dam_break", spacing=0.05, end_time=0.4, snapshot_every=0.02).changed(**{"output.checkpoint_every": 0.01})
+    return scene("dam_break", spacing=0.05, end_time=0.4, snapshot_every=0.02).changed(
+        **{"output.checkpoint_every": 0.01})
 """
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
 GONE = 10.0        # [s] for all processes to end after the second signal
@@ -55,7 +56,8 @@ def _attempt(folder, random, whole):
     moment = float(random.uniform(0.0, COMPILES if cold else 1.1 * whole))
     gap = float(random.uniform(0.001, 0.05))
     whom = str(random.choice(["first", "last", "all"]))
-    what = (f"{numbers[0].name} and {numbers[1].name} {1e3 * gap:.0f} ms apart to {whom} of 2 ranks after {moment:.2f} s"
+    what = (f"{numbers[0].name} and {numbers[1].name} {1e3 * gap:.0f} ms apart to {whom} of 2 ranks "
+            f"after {moment:.2f} s"
             + cold * ", while kernels are compiled")
     settings = {"NUMBA_CACHE_DIR": str(folder / "kernels")} if cold else {}
     with running(folder, 2, "-q", case=CASE, **settings) as run:

@@ -55,5 +55,6 @@ def carry_out(name, part, count, seed, folder):
 def text(rows):
     """Return the rows as a Markdown table."""
     lines = ["| part | what | attempts | misbehaved | s |", "|---|---|---|---|---|"]
-    lines += [f"| {row.name} | {row.what} | {row.attempts} | {len(row.misbehaved)} | {row.seconds:.0f} |" for row in rows]
+    lines += [f"| {row.name} | {row.what} | {row.attempts} | {len(row.misbehaved)} | {row.seconds:.0f} |"
+              for row in rows]
     return "\n".join(lines)

@@ -15,7 +15,8 @@ from parisph.io.layout import INDEX
 CASE = """
 from tests.scenes import scene
 def case(end_time: float = 0.1):
-    return scene("dam_break", spacing=0.1, end_time=end_time, snapshot_every=0.05).changed(**{"output.checkpoint_every": 0.05})
+    return scene("dam_break", spacing=0.1, end_time=end_time, snapshot_every=0.05).changed(
+        **{"output.checkpoint_every": 0.05})
 """
 FILES = ("case.json", "summary.json", "steps.csv", "probes/P2.csv", "probes/energy.csv", INDEX)
 LONGEST = 1500    # characters of a message
@@ -43,7 +44,8 @@ def make(count, random, folder):
 
 def _judge(run, sound, random, what):
     """Look at the run, and go on with it; neither may be wrong in silence."""
-    words = [["info", str(run)], ["info", str(run), "--json"], ["plot", str(run), "--probe", "P2", "-o", str(run.parent / "p.png")],
+    words = [["info", str(run)], ["info", str(run), "--json"],
+             ["plot", str(run), "--probe", "P2", "-o", str(run.parent / "p.png")],
              ["restart", str(run), "-q", "--until", "0.06"]][int(random.integers(4))]
     wrong = _values(run, sound)
     if wrong:
@@ -61,14 +63,15 @@ def _judge(run, sound, random, what):
 
 def _contents(run):
     """Return {name: content} of all files of a run; the log may get lines at any time."""
-    return {str(path.relative_to(run)): path.read_bytes() for path in run.rglob("*") if path.is_file() and path.name != "run.log"}
+    return {str(path.relative_to(run)): path.read_bytes() for path in run.rglob("*") if path.is_file()
+            and path.name != "run.log"}
 
 
 def _values(run, sound):
     """Return what is read otherwise than it was written, None if all is right or refused."""
     due = reader.open_run(sound)
-    for ask in (lambda run: run.steps, lambda run: run.probe("P2"), lambda run: run.probe("energy"), lambda run: run.summary,
-                lambda run: list(run.times)):
+    for ask in (lambda run: run.steps, lambda run: run.probe("P2"), lambda run: run.probe("energy"),
+                lambda run: run.summary, lambda run: list(run.times)):
         try:
             found = ask(reader.open_run(run))
         except ParisphError:
@@ -158,7 +161,7 @@ def _lines_swapped(path, random, other):
 
 
 DAMAGES = {
-    "cut short": _truncate, "with 64 zeros in it": _zero, "with 64 random bytes in it": _noise, "empty": _empty, "gone": _missing,
-    "of another run": _foreign, "a folder": _folder, "with a line gone": _line_gone, "with a line twice": _line_twice,
-    "with two lines swapped": _lines_swapped,
+    "cut short": _truncate, "with 64 zeros in it": _zero, "with 64 random bytes in it": _noise, "empty": _empty,
+    "gone": _missing, "of another run": _foreign, "a folder": _folder, "with a line gone": _line_gone,
+    "with a line twice": _line_twice, "with two lines swapped": _lines_swapped,
 }

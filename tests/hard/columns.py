@@ -14,7 +14,8 @@ from tests.hard.table import Line
 S, HEIGHT, GRAVITY = 0.05, 1.0, (0.0, -9.81)
 WHERE = {"wall": "standing at a wall", "middle": "standing in the middle", "falling": "falling in the middle"}
 RISE = 1e-3     # of the energy, at most
-OVERRATED = {2: 0.04, 3: 0.01, 4: 0.01}     # by width: the same at a wall, where volumes overrate the energy (energy_between)
+# by width: the same at a wall, where volumes overrate the energy (energy_between)
+OVERRATED = {2: 0.04, 3: 0.01, 4: 0.01}
 APART = 0.3     # spacings, at least
 DEPTH, LENGTH = 3 * S, 40 * S    # of the layer
 
@@ -66,7 +67,8 @@ def rows_of(s, width: int) -> np.ndarray:
 
 
 def energy_between(s, rows: np.ndarray) -> float:
-    """Return the energy over the density of a column at a wall, with a velocity that is linear between neighbours in a row.
+    """Return the energy over the density of a column at a wall, with a velocity that is linear between neighbours in a
+    row.
 
     One velocity for each particle's volume overrates a velocity that grows from zero at the wall: the first
     particle stands for 3/2 cells, and the last one, on the surface, for the half cell on its slow side. Of a column

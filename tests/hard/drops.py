@@ -58,7 +58,8 @@ def exact_centre(a: float, b: float) -> float:
 
 
 def _astray(p, axes, depth):
-    """Return how many particles inside the ellipse are no inner ones: of those inner at the start, and of the others."""
+    """Return how many particles inside the ellipse are no inner ones: of those inner at the start, and of the
+    others."""
     deep = ((p.x / (axes - depth)) ** 2).sum(axis=1) < 1.0
     astray, inner = deep & (p.role != INNER), p.start_role == INNER
     return np.count_nonzero(astray & inner), np.count_nonzero(astray & ~inner)

@@ -97,11 +97,13 @@ def test_one_that_is_made_gives_back_all_too(counted):
 
 
 @pytest.mark.parametrize(("values", "options", "says"), [
-    ({"end_time": lambda rank: 0.1 + rank, "walls.width": lambda rank: 1.0 + 0.25 * rank}, None, "in walls, end_time: make it"),
+    ({"end_time": lambda rank: 0.1 + rank, "walls.width": lambda rank: 1.0 + 0.25 * rank}, None,
+     "in walls, end_time: make it"),
     ({}, lambda rank: ["-pressure_ksp_rtol", f"1e-{6 + rank}"], "in petsc_options"),
 ])
 def test_case_that_differs_from_rank_to_rank_is_refused(counted, values, options, says):
-    """A script makes its case on each rank: by host, clock or random numbers they differ, and wait for each other forever."""
+    """A script makes its case on each rank: by host, clock or random numbers they differ, and wait for each other
+    forever."""
     comm, copies = counted
     before = copies()
     case = SMALL.changed(**{name: value(comm.rank) for name, value in values.items()})

@@ -16,7 +16,8 @@ def fill(p):
             view = getattr(p, name)
             parts = np.arange(1, view[:1].size + 1).reshape(view.shape[1:]) if p.n_owned else 1
             key = np.multiply.outer(p.id, parts).reshape(view.shape)
-            view[...] = (key % 100 if field.dtype in (np.int8, np.int32) else np.sin(key) + len(name)).astype(field.dtype)
+            view[...] = (key % 100 if field.dtype in (np.int8, np.int32) else np.sin(key)
+                         + len(name)).astype(field.dtype)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -176,7 +176,8 @@ FAULTS = [
     (lambda path: path.write_text("not HDF5"), "no digest at its end"),
     (lambda path: h5py.File(path, "w").close(), "no digest at its end"),
     (is_foreign, "not a checkpoint of parisph"),
-    (lambda path: sealed(path, lambda file: file.attrs.update(version=1)), "version 1 of the format, this parisph reads 2"),
+    (lambda path: sealed(path, lambda file: file.attrs.update(version=1)),
+     "version 1 of the format, this parisph reads 2"),
     (lambda path: sealed(path, lambda file: file["particles"].pop("volume")), "lacks volume"),
     (lambda path: sealed(path, lambda file: file.attrs.pop("dt")), "not a whole checkpoint"),
     (lambda path: sealed(path, lambda file: file.attrs.update(step=7)), "is the checkpoint of step 7"),
@@ -203,13 +204,15 @@ def test_a_checkpoint_of_another_run_is_refused_on_every_rank(folder):
             (folder / name / "case.json").write_text(case)
         WORLD.barrier()
         for step in (3, 5):
-            checkpoint.write(WORLD, folder / name / "checkpoints", OwnedRows(spreads(WORLD.size)[0], WORLD.rank), 0.0, step, 0.1, case, {}, {})
+            checkpoint.write(WORLD, folder / name / "checkpoints", OwnedRows(spreads(WORLD.size)[0], WORLD.rank), 0.0,
+                             step, 0.1, case, {}, {})
     last = folder / "a" / "checkpoints" / "00000005.h5"
     assert checkpoint.read(WORLD, last).step == 5
     if WORLD.rank == 0:
         os.replace(folder / "b" / "checkpoints" / "00000005.h5", last)
     WORLD.barrier()
-    with pytest.raises(StoreError, match="00000005.h5 is of another run .* newest sound one beside it is .*00000003.h5"):
+    with pytest.raises(StoreError,
+                       match="00000005.h5 is of another run .* newest sound one beside it is .*00000003.h5"):
         checkpoint.read(WORLD, last)
 
 

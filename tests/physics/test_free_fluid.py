@@ -41,7 +41,8 @@ def test_drop_in_a_straining_flow(stiffness, end):
 
 
 def centre_pressure():
-    """Pressure in the middle of a square patch in rotation over rho omega^2 L^2 (Colagrossi 2005): a double sine series."""
+    """Pressure in the middle of a square patch in rotation over rho omega^2 L^2 (Colagrossi 2005): a double sine
+    series."""
     m = np.arange(1, 400, 2)
     k2 = (m[:, None] ** 2 + m[None, :] ** 2) * np.pi**2
     sign = np.sin(0.5 * np.pi * m)
@@ -66,7 +67,8 @@ def test_first_pressure_of_a_straining_drop(stiffness, numerics):
 
     The particles end up to a spacing inside the circle, so the pressure is lower by as much everywhere.
     """
-    s = Simulation(scene("free_drop", {"time_step": 0.01, **numerics}, spacing=0.025, stiffness=stiffness), MPI.COMM_SELF)
+    s = Simulation(scene("free_drop", {"time_step": 0.01, **numerics}, spacing=0.025, stiffness=stiffness),
+                   MPI.COMM_SELF)
     s.solve_start()
     p = s.particles
     unit = 500.0 * (1.0 + stiffness**2)

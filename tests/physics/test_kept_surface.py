@@ -13,7 +13,8 @@ S = 0.1
 
 
 def thrown(layer):
-    """Return water at rest, and the id of a particle of a layer (10 is the surface) that is thrown up from the surface."""
+    """Return water at rest, and the id of a particle of a layer (10 is the surface) that is thrown up from the
+    surface."""
     s = Simulation(scene("hydrostatic", spacing=S, end_time=1e3), MPI.COMM_SELF)
     s.solve_start()
     p = s.particles

@@ -15,7 +15,8 @@ S, DEPTH = 0.05, 0.5
 def swayed(gap, amplitude, steps, **numerics):
     """Return (probes' columns, most isolated particles) of a tank whose lid is `gap` spacings above the water."""
     top = DEPTH + gap * S
-    case = Case(title="lid", fluid=Fluid(Box(width=1.0, height=DEPTH), density=1000.0), walls=Tank(width=1.0, height=top, lid=True),
+    case = Case(title="lid", fluid=Fluid(Box(width=1.0, height=DEPTH), density=1000.0),
+                walls=Tank(width=1.0, height=top, lid=True),
                 gravity=(0.0, -9.81), frame=Sway(amplitude=amplitude, frequency=5.0), end_time=100.0,
                 numerics=Numerics(spacing=S, **numerics),
                 probes=[SurfaceGauge("left", at=0.0), Volume("volume"), PressureTap("lid", at=(0.0, top))])

@@ -19,7 +19,8 @@ def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_f
     assert told(0.0) == 0.0 and told(-9.81) == pytest.approx(TOLD_FALL * np.sqrt(s / 9.81))
     one = np.flatnonzero(p.kind == FLUID)[3]
     p.u[one] = (3.0, -4.0)
-    assert told(0.0) == pytest.approx(TOLD_MOVE * s / 5.0) and told(-9.81) == pytest.approx(TOLD_FALL * np.sqrt(s / 9.81))
+    assert (told(0.0) == pytest.approx(TOLD_MOVE * s / 5.0)
+            and told(-9.81) == pytest.approx(TOLD_FALL * np.sqrt(s / 9.81)))
     p.u[one] = (30.0, -40.0)
     assert told(-9.81) == told(0.0) == pytest.approx(TOLD_MOVE * s / 50.0)
     p.u[one] = np.nan

@@ -36,7 +36,8 @@ def test_open_tank(jitter):
 @pytest.mark.parametrize("lid", [False, True])
 def test_violent_preset_leaves_water_at_rest(lid):
     """Its regularisation must find no gradient of concentration at the water line, or motion grows out of rounding."""
-    case = Case(title="still", fluid=Fluid(Box(width=1.0, height=1.0), density=DENSITY), walls=Tank(width=1.0, height=1.5, lid=lid),
+    case = Case(title="still", fluid=Fluid(Box(width=1.0, height=1.0), density=DENSITY),
+                walls=Tank(width=1.0, height=1.5, lid=lid),
                 gravity=(0.0, -G), numerics=Numerics(spacing=0.05, time_step=0.01 / np.sqrt(G)), end_time=10.0)
     s = Simulation(case, MPI.COMM_SELF)
     p = s.particles
@@ -71,9 +72,10 @@ def test_water_below_a_lid(gap, numerics):
     """The surface is found at any distance [s] of the lid, though wall particles stand where neighbours would be."""
     layers = 10 - int(np.ceil(gap))
     depth = 1.0 - 0.1 * gap
-    case = Case(title="still", fluid=Fluid(Box(width=1.0, height=0.1 * layers), density=DENSITY, elevation=depth - 0.1 * layers),
-                walls=Tank(width=1.0, height=1.0, lid=True), gravity=(0.0, -G), numerics=Numerics(spacing=0.1, **numerics),
-                end_time=1.0)
+    case = Case(title="still",
+                fluid=Fluid(Box(width=1.0, height=0.1 * layers), density=DENSITY, elevation=depth - 0.1 * layers),
+                walls=Tank(width=1.0, height=1.0, lid=True), gravity=(0.0, -G),
+                numerics=Numerics(spacing=0.1, **numerics), end_time=1.0)
     s = Simulation(case, MPI.COMM_SELF)
     s.solve_start()
     p = s.particles

@@ -44,7 +44,8 @@ def test_flow_that_a_force_starts_between_walls():
     """As Poiseuille flow, but with a force along x that has no mean, because a closed tank has no flux."""
     nu, time = 0.1, 0.25
     exact = np.sin(2.0 * np.pi * Y) * (1.0 - np.exp(-4.0 * np.pi**2 * nu * time))
-    coarse, fine = (rms(profile(flows.tank(1.0 / n, nu, time, gravity=flows.forced(1.0, nu))) - exact) for n in (10, 20))
+    coarse, fine = (rms(profile(flows.tank(1.0 / n, nu, time, gravity=flows.forced(1.0, nu))) - exact)
+                    for n in (10, 20))
     assert fine < 0.01 and order(coarse, fine) > 1.5, (coarse, fine)
 
 
@@ -63,7 +64,8 @@ def test_a_vortex_decays():
 def test_a_standing_wave_is_damped():
     """Its amplitude by exp(-2 nu k^2 t), above a free-slip bed."""
     nu, k = 0.004, np.pi
-    case = scene("standing_wave", spacing=0.05, end_time=20, amplitude=0.01, refine_time=True).changed(**{"fluid.viscosity": nu})
+    case = scene("standing_wave", spacing=0.05, end_time=20, amplitude=0.01,
+                 refine_time=True).changed(**{"fluid.viscosity": nu})
     s = Simulation(case, MPI.COMM_SELF)
     gauge, found = instruments.build(case, s.comm)[:1], []
     while s.time < 6.8:    # six periods
@@ -92,9 +94,12 @@ def test_eddy_viscosity_of_a_shear():
     s.destroy()
 
 
-# u on x = 1/2 and v on y = 1/2 at Re = 100: U. Ghia, K.N. Ghia, C.T. Shin (1982), J. Comput. Phys. 48, 387-411, Tables I and II.
-GHIA_U = {0.1016: -0.06434, 0.2813: -0.15662, 0.4531: -0.21090, 0.6172: -0.13641, 0.7344: 0.00332, 0.8516: 0.23151, 0.9531: 0.68717}
-GHIA_V = {0.0938: 0.12317, 0.1563: 0.16077, 0.2266: 0.17507, 0.5: 0.05454, 0.8047: -0.24533, 0.8594: -0.22445, 0.9453: -0.10313}
+# u on x = 1/2 and v on y = 1/2 at Re = 100: U. Ghia, K.N. Ghia, C.T. Shin (1982), J. Comput. Phys. 48, 387-411, Tables
+# I and II.
+GHIA_U = {0.1016: -0.06434, 0.2813: -0.15662, 0.4531: -0.21090, 0.6172: -0.13641, 0.7344: 0.00332, 0.8516: 0.23151,
+          0.9531: 0.68717}
+GHIA_V = {0.0938: 0.12317, 0.1563: 0.16077, 0.2266: 0.17507, 0.5: 0.05454, 0.8047: -0.24533, 0.8594: -0.22445,
+          0.9453: -0.10313}
 
 
 def test_driven_cavity():

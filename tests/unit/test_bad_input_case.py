@@ -61,7 +61,8 @@ def numerics(**changes):
     (lambda: Polygon(((0, 0), (1, 0))), "Polygon.points = .*: must be at least 3 values"),
     (lambda: Polygon(((0, 0), (1, 0), (2, 0))), "enclose no area"),
     # three dimensions
-    (lambda: Polygon(((0, 0, 0), (1, 0, 0), (2, 1, 0))), "Polygon.points: every corner must have two coordinates .x, y.: scenes are 2D so far"),
+    (lambda: Polygon(((0, 0, 0), (1, 0, 0), (2, 1, 0))), "Polygon.points: every corner must have two coordinates .x, "
+                                                         "y.: scenes are 2D so far"),
     (lambda: Box(1.0, 1.0, (0.0, 0.0, 0.0)), "Box.at: .* has three components: scenes are 2D so far, give .x, y."),
     (lambda: Disc(1.0, (0.0, 0.0, 0.0)), "Disc.at: .* scenes are 2D so far"),
     (lambda: Tank(2.0, 2.0, at=(0.0, 0.0, 0.0)), "Tank.at: .* scenes are 2D so far"),
@@ -76,7 +77,8 @@ def numerics(**changes):
     (lambda: Polygon(((0, 0), (1, 0), (1, True))), r"Polygon.points\[2\]\[1\] = True: must be a number"),
     (lambda: Sway(0.1, True), "Sway.frequency = True: must be a number"),
     (lambda: Truth("a\nb", "t", "v"), r"Truth.file = 'a\\nb': must be one line of text"),
-    (lambda: Output(times=(0.0,) * (10**6 + 1)), r"Output.times\[1000000\] = 0.0: must be one of at most 1,000,000 values"),
+    (lambda: Output(times=(0.0,) * (10**6 + 1)),
+     r"Output.times\[1000000\] = 0.0: must be one of at most 1,000,000 values"),
     (lambda: Box("w" * 999, 1.0), "Box.width = 'w{36,40}[.]{3}w*': must be a number"),
     (lambda: Box(**{"a\n" * 99: 1.0, "width": 1.0, "height": 1.0}), r"Box has no field 'a\\n.*[.]{3}.*' "),
     # the fluid
@@ -96,7 +98,8 @@ def numerics(**changes):
     (lambda: numerics(method="ISHP"), "Numerics.method: unknown method 'ISHP'; known are ISPH_R, ISPH"),
     (lambda: numerics(preset="calm"), "Numerics.preset: unknown preset 'calm'; known are violent, closed, gentle"),
     (lambda: numerics(kapa=0.1), r"Numerics has no field 'kapa'; did you mean 'kappa'\?"),
-    (lambda: numerics(surface_rule="gaps"), "Numerics.surface_rule: unknown surface_rule 'gaps'; known are gap, auxiliary"),
+    (lambda: numerics(surface_rule="gaps"),
+     "Numerics.surface_rule: unknown surface_rule 'gaps'; known are gap, auxiliary"),
     (lambda: numerics(rtol=1.0), "Numerics.rtol = 1.0: must be less than 1"),
     (lambda: numerics(jitter=2.0), "Numerics.jitter = 2.0: must be less than or equal to 1.2"),
     (lambda: numerics(seed=True), "Numerics.seed = True: must be a number"),
@@ -131,38 +134,58 @@ def test_parts(make, message):
 
 
 @pytest.mark.parametrize("changes, message", [
-    ({"numerics": numerics(spacing=0.13)}, r"numerics.spacing = 0.13: must divide fluid.shape.width = 1, .* nearest that fit are 0.125 and 0.1428571429 \(1/7\)$"),
+    ({"numerics": numerics(spacing=0.13)}, r"numerics.spacing = 0.13: must divide fluid.shape.width = 1, "
+                                           r".* nearest that fit are 0.125 and 0.1428571429 \(1/7\)$"),
     ({"walls": Tank(2.0**0.5, 2.0)}, "must divide walls.width = 1.41421 .*no spacing near it fits all lengths"),
     ({"fluid": fluid(shape=Box(1.0, 1.0, (0.05, 0.0)))}, "the distance of fluid.shape from the wall in x = 0.05"),
-    ({"numerics": numerics(spacing=0.5), "fluid": fluid(shape=Box(0.5, 0.5))}, "leaves 1 fluid particles, at least 4 are needed"),
-    ({"numerics": numerics(spacing=1e-6)}, r"makes about 1e.12 particles, 6e.06 of them on walls, which take about 2.5 PB of memory; at most 2.1e.09"),
-    ({"walls": Tank(1e8, 1e8)}, r"makes about 3e.09 particles, 3e.09 of them on walls, which take about 7.5 TB of memory"),
+    ({"numerics": numerics(spacing=0.5), "fluid": fluid(shape=Box(0.5, 0.5))},
+     "leaves 1 fluid particles, at least 4 are needed"),
+    ({"numerics": numerics(spacing=1e-6)},
+     r"makes about 1e.12 particles, 6e.06 of them on walls, which take about 2.5 PB of memory; at most 2.1e.09"),
+    ({"walls": Tank(1e8, 1e8)},
+     r"makes about 3e.09 particles, 3e.09 of them on walls, which take about 7.5 TB of memory"),
     ({"walls": Tank(1e30, 1e30)}, r"makes about 3e.31 particles"),
     ({"fluid": fluid(shape=Disc(1e6)), "walls": None}, r"makes about 3.14e.14 particles, 0 of them on walls"),
-    ({"fluid": fluid(shape=Polygon(((0, 0), (1e6, 1e6), (1e6, 1e6 + 1)))), "walls": None}, "the rectangle around it has 1e.14 lattice points"),
-    ({"fluid": fluid(shape=Polygon(((0, 0), (900, 900), (900, 900.1)))), "walls": None, "numerics": numerics(spacing=0.05)},
-     "fluid.shape: fills 0.0056 % of the rectangle around it, which has 3.24e.08 lattice points: must fill at least 10 %"),
-    ({"fluid": fluid(shape=Box(1.0, 1.0, (1e17, 0.0))), "walls": None}, r"fluid.shape: reaches 1e.17 m from the origin, at most 1e.09 spacings"),
-    ({"walls": Tank(2.0, 2.0, at=(-1e12, 0.0)), "fluid": fluid(shape=Box(1.0, 1.0, (-1e12, 0.0)))}, "walls: reaches 1e.12 m from the origin"),
+    ({"fluid": fluid(shape=Polygon(((0, 0), (1e6, 1e6), (1e6, 1e6 + 1)))), "walls": None},
+     "the rectangle around it has 1e.14 lattice points"),
+    ({"fluid": fluid(shape=Polygon(((0, 0), (900, 900), (900, 900.1)))), "walls": None,
+      "numerics": numerics(spacing=0.05)},
+     "fluid.shape: fills 0.0056 % of the rectangle around it, which has 3.24e.08 lattice points: "
+     "must fill at least 10 %"),
+    ({"fluid": fluid(shape=Box(1.0, 1.0, (1e17, 0.0))), "walls": None},
+     r"fluid.shape: reaches 1e.17 m from the origin, at most 1e.09 spacings"),
+    ({"walls": Tank(2.0, 2.0, at=(-1e12, 0.0)), "fluid": fluid(shape=Box(1.0, 1.0, (-1e12, 0.0)))},
+     "walls: reaches 1e.12 m from the origin"),
     # remedies are right: what is proposed fits, and what is said not to fit does not
-    ({"numerics": numerics(spacing=0.05000001), "walls": Tank(1e4, 2.0)}, r"numerics.spacing = 0.05000001: must divide walls.width = 10000 .*; the nearest that fit are 0.05 and 0.05263157895 \(1/19\)$"),
-    ({"numerics": numerics(spacing=0.05), "walls": Tank(1000.0001, 2.0)}, r"numerics.spacing = 0.05: must divide walls.width = 1000.0001 .*; no spacing near it fits all lengths: .* walls.width = 1000$"),
+    ({"numerics": numerics(spacing=0.05000001), "walls": Tank(1e4, 2.0)},
+     r"numerics.spacing = 0.05000001: must divide walls.width = 10000 .*; "
+     r"the nearest that fit are 0.05 and 0.05263157895 \(1/19\)$"),
+    ({"numerics": numerics(spacing=0.05), "walls": Tank(1000.0001, 2.0)},
+     r"numerics.spacing = 0.05: must divide walls.width = 1000.0001 .*; no spacing near it fits all lengths: "
+     r".* walls.width = 1000$"),
     ({"frame": Sway(1.0, 1e9)}, r"frame: a tank that moves at 1e.09 m/s takes steps of 3e-11 s: some 3.3e.10 of them"),
     ({"frame": Sway(1e-12, 1e10)}, r"frame: 50 steps in a period of 6.3e-10 s takes steps of 1.3e-11 s"),
     ({"frame": Tabulated((0, 1e-12, 1, 2), (0, 1, 1, 1))}, r"frame: a tank that moves at 1e.12 m/s"),
-    ({"fluid": fluid(velocity=(1e12, 0.0))}, r"gravity, fluid.velocity and numerics.spacing: a step that moves the fastest fluid by 0.3 spacings takes steps of"),
-    ({"numerics": numerics(time_step=1e-12)}, r"numerics.time_step = 1e-12 s takes steps of 1e-12 s: some 1.0e.12 of them until end_time = 1 s, at most 1e.08"),
+    ({"fluid": fluid(velocity=(1e12, 0.0))}, r"gravity, fluid.velocity and numerics.spacing: "
+                                             r"a step that moves the fastest fluid by 0.3 spacings takes steps of"),
+    ({"numerics": numerics(time_step=1e-12)},
+     r"numerics.time_step = 1e-12 s takes steps of 1e-12 s: some 1.0e.12 of them until end_time = 1 s, at most 1e.08"),
     ({"numerics": numerics(max_time_step=1e-12)}, "numerics.max_time_step = 1e-12 s takes"),
     ({"end_time": 1e20}, "some .* of them until end_time = 1e.20 s"),
-    ({"output": Output(every=1e-9)}, r"output.every = 1e-09 s: makes 1.0e.09 files until end_time = 1 s, at most 1e.06"),
+    ({"output": Output(every=1e-9)}, r"output.every = 1e-09 s: makes 1.0e.09 files until end_time = 1 s, "
+                                     r"at most 1e.06"),
     ({"output": Output(checkpoint_every=1e-9)}, "output.checkpoint_every = 1e-09 s: makes"),
-    ({"fluid": fluid(velocity=("1e200", 0.0))}, r"fluid.velocity\[0\] = '1e200': is 1e.200, more than 1e.30 in size, at \(0, 0\)"),
+    ({"fluid": fluid(velocity=("1e200", 0.0))},
+     r"fluid.velocity\[0\] = '1e200': is 1e.200, more than 1e.30 in size, at \(0, 0\)"),
     ({"fluid": fluid(shape=Box(1.0, 3.0))}, "fluid.shape reaches from y = 0 to 3: must lie in the tank, from 0 to 2"),
     ({"fluid": fluid(shape=Disc(1.0, (0.5, 1.0)))}, "fluid.shape reaches from x = -0.5 to 1.5: must lie in the tank"),
-    ({"fluid": fluid(elevation="0.6*x-0.6")}, "fluid.elevation = '0.6.x-0.6': reaches from -0.6 to 0, must stay between -0.5 and 1"),
+    ({"fluid": fluid(elevation="0.6*x-0.6")}, "fluid.elevation = '0.6.x-0.6': reaches from -0.6 to 0, "
+                                              "must stay between -0.5 and 1"),
     ({"fluid": fluid(elevation="1/x")}, "fluid.elevation = '1/x': is not a finite number at x = 0"),
-    ({"fluid": fluid(shape=Box(1.0, 1.8), elevation=0.3), "walls": Tank(2.0, 2.0)}, "raises the surface to 2.1, above the tank's top at 2"),
-    ({"fluid": fluid(velocity=("log(-x-1)", 0.0))}, r"fluid.velocity\[0\] = 'log\(-x-1\)': is not a finite number at \(0, 0\)"),
+    ({"fluid": fluid(shape=Box(1.0, 1.8), elevation=0.3), "walls": Tank(2.0, 2.0)},
+     "raises the surface to 2.1, above the tank's top at 2"),
+    ({"fluid": fluid(velocity=("log(-x-1)", 0.0))},
+     r"fluid.velocity\[0\] = 'log\(-x-1\)': is not a finite number at \(0, 0\)"),
     ({"gravity": (0.0,)}, "gravity = .*: must have 2 components"),
     ({"gravity": (0.0, "1/t")}, r"gravity\[1\] = '1/t': is not a finite number"),
     ({"gravity": (0.0, "g")}, "gravity: unknown name 'g' in 'g'; known are x, y, t, pi"),
@@ -177,11 +200,13 @@ def test_parts(make, message):
     ({"title": "a\n2026-01-01 ERROR"}, r"Case.title = 'a\\n2026-01-01 ERROR': must be one line of text"),
     ({"title": "\x1b[2J"}, r"Case.title = '\\x1b\[2J': must be one line of text"),
     ({"gravity": (0.0, "x" + "+x" * 1200)}, "the expression has 2401 characters"),
-    ({"numerics": numerics(time_step=0.2)}, r"numerics.time_step = 0.2 s: is \d+ times the step of .* s that moves the fastest fluid by 0.3 spacings"),
+    ({"numerics": numerics(time_step=0.2)},
+     r"numerics.time_step = 0.2 s: is \d+ times the step of .* s that moves the fastest fluid by 0.3 spacings"),
     ({"numerics": numerics(time_step=0.01), "end_time": 0.005}, "numerics.time_step = 0.01 s: is longer than the run"),
     ({"output": Output(times=(2.0,))}, "output.times: 2 s is after the end of the run"),
     ({"probes": [Energy("a"), Energy("a")]}, "probes: the name 'a' is given 2 times"),
-    ({"probes": [PressureTap("a", (1.0, 1.0))]}, r"probe 'a': at = \(1.0, 1.0\) is not on a wall; .* left, right or lower wall"),
+    ({"probes": [PressureTap("a", (1.0, 1.0))]}, r"probe 'a': at = \(1.0, 1.0\) is not on a wall; .* left, "
+                                                 r"right or lower wall"),
     ({"probes": [PressureTap("a", (1.0, 2.0))]}, "probe 'a': at = .* is not on a wall"),  # no lid
     ({"probes": [PressureTap("a", (2.0, 2.5))]}, "is not on a wall"),
     ({"probes": [PressureTap("a", (2.0, 1.0, 0.0))]}, "must have 2 components"),
@@ -189,9 +214,11 @@ def test_parts(make, message):
     ({"probes": [SurfaceGauge("a", 2.1)]}, "probe 'a': at = 2.1 must lie in the tank, from x = 0 to 2"),
     ({"probes": [ColumnHeight("a", -0.1)]}, "probe 'a': at = -0.1 must lie in the tank"),
     ({"probes": Energy("a")}, r"Case.probes: must be a list; write probes=\[Energy\(...\)\]"),
-    ({"probes": [{"kind": "thermometer", "name": "a"}]}, r"Case.probes\[0\] = .*: must be of a known kind: 'surface_gauge'"),
+    ({"probes": [{"kind": "thermometer", "name": "a"}]},
+     r"Case.probes\[0\] = .*: must be of a known kind: 'surface_gauge'"),
     ({"probes": [{"kind": "energy", "name": "a", "at": 1}]}, "Energy has no field 'at'"),
-    ({"fluid": {"shape": {**BOX, "width": -1.0}, "density": 1.0}}, "Case.fluid.shape.width = -1.0: must be greater than 0"),
+    ({"fluid": {"shape": {**BOX, "width": -1.0}, "density": 1.0}},
+     "Case.fluid.shape.width = -1.0: must be greater than 0"),
 ])
 def test_whole_cases(changes, message):
     with pytest.raises(CaseError, match=message) as error:
@@ -241,7 +268,8 @@ def test_sizes_without_a_limit_are_refused_at_once_and_without_warnings():
 
 
 @pytest.mark.parametrize("shape", [
-    Polygon(((0, 0), (900, 0), (900, 900))), Box(900.0, 900.0), Disc(450.0, (450.0, 450.0)), Polygon(((0, 0), (300, 300), (300, 300.1))),
+    Polygon(((0, 0), (900, 0), (900, 900))), Box(900.0, 900.0), Disc(450.0, (450.0, 450.0)),
+    Polygon(((0, 0), (300, 300), (300, 300.1))),
 ])
 def test_large_bodies_that_fill_their_rectangle_and_small_ones_are_let_through(shape):
     scene(fluid=fluid(shape=shape), walls=None, numerics=numerics(spacing=0.05))

@@ -74,7 +74,8 @@ def test_positions_and_names_mean_the_same():
     assert Box(1.0, 2.0, (3.0, 4.0)) == Box(width=1.0, height=2.0, at=(3.0, 4.0))
     assert Sway(0.1, 2.0) == Sway(amplitude=0.1, frequency=2.0)
     assert PressureTap("P", (0.0, 1.0)).at == (0.0, 1.0)
-    assert Case.model_validate_json(scene(fluid=Fluid(Disc(0.5, (1.0, 1.0)), 1.0)).model_dump_json()).fluid.shape == Disc(0.5, (1.0, 1.0))
+    assert (Case.model_validate_json(scene(fluid=Fluid(Disc(0.5, (1.0, 1.0)), 1.0)).model_dump_json()).fluid.shape
+            == Disc(0.5, (1.0, 1.0)))
 
 
 def test_presets_fill_what_is_left_open():
@@ -140,7 +141,8 @@ def test_read_truth_scales_and_shifts(tmp_path):
 def test_import_is_light():
     code = (
         "import sys, parisph; assert 'numpy' not in sys.modules and 'pydantic' not in sys.modules;"
-        "from parisph import Case, load; bad = {'mpi4py', 'petsc4py', 'numba', 'h5py'} & set(sys.modules); assert not bad, bad"
+        "from parisph import Case, load; bad = {'mpi4py', 'petsc4py', 'numba', 'h5py'} & set(sys.modules); "
+        "assert not bad, bad"
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
 

@@ -49,7 +49,8 @@ def test_kill_9_leaves_whole_checkpoints(tmp_path, trial):
         assert loaded.step == int(path.stem) and loaded.total == 20000
         np.testing.assert_array_equal(loaded.arrays["p"], loaded.step)
     last = found[-1]
-    store = Store.resume(MPI.COMM_SELF, tmp_path / "run", loaded.case, loaded.time, loaded.step, checkpoints=loaded.state["checkpoints"])
+    store = Store.resume(MPI.COMM_SELF, tmp_path / "run", loaded.case, loaded.time, loaded.step,
+                         checkpoints=loaded.state["checkpoints"])
     store.add_series("steps", {"dt": "s"})
     store.checkpoint(OwnedRows([20000], 0), loaded.time + 0.1, loaded.step + 1, 0.1, {})
     store.close()

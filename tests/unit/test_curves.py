@@ -24,9 +24,11 @@ from parisph.io.store import Store
 from parisph.pictures import curves, style
 
 pytest.importorskip("matplotlib")
-PROBES = {"P1": ({"pressure": "Pa"}, PressureTap("P1", at=(0.0, 0.1))), "P2": ({"pressure": "Pa"}, PressureTap("P2", at=(1.0, 0.1))),
+PROBES = {"P1": ({"pressure": "Pa"}, PressureTap("P1", at=(0.0, 0.1))),
+          "P2": ({"pressure": "Pa"}, PressureTap("P2", at=(1.0, 0.1))),
           "gauge": ({"y": "m"}, SurfaceGauge("gauge", at=0.5)), "column": ({"y": "m"}, ColumnHeight("column", at=0.0)),
-          "front": ({"x": "m"}, WaterFront("front")), "energy": ({"kinetic": "J/m", "potential": "J/m"}, Energy("energy"))}
+          "front": ({"x": "m"}, WaterFront("front")),
+          "energy": ({"kinetic": "J/m", "potential": "J/m"}, Energy("energy"))}
 
 
 def recorded(folder, names=tuple(PROBES), height=0.5, title="Basin"):
@@ -57,7 +59,8 @@ def test_heights_positions_pressures_and_energies_have_axes_of_their_own(tmp_pat
 def test_several_runs_lie_over_each_other_by_the_names_of_their_folders(tmp_path):
     runs = [recorded(tmp_path / name) for name in ("coarse", "fine")] + [recorded(tmp_path / "other", ("P1", "front"))]
     found = panels(curves.plot_probe(runs, ["P1", "front"]))
-    assert found == {"P1: pressure $p$ [Pa]": ["coarse", "fine", "other"], "front position $x$ [m]": ["coarse", "fine", "other"]}
+    assert found == {"P1: pressure $p$ [Pa]": ["coarse", "fine", "other"],
+                     "front position $x$ [m]": ["coarse", "fine", "other"]}
     found = panels(curves.plot_probe(runs[:2], ["energy", "P1", "P2"]))
     assert found["energy [J/m]"] == ["coarse, kinetic", "coarse, potential", "fine, kinetic", "fine, potential"]
     assert found["pressure $p$ [Pa]"] == ["coarse, P1", "coarse, P2", "fine, P1", "fine, P2"]
@@ -78,7 +81,8 @@ def test_each_run_is_normalised_by_its_own_scales(tmp_path):
     axes = curves.plot_probe(runs, "P1", normalise=True).axes[0]
     for line, height in zip(axes.lines, (0.5, 2.0)):
         time, pressure = line.get_data()
-        assert pressure[0] == pytest.approx(1000.0 / (9810.0 * height)) and time[-1] == pytest.approx(np.sqrt(9.81 / height))
+        assert (pressure[0] == pytest.approx(1000.0 / (9810.0 * height))
+                and time[-1] == pytest.approx(np.sqrt(9.81 / height)))
     assert axes.get_ylabel() == r"P1: pressure $p$$\,/\,(\rho g H)$"
 
 
@@ -96,7 +100,8 @@ def test_lines_are_told_apart(count):
 def test_of_several_runs_the_colour_says_which_and_the_kind_of_line_what(tmp_path):
     looks = style.line_looks(4, 3)
     assert [look["color"] for look in looks] == [style.LINES[run] for run in range(4) for _ in range(3)]
-    assert [look["linestyle"] for look in looks[:3]] == [look["linestyle"] for look in looks[9:]] == list(style.STYLES[:3])
+    assert ([look["linestyle"] for look in looks[:3]] == [look["linestyle"] for look in looks[9:]]
+            == list(style.STYLES[:3]))
     runs = [recorded(tmp_path / name) for name in "abcdefgh"]
     lines = curves.plot_probe(runs, "P1").axes[0].lines
     assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == 8
@@ -137,7 +142,8 @@ def _linear(colour):
 
 def _lab(linear):
     """CIE L*a*b* of linear sRGB."""
-    xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]) @ linear / [0.9505, 1.0, 1.089]
+    xyz = (np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]) @ linear
+           / [0.9505, 1.0, 1.089])
     f = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
     return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
 
@@ -145,7 +151,8 @@ def _lab(linear):
 def test_a_comparison_shows_both_and_their_difference():
     t, s = np.linspace(0.0, 1.0, 101), np.linspace(0.2, 1.4, 13)
     both = s[s <= 1.0]
-    upper, lower = curves.plot_comparison((t, 5e3 * t), (s, 4e3 * s), (both, 1e3 * both), "title", "pressure", "Pa").axes
+    upper, lower = curves.plot_comparison((t, 5e3 * t), (s, 4e3 * s), (both, 1e3 * both), "title",
+                                          "pressure", "Pa").axes
     assert [line.get_label() for line in upper.lines] == ["run", "reference"] and upper.get_ylabel() == "pressure [kPa]"
     assert upper.lines[1].get_marker() == "o"     # few samples
     np.testing.assert_allclose(lower.lines[1].get_ydata(), both)

@@ -27,9 +27,9 @@ def test_broadcasts_over_arrays_and_constants():
 
 
 @pytest.mark.parametrize("text", [
-    "__import__('os').system('true')", "x.real", "x[0]", "lambda: 1", "[x for x in (1,)]", "'a'", "True", "1j", "x and y",
-    "x if x else y", "f'{x}'", "(x := 1)", "open('f')", "sin", "sin()", "sin(x, y)", "where(x, y)", "sin(x=1)", "x; y", "", "x +",
-    "0 < x < 1", "x @ y", "x // y", "x << 2", "None", "*x", "sin(*x)", "q",
+    "__import__('os').system('true')", "x.real", "x[0]", "lambda: 1", "[x for x in (1,)]", "'a'", "True", "1j",
+    "x and y", "x if x else y", "f'{x}'", "(x := 1)", "open('f')", "sin", "sin()", "sin(x, y)", "where(x, y)",
+    "sin(x=1)", "x; y", "", "x +", "0 < x < 1", "x @ y", "x // y", "x << 2", "None", "*x", "sin(*x)", "q",
 ])
 def test_everything_else_is_refused(text):
     with pytest.raises(ValueError):

@@ -242,7 +242,8 @@ def test_displacements_keep_off_walls(dim):
 
 def smoothed(pool, u, strength=0.03):
     change = np.full((pool.n, pool.dim), np.nan)
-    collisions.smooth_velocity(change, u, pool.x, pool.kind, pool.role, np.full(pool.n, strength), 2.1 * pool.spacing, *pool.csr)
+    collisions.smooth_velocity(change, u, pool.x, pool.kind, pool.role, np.full(pool.n, strength),
+                               2.1 * pool.spacing, *pool.csr)
     return change
 
 

@@ -31,11 +31,13 @@ def test_avx512_is_left_out_where_it_is(monkeypatch, host, asked, due):
 
 
 def test_kernels_leave_it_out_when_they_are_imported():
-    program = ("import llvmlite.binding as llvm, numba\nllvm.get_host_cpu_features = lambda: {'avx2': True, 'avx512f': True}\n"
-               "import parisph.kernels.jit\nprint(numba.config.CPU_FEATURES)")
+    program = ("import llvmlite.binding as llvm, numba\n"
+               "llvm.get_host_cpu_features = lambda: {'avx2': True, 'avx512f': True}\nimport parisph.kernels.jit\n"
+               "print(numba.config.CPU_FEATURES)")
     environment = clean_environment()
     environment.pop("NUMBA_CPU_FEATURES", None)
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, env=environment, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, env=environment, capture_output=True,
+                          text=True, timeout=60)
     assert done.stdout.strip() == "+avx2,-avx512f"
 
 

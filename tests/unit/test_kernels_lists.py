@@ -56,7 +56,8 @@ def collided(pool):
 
 def velocity_gradient(pool):
     out, rate = np.empty((pool.n, pool.dim, pool.dim)), np.empty(pool.n)
-    strain.velocity_gradient(out, rate, U[: pool.n, : pool.dim].copy(), pool.x, pool.kind, pool.role, 2.1 * S, 0.05, *pool.csr)
+    strain.velocity_gradient(out, rate, U[: pool.n, : pool.dim].copy(), pool.x, pool.kind, pool.role, 2.1 * S,
+                             0.05, *pool.csr)
     return out
 
 
@@ -73,7 +74,8 @@ def turned(pool):
 
 
 def parted(pool):
-    out, number, role = np.empty_like(pool.x), np.empty(pool.n, np.int32), np.where(P[: pool.n] > 0.0, np.int8(1), pool.role)
+    out, number = np.empty_like(pool.x), np.empty(pool.n, np.int32)
+    role = np.where(P[: pool.n] > 0.0, np.int8(1), pool.role)
     where = (pool.x, pool.kind, role)
     pairs.count_close(number, *where, 0.9 * S, *pool.csr)
     pairs.part_pairs(out, number, *where, np.arange(pool.n), 0.9 * S, 0.5, *pool.csr)
@@ -151,8 +153,9 @@ def by_gap(pool):
     return role
 
 
-EVERY = (least_squares, harmonic, symmetric, wall_velocity, velocity_gradient, mean_rate, filtered, collided, turned, parted, guarded, density, concentration,
-         shifted, divergence, printed_rows, sph_rows, wall_rows, harmonic_wall_rows, by_gap)
+EVERY = (least_squares, harmonic, symmetric, wall_velocity, velocity_gradient, mean_rate, filtered, collided, turned,
+         parted, guarded, density, concentration, shifted, divergence, printed_rows, sph_rows, wall_rows,
+         harmonic_wall_rows, by_gap)
 each = pytest.mark.parametrize("kernel", EVERY, ids=lambda kernel: kernel.__name__)
 
 

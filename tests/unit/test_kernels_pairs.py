@@ -12,7 +12,8 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 def turned(pool, ident, distance=0.7, strength=0.05):
     shift = np.zeros_like(pool.x)
-    pairs.turn_pairs(shift, pool.x, pool.kind, pool.role, ident, distance * pool.spacing, np.full(pool.n, strength * pool.spacing), *pool.csr)
+    pairs.turn_pairs(shift, pool.x, pool.kind, pool.role, ident, distance * pool.spacing,
+                     np.full(pool.n, strength * pool.spacing), *pool.csr)
     return shift
 
 
@@ -114,7 +115,8 @@ def test_result_depends_on_ids_and_not_on_the_order(dim, move):
 def apart(pool, ident, distance=0.45, longest=1.0):
     move = np.full_like(pool.x, np.nan)
     s = pool.spacing
-    crowded = pairs.keep_apart(move, np.ones(pool.n, bool), pool.x, pool.kind, ident, distance * s, longest * s, *pool.csr)
+    crowded = pairs.keep_apart(move, np.ones(pool.n, bool), pool.x, pool.kind, ident, distance * s,
+                               longest * s, *pool.csr)
     return move, crowded
 
 

@@ -27,7 +27,8 @@ def ratio(pool):
 
 def shifted(pool, gradient, strength=0.3, cap=0.1, reach=2.0):
     out = np.full((pool.n, pool.dim), np.nan)
-    shifting.fick_shift(out, gradient, pool.role, pool.x, pool.kind, np.full(pool.n, strength * (H * pool.spacing) ** 2),
+    shifting.fick_shift(out, gradient, pool.role, pool.x, pool.kind,
+                        np.full(pool.n, strength * (H * pool.spacing) ** 2),
                         cap * pool.spacing, reach * pool.spacing, *pool.csr)
     return out
 

@@ -127,7 +127,8 @@ def test_shift_along_and_across_a_surface(dim):
     np.testing.assert_allclose(kept[0], -0.3 * g[0], rtol=1e-13)
     np.testing.assert_allclose(np.einsum("ia,ia->i", kept, normal)[1:], 0.0, atol=1e-14)
     np.testing.assert_allclose(shifted(1.0)[:5], -0.3 * g[:5], rtol=1e-13)
-    np.testing.assert_allclose(np.einsum("ia,ia->i", shifted(0.1, 0.2), normal)[1:5], -0.03 * (along[1:5] - 0.2), rtol=1e-10)
+    np.testing.assert_allclose(np.einsum("ia,ia->i", shifted(0.1, 0.2), normal)[1:5],
+                               -0.03 * (along[1:5] - 0.2), rtol=1e-10)
     assert np.all(kept[5] == 0.0) and np.linalg.norm(shifted(1.0, cap=0.01), axis=1).max() < 0.01 + 1e-15
 
 

@@ -13,7 +13,8 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 def rows(pool, share=1.0, offset=0.5):
     """Return count, columns and values of the rows; share: of a cell that each particle stands for."""
     n, s = pool.n, pool.spacing
-    count, columns, values = np.full(n, -1, np.int32), np.zeros(len(pool.indices), np.int32), np.zeros(len(pool.indices))
+    count = np.full(n, -1, np.int32)
+    columns, values = np.zeros(len(pool.indices), np.int32), np.zeros(len(pool.indices))
     volume = share * np.where(pool.fluid, s**pool.dim, 0.0)
     surface_rows(count, columns, values, pool.x, pool.kind, pool.role, volume, offset * s, s, 2.1 * s, *pool.csr)
     return count, columns, values

@@ -84,7 +84,8 @@ def test_mean_viscosity_of_pairs_is_exact_for_linear_fields(dim):
 
 @dims
 def test_profiles_between_walls_on_a_lattice(dim):
-    """The form of Morris, with images: Couette flow is kept, Poiseuille flow has its acceleration but for the first layer."""
+    """The form of Morris, with images: Couette flow is kept, Poiseuille flow has its acceleration but for the first
+    layer."""
     pool = tank((24, 10) if dim == 2 else (10, 10, 8), lid=True)
     y, u = pool.x[:, -1] / pool.x[:, -1].max(), np.zeros((pool.n, dim))
     inside = pool.fluid & np.all((pool.index[:, :-1] > 3) & (pool.index[:, :-1] < pool.top[:-1] - 3), axis=1)
@@ -121,7 +122,8 @@ def test_walls_take_the_normal_acceleration_of_the_fluid(dim):
         np.testing.assert_array_equal(a[pool.fluid], before)
         assert np.all(a[pool.corner == 1] == 0.0)
         if slope == 0.0:
-            np.testing.assert_allclose(a[sound], 2.0 * pool.normal[sound] * pool.normal[sound].sum(axis=1)[:, None], rtol=1e-12)
+            np.testing.assert_allclose(a[sound], 2.0 * pool.normal[sound] * pool.normal[sound].sum(axis=1)[:, None],
+                                       rtol=1e-12)
         else:
             bottom = pool.at(*[3] * (dim - 1), 0)
             assert 2.0 < a[bottom, -1] < 2.0 + slope * pool.spacing and np.all(a[bottom, :-1] == 0.0)

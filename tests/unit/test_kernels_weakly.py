@@ -80,7 +80,9 @@ def test_momentum_and_energy_are_conserved(dim):
     """The work of the pressure forces is what the change of density takes up: an identity of Eqs. 6 and 7."""
     pool, h, mass = lattice(dim, 0.8)
     random = np.random.default_rng(1)
-    u, rho, p = random.normal(size=(pool.n, dim)), RHO * (0.95 + 0.1 * random.random(pool.n)), random.normal(size=pool.n) * 1e4
+    u = random.normal(size=(pool.n, dim))
+    rho = RHO * (0.95 + 0.1 * random.random(pool.n))
+    p = random.normal(size=pool.n) * 1e4
     mass *= 0.5 + random.random(pool.n)
     plain, viscous = accelerated(pool, u, p, rho, h, mass), accelerated(pool, u, p, rho, h, mass, 0.3, 0.1)
     for out in (plain, viscous, smoothed(pool, u, rho, h, mass, 0.4) - u):
@@ -108,7 +110,8 @@ def test_viscosity_of_a_pair():
     assert out[0, 0] < 0.0 and out[1, 0] == -out[0, 0]
     assert np.all(accelerated(pool, -u, none, rho, h, mass, 0.3, 0.2) == 0.0)
     change = smoothed(pool, u, rho, h, mass, 0.01)[0] - u[0]
-    np.testing.assert_allclose(change, -0.01 * 10.0 / 1005.0 * cubic_spline(0.09, h, 2) * np.array([2.0, 0.5]), rtol=1e-12)
+    np.testing.assert_allclose(change, -0.01 * 10.0 / 1005.0 * cubic_spline(0.09, h, 2) * np.array([2.0, 0.5]),
+                               rtol=1e-12)
 
 
 # -- at rest between ghost particles ---------------------------------------------------------------------
@@ -158,8 +161,8 @@ def test_water_at_rest_stays_at_rest(dim, h):
     touched = basin.touched()
     np.testing.assert_allclose(p[touched], np.maximum(exact[touched], 0.0), atol=1e-9 * RHO * G)
     out = np.empty_like(basin.x)
-    weakly.acceleration(out, np.zeros_like(out), basin.x, p, np.full(basin.n, RHO), basin.mass, basin.kind, basin.h, SOUND,
-                        0.3, 0.0, *basin.csr)
+    weakly.acceleration(out, np.zeros_like(out), basin.x, p, np.full(basin.n, RHO), basin.mass,
+                        basin.kind, basin.h, SOUND, 0.3, 0.0, *basin.csr)
     deep = basin.fluid & (basin.index[:, -1] <= 6)
     assert np.abs((out + force)[deep]).max() < 0.015 * G
     assert np.abs((out + force)[basin.fluid]).max() < 0.25 * G, "at the surface, where half of the support is missing"

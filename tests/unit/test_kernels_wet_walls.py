@@ -173,8 +173,8 @@ def closing(pool, u=0.0, dt=0.01, force=GRAVITY):
     """Return which particles close the fluid off, with the roles of the pool as those of the last step; u [m/s] up."""
     out = np.full(pool.n, 9, np.int8)
     velocity = np.where(pool.fluid[:, None], [0.0, u], 0.0)
-    wetness.closing_walls(out, pool.role, pool.x, velocity, np.tile(force, (pool.n, 1)), pool.kind, pool.normal, pool.spacing,
-                          dt, *pool.csr)
+    wetness.closing_walls(out, pool.role, pool.x, velocity, np.tile(force, (pool.n, 1)), pool.kind,
+                          pool.normal, pool.spacing, dt, *pool.csr)
     assert not out[pool.fluid].any() and set(out) <= {wetness.APART, wetness.FREE, wetness.CLOSING}
     return out == wetness.CLOSING
 
@@ -236,8 +236,8 @@ def test_lid_is_apart_and_walls_above_the_water_line_are_free(gap):
     out = np.full(pool.n, 9, np.int8)
     still = np.zeros_like(pool.x)
     pool.role[closing(pool)] = WET
-    wetness.closing_walls(out, pool.role, pool.x, still, np.tile(GRAVITY, (pool.n, 1)), pool.kind, pool.normal, pool.spacing,
-                          0.01, *pool.csr)
+    wetness.closing_walls(out, pool.role, pool.x, still, np.tile(GRAVITY, (pool.n, 1)), pool.kind,
+                          pool.normal, pool.spacing, 0.01, *pool.csr)
     assert np.all(out[lid & (pool.corner == 0)] == wetness.APART)
     above = (pool.kind == WALL) & ~lid & (pool.index[:, 1] == 9)
     assert np.all(out[above] != wetness.APART)

@@ -82,7 +82,8 @@ def volumes(case):
 def test_cells_of_a_column_beside_walls():
     found = volumes(scene(Box(width=0.5, height=1.0)))
     across, up = {1: 1.5, 5: 0.5}, {1: 1.5, 10: 0.5}      # beside a wall 3/2, on the surface 1/2
-    assert found == pytest.approx({(i, j): across.get(i, 1.0) * up.get(j, 1.0) for i in range(1, 6) for j in range(1, 11)})
+    assert found == pytest.approx(
+        {(i, j): across.get(i, 1.0) * up.get(j, 1.0) for i in range(1, 6) for j in range(1, 11)})
 
 
 @pytest.mark.parametrize("shape, walls, volume, within", [
@@ -134,7 +135,8 @@ def test_column_of_the_dam_break():
     fluid = arrays["x"][arrays["kind"] == 0]
     assert len(fluid) == 5 * 10
     assert fluid.min(axis=0) == pytest.approx([0.1, 0.1]) and fluid.max(axis=0) == pytest.approx([0.5, 1.0])
-    assert role_at(arrays, 0.5, 0.3) == SURFACE and role_at(arrays, 0.2, 1.0) == SURFACE and role_at(arrays, 0.4, 0.9) == INNER
+    assert (role_at(arrays, 0.5, 0.3) == SURFACE and role_at(arrays, 0.2, 1.0) == SURFACE
+            and role_at(arrays, 0.4, 0.9) == INNER)
     assert role_at(arrays, 0.0, 1.0) == CONTACT and role_at(arrays, 0.5, 0.0) == CONTACT
     assert role_at(arrays, 0.0, 0.9) == WET and role_at(arrays, 0.4, 0.0) == WET and role_at(arrays, 0.0, 0.0) == WET
     assert role_at(arrays, 0.0, 1.1) == DRY and role_at(arrays, 0.6, 0.0) == DRY and role_at(arrays, 2.0, 0.1) == DRY
@@ -193,7 +195,8 @@ def test_water_raised_to_less_than_a_spacing_below_a_lid(rise):
 
 def test_column_one_spacing_from_a_wall_has_a_surface_there():
     arrays = geometry.build(scene(Box(0.9, 1.0, at=(0.1, 0.0)), Tank(2.0, 2.0)))
-    assert role_at(arrays, 0.1, 0.5) == SURFACE and role_at(arrays, 0.0, 0.5) == CONTACT and role_at(arrays, 0.2, 0.5) == INNER
+    assert (role_at(arrays, 0.1, 0.5) == SURFACE and role_at(arrays, 0.0, 0.5) == CONTACT
+            and role_at(arrays, 0.2, 0.5) == INNER)
     touching = geometry.build(scene(Box(1.0, 1.0), Tank(2.0, 2.0)))
     assert role_at(touching, 0.1, 0.5) == INNER and role_at(touching, 0.0, 0.5) == WET
 
@@ -241,7 +244,8 @@ def test_elevation_stretches_the_columns():
         top = 1.0 + 0.1 * np.cos(np.pi * x)
         assert column == pytest.approx(top * np.arange(1, 11) / 10)
     # Wall particles do not move: the one nearest to the surface is the contact line.
-    assert role_at(arrays, 0.0, 1.1) == CONTACT and role_at(arrays, 0.0, 1.0) == WET and role_at(arrays, 0.0, 1.2) == DRY
+    assert (role_at(arrays, 0.0, 1.1) == CONTACT and role_at(arrays, 0.0, 1.0) == WET
+            and role_at(arrays, 0.0, 1.2) == DRY)
     assert np.count_nonzero(arrays["role"] == CONTACT) == 2
 
 
@@ -271,7 +275,8 @@ def test_random_numbers_are_uniform_and_independent():
     r = geometry.uniform(7, np.arange(200_000), 2)
     assert r.min() >= 0.0 and r.max() < 1.0
     assert r.mean(axis=0) == pytest.approx(0.5, abs=3e-3) and r.var(axis=0) == pytest.approx(1 / 12, abs=1e-3)
-    for a, b in ((r[:, 0], r[:, 1]), (r[:-1, 0], r[1:, 0]), (r[:, 0], geometry.uniform(8, np.arange(200_000), 2)[:, 0])):
+    for a, b in ((r[:, 0], r[:, 1]), (r[:-1, 0], r[1:, 0]),
+                 (r[:, 0], geometry.uniform(8, np.arange(200_000), 2)[:, 0])):
         assert abs(np.corrcoef(a, b)[0, 1]) < 0.01
 
 
@@ -307,7 +312,8 @@ class Basin(Tank):
 @pytest.mark.parametrize("shape, tank", [(Box, Tank), (Brick, Basin)])
 def test_slices_of_the_walls_make_up_the_faces_of_the_tank(shape, tank, lid):
     points = Lattice(shape(0.4, 0.5), tank(0.8, 0.7, lid), 0.1)
-    block = np.stack(np.meshgrid(*[np.arange(n + 1) for n in points.top], indexing="ij"), axis=-1).reshape(-1, len(points.top))
+    block = np.stack(np.meshgrid(*[np.arange(n + 1) for n in points.top], indexing="ij"),
+                     axis=-1).reshape(-1, len(points.top))
     on_lower, on_upper = block == 0, block == points.top
     on_upper[:, -1] &= lid
     faces = (on_lower | on_upper).any(axis=1)

@@ -25,8 +25,8 @@ def walls(**options):
 
 
 @pytest.mark.parametrize("options", [
-    dict(lid=Lid(1.5), no_slip=True), dict(lid=Lid(velocity=-2.0), no_slip=("bottom", "left")), dict(lid=True, no_slip=False),
-    dict(lid=Lid(0.0), no_slip=()),
+    dict(lid=Lid(1.5), no_slip=True), dict(lid=Lid(velocity=-2.0), no_slip=("bottom", "left")),
+    dict(lid=True, no_slip=False), dict(lid=Lid(0.0), no_slip=()),
 ])
 def test_json_gives_the_same_tank_back(options):
     case = cavity(**options)

@@ -24,7 +24,8 @@ def case({parameters}) -> Case:
 def write(tmp_path):
     def write(parameters="spacing: float = 0.1", body="pass", title="'test'", probes="()", text=None):
         file = tmp_path / "my_case.py"
-        file.write_text(text or TEMPLATE.format(parameters=parameters, body=body, title=title, probes=probes), encoding="utf-8")
+        file.write_text(text or TEMPLATE.format(parameters=parameters, body=body, title=title, probes=probes),
+                        encoding="utf-8")
         return file
     return write
 
@@ -39,10 +40,11 @@ def test_defaults_and_sets(write):
 
 
 @pytest.mark.parametrize("kind, text, value", [
-    ("float", "1/24", 1 / 24), ("float", "-1e-3", -1e-3), ("int", "-7", -7), ("bool", "false", False), ("bool", "Yes", True),
-    ("str", "1/24", "1/24"), ("float | None", "none", None), ("float | None", "0.5", 0.5), ("Optional[int]", "None", None),
-    ("tuple[float, ...]", "(1, 1/2,3)", (1.0, 0.5, 3.0)), ("tuple[int, str]", "1, a", (1, "a")), ("float | str", "x", "x"),
-    ("float | str", "2", 2.0), ("tuple[float, float]", "0.1,0.2", (0.1, 0.2)),
+    ("float", "1/24", 1 / 24), ("float", "-1e-3", -1e-3), ("int", "-7", -7), ("bool", "false", False),
+    ("bool", "Yes", True), ("str", "1/24", "1/24"), ("float | None", "none", None), ("float | None", "0.5", 0.5),
+    ("Optional[int]", "None", None), ("tuple[float, ...]", "(1, 1/2,3)", (1.0, 0.5, 3.0)),
+    ("tuple[int, str]", "1, a", (1, "a")), ("float | str", "x", "x"), ("float | str", "2", 2.0),
+    ("tuple[float, float]", "0.1,0.2", (0.1, 0.2)),
 ])
 @pytest.mark.parametrize("future", ["", "from __future__ import annotations\n"])
 def test_values_take_the_type_of_the_parameter(write, kind, text, value, future):
@@ -64,12 +66,15 @@ def test_equals_sign_in_a_value(write):
     (["spacin=1"], r"no parameter 'spacin'; did you mean 'spacing'\? Its parameters and their defaults: spacing=0.1"),
     (["spacing"], "must be name=value"),
     (["=1"], "must be name=value"),
-    (["spacing=abc"], r"--set spacing=abc: must be a number, as the default 0.1 is \('abc' is not a number; write one such as 0.02, 1/40 or 2\*pi\)$"),
+    (["spacing=abc"], r"--set spacing=abc: must be a number, as the default 0.1 is \('abc' is not a number; "
+                      r"write one such as 0.02, 1/40 or 2\*pi\)$"),
     (["spacing=none"], r"--set spacing=none: must be a number, as the default 0.1 is \(none is not allowed here\)$"),
-    (["spacing=sine(1)"], r"unknown function in 'sine\(1\)'; known are sin, cos, tan, sinh, cosh, tanh, exp, log, sqrt, abs, minimum, maximum, where\)$"),
+    (["spacing=sine(1)"], r"unknown function in 'sine\(1\)'; known are sin, cos, tan, sinh, cosh, tanh, exp, log, "
+                          r"sqrt, abs, minimum, maximum, where\)$"),
     (["spacing=nan"], "must be a number"),
     (["spacing=-1"], r"my_case.py, line 8: Numerics.spacing = -1.0: must be greater than 0"),
-    (["spacing=0.3"], r"my_case.py, line 6: numerics.spacing = 0.3: must divide .* nearest that fit are 0.25 and 0.3333333333 \(1/3\)$"),
+    (["spacing=0.3"], r"my_case.py, line 6: numerics.spacing = 0.3: must divide .* nearest that fit are 0.25 and "
+                      r"0.3333333333 \(1/3\)$"),
 ])
 def test_bad_sets(write, sets, message):
     with pytest.raises(CaseError, match=message):
@@ -77,7 +82,8 @@ def test_bad_sets(write, sets, message):
 
 
 @pytest.mark.parametrize("kind, text", [
-    ("int", "1.5"), ("bool", "maybe"), ("tuple[float, float]", "1"), ("tuple[float, ...]", "1,b"), ("float | None", "x"), ("dict", "a"),
+    ("int", "1.5"), ("bool", "maybe"), ("tuple[float, float]", "1"), ("tuple[float, ...]", "1,b"),
+    ("float | None", "x"), ("dict", "a"),
 ])
 def test_bad_values_name_the_type(write, kind, text):
     with pytest.raises(CaseError, match=r"--set a=.*: must be .* as the default 0 is"):
@@ -101,20 +107,24 @@ def test_bad_values_name_the_type(write, kind, text):
     ("import functools\ncase = functools.partial(dict, a=1)\n", "whose parameters cannot be found|returned a dict"),
     ("class Own(BaseException):\n    pass\ndef case():\n    raise Own('mine')\n", r"my_case.py, line 4: Own: mine"),
     ("def case():\n    raise GeneratorExit\n", r"my_case.py, line 2: GeneratorExit$"),
-    ("class Mute(Exception):\n    def __str__(self):\n        raise ValueError\nraise Mute\n", r"line 4: Mute: its message cannot be shown"),
+    ("class Mute(Exception):\n    def __str__(self):\n        raise ValueError\nraise Mute\n",
+     r"line 4: Mute: its message cannot be shown"),
     ("def case():\n    raise ValueError('a\\n' * 5000)\n", r"line 2: ValueError: a a a.*[.]{3}"),
     ("def case():\n    return case()\n", "line 2: RecursionError"),
     ("def case():\n    raise MemoryError\n", "line 2: MemoryError$"),
     ("def __getattr__(name):\n    raise SystemExit\n", "has no function case"),
-    ("class Liar:\n    @property\n    def __class__(self):\n        raise SystemExit(3)\ndef case():\n    return Liar()\n", "line 4: SystemExit|returned a Liar"),
-    ("class Own(type):\n    @property\n    def __name__(cls):\n        raise SystemExit\nclass It(metaclass=Own):\n    pass\n"
-     "def case():\n    return It()\n", "returned a It; it must"),
-    ("class Own(type):\n    @property\n    def __name__(cls):\n        raise SystemExit\nclass It(Exception, metaclass=Own):\n    pass\n"
-     "raise It('mine')\n", "line 7: It: mine"),
-    ("class End(Exception):\n    def __str__(self):\n        raise SystemExit\nraise End\n", "line 4: End: its message cannot be shown"),
-    ("class End:\n    def __repr__(self):\n        raise SystemExit\ndef case(*, a=End(), **b):\n    pass\n", r"the parameter \*\*b of"),
-    ("class End:\n    @property\n    def __signature__(self):\n        raise SystemExit\n    def __call__(self):\n        pass\n"
-     "case = End()\n", "line 4: SystemExit|whose parameters cannot be found"),
+    ("class Liar:\n    @property\n    def __class__(self):\n        raise SystemExit(3)\ndef case():\n"
+     "    return Liar()\n", "line 4: SystemExit|returned a Liar"),
+    ("class Own(type):\n    @property\n    def __name__(cls):\n        raise SystemExit\n"
+     "class It(metaclass=Own):\n    pass\ndef case():\n    return It()\n", "returned a It; it must"),
+    ("class Own(type):\n    @property\n    def __name__(cls):\n        raise SystemExit\n"
+     "class It(Exception, metaclass=Own):\n    pass\nraise It('mine')\n", "line 7: It: mine"),
+    ("class End(Exception):\n    def __str__(self):\n        raise SystemExit\nraise End\n",
+     "line 4: End: its message cannot be shown"),
+    ("class End:\n    def __repr__(self):\n        raise SystemExit\ndef case(*, a=End(), **b):\n    pass\n",
+     r"the parameter \*\*b of"),
+    ("class End:\n    @property\n    def __signature__(self):\n        raise SystemExit\n"
+     "    def __call__(self):\n        pass\ncase = End()\n", "line 4: SystemExit|whose parameters cannot be found"),
     ("def case(a: 'exit()' = 1):\n    return a\n", "returned a int"),
     ("import sys\ndel sys.path[0]\n", "has no function case"),
     ("x = '\0'\n", "it is not text: see character 5"),
@@ -132,7 +142,8 @@ def test_a_partial_and_an_object_serve_as_case(write):
     source = TEMPLATE.format(parameters="spacing: float = 0.1, name: str = 'a'", body="pass", title="name", probes="()")
     partial = write(text=source + "\nimport functools\ncase = functools.partial(case, name='b')\n")
     assert load(partial).title == "b" and load(partial, ["spacing=1/20"]).numerics.spacing == 0.05
-    made = "\nof = case\nclass Scene:\n    def __call__(self, spacing: float = 0.1):\n        return of(spacing)\ncase = Scene()\n"
+    made = ("\nof = case\nclass Scene:\n    def __call__(self, spacing: float = 0.1):\n        return of(spacing)\n"
+            "case = Scene()\n")
     assert load(write(text=source + made), ["spacing=1/20"]).numerics.spacing == 0.05
 
 
@@ -143,10 +154,12 @@ def test_an_interruption_inside_a_case_stays_one(write):
 
 
 @pytest.mark.parametrize("name, message", [
-    ("", "CASE = '': must not be empty"), (" ", "must not be empty"), ("a\nb.py", r"CASE = 'a\\nb.py': must be text without line breaks"),
-    ("a\0.py", "without line breaks or control"), ("\udcff.py", "without line breaks or control"), ("x" * 300 + ".py", "is too long: a name has at most 255 bytes"),
-    ("x/" * 3000, "is too long: .* a path 4095"), (".", "is a folder; give a case file"), ("/dev/null", "is not a regular file"),
-    ("pipe", "is not a regular file"), (3, "must be a text or a pathlib.Path"), (None, "must be a text"),
+    ("", "CASE = '': must not be empty"), (" ", "must not be empty"),
+    ("a\nb.py", r"CASE = 'a\\nb.py': must be text without line breaks"), ("a\0.py", "without line breaks or control"),
+    ("\udcff.py", "without line breaks or control"), ("x" * 300 + ".py", "is too long: a name has at most 255 bytes"),
+    ("x/" * 3000, "is too long: .* a path 4095"), (".", "is a folder; give a case file"),
+    ("/dev/null", "is not a regular file"), ("pipe", "is not a regular file"), (3, "must be a text or a pathlib.Path"),
+    (None, "must be a text"),
 ])
 def test_odd_names(tmp_path, monkeypatch, name, message):
     monkeypatch.chdir(tmp_path)
@@ -172,7 +185,8 @@ def test_a_case_file_has_a_size(tmp_path):
 
 @pytest.mark.parametrize("sets, message", [
     (["spacing=0.1", "spacing=0.2"], "--set spacing is given twice: 0.1 and 0.2"),
-    (["x" * 9999 + "=1"], r"no parameter 'x*[.]{3}x*'"), (["spacing=" + "9" * 9999], r"--set spacing=9*[.]{3}9*: must be a number"),
+    (["x" * 9999 + "=1"], r"no parameter 'x*[.]{3}x*'"),
+    (["spacing=" + "9" * 9999], r"--set spacing=9*[.]{3}9*: must be a number"),
     (["n=" + "9" * 9999], "must be a whole number"), (["odd=1"], "a parameter of type .* cannot be set from text"),
 ])
 def test_long_and_odd_sets(write, sets, message):
@@ -223,12 +237,14 @@ def test_truth_files_are_found_beside_the_case_and_checked(write, tmp_path):
         load(file)
     data = tmp_path / "eta.csv"
     for text, message in (
-        ("t,h\n0,1\n1,2\n", "truth.value = 'eta': .* has no such column; it has t, h"), ("t,eta\n0,a\n1,2\n", "line 2 holds something that is not"),
-        ("t,eta\n0,1\n", "at least two"), ("t,eta\n1,1\n0,1\n", "increasing"), ("t,eta\n0,1\n1,nan\n", "line 3 .* finite"),
+        ("t,h\n0,1\n1,2\n", "truth.value = 'eta': .* has no such column; it has t, h"),
+        ("t,eta\n0,a\n1,2\n", "line 2 holds something that is not"), ("t,eta\n0,1\n", "at least two"),
+        ("t,eta\n1,1\n0,1\n", "increasing"), ("t,eta\n0,1\n1,nan\n", "line 3 .* finite"),
         ("", "no line with the names of columns"), ("t,eta\n0,1\n1\n", "line 3 has 1 values, and there are 2 columns"),
         ("t,eta,t\n0,1,2\n1,2,3\n", "two columns are named 't'"), ("t,eta,\n0,1,\n1,2,\n", "column 3 has no name"),
-        ("t,eta\n0,1e200\n1,2\n", "line 2 .* finite number of at most 1e.30"), ("t,eta\n0,\"1\n1,2\n", "line 2 is not one of a CSV file"),
-        ("t,eta\n0,1\0\n1,2\n", "it is not text"), ("t,eta\n0," + "1" * 10**6, "line 2 is not one of a CSV file|finite"),
+        ("t,eta\n0,1e200\n1,2\n", "line 2 .* finite number of at most 1e.30"),
+        ("t,eta\n0,\"1\n1,2\n", "line 2 is not one of a CSV file"), ("t,eta\n0,1\0\n1,2\n", "it is not text"),
+        ("t,eta\n0," + "1" * 10**6, "line 2 is not one of a CSV file|finite"),
     ):
         data.write_text(text, encoding="utf-8")
         with pytest.raises(CaseError, match=message):
@@ -246,8 +262,9 @@ def test_a_truth_shows_little_of_a_file_that_is_none(write, tmp_path):
 
 
 @pytest.mark.parametrize("name, message", [
-    (".", "it is a folder"), ("/dev/zero", "it is not a regular file"), ("pipe", "it is not a regular file"), ("loop", "loop|symbolic links"),
-    ("big", "at most 16 MB are read"), ("x" * 300, "is too long"), ("", "it is a folder"),
+    (".", "it is a folder"), ("/dev/zero", "it is not a regular file"), ("pipe", "it is not a regular file"),
+    ("loop", "loop|symbolic links"), ("big", "at most 16 MB are read"), ("x" * 300, "is too long"),
+    ("", "it is a folder"),
 ])
 def test_a_truth_is_a_regular_file_of_some_size(write, tmp_path, name, message):
     os.mkfifo(tmp_path / "pipe")

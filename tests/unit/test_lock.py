@@ -28,7 +28,8 @@ time.sleep(60)
 @pytest.fixture
 def holder(tmp_path):
     """Another process that has the lock of the folder."""
-    process = subprocess.Popen([sys.executable, "-c", HOLDER, str(tmp_path)], env=clean_environment(), stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen([sys.executable, "-c", HOLDER, str(tmp_path)], env=clean_environment(),
+                               stdout=subprocess.PIPE, text=True)
     assert process.stdout.readline() == "held\n"
     yield process
     process.kill()
@@ -95,12 +96,13 @@ def test_the_lock_of_a_living_process_in_another_container_is_kept(tmp_path):
     alone = ["unshare", "--pid", "--fork", "--mount-proc"]
     if shutil.which("unshare") is None or subprocess.run([*alone, "true"], capture_output=True).returncode:
         pytest.skip("no PID namespace can be made here")
-    process = subprocess.Popen([*alone, "--kill-child", sys.executable, "-c", HOLDER, str(tmp_path)], env=clean_environment(),
-                               stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen([*alone, "--kill-child", sys.executable, "-c", HOLDER, str(tmp_path)],
+                               env=clean_environment(), stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout.readline() == "held\n"
         before = (tmp_path / lock.NAME).read_bytes()
-        with pytest.raises(StoreError, match="cannot be seen from here .*, in another container.* repeat the command with --force"):
+        with pytest.raises(StoreError,
+                           match="cannot be seen from here .*, in another container.* repeat the command with --force"):
             Lock(tmp_path)
         assert (tmp_path / lock.NAME).read_bytes() == before and lock.holder(tmp_path) is not None
     finally:

@@ -33,7 +33,8 @@ def test_every_method_that_a_case_may_ask_for_is_known():
 
 
 def test_the_words_of_cases_are_those_of_the_parts():
-    for registry in (LAPLACIANS, DIVERGENCES, GRADIENTS, SURFACE_GRADIENTS, WALL_ROWS, SURFACES, SOURCES, FORCES, REGULARISERS):
+    for registry in (LAPLACIANS, DIVERGENCES, GRADIENTS, SURFACE_GRADIENTS, WALL_ROWS, SURFACES, SOURCES, FORCES,
+                     REGULARISERS):
         assert set(vocabulary.known(registry.what)) == set(registry)
     assert set(vocabulary.known("stepping")) == set(STEPPINGS)
 
@@ -97,7 +98,8 @@ def assembled(simulation, force, dt):
 
 
 def source(velocity, dt, residual_strain, force=0.0, strain=0.0):
-    """Return the right-hand sides of inner particles over 1/dt, for a velocity (x) -> (n, dim) of the fluid in a column at rest."""
+    """Return the right-hand sides of inner particles over 1/dt, for a velocity (x) -> (n, dim) of the fluid in a column
+    at rest."""
     simulation = Simulation(dam(strain=strain, residual_strain=residual_strain), MPI.COMM_SELF)
     p, method = simulation.particles, simulation.method
     simulation.domain.refresh()
@@ -116,7 +118,8 @@ def test_a_short_step_removes_the_residual_divergence_in_proportion_to_its_strai
     whole = source(lambda x: -x, 0.005, 0.0)
     assert np.abs(whole).min() > 0.0
     np.testing.assert_allclose(source(lambda x: -x, 0.02, 100.0), whole, rtol=1e-9)
-    short = source(lambda x: -x, 0.0005, 100.0)    # and what the flow has done to its volume since the last step, dt tr(G^2)
+    # and what the flow has done to its volume since the last step, dt tr(G^2)
+    short = source(lambda x: -x, 0.0005, 100.0)
     np.testing.assert_allclose(short, (0.1 + 0.9 * 0.0005) * whole, rtol=1e-9)
 
 
@@ -125,7 +128,8 @@ def test_what_a_force_and_the_flow_itself_do_is_removed_at_once():
     np.testing.assert_allclose(forced[1], forced[0], rtol=1e-9)
 
     def strained(x):
-        # at the middle of a step of 1e-3 with straight lines, of a flow that had the divergence of the strain source before
+        # at the middle of a step of 1e-3 with straight lines, of a flow that had the divergence of the strain source
+        # before
         g = np.array([[1.0, 0.0], [0.0, -1.0]])
         return x @ (g - 0.5e-3 * np.eye(2)).T
     flows = [source(strained, 1e-3, most, strain=1.0) for most in (0.0, 10.0)]

@@ -28,10 +28,12 @@ def test_z17_divides_an_l2_by_a_sum():
 
 
 def test_comparison_is_on_the_reference_samples_that_overlap():
-    t, found, truth = norms.on_reference([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], [-1.0, 0.5, 1.5, 2.0, 3.0], [9.0, 5.0, 15.0, 20.0, 9.0])
+    t, found, truth = norms.on_reference([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], [-1.0, 0.5, 1.5, 2.0, 3.0],
+                                         [9.0, 5.0, 15.0, 20.0, 9.0])
     np.testing.assert_array_equal(t, [0.5, 1.5, 2.0])
     np.testing.assert_allclose(found, truth)
-    t, found, _ = norms.on_reference([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], [-1.0, 0.5, 1.5, 2.0, 3.0], np.zeros(5), shift=1.0)
+    t, found, _ = norms.on_reference([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], [-1.0, 0.5, 1.5, 2.0, 3.0],
+                                     np.zeros(5), shift=1.0)
     np.testing.assert_array_equal(t, [1.5, 2.0, 3.0])
     np.testing.assert_allclose(found, [5.0, 10.0, 20.0])
     with pytest.raises(ValueError, match="fewer than two"):
@@ -81,7 +83,8 @@ def test_noise_does_not_depend_on_how_the_time_is_cut():
 
     even = np.linspace(0.0, 2.0, 20001)
     uneven = np.unique(np.concatenate((np.linspace(0.0, 1.0, 10001), np.linspace(1.0, 2.0, 40001))))
-    assert norms.noise(uneven, trace(uneven), (0.2, 1.8)) == pytest.approx(norms.noise(even, trace(even), (0.2, 1.8)), rel=1e-3)
+    assert norms.noise(uneven, trace(uneven), (0.2, 1.8)) == pytest.approx(norms.noise(even, trace(even), (0.2, 1.8)),
+                                                                           rel=1e-3)
 
 
 def test_noise_does_not_look_outside_its_window():
@@ -95,7 +98,8 @@ def test_impulse_with_ends_between_samples():
         norms.impulse([0.0, 1.0], [0.0, 2.0], (0.5, 1.5))
 
 
-@pytest.mark.parametrize("value, truth, message", [([1.0, np.nan], [1.0, 1.0], "not numbers"), ([1.0], [1.0, 2.0], "one length"),
+@pytest.mark.parametrize("value, truth, message",
+                         [([1.0, np.nan], [1.0, 1.0], "not numbers"), ([1.0], [1.0, 2.0], "one length"),
                                                    ([1.0, 2.0], [0.0, 0.0], "at rest"), ([], [], "empty")])
 def test_a_series_that_cannot_be_judged_is_refused(value, truth, message):
     with pytest.raises(ValueError, match=message):

@@ -39,4 +39,5 @@ def test_a_stub_declares_what_is_there(stub):
 def test_citation_is_of_this_version():
     text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert re.search(r"^version: (.*)$", text, re.M)[1] == parisph.__version__
-    assert set(re.findall(r"doi: (\S+)", text)) <= set(re.findall(r"doi:([^\s,]+?)\.?\s", (ROOT / "README.md").read_text(encoding="utf-8")))
+    assert (set(re.findall(r"doi: (\S+)", text))
+            <= set(re.findall(r"doi:([^\s,]+?)\.?\s", (ROOT / "README.md").read_text(encoding="utf-8"))))

@@ -75,9 +75,11 @@ def test_the_gauge_does_not_jump_when_a_particle_passes_it():
             arrays["x"][fluid, 0] += by * np.sin(np.pi * arrays["x"][fluid, 0])
         return change
 
-    before, after = (value(SurfaceGauge(name="g", at=0.4), moved(by), elevation="0.05*cos(3*pi*x)") for by in (-1e-9, 1e-9))
+    before, after = (value(SurfaceGauge(name="g", at=0.4), moved(by), elevation="0.05*cos(3*pi*x)")
+                     for by in (-1e-9, 1e-9))
     assert before == pytest.approx(after, abs=1e-9)
-    assert value(SurfaceGauge(name="g", at=0.4), moved(0.02), elevation="0.05*cos(3*pi*x)") != pytest.approx(after, abs=1e-4)
+    assert value(SurfaceGauge(name="g", at=0.4), moved(0.02),
+                 elevation="0.05*cos(3*pi*x)") != pytest.approx(after, abs=1e-4)
 
 
 @pytest.mark.parametrize("x, role", [
@@ -263,8 +265,8 @@ def test_energy_and_momentum_of_a_moving_box():
 
 def test_energy_of_a_rotation_and_of_free_flight():
     n = 21
-    found = Watch(scene([Energy(name="e")], tank=None, shape=Box(width=1.0, height=1.0, at=(-0.5, -0.5)), gravity=(0.0, 0.0),
-                        velocity=("2*y", "-2*x")), MPI.COMM_SELF,
+    found = Watch(scene([Energy(name="e")], tank=None, shape=Box(width=1.0, height=1.0, at=(-0.5, -0.5)),
+                        gravity=(0.0, 0.0), velocity=("2*y", "-2*x")), MPI.COMM_SELF,
                   lambda arrays: arrays["role"].__setitem__(slice(0, 100), BALLISTIC)).sample()["e"]
     weight = np.where(np.isin(np.arange(n), (0, n - 1)), 0.5, 1.0)     # cells on the edge are half empty
     squares = weight @ (np.arange(n) - 10) ** 2 * S**2
@@ -333,7 +335,8 @@ def cell_by_clipping(i, x):
 
 def inside_by_distance(p):
     near = np.linalg.norm(p.x[:, None] - p.x[None], axis=-1) < 2.1 * S
-    return np.flatnonzero((p.kind == FLUID) & (p.role == INNER) & ~near[:, np.isin(p.role, (SURFACE, BALLISTIC))].any(axis=1))
+    return np.flatnonzero((p.kind == FLUID) & (p.role == INNER)
+                          & ~near[:, np.isin(p.role, (SURFACE, BALLISTIC))].any(axis=1))
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8, 1.2])
@@ -351,7 +354,8 @@ def test_volume_is_the_mean_cell_inside_the_fluid(jitter):
 def test_a_squeezed_drop_has_a_smaller_volume():
     def change(arrays):
         arrays["x"] *= (0.97, 0.99)
-    cell, count = Watch(scene([Volume(name="v")], tank=None, shape=Disc(radius=0.5)), MPI.COMM_SELF, change).sample()["v"]
+    cell, count = Watch(scene([Volume(name="v")], tank=None, shape=Disc(radius=0.5)), MPI.COMM_SELF,
+                        change).sample()["v"]
     assert cell == pytest.approx(0.97 * 0.99, rel=1e-12) and count > 100
 
 
@@ -456,9 +460,10 @@ def test_in_three_dimensions_what_has_no_meaning_is_refused():
         with pytest.raises(CaseError, match=f"'{probe.name}': {probe.kind} exists in 2D only.*in 3D"):
             instruments.SAMPLERS[probe.kind](probe, cube)
     mid = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 0.25]])
-    p = SimpleNamespace(comm=MPI.COMM_SELF, kind=np.zeros(2, np.int8), role=np.zeros(2, np.int8), x=mid, u=np.ones((2, 3)),
-                        volume=np.full(2, S**3))
-    energy, momentum = (instruments.SAMPLERS[probe.kind](probe, cube) for probe in (Energy(name="e"), Momentum(name="m")))
+    p = SimpleNamespace(comm=MPI.COMM_SELF, kind=np.zeros(2, np.int8), role=np.zeros(2, np.int8), x=mid,
+                        u=np.ones((2, 3)), volume=np.full(2, S**3))
+    energy, momentum = (instruments.SAMPLERS[probe.kind](probe, cube)
+                        for probe in (Energy(name="e"), Momentum(name="m")))
     assert energy.sample(p, None, 0.0) == pytest.approx(DENSITY * S**3 * np.array([3.0, 0.75 * G, 3.0 + 0.75 * G]))
     assert momentum.sample(p, None, 0.0) == pytest.approx([2 * DENSITY * S**3] * 3)
     assert energy.columns["total"] == "J" and list(momentum.columns) == ["px", "py", "pz"]

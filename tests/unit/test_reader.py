@@ -20,7 +20,8 @@ CASE = to_json(watched.scene([]).model_copy(update={"title": "made up"}))
 
 
 @pytest.mark.parametrize("make, message", [
-    (os.mkfifo, "it is not a regular file"), (os.mkdir, "it is a folder"), (lambda path: path.symlink_to(path), "it has no case.json"),
+    (os.mkfifo, "it is not a regular file"), (os.mkdir, "it is a folder"),
+    (lambda path: path.symlink_to(path), "it has no case.json"),
 ])
 def test_what_is_no_file_is_not_waited_for(tmp_path, make, message):
     make(tmp_path / "case.json")
@@ -150,9 +151,11 @@ def test_an_unknown_field_is_refused_before_anything_is_touched(tmp_path):
     assert not (tmp_path / "new").exists()
 
 
-@pytest.mark.parametrize("damage", [lambda path: path.unlink(), lambda path: path.write_text("{"), lambda path: path.write_text("[]"),
+@pytest.mark.parametrize("damage", [lambda path: path.unlink(), lambda path: path.write_text("{"),
+                                    lambda path: path.write_text("[]"),
                                     lambda path: path.write_text(path.read_text().replace('"run": "', '"run": "f')),
-                                    lambda path: path.write_text(path.read_text().replace('"digest"', '"digesu"').replace("1.0", "1.1"))])
+                                    lambda path: path.write_text(
+                                        path.read_text().replace('"digest"', '"digesu"').replace("1.0", "1.1"))])
 def test_without_its_index_a_run_finds_its_snapshots(folder, damage):
     """The files themselves say which they are and of what time; a foreign or damaged one is no part of the run."""
     damage(folder / "flow.hdf.series")
@@ -227,7 +230,8 @@ def test_a_summary_that_has_lost_its_digest_is_refused(folder, change):
 
 def test_a_summary_of_a_run_from_before_schemas_needs_no_digest(folder):
     text = (folder / "case.json").read_text()
-    (folder / "case.json").write_text(json.dumps({name: value for name, value in json.loads(text).items() if name not in ("schema", "digest")}))
+    (folder / "case.json").write_text(json.dumps({name: value for name, value in json.loads(text).items()
+                                                  if name not in ("schema", "digest")}))
     (folder / "summary.json").write_text('{"steps": 4}')
     assert open_run(folder).summary == {"steps": 4}
 

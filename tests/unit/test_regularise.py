@@ -94,8 +94,11 @@ def test_fluid_at_rest_and_in_rigid_motion_is_left_alone(falling):
 
 def test_what_nothing_needs_is_not_computed():
     off = {"filter_strain": 0.0, "collision_distance": 0.0, "kappa": 0.0, "shift": 0.0}
-    s = Simulation(scene("dam_break", spacing=0.1).changed(**{f"numerics.{name}": value for name, value in off.items()}), MPI.COMM_SELF)
-    assert not s.method.parts.measures_strain and not {"grad_u", "strain_rate", "pairs", "phi", "turn"} & set(s.particles.fields)
+    s = Simulation(scene("dam_break",
+                         spacing=0.1).changed(**{f"numerics.{name}": value for name, value in off.items()}),
+                   MPI.COMM_SELF)
+    assert not s.method.parts.measures_strain
+    assert not {"grad_u", "strain_rate", "pairs", "phi", "turn"} & set(s.particles.fields)
     s.advance()     # the filter with a fixed strength needs no strain
     assert s.method.flow.strained is None
     s.destroy()

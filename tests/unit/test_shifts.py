@@ -24,7 +24,8 @@ def box(width, tank, lid=True, velocity=(0.0, 0.0), **numerics):
 
 @all_shifts
 def test_a_column_that_collapses_stays_whole(name):
-    s = box(0.5, (1.5, 1.0), jitter=0.4, regularisers=("collisions", "wall_guard", "projection", "parting", name, "keep_apart"))
+    s = box(0.5, (1.5, 1.0), jitter=0.4,
+            regularisers=("collisions", "wall_guard", "projection", "parting", name, "keep_apart"))
     p = s.particles
     energy = 9.81 * p.x[p.kind == FLUID, 1].sum()
     for _ in range(20):

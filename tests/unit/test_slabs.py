@@ -28,13 +28,14 @@ except StoreError as error:
 
 
 @pytest.mark.parametrize("length, most, says", [
-    (19_000_000, 5_000_000, "File too large"), (19_000_000, 18_900_000, "File too large"), (19_000_000, 19_050_000, "File too large"),
-    (19_000_000, 30_000_000, "written"), (1000, 2_000_000, "written"), (1000, 10_000, "File too large"),
+    (19_000_000, 5_000_000, "File too large"), (19_000_000, 18_900_000, "File too large"),
+    (19_000_000, 19_050_000, "File too large"), (19_000_000, 30_000_000, "written"), (1000, 2_000_000, "written"),
+    (1000, 10_000, "File too large"),
 ])
 def test_a_long_case_on_a_full_disk_is_an_error_and_ends_no_process(tmp_path, length, most, says):
     """A real refusal by the kernel; HDF5 must not run into it, because HDF5 1.10 then ends the process."""
-    done = subprocess.run([sys.executable, "-c", WRITER, str(tmp_path / "a.h5"), str(length), str(most)], env=clean_environment(),
-                          capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", WRITER, str(tmp_path / "a.h5"), str(length), str(most)],
+                          env=clean_environment(), capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr[-500:]
     assert done.stdout.strip().endswith(says)
     assert [path.name for path in tmp_path.iterdir()] == (["a.h5"] if says == "written" else [])

@@ -285,7 +285,8 @@ def test_claimed_convergence_is_not_believed(make):
 
 def test_an_attempt_that_ends_in_nan_leaves_no_trace(make):
     rows, p, b = problem()
-    solver = make("-pressure_ksp_type", "richardson", "-pressure_ksp_richardson_scale", "1e9", "-pressure_pc_type", "none",
+    solver = make("-pressure_ksp_type", "richardson", "-pressure_ksp_richardson_scale", "1e9",
+                  "-pressure_pc_type", "none",
                   "-pressure_ksp_divtol", "1e300", "-pressure_ksp_max_it", "60", "-pressure_ksp_norm_type", "none")
     found, record = solver.solve(*rows, b, None)
     assert record.fallback == "gamg" and record.iterations > 60
@@ -371,7 +372,8 @@ def test_large_finite_values_are_not_taken_for_infinite(make):
 # -- closed domains -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("words", [(), ("-pressure_pc_type", "hypre"), ("-pressure_pc_type", "lu"), ("-pressure_pc_type", "gamg")])
+@pytest.mark.parametrize("words", [(), ("-pressure_pc_type", "hypre"), ("-pressure_pc_type", "lu"),
+                                   ("-pressure_pc_type", "gamg")])
 def test_closed_domain_with_sources_that_add_up(make, words):
     rows, p, b = problem(30, closed=True)
     found, record = make(*words, rtol=1e-9, closed=True).solve(*rows, b, None)
@@ -409,7 +411,8 @@ def test_closed_domain_with_particles_that_take_no_part(make):
     indptr = np.concatenate([[0], rows[0] + 1, [rows[0][-1] + 2]])
     indices = np.concatenate([[0], rows[1] + 1, [n + 1]])
     values = np.concatenate([[1.0], rows[2], [1.0]])
-    found, record = make(rtol=1e-10, closed=True).solve(indptr, indices, values, np.concatenate([[3.0], b, [0.0]]), None)
+    found, record = make(rtol=1e-10, closed=True).solve(indptr, indices, values, np.concatenate([[3.0], b, [0.0]]),
+                                                        None)
     assert record.fallback == "" and found[0] == pytest.approx(3.0) and found[-1] == pytest.approx(0.0, abs=1e-9)
     assert np.abs(found[1:-1] - (p - p.mean())).max() < 1e-5
 

@@ -204,7 +204,8 @@ def test_environment_variable_wins_over_us_and_the_command_line_over_it():
     settings = "-pressure_ksp_gmres_restart 7 -pressure_ksp_type fgmres"
     done = run([sys.executable, "-c", SCRIPT.format(words=[])], PETSC_OPTIONS=settings)
     assert "restart 7" in done.stdout, done.stderr
-    done = run([sys.executable, "-c", SCRIPT.format(words=["-pressure_ksp_gmres_restart", "9"])], PETSC_OPTIONS=settings)
+    done = run([sys.executable, "-c", SCRIPT.format(words=["-pressure_ksp_gmres_restart", "9"])],
+               PETSC_OPTIONS=settings)
     assert "restart 9" in done.stdout, done.stderr
 
 
@@ -227,4 +228,5 @@ def test_tolerance_without_meaning_is_refused_before_the_first_solve(name, value
 
 
 def test_tolerances_at_their_limits_are_taken(make):
-    assert solved(make("-pressure_ksp_rtol", "0", "-pressure_ksp_atol", "1e-6", "-pressure_ksp_divtol", "1e9")).residual < 1e-3
+    assert solved(make("-pressure_ksp_rtol", "0", "-pressure_ksp_atol", "1e-6", "-pressure_ksp_divtol",
+                       "1e9")).residual < 1e-3

@@ -25,10 +25,12 @@ def test_a_case_comes_back_as_it_was():
 
 
 @pytest.mark.parametrize("text, says", [
-    ("", "not a stored case"), ("[]", "holds a list"), ('{"schema": "x"}', "must be a whole number"), ('{"schema": true}', "whole number"),
-    (f'{{"schema": {SCHEMA + 1}}}', "written by a newer parisph; this one reads up to schema"), ("{}", "Case.title is missing"),
-    ('{"title": "a", "title": "b"}', "'title' is given twice"), ('{"fluid": {"density": 1, "density": 2}}', "'density' is given twice"),
-    ("[" * 10**5, "not a stored case"), ('{"end_time": ' + "9" * 10**4 + "}", "not a stored case: Exceeds the limit"),
+    ("", "not a stored case"), ("[]", "holds a list"), ('{"schema": "x"}', "must be a whole number"),
+    ('{"schema": true}', "whole number"),
+    (f'{{"schema": {SCHEMA + 1}}}', "written by a newer parisph; this one reads up to schema"),
+    ("{}", "Case.title is missing"), ('{"title": "a", "title": "b"}', "'title' is given twice"),
+    ('{"fluid": {"density": 1, "density": 2}}', "'density' is given twice"), ("[" * 10**5, "not a stored case"),
+    ('{"end_time": ' + "9" * 10**4 + "}", "not a stored case: Exceeds the limit"),
 ])
 def test_what_is_no_case_of_this_release_is_said(text, says):
     with pytest.raises(CaseError, match=says):
@@ -43,7 +45,8 @@ def test_another_preset_replaces_what_the_old_one_gave():
 
 
 @pytest.mark.parametrize(("schema", "later"), [
-    (1, ("kappa_strain", "shift_strain", "filter_strain", "fall", "surface_offset", "residual_strain", "pressure_mean")),
+    (1, ("kappa_strain", "shift_strain", "filter_strain", "fall", "surface_offset", "residual_strain",
+         "pressure_mean")),
     (2, ("residual_strain", "pressure_mean")),
 ])
 def test_an_older_case_keeps_its_strengths(schema, later):
@@ -59,7 +62,8 @@ def test_an_older_case_keeps_its_strengths(schema, later):
 
 def test_an_older_case_keeps_its_taps():
     """A tap took the wall particles beside it before it had a face."""
-    case = stored(preset="violent").changed(probes=[PressureTap("old", (0.0, 0.1)), PressureTap("own", (0.0, 0.1), radius=0.2)])
+    case = stored(preset="violent").changed(probes=[PressureTap("old", (0.0, 0.1)),
+                                                    PressureTap("own", (0.0, 0.1), radius=0.2)])
     content = json.loads(to_json(case))
     assert [probe.radius for probe in from_json(json.dumps(content)).probes] == [None, 0.2]
     del content["probes"][0]["radius"]
@@ -119,7 +123,8 @@ def test_the_weight_of_the_divergence_and_its_time_replace_each_other():
     assert (relaxed.zeta, relaxed.zeta_time) == (None, 0.04)
     fixed = stored().changed(**{"numerics.zeta": 0.5}).numerics.resolved()
     assert (fixed.zeta, fixed.zeta_time) == (0.5, 0.0)
-    with pytest.raises(CaseError, match="zeta = 0.5 and zeta_time = 0.04: give only one") as found:    # as it is asked for
+    # as it is asked for
+    with pytest.raises(CaseError, match="zeta = 0.5 and zeta_time = 0.04: give only one") as found:
         stored(zeta_time=0.04).changed(**{"numerics.zeta": 0.5})
     assert str(found.value).count("give only one") == 1
 

@@ -161,6 +161,12 @@ def test_set_cannot_change_what_varies(folder):
     assert prepare(study(spacings=[0.1]), folder / "s.py", ["spacing=0.05"])[0].case.numerics.spacing == 0.05
 
 
+@pytest.mark.parametrize(("word", "step", "text"), [("none", None, "adaptive"), ("1/200", 0.005, "0.005")])
+def test_a_time_step_for_all_runs_is_a_text(folder, word, step, text):
+    one, = prepare(study(spacings=[0.1]), folder / "s.py", [f"time_step={word}"])
+    assert (one.time_step, one.case.numerics.time_step, one.step_text) == (step, step, text)
+
+
 def test_keys_follow_case_ranks_and_code(folder, monkeypatch):
     def keys(**fields):
         return [item.key for item in prepare(study(**fields), folder / "s.py")]

@@ -14,7 +14,9 @@ def test_truth_is_scaled_sorted_and_may_lack_the_last_line_end(tmp_path):
     np.testing.assert_array_equal(value, [21.0, 61.0, 81.0])
 
 
-@pytest.mark.parametrize("column, message", [("x", "no column 'x' .it has: set, T, z"), ("set", "line 2 of column 'set' holds a word, not a number")])
+@pytest.mark.parametrize("column, message",
+                         [("x", "no column 'x' .it has: set, T, z"),
+                          ("set", "line 2 of column 'set' holds a word, not a number")])
 def test_a_bad_column_of_the_truth_is_named(tmp_path, column, message):
     (tmp_path / "t.csv").write_text("set,T,z\na,1,10\n")
     with pytest.raises(StoreError, match=message):
@@ -28,11 +30,13 @@ def test_a_missing_file_is_named(tmp_path):
 
 @pytest.mark.parametrize("content, message", [
     (b"\xff\xfe\x00T,z", "it is not text in UTF-8: see byte 0"), (b"T,z\n0,\0\n", "it is not text: see character"),
-    (b"", "no line with the names"), (b"# only\n\n", "no line with the names"), (b"T,z,T\n0,1,2\n", "two columns are named 'T'"),
-    (b"T,z,\n0,1,\n", "column 3 has no name"), (b"T,z\n0,1\n1\n", "line 3 has 1 values, and there are 2 columns"),
-    (b"T,z\n0,1\n# gap\n1,1e300\n", "line 4 of column 'z' holds a number of more than 1e.30"), (b"T,z\n0,inf\n", "line 2 of column 'z'"),
-    (b'T,z\n0,"1\n', "line 2 is not one of a CSV file"), (b"T,z\n0," + b"1" * 200_000, "line 2 is not one of a CSV file"),
-    (b"z\n1\n", "no column 'T' .it has: z"), (b"T" * 5000 + b",z\n1,2\n", "no column 'T' .it has: T*[.]{3}"),
+    (b"", "no line with the names"), (b"# only\n\n", "no line with the names"),
+    (b"T,z,T\n0,1,2\n", "two columns are named 'T'"), (b"T,z,\n0,1,\n", "column 3 has no name"),
+    (b"T,z\n0,1\n1\n", "line 3 has 1 values, and there are 2 columns"),
+    (b"T,z\n0,1\n# gap\n1,1e300\n", "line 4 of column 'z' holds a number of more than 1e.30"),
+    (b"T,z\n0,inf\n", "line 2 of column 'z'"), (b'T,z\n0,"1\n', "line 2 is not one of a CSV file"),
+    (b"T,z\n0," + b"1" * 200_000, "line 2 is not one of a CSV file"), (b"z\n1\n", "no column 'T' .it has: z"),
+    (b"T" * 5000 + b",z\n1,2\n", "no column 'T' .it has: T*[.]{3}"),
 ])
 @pytest.mark.filterwarnings("error")
 def test_a_file_that_is_no_series_is_refused_in_one_line(tmp_path, content, message):
@@ -42,7 +46,8 @@ def test_a_file_that_is_no_series_is_refused_in_one_line(tmp_path, content, mess
     assert "t.csv" in str(error.value) and "\n" not in str(error.value) and len(str(error.value)) < 500
 
 
-@pytest.mark.parametrize("name, message", [(".", "it is a folder"), ("/dev/zero", "not a regular file"), ("a" * 300, "File name too long")])
+@pytest.mark.parametrize("name, message", [(".", "it is a folder"), ("/dev/zero", "not a regular file"),
+                                           ("a" * 300, "File name too long")])
 def test_what_is_no_file_is_not_opened(tmp_path, name, message):
     with pytest.raises(StoreError, match=message):
         table.read_reference(tmp_path / name, "T", "z")

@@ -17,21 +17,23 @@ class Mute(Exception):
 
 def test_any_value_is_shown_on_a_short_plain_line():
     for value in (
-        "x" * 1000, "a\nb" * 50, (1.0,) * 10**5, [[[[[1]]]]] * 9, {"a" * 100: "b" * 100}, 10**5000, b"\0" * 1000, Rude(), object(),
-        "\x1b[31m", "\ud800", "\u2028", None, 1.5, np.arange(1000.0),
+        "x" * 1000, "a\nb" * 50, (1.0,) * 10**5, [[[[[1]]]]] * 9, {"a" * 100: "b" * 100}, 10**5000, b"\0" * 1000,
+        Rude(), object(), "\x1b[31m", "\ud800", "\u2028", None, 1.5, np.arange(1000.0),
     ):
         text = shown(value)
         assert 0 < len(text) <= 80 and is_plain(text)
 
 
 def test_short_values_are_shown_as_they_are():
-    assert [shown(value) for value in ("a", 0.05, (0.0, "x"), None, "it's")] == ["'a'", "0.05", "(0.0, 'x')", "None", '"it\'s"']
+    assert [shown(value) for value in ("a", 0.05, (0.0, "x"), None, "it's")] == ["'a'", "0.05", "(0.0, 'x')",
+                                                                                 "None", '"it\'s"']
     assert named("runs/été") == "runs/été" and named("a\nb\x1b") == "a\\nb\\x1b"
 
 
 def test_clipping_keeps_both_ends():
     text = "beginning" + "x" * 500 + "end"
-    assert clipped(text, 60).startswith("beginning") and clipped(text, 60).endswith("end") and len(clipped(text, 60)) == 60
+    assert (clipped(text, 60).startswith("beginning") and clipped(text, 60).endswith("end")
+            and len(clipped(text, 60)) == 60)
     assert clipped("short") == "short"
 
 

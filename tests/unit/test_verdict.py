@@ -51,7 +51,8 @@ def test_waves_are_judged_without_the_depth_and_pressures_with_all(tmp_path, ref
     assert set(found) == {"gauge", "tap", "energy"}
     wave = 0.01 * np.sin(T[::10])
     assert found["gauge"] == {
-        "relative_l2": pytest.approx(0.2), "paper": pytest.approx(0.2 * np.linalg.norm(wave) / np.linalg.norm(0.5 + wave)),
+        "relative_l2": pytest.approx(0.2),
+        "paper": pytest.approx(0.2 * np.linalg.norm(wave) / np.linalg.norm(0.5 + wave)),
         "paper_2017": pytest.approx(0.2 * np.linalg.norm(wave) / wave.sum()), "points": 21,
     }
     assert found["tap"] == {"relative_l2": pytest.approx(0.01), "paper": pytest.approx(0.01), "points": 21}
@@ -61,7 +62,8 @@ def test_waves_are_judged_without_the_depth_and_pressures_with_all(tmp_path, ref
 @pytest.mark.parametrize("end, file, reason", [(0.0, None, "two samples or more"), (2.0, "gone.csv", "cannot be read")])
 def test_what_cannot_be_judged_says_why(tmp_path, reference, end, file, reason):
     about = Truth(file or reference, time="t_s", value="one")
-    case, run = case_and_run(tmp_path, [WaterFront(name="front", truth=about)], {"front": ({"x": "m"}, lambda t: (1.0,))}, end)
+    case, run = case_and_run(tmp_path, [WaterFront(name="front", truth=about)],
+                             {"front": ({"x": "m"}, lambda t: (1.0,))}, end)
     found = verdict.errors(case, open_run(run))["front"]
     assert found["relative_l2"] is None and reason in found["reason"]
 

@@ -24,7 +24,8 @@ def basin(**changes):
     """Water of 1 m x 0.5 m in a tank of 1 m x 0.8 m."""
     about = dict(title="Basin", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 0.8), gravity=(0.0, -9.81),
                  numerics=Numerics(spacing=S), end_time=1.0,
-                 probes=[PressureTap("P1", at=(0.0, 0.1)), SurfaceGauge("left", at=0.0), Energy("energy"), Volume("volume")])
+                 probes=[PressureTap("P1", at=(0.0, 0.1)), SurfaceGauge("left", at=0.0), Energy("energy"),
+                         Volume("volume")])
     return Case(**{**about, **changes})
 
 
@@ -132,7 +133,8 @@ def test_a_peak_on_the_wall_is_within_the_scale(tmp_path):
 
 def test_a_spike_does_not_dim_pictures_of_several_moments(tmp_path):
     run = written(tmp_path / "spike", basin(), water(spike=1e7))
-    low, high = next(axes for axes in overview.plot_overview(run).axes if axes.get_ylabel() == "$y$ [m]").collections[1].get_clim()
+    low, high = next(axes for axes in overview.plot_overview(run).axes
+                     if axes.get_ylabel() == "$y$ [m]").collections[1].get_clim()
     assert low == 0.0 and 4.0 < high < 5.0  # rho g d = 4.9 kPa
 
 
@@ -234,7 +236,8 @@ def test_probes_of_one_unit_share_axes_and_the_truth_lies_over_its_probe(run):
 def test_a_normalised_probe_has_the_scenes_own_units(run):
     axes = curves.plot_probe(run, "P1", normalise=True).axes[0]
     time, pressure = axes.lines[0].get_data()
-    assert pressure[0] == pytest.approx(3924.0 / (9810.0 * 0.5)) and time[-1] == pytest.approx(0.99 * np.sqrt(9.81 / 0.5))
+    assert (pressure[0] == pytest.approx(3924.0 / (9810.0 * 0.5))
+            and time[-1] == pytest.approx(0.99 * np.sqrt(9.81 / 0.5)))
     assert axes.get_xlabel() == r"$t\sqrt{g/H}$" and axes.get_ylabel() == r"pressure $p$$\,/\,(\rho g H)$"
 
 

@@ -25,7 +25,8 @@ NAMED = os.environ.get("PARISPH_VTK_PYTHON")
 PYTHONS = NAMED.split(os.pathsep) if NAMED else [sys.executable]
 NO_VTK = not NAMED and importlib.util.find_spec("vtkmodules") is None
 
-pytestmark = pytest.mark.skipif(NO_VTK, reason="no VTK here: pip install 'parisph[vtk]', or name a Python that has it in "
+pytestmark = pytest.mark.skipif(NO_VTK,
+                                reason="no VTK here: pip install 'parisph[vtk]', or name a Python that has it in "
                                                "PARISPH_VTK_PYTHON")
 
 # Prints one JSON object about the file that it is given.
@@ -47,8 +48,10 @@ print(json.dumps({
     "class": grid.GetClassName(),
     "points": rows(grid.GetPoints().GetData()),
     "cells": [cell(number) for number in range(grid.GetNumberOfCells())],
-    "arrays": {points.GetArrayName(number): rows(points.GetArray(number)) for number in range(points.GetNumberOfArrays())},
-    "fields": {fields.GetArrayName(number): rows(fields.GetArray(number)) for number in range(fields.GetNumberOfArrays())},
+    "arrays": {points.GetArrayName(number): rows(points.GetArray(number))
+               for number in range(points.GetNumberOfArrays())},
+    "fields": {fields.GetArrayName(number): rows(fields.GetArray(number))
+               for number in range(fields.GetNumberOfArrays())},
 }))
 """
 
@@ -88,9 +91,10 @@ def test_vtk_reads_points_cells_arrays_and_time(tmp_path, python, dim):
     np.testing.assert_array_equal(np.array(found["points"])[:, :dim], particles.x)
     assert not np.array(found["points"])[:, dim:].any()
     assert set(found["arrays"]) == {"id", "kind", "role", "velocity", "pressure", "normal"}
-    for name, data in (("id", particles.id), ("kind", particles.kind), ("role", particles.role), ("pressure", particles.p),
-                       ("velocity", particles.u), ("normal", particles.normal)):
-        np.testing.assert_array_equal(np.array(found["arrays"][name])[:, : data[0].size], data.reshape(23, -1), err_msg=name)
+    for name, data in (("id", particles.id), ("kind", particles.kind), ("role", particles.role),
+                       ("pressure", particles.p), ("velocity", particles.u), ("normal", particles.normal)):
+        np.testing.assert_array_equal(np.array(found["arrays"][name])[:, : data[0].size],
+                                      data.reshape(23, -1), err_msg=name)
 
 
 @pytest.mark.parametrize("python", PYTHONS)

@@ -2,7 +2,8 @@
 
     python -m tests.validation                      everything: about 70 minutes on two cores
     python -m tests.validation rest waves           some parts
-    python -m tests.validation -o runs/validation   keep the runs, and results.json; repeated, it makes only what is left
+    python -m tests.validation -o runs/validation   keep the runs, and results.json; repeated, it makes only what is
+    left
 
 From the top folder of the clone. Exit code 1 if something asked for is not met.
 """
@@ -24,7 +25,8 @@ def main():
     """Run the parts that are named, print the table, and return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m tests.validation", description=__doc__.partition("\n")[0])
     parser.add_argument("parts", nargs="*", metavar="PART", help=f"any of {', '.join(PARTS)} (default: all)")
-    parser.add_argument("-o", "--out", metavar="DIR", help="folder for the runs and results.json (default: nothing is kept)")
+    parser.add_argument("-o", "--out", metavar="DIR",
+                        help="folder for the runs and results.json (default: nothing is kept)")
     args = parser.parse_args()
     unknown = set(args.parts) - set(PARTS)
     if unknown:

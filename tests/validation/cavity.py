@@ -1,4 +1,6 @@
-"""The cavity driven by its lid, at Re = 100, 400 and 1000, against grid codes. Velocities are over the speed of the lid.
+"""The cavity driven by its lid, at Re = 100, 400 and 1000, against grid codes.
+
+Velocities are over the speed of the lid.
 
 Means over the last ten lid times of runs from rest. The reference is cases/computed/cavity_u.csv and cavity_v.csv.
 """
@@ -14,7 +16,8 @@ from tests.launch import ROOT
 from tests.validation.record import Bench, Row
 
 COMPUTED = ROOT / "cases" / "computed"
-LINES = {"vertical": ("cavity_u.csv", "y", "u"), "horizontal": ("cavity_v.csv", "x", "v")}    # probe: file, column, component
+# probe: file, column, component
+LINES = {"vertical": ("cavity_u.csv", "y", "u"), "horizontal": ("cavity_v.csv", "x", "v")}
 POINTS = 101
 MEAN = 10.0       # lid times
 
@@ -31,7 +34,8 @@ class Flow:
     aim: float
 
 
-FLOWS = (Flow(100, 50, 22.0, 0.5, 0.01, 0.007), Flow(400, 60, 45.0, 0.5, 0.02, 0.01), Flow(1000, 100, 60.0, 0.25, 0.03, 0.02))
+FLOWS = (Flow(100, 50, 22.0, 0.5, 0.01, 0.007), Flow(400, 60, 45.0, 0.5, 0.02, 0.01),
+         Flow(1000, 100, 60.0, 0.25, 0.03, 0.02))
 PRESSURE = 0.03    # rms at Re = 1000, over the largest
 
 
@@ -76,7 +80,8 @@ def at(places: np.ndarray, values: np.ndarray) -> np.ndarray:
     step = 1.0 / (len(values) - 1)
     first = np.clip((places / step).astype(int) - 1, 0, len(values) - 4)
     t = places / step - first
-    weights = (-(t - 1) * (t - 2) * (t - 3) / 6, t * (t - 2) * (t - 3) / 2, -t * (t - 1) * (t - 3) / 2, t * (t - 1) * (t - 2) / 6)
+    weights = (-(t - 1) * (t - 2) * (t - 3) / 6, t * (t - 2) * (t - 3) / 2, -t * (t - 1) * (t - 3) / 2,
+               t * (t - 1) * (t - 2) / 6)
     return sum(weight * values[first + k] for k, weight in enumerate(weights))
 
 
@@ -87,7 +92,8 @@ def errors(run: Run, reynolds: int, line: str) -> float:
 
 
 def pressure_error(run: Run) -> float:
-    """Return the rms error of p - p(centre) on both lines at Re = 1000, walls included, over the largest of the reference."""
+    """Return the rms error of p - p(centre) on both lines at Re = 1000, walls included, over the largest of the
+    reference."""
     wrong, largest = [], 0.0
     for line, (file, place, _) in LINES.items():
         x, truth = read_reference(COMPUTED / file, place, "p_Re1000")

@@ -18,7 +18,8 @@ def rows(bench):
     program.write_text(PROGRAM + BODY)
     found = []
     for what in ("first", "second"):
-        done = mpirun(3, [program], timeout=600, cwd=bench.folder, NUMBA_DEBUG_CACHE="1", NUMBA_CACHE_DIR=str(bench.folder / "kernels"))
+        done = mpirun(3, [program], timeout=600, cwd=bench.folder, NUMBA_DEBUG_CACHE="1",
+                      NUMBA_CACHE_DIR=str(bench.folder / "kernels"))
         if done.returncode != 0:
             raise RuntimeError(done.stderr)
         # lines of the ranks may run into each other: count what was said, not lines

@@ -233,10 +233,12 @@ def experiment(run: Run) -> list[Row]:
     for probe, column, time, value, scale, unit in (
             ("front", "x", "T", "front_over_a", 0.5, 0.5),
             ("column", "y", "tau", "height_over_H", 1.0, 0.5**0.5)):
-        t, truth = read_reference(MEASURED / f"martin_moyce_{probe}.csv", time, value, scale=scale, time_scale=unit * UNIT)
+        t, truth = read_reference(MEASURED / f"martin_moyce_{probe}.csv", time, value, scale=scale,
+                                  time_scale=unit * UNIT)
         before = (t < 1.55 * UNIT) if probe == "front" else (t < run.probe(probe)["time"][-1])
         t, truth, got = t[before], truth[before], run.probe(probe)
-        found.append(Row(f"{probe} against Martin & Moyce, raw", norms.judge(got["time"], got[column], t, truth)["relative_l2"]))
+        found.append(Row(f"{probe} against Martin & Moyce, raw",
+                         norms.judge(got["time"], got[column], t, truth)["relative_l2"]))
         if shift is None:   # of the front: the gate opens in a finite time
             shift = norms.best_shift(got["time"], got[column], t, truth, 0.2 * UNIT)
         found.append(Row(f"{probe} against Martin & Moyce, shifted by {shift / UNIT:.3f} in t*",

@@ -14,16 +14,20 @@ SEEDS = range(1, 7)
 
 
 def rows(bench):
-    """Return, for each gauge, the rms difference of 2 and of 3 ranks from one, over the scatter of perturbed starts on one."""
+    """Return, for each gauge, the rms difference of 2 and of 3 ranks from one, over the scatter of perturbed starts on
+    one."""
     one, _ = bench.run("impact_on1", "dam_break", TIGHT, **SETS)
-    scatter = [_differences(bench.run(f"impact_seed{seed}", "dam_break", TIGHT, seed=seed, jitter=PERTURBATION, **SETS)[0], one)
+    scatter = [_differences(bench.run(f"impact_seed{seed}", "dam_break", TIGHT, seed=seed, jitter=PERTURBATION,
+                                      **SETS)[0], one)
                for seed in SEEDS]
     largest = {name: max(found[name] for found in scatter) for name in WATCHED}
-    found = [Row(f"impact: {name}, largest rms scatter of {len(scatter)} starts moved by 1e-12 s, of its rms", largest[name])
+    found = [Row(f"impact: {name}, largest rms scatter of {len(scatter)} starts moved by 1e-12 s, "
+                 "of its rms", largest[name])
              for name in WATCHED]
     for ranks in (2, 3):
         there = _differences(bench.run(f"impact_on{ranks}", "dam_break", TIGHT, ranks=ranks, **SETS)[0], one)
-        found += [Row(f"impact: {name} on {ranks} ranks, rms difference / largest scatter", there[name] / largest[name], 1.0)
+        found += [Row(f"impact: {name} on {ranks} ranks, rms difference / largest scatter",
+                      there[name] / largest[name], 1.0)
                   for name in WATCHED]
     return found
 

@@ -73,11 +73,13 @@ def rows_of(study: Study, results: list[Result], what: str) -> list[Row]:
 
 def table(rows):
     """Return the rows as a Markdown table; of several starts their range is given, and the worst decides."""
-    return "\n".join(["| | measured | asked | aim | | CPU s |", "|---|---|---|---|---|---|", *(_line(row) for row in rows)])
+    return "\n".join(["| | measured | asked | aim | | CPU s |", "|---|---|---|---|---|---|",
+                      *(_line(row) for row in rows)])
 
 
 def _line(row):
-    asked, aim = ("" if limit is None else f"{'>=' if row.least else '<='} {limit:.4g}" for limit in (row.asked, row.aim))
+    asked, aim = ("" if limit is None else f"{'>=' if row.least else '<='} {limit:.4g}"
+                  for limit in (row.asked, row.aim))
     verdict = {None: "", True: "yes", False: "NO"}[row.met] + {None: "", True: " (aim)", False: ""}[row.reached]
     cost = "" if row.cost is None else f"{row.cost:.1f}"
     return f"| {row.what} | {_range(row.starts or (row.measured,))} | {asked} | {aim} | {verdict.strip()} | {cost} |"

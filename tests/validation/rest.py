@@ -22,7 +22,8 @@ def rows(bench):
             Row(f"{name}: max u / sqrt(gd)", speed.max(), 1e-6),
             Row(f"{name}: pressure error / rho g d", error.max(), 1e-6),
             Row(f"{name}: last fifth / second fifth of u", speed[-fifth:].max() / speed[fifth:2 * fifth].max(), 1.1),
-            Row(f"{name}: last fifth / second fifth of the pressure error", error[-fifth:].max() / error[fifth:2 * fifth].max(), 1.1),
+            Row(f"{name}: last fifth / second fifth of the pressure error",
+                error[-fifth:].max() / error[fifth:2 * fifth].max(), 1.1),
         ]
         print(f"  {name}: done", flush=True)
     return found
