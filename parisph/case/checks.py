@@ -55,7 +55,7 @@ def _surface(case):
     """Without a free surface only a full tank has a pressure: in all other scenes nothing fixes its level."""
     if case.numerics.surface_rule == "none" and not case.closed:
         yield ("numerics.surface_rule = none: only for a tank with a lid that is full; "
-               "choose gap, auxiliary, density or frozen, or leave it to the preset")
+               "choose gap, auxiliary, density, divergence or frozen, or leave it to the preset")
 
 
 def _spacing(case):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from parisph.base.fields import BALLISTIC, FLUID, INNER, WET
+from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WET
 from parisph.kernels import gradient, surface, wetness
 from parisph.methods import lengths
 from parisph.methods.parts import GRADIENTS, SURFACES, Surface
@@ -33,7 +33,11 @@ def classify(flow, rule, dt) -> None:
 
 
 class Closed(Surface):
-    """No surface: fluid fills a closed tank."""
+    """No surface: fluid fills a closed tank. Nothing fixes the level of its pressure, whose mean is zero.
+
+    In any other scene p = 0 at the surface is the only datum that pressure has: a case without one is refused
+    (case.checks), and neither do walls know there whether they are wet.
+    """
 
     name, open = "none", False
 
@@ -86,5 +90,20 @@ class DensityRatio(Surface):
         surface.surface_by_density(p.role_all, p.kind_all, p.alpha, 0.9, d.indptr)
 
 
-for part in (AngularGap(), Auxiliary(), DensityRatio(), Frozen(), Closed()):
+class PositionDivergence(Surface):
+    """Divergence of position below 1.5 in 2D and 2.4 in 3D: three and four fifths of that inside."""
+
+    name, source, fields = "divergence", "Lee et al. 2008", ("closing",)
+    limits = {2: 1.5, 3: 2.4}
+
+    def find(self, flow, seen) -> None:
+        p, d, s = flow.particles, flow.domain, flow.spacing
+        found = np.empty(p.n_owned)
+        surface.position_divergence(found, p.x_all, seen, p.corner_all, p.normal_all, lengths.DENSITY * s, s**p.dim,
+                                    d.indptr, d.indices, flow.axes)
+        fluid = p.kind == FLUID
+        p.role[fluid] = np.where(found[fluid] < self.limits[p.dim], SURFACE, INNER)
+
+
+for part in (AngularGap(), Auxiliary(), DensityRatio(), PositionDivergence(), Frozen(), Closed()):
     SURFACES.register(part)
