@@ -47,7 +47,10 @@ class Closed(Surface):
 
 
 class Frozen(Surface):
-    """Fluid keeps the role of the start, also particles that have flown freely and have neighbours again."""
+    """Fluid keeps the role of the start, also particles that have flown freely and have neighbours again.
+
+    For waves that do not break: a breaking dam blows up, at H/s = 20 three times sqrt(H/g) after its start.
+    """
 
     name, keeps, fields = "frozen", True, ("closing", "start_role")
 
@@ -70,7 +73,11 @@ class AngularGap(Surface):
 
 
 class Auxiliary(Surface):
-    """Three auxiliary functions of the neighbours' places."""
+    """Three auxiliary functions of the neighbours' places.
+
+    Density is one of its conditions. On particles jittered by 0.8 spacings some of those below the surface seem to be on it,
+    and water at rest moves with 0.1 sqrt(g d); jittered by 0.4, it rests.
+    """
 
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
 
@@ -81,9 +88,13 @@ class Auxiliary(Surface):
 
 
 class DensityRatio(Surface):
-    """Density ratio below .9."""
+    """Density ratio below .9.
 
-    name, fields = "density", ("closing", "alpha")
+    Of particles jittered by 0.4 spacings some below the surface seem to be on it (Z14 Fig 5 shows the same), and water at rest
+    moves with 0.03 sqrt(g d); by 0.8, it may leave the tank. Jittered by 0.2, it rests.
+    """
+
+    name, source, fields = "density", "Z14 Sec 2.4", ("closing", "alpha")
 
     def find(self, flow, seen) -> None:
         p, d = flow.particles, flow.domain
@@ -91,7 +102,10 @@ class DensityRatio(Surface):
 
 
 class PositionDivergence(Surface):
-    """Divergence of position below 1.5 in 2D and 2.4 in 3D: three and four fifths of that inside."""
+    """Divergence of position below 1.5 in 2D and 2.4 in 3D: three and four fifths of that inside.
+
+    Near neighbours count less than in the density ratio: water rests on particles jittered by 0.8 spacings, too.
+    """
 
     name, source, fields = "divergence", "Lee et al. 2008", ("closing",)
     limits = {2: 1.5, 3: 2.4}
