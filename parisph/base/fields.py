@@ -127,6 +127,8 @@ FIELDS = {
         Field("pull", "vector", np.float64, "m/s^2", "acceleration of weakly compressible fluid", exchanged=False, written=False),
         Field("no_slip", "scalar", np.int8, "", "1 for a wall particle to which viscous fluid sticks", written=False),
         Field("wall_u", "vector", np.float64, "m/s", "velocity of the wall itself, 0 for fluid", exchanged=False, written=False),
+        Field("touched", "scalar", np.int8, "", "1 for fluid, and for a wall particle whose friction fluid feels (kernels.wetness)",
+              exchanged=False, migrates=False, written=False),
         Field("nu", "scalar", np.float64, "m^2/s", "kinematic viscosity, that of eddies included", exchanged=False,
               migrates=False),
         Field("viscous", "vector", np.float64, "m/s^2", "acceleration by viscosity", exchanged=False, migrates=False),

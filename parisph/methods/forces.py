@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from parisph.base.fields import FLUID, WALL
-from parisph.kernels import turbulence, viscous
+from parisph.base.fields import ABSENT, FLUID, WALL
+from parisph.kernels import turbulence, viscous, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import FORCES, Force
 
@@ -21,7 +21,7 @@ class Viscous(Force):
     """nu lap u by a quadratic fit, exact for quadratic velocities; at walls its normal part is that of the fluid before them."""
 
     name, source, reach, viscous, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, True, "viscous force"
-    fields = ("no_slip", "wall_u", "nu", "viscous")
+    fields = ("no_slip", "wall_u", "touched", "nu", "viscous")
 
     def needs(self, numerics) -> tuple[str, ...]:
         return (*self.fields, *(straining.FIELDS if numerics.smagorinsky else ()))
@@ -31,18 +31,19 @@ class Viscous(Force):
         wall = p.kind == WALL
         p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
         self._write_viscosity(flow)
-        d.update("u", "nu", "role")
-        self.laplacian(p.viscous, flow)
+        wetness.touched_walls(p.touched, p.role_all, p.x_all, p.kind_all, p.normal_all, s, d.indptr, d.indices, flow.axes)
+        d.update("u", "nu", "role", "touched")
+        self.laplacian(p.viscous, flow, np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all))
         d.update("viscous")
         viscous.continue_to_walls(p.viscous_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, lengths.WALL * s,
                                   d.indptr, d.indices, flow.axes)
         d.update("viscous")
         out += p.viscous_all
 
-    def laplacian(self, out, flow) -> None:
-        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2]."""
+    def laplacian(self, out, flow, seen) -> None:
+        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2]. seen : (n_all,) kind, ABSENT for walls behind air."""
         p, d, s = flow.particles, flow.domain, flow.spacing
-        viscous.corrected(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
+        viscous.corrected(out, p.u_all, p.nu_all, p.x_all, seen, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
                           lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
 
     def longest_step(self, flow) -> float:
@@ -66,9 +67,9 @@ class MorrisViscous(Viscous):
 
     name, source, words = "viscous_morris", "Morris et al. 1997, Eq 22", "viscous force of Morris"
 
-    def laplacian(self, out, flow) -> None:
+    def laplacian(self, out, flow, seen) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
-        viscous.morris(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.no_slip_all,
+        viscous.morris(out, p.u_all, p.nu_all, p.x_all, seen, p.corner_all, p.normal_all, p.no_slip_all,
                        lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
 
 
