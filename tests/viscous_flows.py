@@ -123,20 +123,22 @@ def wave_over_a_bed(k, depth, viscosity, sticky, g=9.81):
     """Return the rate of damping [1/s] and the frequency [rad/s] of a small standing wave, exactly.
 
     Linear waves of viscous water (as Lamb 1932, Art. 349, for deep water) are u = i k f + s', v = f' - i k s times
-    exp(i k x + c t) with f = A cosh(k y) + B sinh(k y), s = C cosh(m y) + D sinh(m y), m^2 = k^2 + c/nu: no velocity at a
-    sticky bed, else no flow through it and no shear; at the surface no shear, and c^2 f + 2 nu c v' + g v = 0.
+    exp(i k x + c t), with f = A cosh(k y) + B sinh(k y) and s made of exp(-m y) and exp(m (y - d)), m^2 = k^2 + c/nu: no
+    velocity at a sticky bed, else no flow through it and no shear; at the surface no shear, and c^2 f + 2 nu c v' + g v = 0.
     """
     def determinant(c):
         m = np.sqrt(k**2 + c / viscosity)
+        thin = np.exp(-m * depth)
+        # A, B, and s and s'/m at the surface, of two waves that meet the conditions at the bed
+        if sticky:
+            waves = ((-1j * m / k, 1j, thin, -thin), (1j * m / k * thin, 1j * thin, 1.0, 1.0))
+        else:
+            waves = ((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0 - thin**2, 1.0 + thin**2))
         conditions = []
-        # for a sticky bed, D = -i k A/m and B = i C; for one that is not, B = C = 0 and D alone
-        for a, b, cosine, sine in (((1.0, 0.0, 0.0, -1j * k / m), (0.0, 1j, 1.0, 0.0)) if sticky
-                                   else ((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))):
+        for a, b, s, turn in waves:
             f = a * np.cosh(k * depth) + b * np.sinh(k * depth)
             slope = k * (a * np.sinh(k * depth) + b * np.cosh(k * depth))
-            s = cosine * np.cosh(m * depth) + sine * np.sinh(m * depth)
-            curl = m * (cosine * np.sinh(m * depth) + sine * np.cosh(m * depth))
-            v, stretch = slope - 1j * k * s, k**2 * f - 1j * k * curl
+            v, stretch = slope - 1j * k * s, k**2 * f - 1j * k * m * turn
             conditions.append((2j * k * slope + (m**2 + k**2) * s, c**2 * f + 2.0 * viscosity * c * stretch + g * v))
         return conditions[0][0] * conditions[1][1] - conditions[0][1] * conditions[1][0]
 
