@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.fields import ABSENT, FLUID, WALL
 from parisph.kernels import turbulence, viscous, wetness
 from parisph.methods import lengths, straining
-from parisph.methods.parts import FORCES, Force
+from parisph.methods.parts import FORCES, SURFACES, Force
 
 
 class Body(Force):
@@ -21,19 +21,18 @@ class Viscous(Force):
     """nu lap u by a quadratic fit, exact for quadratic velocities; at walls its normal part is that of the fluid before them."""
 
     name, source, reach, viscous, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, True, "viscous force"
-    fields = ("no_slip", "wall_u", "touched", "nu", "viscous")
+    fields = ("no_slip", "wall_u", "nu", "viscous")
 
     def needs(self, numerics) -> tuple[str, ...]:
-        return (*self.fields, *(straining.FIELDS if numerics.smagorinsky else ()))
+        open_ones = ("touched",) if SURFACES[numerics.surface_rule].open else ()
+        return (*self.fields, *open_ones, *(straining.FIELDS if numerics.smagorinsky else ()))
 
     def add(self, out, flow, time) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
         wall = p.kind == WALL
         p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
         self._write_viscosity(flow)
-        wetness.touched_walls(p.touched, p.role_all, p.x_all, p.kind_all, p.normal_all, s, d.indptr, d.indices, flow.axes)
-        d.update("u", "nu", "role", "touched")
-        self.laplacian(p.viscous, flow, np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all))
+        self.laplacian(p.viscous, flow, self._update(flow))
         d.update("viscous")
         viscous.continue_to_walls(p.viscous_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, lengths.WALL * s,
                                   d.indptr, d.indices, flow.axes)
@@ -50,6 +49,16 @@ class Viscous(Force):
         p = flow.particles
         nu = flow.viscosity + (p.nu.max(initial=0.0) if flow.numerics.smagorinsky else 0.0)
         return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
+
+    def _update(self, flow):
+        """Send what the Laplacian needs to the ghosts; return kind (n_all,), ABSENT for walls behind air. Collective."""
+        p, d = flow.particles, flow.domain
+        if "touched" not in p.fields:    # a full closed tank, all of whose walls are wet
+            d.update("u", "nu", "role")
+            return p.kind_all
+        wetness.touched_walls(p.touched, p.role_all, p.x_all, p.kind_all, p.normal_all, flow.spacing, d.indptr, d.indices, flow.axes)
+        d.update("u", "nu", "role", "touched")
+        return np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all)
 
     def _write_viscosity(self, flow):
         """Write nu of owned particles, that of eddies by the velocity gradient of the step before included."""
