@@ -65,6 +65,7 @@ class AngularGap(Surface):
     """The largest angular gap between neighbours, with hysteresis."""
 
     name, reach, fields = "gap", lengths.SURFACE_GAP, ("closing", "alpha")
+    dims = (2,)
 
     def find(self, flow, seen) -> None:
         p, d = flow.particles, flow.domain
@@ -80,6 +81,7 @@ class Auxiliary(Surface):
     """
 
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
+    dims = (2,)
 
     def find(self, flow, seen) -> None:
         p, d = flow.particles, flow.domain

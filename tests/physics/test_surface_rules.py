@@ -9,6 +9,7 @@ from parisph.base.errors import ParisphError
 from parisph.base.fields import FLUID, SURFACE
 from parisph.base.vocabulary import known
 from parisph.driver import Simulation, preview
+from parisph.methods import catalogue
 from parisph.methods.parts import SURFACES
 from tests.scenes import scene
 
@@ -85,3 +86,14 @@ def test_no_surface_is_only_for_a_full_tank():
     full = scene("lid_driven_cavity", spacing=0.1)
     assert full.complete_numerics().surface_rule == "none"
     assert not any(stage.startswith("surface") for stage in preview.stages(full))
+
+
+@pytest.mark.parametrize("rule", OPEN)
+def test_rules_that_divide_the_plane_are_for_two_dimensions(rule):
+    parts = catalogue.Parts.of(scene("dam_break", surface_rule=rule).complete_numerics())
+    parts.check(2)
+    if rule in ("gap", "auxiliary"):
+        with pytest.raises(CaseError, match=f"'{rule}' works in 2D only, and this scene has 3 dimensions"):
+            parts.check(3)
+    else:
+        parts.check(3)
