@@ -10,7 +10,7 @@ WORDS: dict[str, list[str]] = {
     "gradient": ["sfdi", "symmetric", "mixed", "spline", "corrected"],
     "surface_gradient": ["same", "harmonic"],
     "wall_rows": ["sfdi", "harmonic"],
-    "surface_rule": ["gap", "auxiliary", "density", "frozen", "none"],
+    "surface_rule": ["gap", "auxiliary", "density", "divergence", "frozen", "none"],
     "source": ["mixed", "divergence", "density", "compensating"],
     "stepping": ["midpoint", "start", "predicted", "symplectic"],
     "force": ["body", "viscous", "viscous_morris"],

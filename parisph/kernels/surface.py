@@ -1,7 +1,7 @@
-"""Density ratio, and which particles lie on the free surface.
+"""Density ratio, divergence of position, and which particles lie on the free surface.
 
 The gap rule and the auxiliary functions divide the plane into angles and work in 2D only; the density
-ratio works in any dimension. Walls that do not touch the fluid (see wetness.py) must not count as
+ratio and the divergence of position work in any dimension. Walls that do not touch the fluid (see wetness.py) must not count as
 neighbours: the caller gives them the kind ABSENT.
 """
 
@@ -13,7 +13,7 @@ from parisph.base.fields import ABSENT, BALLISTIC, FLUID, INNER, SURFACE, WALL
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mirrors import gather_around, near_planes, reflect
 from parisph.kernels.near import room_for
-from parisph.kernels.smoothing import cubic_spline
+from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 
 SECTORS = 16  # of the circle, in the quick test for a gap
 
@@ -58,6 +58,36 @@ def density_ratio(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np
                 q2 += near[a, k] ** 2
             total += cubic_spline(h * math.sqrt(q2), h, dim)
         alpha[i] = total / full
+
+
+@kernel
+def position_divergence(div: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
+                        h: float, volume: float, indptr: np.ndarray, indices: np.ndarray,
+                        axes: tuple[int, ...]) -> None:
+    """Kernel estimate of div r of fluid particles: the number of dimensions where neighbours are all around.
+
+    div r_i = sum_j V (x_j - x_i) . grad_i W_ij over fluid, wall particles and the mirror images of both
+    (Lee et al. 2008, J. Comput. Phys. 227, 8417-8436, completed at walls). It is about half of that on a plane
+    surface. Like the density ratio, but a particle itself does not count, and near ones count less than those at h.
+
+    div : (n_owned,) output; walls get dim
+    kind : (n_all,), ABSENT for particles that are no neighbours
+    h : smoothing length of the cubic spline [m]; volume : of a particle [m^dim]
+    """
+    dim = len(axes)
+    member, image = np.empty(dim, np.int64), np.empty(dim)
+    near = np.empty((dim, room_for(indptr) * 2**dim))
+    for i in range(len(indptr) - 1):
+        div[i] = dim
+        if kind[i] != FLUID:
+            continue
+        total = 0.0
+        for k in range(gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)):
+            q2 = 0.0
+            for a in range(dim):
+                q2 += near[a, k] ** 2
+            total -= cubic_spline_slope(h * math.sqrt(q2), h, dim) * q2
+        div[i] = volume * h * h * total
 
 
 @kernel

@@ -9,6 +9,7 @@ from parisph.kernels.jit import kernel
 TOUCH = 0.55    # fluid as near to a wall as this is in contact; the wall guard stops it at half a spacing
 MOVING = 1e-3   # what moves by less in a step rests
 BESIDE = 0.75   # along the wall, from a wall particle to the fluid in front of it
+FELT = 0.75     # fluid as near to a wall particle as this feels its friction, wet or not
 NEARBY = 1.6    # inner fluid behind a water line that moves on along the wall
 
 # What a wall particle is to the fluid before it: the values of the field `closing`.
@@ -63,6 +64,29 @@ def closing_walls(closing: np.ndarray, role: np.ndarray, x: np.ndarray, u: np.nd
         closing[i] = APART if facing else FREE
         if role[i] == WET or hit or (beside_wet and beside_inner):
             closing[i] = CLOSING
+
+
+@kernel
+def touched_walls(touched: np.ndarray, role: np.ndarray, x: np.ndarray, kind: np.ndarray, normal: np.ndarray,
+                  spacing: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Mark the owned wall particles whose friction fluid can feel: 1, else 0; fluid gets 1.
+
+    These are wet ones, those of the same wall within reach of a wet one (the wall goes on above the water line), and those
+    that fluid is closer to than FELT. All others, as of a lid above the water, are as near as neighbours, but behind air.
+
+    touched : (n_owned,) output; role : (n_all,), of the step before
+    """
+    for i in range(len(indptr) - 1):
+        touched[i] = kind[i] != WALL or role[i] == WET
+        if touched[i]:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            r2, cosine = 0.0, 0.0
+            for a in range(len(axes)):
+                r2 += (x[j, a] - x[i, a]) ** 2
+                cosine += normal[j, a] * normal[i, a]
+            touched[i] |= (role[j] == WET and cosine > 0.5) or (kind[j] == FLUID and r2 < (FELT * spacing) ** 2)
 
 
 @kernel

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.base.fields import FLUID, WALL
+from parisph.base.fields import ABSENT, FLUID, WALL
 from parisph.case.numerics import Numerics
-from parisph.kernels import turbulence, viscous
+from parisph.kernels import turbulence, viscous, wetness
 from parisph.methods import lengths, straining
-from parisph.methods.parts import FORCES, Force
+from parisph.methods.parts import FORCES, SURFACES, Force
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -31,32 +31,44 @@ class Viscous(Force):
     fields = ("no_slip", "wall_u", "nu", "viscous")
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
-        return (*self.fields, *(straining.FIELDS if numerics.smagorinsky else ()))
+        open_ones = ("touched",) if SURFACES[numerics.surface_rule].open else ()
+        return (*self.fields, *open_ones, *(straining.FIELDS if numerics.smagorinsky else ()))
 
     def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
         wall = p.kind == WALL
         p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
         self._write_viscosity(flow)
-        d.update("u", "nu", "role")
-        self.laplacian(p.viscous, flow)
+        self.laplacian(p.viscous, flow, self._update(flow))
         d.update("viscous")
         viscous.continue_to_walls(p.viscous_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, lengths.WALL * s,
                                   d.indptr, d.indices, flow.axes)
         d.update("viscous")
         out += p.viscous_all
 
-    def laplacian(self, out: np.ndarray, flow: "Flow") -> None:
-        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2]."""
+    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray) -> None:
+        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2].
+
+        seen : (n_all,) kind, ABSENT for walls behind air
+        """
         p, d, s = flow.particles, flow.domain, flow.spacing
-        viscous.corrected(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all,
-                          p.no_slip_all, lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices,
-                          flow.axes)
+        viscous.corrected(out, p.u_all, p.nu_all, p.x_all, seen, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
+                          lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
 
     def longest_step(self, flow: "Flow") -> float:
         p = flow.particles
         nu = flow.viscosity + (p.nu.max(initial=0.0) if flow.numerics.smagorinsky else 0.0)
         return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
+
+    def _update(self, flow):
+        """Send what the Laplacian needs to the ghosts; return kind (n_all,), ABSENT for walls behind air. Collective."""
+        p, d = flow.particles, flow.domain
+        if "touched" not in p.fields:    # a full closed tank, all of whose walls are wet
+            d.update("u", "nu", "role")
+            return p.kind_all
+        wetness.touched_walls(p.touched, p.role_all, p.x_all, p.kind_all, p.normal_all, flow.spacing, d.indptr, d.indices, flow.axes)
+        d.update("u", "nu", "role", "touched")
+        return np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all)
 
     def _write_viscosity(self, flow):
         """Write nu of owned particles, that of eddies by the velocity gradient of the step before included."""
@@ -74,9 +86,9 @@ class MorrisViscous(Viscous):
 
     name, source, words = "viscous_morris", "Morris et al. 1997, Eq 22", "viscous force of Morris"
 
-    def laplacian(self, out: np.ndarray, flow: "Flow") -> None:
+    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
-        viscous.morris(out, p.u_all, p.nu_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.no_slip_all,
+        viscous.morris(out, p.u_all, p.nu_all, p.x_all, seen, p.corner_all, p.normal_all, p.no_slip_all,
                        lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
 
 

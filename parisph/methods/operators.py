@@ -27,16 +27,20 @@ if TYPE_CHECKING:
 
 
 class Rankine(Laplacian):
-    """ISPH_R: the mean over a circle of moving least squares, normalised by its result for a parabola."""
+    """ISPH_R: the mean over a circle of moving least squares, normalised by its result for a parabola.
+
+    circle : its radius R in spacings; a subclass with another one is a Laplacian of its own (Z14 Fig 10 compares three)
+    """
 
     name, source, reach = "rankine", "Z14 Eq 23, normalised", lengths.MLS
     gives = "flux"
     normalised = True
+    circle = lengths.CIRCLE
 
     def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
         s = cloud.spacing
         rankine.rankine_rows(rows.count, rows.columns, rows.values, rows.measure, flux.flux, flux.div, u, cloud.x,
-                             cloud.role, rankine.directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s,
+                             cloud.role, rankine.directions(len(cloud.axes)), self.circle * s, lengths.MLS * s,
                              self.normalised, cloud.indptr, cloud.indices, cloud.axes)
 
 

@@ -17,6 +17,7 @@ cases = {
     "below the lid": (tank(Box(width=1.0, height=0.5), 0.55), 60),
     "without a surface": (tank(Polygon(((0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.0, 0.5))), 0.5), 5),
     "kept surface": (tank(Box(width=1.0, height=0.5), 1.0, preset="gentle"), 140),
+    **{rule: (tank(Box(width=0.5, height=0.5), 1.0, surface_rule=rule, jitter=0.2), 80) for rule in ("auxiliary", "density", "divergence")},
 }
 for name, (case, steps) in cases.items():
     s = Simulation(case, comm)
@@ -33,7 +34,7 @@ for name, (case, steps) in cases.items():
         np.savez(f"{name}-{comm.size}.npz", isolated=isolated, roles=[role["role"] for role in roles], **found)
     s.destroy()
 """
-NAMES = ("below the lid", "without a surface", "kept surface")
+NAMES = ("below the lid", "without a surface", "kept surface", "auxiliary", "density", "divergence")
 
 
 @pytest.fixture(scope="module")
@@ -55,6 +56,9 @@ def test_ranks_agree(results, name, ranks):
 
 
 def test_something_happened(results):
+    for name in NAMES[3:]:
+        roles = results[name, 1]["roles"]
+        assert (roles[0] != roles[-1]).sum() > 10
     lid = results["below the lid", 1]["roles"]
     assert (lid[0] != lid[-1]).sum() > 5
     flight = (results["kept surface", 1]["roles"] == 5).any(axis=0)

@@ -33,7 +33,7 @@ def profile(case):
 def test_flow_that_a_lid_starts_between_walls():
     """Start-up of Couette flow in a closed tank, Re = 1: the flow returns below the lid.
 
-    Finer lattices stay at 0.4 % of U: errors of the divergence at the ends of the tank leave a flux through its middle.
+    Of first order: see flows.soften_lid, and tests/convergence/test_viscous_start_up.py for a lid without corners.
     """
     exact = flows.started_by_a_lid(Y, 0.05, 1.0)
     coarse, fine = (rms(profile(flows.tank(1.0 / n, 1.0, 0.05, lid=1.0)) - exact) for n in (10, 20))

@@ -5,6 +5,7 @@ import pytest
 
 from parisph.base.fields import ABSENT, BALLISTIC, DRY, INNER, SURFACE, WALL
 from parisph.kernels import surface
+from parisph.methods.surfaces import PositionDivergence
 from tests.pools import block, free, part, tank
 
 ENTER, LEAVE, THIN = 2.3, 1.4, 0.55
@@ -34,6 +35,17 @@ def by_auxiliary(pool, was, alpha=None):
     surface.surface_by_auxiliary_functions(role, was.astype(np.int8), *pool.walls, alpha, DOMAIN * pool.spacing, 0.9,
                                            *pool.csr)
     return role
+
+
+def divergence(pool):
+    found = np.full(pool.n, np.nan)
+    surface.position_divergence(found, *pool.walls, 1.3 * pool.spacing, pool.spacing**pool.dim, *pool.csr)
+    return found
+
+
+def by_divergence(pool):
+    limit = PositionDivergence.limits[pool.dim]
+    return np.where(pool.fluid, np.where(divergence(pool) < limit, SURFACE, INNER), pool.role)
 
 
 def around(*degrees, distance=1.0):
@@ -212,7 +224,7 @@ def test_drop_touching_a_wall_is_surface_all_round():
 
 
 @jitters
-@pytest.mark.parametrize("rule", ["gap", "auxiliary", "density"])
+@pytest.mark.parametrize("rule", ["gap", "auxiliary", "density", "divergence"])
 def test_absent_lid_one_spacing_above_the_water(rule, jitter):
     """Its particles stand where neighbours would be, and so do the images that it would cast."""
     pool = tank((14, 10), lid=True, jitter=jitter)
@@ -227,6 +239,8 @@ def test_absent_lid_one_spacing_above_the_water(rule, jitter):
             role = by_gap(pool, was)
         elif rule == "auxiliary":
             role = by_auxiliary(pool, was, ratio(pool))
+        elif rule == "divergence":
+            role = by_divergence(pool)
         else:
             role = pool.role.copy()
             surface.surface_by_density(role, pool.kind, ratio(pool), 0.9, pool.indptr)
@@ -337,3 +351,82 @@ def test_density_rule(dim):
     alpha = np.where(np.arange(pool.n) % 2 == 0, 0.9, np.nextafter(0.9, 0.0))
     surface.surface_by_density(role, pool.kind, alpha, 0.9, pool.indptr)
     np.testing.assert_array_equal(role[pool.fluid] == SURFACE, alpha[pool.fluid] < 0.9)
+
+
+# -- divergence of position ------------------------------------------------------------------------------
+
+dims = pytest.mark.parametrize("dim", [2, 3])
+SIDES = {2: (14, 10), 3: (8, 8, 8)}
+
+
+@dims
+@pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8])
+def test_divergence_of_position_inside_is_the_number_of_dimensions(dim, jitter):
+    pool = tank(SIDES[dim], lid=True, jitter=jitter)
+    found = divergence(pool)
+    assert np.all(found[~pool.fluid] == dim)
+    np.testing.assert_allclose(found[pool.fluid], dim, atol=0.012 * dim if jitter == 0.0 else 0.5 * jitter * dim)
+    assert found[pool.fluid].mean() == pytest.approx(dim, rel=0.03)
+    assert np.all(by_divergence(pool)[pool.fluid] == INNER)
+
+
+@dims
+@pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8])
+def test_divergence_finds_a_flat_surface_in_a_tank(dim, jitter):
+    """Also beside the walls, which are neighbours, and whose images are."""
+    pool = tank(SIDES[dim], jitter=jitter)
+    top = pool.fluid & (pool.index[:, -1] == pool.top[-1])
+    role = by_divergence(pool)
+    assert np.all(role[top] == SURFACE) and np.all(role[pool.fluid & ~top] == INNER)
+
+
+def test_divergence_on_a_lattice_with_a_surface():
+    """The row itself, and half of all others; the spline with h = 1.3 s reaches two rows far."""
+    pool = tank(SIDES[2])
+    h, s = 1.3, pool.spacing
+    a = np.arange(-2, 3)
+    r = np.hypot(*np.meshgrid(a, a, indexing="ij"))
+    q = r / h
+    slope = np.where(q < 1.0, 1.5 * q**2 - 2.0 * q, np.where(q < 2.0, -0.5 * (2.0 - q) ** 2, 0.0))     # of W, over the scale
+    part_of = -15.0 / (7.0 * np.pi * h**2) * slope * q
+    found = divergence(pool)
+    assert found[pool.at(7, 10)] == pytest.approx(part_of[:, :3].sum(), rel=1e-12)
+    assert found[pool.at(7, 9)] == pytest.approx(part_of[:, :4].sum(), rel=1e-12)
+    assert found[pool.at(7, 5)] == pytest.approx(part_of.sum(), rel=1e-12) and s == 0.1
+
+
+@dims
+@pytest.mark.parametrize("jitter", [0.0, 0.4])
+def test_divergence_finds_the_rim_of_a_block_and_its_corners(dim, jitter):
+    pool = block(dim, 12 if dim == 2 else 8, jitter)
+    role, rim = by_divergence(pool), ~pool.far_inside(1)
+    assert np.all(role[rim] == SURFACE) and np.all(role[~rim] == INNER)
+    corner = pool.at(*[0] * dim)
+    assert divergence(pool)[corner] < 0.5 * dim
+
+
+def test_divergence_in_an_inner_corner_at_a_hole_and_at_a_vacancy():
+    index = square(12)
+    step = free(index[(index[:, 0] < 6) | (index[:, 1] < 6)])
+    role = by_divergence(step)
+    for where in ((5, 11), (5, 8), (8, 5), (11, 5), (0, 0), (11, 0)):
+        assert role[step.at(*where)] == SURFACE, where
+    assert role[step.at(5, 5)] == role[step.at(4, 4)] == INNER
+    index = square(13)
+    hole = free(index[np.abs(index - 6).max(axis=1) > 2])
+    distance = np.abs(hole.index - 6).max(axis=1)
+    flat = (distance == 3) & (np.abs(hole.index - 6).min(axis=1) <= 1)
+    role = by_divergence(hole)
+    assert np.all(role[flat] == SURFACE) and np.all(role[distance == 4] == INNER)
+    vacancy = free(index[(index != 6).any(axis=1)])
+    assert np.all(by_divergence(vacancy)[vacancy.far_inside(1)] == INNER)
+
+
+@dims
+def test_divergence_of_particles_that_are_alone(dim):
+    """Alone, in a pair, and with one that lies in the same place, which has no direction."""
+    far = np.array([10.0, *[0.0] * (dim - 1)])
+    pool = free(np.vstack([0.0 * far, far, far + np.eye(dim)[0], 2.0 * far, 2.0 * far]))
+    found = divergence(pool)
+    assert found[0] == found[3] == found[4] == 0.0 and 0.0 < found[1] == found[2] < 0.25 * dim
+    assert np.all(by_divergence(pool) == SURFACE)

@@ -241,3 +241,38 @@ def test_lid_is_apart_and_walls_above_the_water_line_are_free(gap):
     assert np.all(out[lid & (pool.corner == 0)] == wetness.APART)
     above = (pool.kind == WALL) & ~lid & (pool.index[:, 1] == 9)
     assert np.all(out[above] != wetness.APART)
+
+
+def touched(pool, role):
+    out = np.full(pool.n, 7, np.int8)
+    wetness.touched_walls(out, role, pool.x, pool.kind, pool.normal, pool.spacing, *pool.csr)
+    return out
+
+
+@dims
+def test_walls_that_water_touches(dim):
+    """The wet ones, and those above the water line as far as lists reach, 2.6 spacings; in a vertical edge, one more is wet."""
+    depth = 4
+    pool = filled((9,) * dim if dim == 2 else (6, 6, 9), depth)
+    found, height, walls = touched(pool, wetted(pool)), pool.index[:, -1], ~pool.fluid
+    assert np.all(found[pool.fluid] == 1)
+    edge = (wetted(pool) == WET) & (height == depth)
+    near = np.array([edge.any() and np.linalg.norm(pool.x[edge] - x, axis=1).min() < 2.6 * pool.spacing for x in pool.x])
+    np.testing.assert_array_equal(found[walls & ~near], height[walls & ~near] <= depth - 1 + 2)
+    assert near.any() == (dim == 3) and np.all(found[near & (height <= depth + 1)] == 1) and not found[height > depth + 2].any()
+
+
+@pytest.mark.parametrize("gap", [1, 2])
+def test_a_lid_above_water_is_not_touched_until_fluid_is_near(gap):
+    pool = tank((8, 8), lid=True)
+    pool = part(pool, (pool.kind == WALL) | (pool.index[:, 1] <= 8 - gap))
+    pool.role[pool.fluid & (pool.index[:, 1] == 8 - gap)] = SURFACE
+    role = np.where((pool.kind == WALL) & (pool.index[:, 1] > 7 - gap), DRY, pool.role).astype(np.int8)
+    lid = (pool.index[:, 1] == 8) & (pool.corner == 0)
+    assert not touched(pool, role)[lid].any()
+    i = pool.at(4, 8 - gap)
+    pool.x[i, 1] = pool.spacing * 7.3
+    pool.relist()
+    np.testing.assert_array_equal(np.flatnonzero(touched(pool, role) * lid), [pool.at(4, 8)])
+    role[pool.at(4, 8)] = WET
+    assert touched(pool, role)[lid].sum() == 5      # two on either side
