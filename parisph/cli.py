@@ -220,7 +220,8 @@ def _add_study(verbs):
     _add_parts(verb)
     verb.add_argument("-l", "--list", action="store_true", help="Only list the runs, with their estimated costs")
     verb.add_argument("--only", action="append", default=[], metavar="METHOD",
-                      help="Make only the runs of this method or label, or the tests of this operator (may be repeated)")
+                      help="Make only the runs of this method or label, or the tests of this operator "
+                           "(may be repeated)")
     verb.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
                       help="Set parameters of all runs, such as --set end_time=2 numerics.gamma=0.01")
     verb.add_argument("-j", "--jobs", type=arguments.count, default=1, metavar="J",
@@ -392,7 +393,8 @@ def _study(args):
 def _patch_study(args, study, file):
     for option, given in (("--set", args.set), ("--limit", args.limit is not None), ("-j", args.jobs > 1)):
         if given:
-            raise CaseError(f"{option}: a patch study has no runs of a case, and takes seconds in this process; leave it out")
+            raise CaseError(f"{option}: a patch study has no runs of a case, and takes seconds in this process; "
+                            "leave it out")
     libraries.require(*libraries.ENGINE)
     from parisph.study import patch_report
     from parisph.study.agenda import folder_for

@@ -56,14 +56,14 @@ def _dimensions(case: Scene) -> Iterator[str]:
 
 def _surface(case: Scene) -> Iterator[str]:
     """Without a free surface only a full tank has a pressure: in all other scenes nothing fixes its level."""
-    if case.closed or case.complete_numerics().surface_rule != "none":
+    if case.closed or case.numerics.resolved().surface_rule != "none":
         return
     if case.numerics.surface_rule == "none":
         yield ("numerics.surface_rule = none: only for a tank with a lid that is full; "
                "choose gap, auxiliary, density, divergence or frozen, or leave it to the preset")
     else:
-        yield (f"numerics.preset = {case.numerics.preset}: looks for no free surface, only for a tank with a lid that is full; "
-               "choose violent or gentle, or give numerics.surface_rule")
+        yield (f"numerics.preset = {case.numerics.preset}: looks for no free surface, only for a tank with a lid that "
+               "is full; choose violent or gentle, or give numerics.surface_rule")
 
 
 def _spacing(case: Scene) -> Iterator[str]:

@@ -71,8 +71,9 @@ def touched_walls(touched: np.ndarray, role: np.ndarray, x: np.ndarray, kind: np
                   spacing: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Mark the owned wall particles whose friction fluid can feel: 1, else 0; fluid gets 1.
 
-    These are wet ones, those of the same wall within reach of a wet one (the wall goes on above the water line), and those
-    that fluid is closer to than FELT. All others, as of a lid above the water, are as near as neighbours, but behind air.
+    These are wet ones, those of the same wall within reach of a wet one (the wall goes on above the water line), and
+    those that fluid is closer to than FELT. All others, as of a lid above the water, are as near as neighbours, but
+    behind air.
 
     touched : (n_owned,) output; role : (n_all,), of the step before
     """

@@ -61,12 +61,16 @@ class Viscous(Force):
         return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
 
     def _update(self, flow):
-        """Send what the Laplacian needs to the ghosts; return kind (n_all,), ABSENT for walls behind air. Collective."""
+        """Send what the Laplacian needs to the ghosts; return kind (n_all,), ABSENT for walls behind air.
+
+        Collective.
+        """
         p, d = flow.particles, flow.domain
         if "touched" not in p.fields:    # a full closed tank, all of whose walls are wet
             d.update("u", "nu", "role")
             return p.kind_all
-        wetness.touched_walls(p.touched, p.role_all, p.x_all, p.kind_all, p.normal_all, flow.spacing, d.indptr, d.indices, flow.axes)
+        wetness.touched_walls(p.touched, p.role_all, p.x_all, p.kind_all, p.normal_all, flow.spacing,
+                              d.indptr, d.indices, flow.axes)
         d.update("u", "nu", "role", "touched")
         return np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all)
 

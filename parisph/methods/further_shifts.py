@@ -64,7 +64,10 @@ class TensileShift(Shift):
 
 
 def tensile_gradient(flow: "Flow") -> None:
-    """Write the field grad_alpha, with the term against pairs of particles, and name it in flow.stale. Not collective."""
+    """Write the field grad_alpha, with the term against pairs of particles, and name it in flow.stale.
+
+    Not collective.
+    """
     p, d = flow.particles, flow.domain
     shifts.tensile_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all,
                             lengths.DENSITY * flow.spacing, flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
@@ -86,8 +89,9 @@ class XuShift(Shift):
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
-        shifts.xu_shift(move, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all, lengths.MLS * flow.spacing,
-                        self.strength(flow) * flow.top_speed * dt, CAP * flow.spacing, d.indptr, d.indices, flow.axes)
+        shifts.xu_shift(move, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all,
+                        lengths.MLS * flow.spacing, self.strength(flow) * flow.top_speed * dt, CAP * flow.spacing,
+                        d.indptr, d.indices, flow.axes)
 
 
 class LindShift(Shift):

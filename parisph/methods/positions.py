@@ -64,7 +64,8 @@ class Parting(Regulariser):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
-        pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, PART_WITHIN * flow.spacing, d.indptr, d.indices, flow.axes)
+        pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, PART_WITHIN * flow.spacing,
+                          d.indptr, d.indices, flow.axes)
         flow.stale.add("pairs")
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
@@ -91,8 +92,8 @@ class FickShift(Regulariser):
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, d, n = flow.particles, flow.domain, flow.numerics
         h = lengths.DENSITY * flow.spacing
-        shifting.concentration_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, h, flow.full,
-                                        d.indptr, d.indices, flow.axes)
+        shifting.concentration_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, h,
+                                        flow.full, d.indptr, d.indices, flow.axes)
         if n.shift_strain:
             push_off_less(flow, surplus(flow)[1])
         turns = TURNS if n.shift_strain and not flow.closed else 1.0
@@ -141,7 +142,10 @@ def _share_of(numerics):
 
 
 def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
-    """Return what half cells at walls for which no fluid stands add to alpha (n_owned,), and to its gradient (n_owned, dim)."""
+    """Return what half cells at walls for which no fluid stands add to alpha and to its gradient.
+
+    alpha : (n_owned,); gradient : (n_owned, dim)
+    """
     p, d = flow.particles, flow.domain
     ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
     if "share" in p.fields:

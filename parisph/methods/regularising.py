@@ -18,9 +18,9 @@ def prepare(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
 
 
 def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
-    """Compute the changes of all parts from one state, then add them in their order; limiters act in their turn. Collective.
+    """Compute the changes of all parts from one state, then add them in their order; limiters act in their turn.
 
-    dt : of the step [s]
+    dt : of the step [s]. Collective.
     """
     p = flow.particles
     changes = [None if isinstance(part, Limiter) else part.change(flow, dt) for part in parts]

@@ -22,8 +22,8 @@ def begin(flow: "Flow") -> None:
     """Write the fields grad_u and strain_rate, and name them in flow.stale. Collective."""
     p, d = flow.particles, flow.domain
     flow.fresh("role", "u")
-    strain.velocity_gradient(p.grad_u, p.strain_rate, p.u_all, p.x_all, p.kind_all, p.role_all, lengths.MLS * flow.spacing, SPAN,
-                             d.indptr, d.indices, flow.axes)
+    strain.velocity_gradient(p.grad_u, p.strain_rate, p.u_all, p.x_all, p.kind_all, p.role_all,
+                             lengths.MLS * flow.spacing, SPAN, d.indptr, d.indices, flow.axes)
     flow.stale.update(FIELDS)
 
 
@@ -38,7 +38,8 @@ def finish(flow: "Flow", dt: float) -> None:
     p, d = flow.particles, flow.domain
     flow.fresh(*FIELDS)
     out = np.empty(p.n_owned)
-    strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr, d.indices, flow.axes)
+    strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing,
+                           d.indptr, d.indices, flow.axes)
     # a full closed tank does not notice a uniform force, which only its pressure balances
     small = 0.0 if flow.closed else REST * np.sqrt(flow.by_pressure / flow.spacing)
     flow.rapid = rapid(out, flow.by_pressure / flow.spacing)

@@ -30,7 +30,8 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     wetness.closing_walls(p.closing_all, p.role_all, p.x_all, p.u_all, flow.force, p.kind_all, p.normal_all,
                           flow.spacing, dt, d.indptr, d.indices, flow.axes)
     if "share" in p.fields:
-        halves.wall_share(p.share, p.x_all, p.kind_all, p.volume_all, p.normal_all, flow.spacing, d.indptr, d.indices, flow.axes)
+        halves.wall_share(p.share, p.x_all, p.kind_all, p.volume_all, p.normal_all, flow.spacing,
+                          d.indptr, d.indices, flow.axes)
     d.update(*(name for name in ("closing", "share") if name in p.fields))
     seen = flow.seen(wetness.CLOSING)
     if "alpha" in p.fields:
@@ -87,8 +88,8 @@ class AngularGap(Surface):
 class Auxiliary(Surface):
     """Three auxiliary functions of the neighbours' places.
 
-    Density is one of its conditions. On particles jittered by 0.8 spacings some of those below the surface seem to be on it,
-    and water at rest moves with 0.1 sqrt(g d); jittered by 0.4, it rests.
+    Density is one of its conditions. On particles jittered by 0.8 spacings some of those below the surface seem to be
+    on it, and water at rest moves with 0.1 sqrt(g d); jittered by 0.4, it rests.
     """
 
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
@@ -104,8 +105,8 @@ class Auxiliary(Surface):
 class DensityRatio(Surface):
     """Density ratio below .9.
 
-    Of particles jittered by 0.4 spacings some below the surface seem to be on it (Z14 Fig 5 shows the same), and water at rest
-    moves with 0.03 sqrt(g d); by 0.8, it may leave the tank. Jittered by 0.2, it rests.
+    Of particles jittered by 0.4 spacings some below the surface seem to be on it (Z14 Fig 5 shows the same), and water
+    at rest moves with 0.03 sqrt(g d); by 0.8, it may leave the tank. Jittered by 0.2, it rests.
     """
 
     name, source, fields = "density", "Z14 Sec 2.4", ("closing", "alpha")

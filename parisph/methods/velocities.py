@@ -44,8 +44,8 @@ class Collisions(Regulariser):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
-        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.kind_all, flow.numerics.collision_distance * flow.spacing,
-                                    d.indptr, d.indices, flow.axes)
+        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.kind_all,
+                                    flow.numerics.collision_distance * flow.spacing, d.indptr, d.indices, flow.axes)
         flow.stale.add("pairs")
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:

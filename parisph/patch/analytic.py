@@ -26,8 +26,10 @@ class AnalyticField(Model):
 
     name: str = Field(min_length=1, max_length=40, description="name of the field")
     value: Values = Field(exclude=True, description="function of positions (n, dim) that returns (n,)")
-    gradient: Optional[Values] = Field(None, exclude=True, description="function of positions (n, dim) that returns (n, dim)")
-    laplacian: Optional[Values] = Field(None, exclude=True, description="function of positions (n, dim) that returns (n,)")
+    gradient: Optional[Values] = Field(
+        None, exclude=True, description="function of positions (n, dim) that returns (n, dim)")
+    laplacian: Optional[Values] = Field(
+        None, exclude=True, description="function of positions (n, dim) that returns (n,)")
     formula: str = Field("", max_length=80, description="formula for titles")
 
     @field_validator("value", "gradient", "laplacian", mode="before")
@@ -64,8 +66,8 @@ class AnalyticField(Model):
             found = along if name == "gradient" else along.sum(axis=1)
             if np.abs(found - exact).max() > SLACK * np.abs(along).max() + 1e-6 * (1.0 + np.abs(f).max()):
                 k = int(np.abs(found - exact).reshape(len(x), -1).max(axis=1).argmax())
-                raise CaseError(f"field {shown(self.name)}: its {name} is not that of its value: {shown(exact[k])} instead of "
-                                f"{shown(np.round(found[k], 4))} at {shown(np.round(x[k], 3))}")
+                raise CaseError(f"field {shown(self.name)}: its {name} is not that of its value: {shown(exact[k])} "
+                                f"instead of {shown(np.round(found[k], 4))} at {shown(np.round(x[k], 3))}")
 
     def _differences(self, x, f, name):
         """Return first or second differences of the value f at x in each direction, (n, dim)."""
@@ -81,10 +83,11 @@ class AnalyticField(Model):
         except KeyboardInterrupt:
             raise
         except BaseException as error:
-            raise CaseError(f"field {shown(self.name)}: its {name} fails: {class_name(error)}: {of_error(error)}") from None
+            raise CaseError(f"field {shown(self.name)}: its {name} fails: "
+                            f"{class_name(error)}: {of_error(error)}") from None
         if found.shape != shape:
-            raise CaseError(f"field {shown(self.name)}: its {name} returns an array of shape {found.shape} for positions of shape "
-                            f"{x.shape}: it must be {shape}")
+            raise CaseError(f"field {shown(self.name)}: its {name} returns an array of shape {found.shape} "
+                            f"for positions of shape {x.shape}: it must be {shape}")
         if not np.isfinite(found).all():
             raise CaseError(f"field {shown(self.name)}: its {name} is not finite everywhere in the unit square")
         return found
@@ -121,13 +124,15 @@ def _beside(along_x, along_y, x):
 
 
 _FIELDS = (
-    AnalyticField("wave", _wave, _wave_gradient, lambda x: -80.0 * np.pi**2 * _wave(x), "cos(4 pi x + 8 pi y)"),    # Z14
+    AnalyticField("wave", _wave, _wave_gradient, lambda x: -80.0 * np.pi**2 * _wave(x),
+                  "cos(4 pi x + 8 pi y)"),    # Z14
     AnalyticField("parabola", lambda x: (x[:, :2] ** 2).sum(axis=1), lambda x: _beside(2.0 * x[:, 0], 2.0 * x[:, 1], x),
                   lambda x: np.full(len(x), 4.0), "x^2 + y^2"),    # Z17
     AnalyticField("exponential", _exponential, lambda x: _beside(2.0 * _exponential(x), 3.0 * _exponential(x), x),
                   lambda x: 13.0 * _exponential(x), "exp(2x + 3y)"),    # Z17
     AnalyticField("smooth", lambda x: np.sin(x @ _numbers(x)), lambda x: np.cos(x @ _numbers(x))[:, None] * _numbers(x),
-                  lambda x: -(_numbers(x) @ _numbers(x)) * np.sin(x @ _numbers(x)), "sin(x + 2y)"),    # in 3D sin(x + 2y + 3z)
+                  lambda x: -(_numbers(x) @ _numbers(x)) * np.sin(x @ _numbers(x)),
+                  "sin(x + 2y)"),    # in 3D sin(x + 2y + 3z)
     AnalyticField("harmonic", _harmonic, _harmonic_gradient, lambda x: np.zeros(len(x)), "exp(2y) cos(2x + 0.3)"),
 )
 FIELD_OF: Mapping[str, AnalyticField] = MappingProxyType({field.name: field for field in _FIELDS})

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from parisph.base.arrays import Flags, Floats, Ints
 from parisph.base.fields import CONTACT, FLUID, INNER, SURFACE, WALL, WET
 
 
@@ -24,14 +26,14 @@ class Arrangement:
     spacing : s [m]
     """
 
-    x: np.ndarray
-    kind: np.ndarray
-    corner: np.ndarray
-    normal: np.ndarray
-    role: np.ndarray
-    index: np.ndarray
-    cells: np.ndarray
-    inside: np.ndarray
+    x: Floats
+    kind: NDArray[np.int8]
+    corner: NDArray[np.int8]
+    normal: Floats
+    role: NDArray[np.int8]
+    index: Ints
+    cells: Ints
+    inside: Flags
     spacing: float
 
     @property
@@ -54,14 +56,15 @@ def block(cells: int, jitter: float, seed: int, dim: int = 2, layers: int = 0, c
     inside = np.all((index >= 0 if centred else index > 0) & (index < cells), axis=1)
     none = np.zeros(len(x), np.int8)
     role = np.where(inside, INNER, SURFACE).astype(np.int8)
-    return Arrangement(x, none + np.int8(FLUID), none, np.zeros_like(x), role, index, np.full(dim, cells), inside, 1.0 / cells)
+    return Arrangement(x, none + np.int8(FLUID), none, np.zeros_like(x), role, index, np.full(dim, cells), inside,
+                       1.0 / cells)
 
 
 def tank(cells: Sequence[int], jitter: float, seed: int, lid: bool = False, spacing: float = 1.0) -> Arrangement:
     """Return an open tank of fluid, or a full closed one.
 
-    Walls lie on lattice planes, fluid one spacing inside. Without a lid the last axis ends at the free surface, which lies
-    on the lattice plane `cells[-1]` and is not displaced. The wall beside the surface has the role CONTACT.
+    Walls lie on lattice planes, fluid one spacing inside. Without a lid the last axis ends at the free surface, which
+    lies on the lattice plane `cells[-1]` and is not displaced. The wall beside the surface has the role CONTACT.
     """
     top = np.array(cells)
     index = _grid([np.arange(c + 1) for c in top])

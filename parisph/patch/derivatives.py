@@ -45,7 +45,8 @@ class Discrete:
         n, buffers, start = len(self.arrangement.x), self.rows.rows, self.rows.cloud.indptr
         count = buffers.count[:n]
         entry = np.repeat(start[:-1] - np.concatenate([[0], np.cumsum(count)[:-1]]), count) + np.arange(count.sum())
-        return np.bincount(np.repeat(np.arange(n), count), buffers.values[entry] * f[buffers.columns[entry]], minlength=n)
+        return np.bincount(np.repeat(np.arange(n), count), buffers.values[entry] * f[buffers.columns[entry]],
+                           minlength=n)
 
     def derivative(self, f: np.ndarray) -> np.ndarray:
         """Return what the rows take for the Laplacian of f (n,), for wet walls its normal derivative.
@@ -57,14 +58,18 @@ class Discrete:
 
 
 def discrete(arrangement: Arrangement, laplacian: str, wall_rows: str = "sfdi") -> Discrete:
-    """Return the rows of a Laplacian, and those of wet walls if there are any. Raises KeyError for a word without a part."""
+    """Return the rows of a Laplacian, and those of wet walls if there are any.
+
+    Raises KeyError for a word without a part.
+    """
     part, walls = LAPLACIANS[laplacian], WALL_ROWS[wall_rows]
     a, s = arrangement, arrangement.spacing
     reach = max(lengths.NEAR, part.reach, walls.reach)
     indptr, indices = neighbour_lists(a.x, len(a.x), reach * s)
     rows = PressureRows(a.dim, part, _Nothing(), walls, 0.0, lengths.MLS)
     volume = np.where(a.kind == FLUID, s**a.dim, 0.0)
-    rows.fill(np.zeros_like(a.x), Cloud(a.x, a.kind, a.role.copy(), volume, a.normal, a.corner, indptr, indices, s, axes_of(a.dim)))
+    cloud = Cloud(a.x, a.kind, a.role.copy(), volume, a.normal, a.corner, indptr, indices, s, axes_of(a.dim))
+    rows.fill(np.zeros_like(a.x), cloud)
     return Discrete(rows, a)
 
 
@@ -74,7 +79,8 @@ def gradient(arrangement: Arrangement, f: np.ndarray, name: str, at_surface: str
     name : of a part in GRADIENTS; at_surface : of one in SURFACE_GRADIENTS. Raises KeyError for a word without a part.
     """
     a, parts = arrangement, (GRADIENTS[name], SURFACE_GRADIENTS[at_surface])
-    flow = _flow(a, parts, Numerics(spacing=a.spacing, preset="gentle", gradient=name, surface_gradient=at_surface).resolved())
+    numerics = Numerics(spacing=a.spacing, preset="gentle", gradient=name, surface_gradient=at_surface)
+    flow = _flow(a, parts, numerics.resolved())
     p = flow.particles
     p.p[:] = f[p.id]
     out = np.full((p.n_owned, a.dim), np.nan)
@@ -90,8 +96,8 @@ def _flow(a, parts, numerics):
     """Return the Flow of particles at rest, on this rank alone."""
     particles = Particles(MPI.COMM_SELF, a.dim, FieldSet(name for part in parts for name in part.needs(numerics)))
     volume = np.where(a.kind == FLUID, a.spacing**a.dim, 0.0)
-    particles.assign({"id": np.arange(len(a.x)), "x": a.x, "kind": a.kind, "corner": a.corner, "normal": a.normal, "role": a.role,
-                      "volume": volume})
+    particles.assign({"id": np.arange(len(a.x)), "x": a.x, "kind": a.kind, "corner": a.corner, "normal": a.normal,
+                      "role": a.role, "volume": volume})
     reach = max(lengths.NEAR, *(part.reach for part in parts)) * a.spacing
     domain = Domain(particles, a.x.min(axis=0) - a.spacing, a.x.max(axis=0) + a.spacing, reach, skin=0.0)
     domain.refresh()

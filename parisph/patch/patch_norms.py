@@ -8,8 +8,8 @@ from parisph.truth.norms import relative_l2
 def z14(error: np.ndarray, size: float, volume: float) -> float:
     """Return Er of Z14, Sec. 2.2: sqrt(sum (error/size)^2 m/rho), (n,) errors.
 
-    size : amplitude of the exact derivative; volume : m/rho of a particle [m^dim]. It is the rms times the root of the area
-    that is looked at, 0.6 for the paper's window.
+    size : amplitude of the exact derivative; volume : m/rho of a particle [m^dim]. It is the rms times the root of the
+    area that is looked at, 0.6 for the paper's window.
     """
     return float(np.sqrt(np.sum((error / size) ** 2) * volume))
 

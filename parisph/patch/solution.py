@@ -1,4 +1,4 @@
-"""Solve the Poisson problem lap p = lap f on an arrangement of particles. Each rank on its own; nothing is collective."""
+"""Solve the Poisson problem lap p = lap f on an arrangement of particles. Each rank on its own: not collective."""
 
 import numpy as np
 from mpi4py import MPI
@@ -11,7 +11,7 @@ RTOL = 1e-9    # of the solve: far below the errors of the operators
 
 
 def solution(system: Discrete, f: np.ndarray, laplacian: np.ndarray, gradient: np.ndarray | None = None) -> np.ndarray:
-    """Return p (n,) with lap p = laplacian inside, n . grad p = n . gradient at walls, and p = f on particles of the surface.
+    """Return p (n,) with lap p = laplacian inside, n . grad p = n . gradient at walls, and p = f at the surface.
 
     system : rows of inner particles and walls; f, laplacian : (n,); gradient : (n, dim), needed if there are wet walls.
     Where no particle has a known value, p is given up to a constant, and its mean is 0.

@@ -1,4 +1,7 @@
-"""Studies: many runs of one case, by method, spacing, time step, seed and ranks, with a table of errors and costs; patch tests."""
+"""Studies: many runs of one case, by method, spacing, time step, seed and ranks, with their errors and costs.
+
+Patch studies apply operators to fields with known derivatives instead.
+"""
 
 from parisph.patch.analytic import AnalyticField
 from parisph.study.definition import OtherCodes, Required, Study, Variant
@@ -6,6 +9,6 @@ from parisph.study.measures import FinestError, Function, Quantity, SeriesError,
 from parisph.study.patch_study import Histogram, PatchStudy, Sweep
 
 __all__ = [
-    "AnalyticField", "FinestError", "Function", "Histogram", "OtherCodes", "PatchStudy", "Quantity", "Required", "SeriesError",
-    "Study", "Sweep", "TruthError", "Variant",
+    "AnalyticField", "FinestError", "Function", "Histogram", "OtherCodes", "PatchStudy", "Quantity", "Required",
+    "SeriesError", "Study", "Sweep", "TruthError", "Variant",
 ]

@@ -61,8 +61,8 @@ def agenda(path: AnyPath, sets: Sequence[str] = (), only: Sequence[str] = (),
     return of_study(study, file, sets, only, out, limit)
 
 
-def of_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequence[str] = (), out: str | os.PathLike | None = None,
-             limit: float | None = None, parts: Sequence[str | os.PathLike] = ()) -> Agenda:
+def of_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequence[str] = (), out: AnyPath | None = None,
+             limit: float | None = None, parts: Sequence[AnyPath] = ()) -> Agenda:
     """Return the Agenda of a Study, as `agenda`. file : absolute path of its file; parts : files that its runs need."""
     items = prepared.prepare(study, file, sets, parts)
     folder = folder_for(file, out)
@@ -72,7 +72,7 @@ def of_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequence[
     return Agenda(study, file.parent, tuple(items), tuple(chosen), folder, limit or study.time_limit)
 
 
-def folder_for(file: Path, out: str | os.PathLike | None) -> Path:
+def folder_for(file: Path, out: AnyPath | None) -> Path:
     """Return the folder of the study in a file: `out`, or studies/NAME. Raises CaseError if it cannot be one."""
     folder = Path("studies") / file.stem if out is None else paths.checked(out, "out")
     if (folder / "case.json").exists():

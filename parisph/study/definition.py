@@ -147,7 +147,8 @@ class Study(Choices):
     required: tuple[Required, ...] = ()
     others: tuple[OtherCodes, ...] = ()
     levels: dict[str, tuple[Positive, ...]] = Field(
-        default_factory=dict, description="errors at which costs are compared, each greater than 0, by the name of a measure")
+        default_factory=dict,
+        description="errors at which costs are compared, each greater than 0, by the name of a measure")
     histories: tuple[str, ...] = ()
     time_limit: Optional[float] = Field(None, gt=0, description="longest time of a run on the clock [s]")
     warm_up: bool = True

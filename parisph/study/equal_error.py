@@ -46,7 +46,8 @@ def _costs(name: str, level: float, group: list[Result]) -> list[tuple[float, bo
     seeds = dict.fromkeys(one.item.case.numerics.seed for one in group)
     found = []
     for seed in seeds:
-        pairs = [(one.values.get("cpu_seconds"), one.errors.get(name)) for one in group if one.item.case.numerics.seed == seed]
+        pairs = [(one.values.get("cpu_seconds"), one.errors.get(name))
+                 for one in group if one.item.case.numerics.seed == seed]
         good = [(cost, error) for cost, error in pairs if cost and error and np.isfinite(error)]
         cost = cost_at(level, *zip(*good, strict=True)) if good else None
         if cost is None:

@@ -87,7 +87,8 @@ def convergence(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[
     for curve, group in dots.items():
         x, y = [dot.x for dot in group], [dot.mean for dot in group]
         order = fitted_order(x, y)
-        error_bars(axes, x, group, looks[curve], marks[curve], curve if order is None else f"{curve} (order {order:.2f})")
+        name = curve if order is None else f"{curve} (order {order:.2f})"
+        error_bars(axes, x, group, looks[curve], marks[curve], name)
         if order is not None and len(x) > 2:
             ends = np.array([min(x), max(x)])
             middle = np.exp(np.mean(np.log(x))), np.exp(np.mean(np.log(y)))

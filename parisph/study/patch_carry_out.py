@@ -9,18 +9,19 @@
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from parisph.base.errors import Interrupted, MissingLibrary, ParisphError, StoreError
 from parisph.io.files import write_text
 from parisph.io.lock import Lock
 from parisph.study import patch_pictures, patch_report, patch_results
 from parisph.study.carry_out import file_name, terminated_as_interrupted
-from parisph.study.patch_results import PatchResult
+from parisph.study.patch_results import PatchResult, Task
 from parisph.study.patch_study import PatchStudy
 
 
-def carry_out(study: PatchStudy, file: Path, folder: Path, only: Sequence[str] = (), progress: bool = True, force: bool = False,
-              show: Callable[[str], None] = print) -> int:
+def carry_out(study: PatchStudy, file: Path, folder: Path, only: Sequence[str] = (), progress: bool = True,
+              force: bool = False, show: Callable[[str], None] = print) -> int:
     """Make all tests, write and show the results, and return the exit code, 0. Not collective.
 
     file : of the study; folder : where it writes; only : words of operators, all if empty
@@ -46,11 +47,12 @@ def carry_out(study: PatchStudy, file: Path, folder: Path, only: Sequence[str] =
     finally:
         lock.release()
     if len(found) < len(todo):
-        raise Interrupted(f"stopped with {len(todo) - len(found)} of {len(todo)} tests to do; repeat the command to make all")
+        raise Interrupted(f"stopped with {len(todo) - len(found)} of {len(todo)} tests to do; "
+                          "repeat the command to make all")
     return 0
 
 
-def _results(todo, study, lock, progress):
+def _results(todo: Sequence[Task], study: PatchStudy, lock: Lock, progress: bool) -> list[PatchResult]:
     """Return the results of the tests that were made before the user stopped them."""
     found: list[PatchResult] = []
     try:
@@ -65,7 +67,8 @@ def _results(todo, study, lock, progress):
     return found
 
 
-def _conclude(found, study, file, folder, missing, progress, show):
+def _conclude(found: Sequence[PatchResult], study: PatchStudy, file: Path, folder: Path, missing: int, progress: bool,
+              show: Callable[[str], None]) -> None:
     """Write tables and pictures, and show the tables."""
     title = study.title or file.stem
     parts = [patch_report.table(found, study)] + ([f"{missing} tests have no result yet."] if missing else [])
@@ -80,9 +83,9 @@ def _conclude(found, study, file, folder, missing, progress, show):
         show(str(path))
 
 
-def _pictures(found, study, title, folder, progress):
+def _pictures(found: Sequence[PatchResult], study: PatchStudy, title: str, folder: Path, progress: bool) -> list[Path]:
     """Draw the pictures and return their paths; without matplotlib, say so and return nothing."""
-    made = []
+    made: list[Path] = []
     try:
         for name, axis, results in patch_pictures.pictures(found, study):
             made.append(folder / f"{file_name(name)}.png")
@@ -99,11 +102,11 @@ def _pictures(found, study, title, folder, progress):
     return [path for path in made if path.exists()]
 
 
-def _point(task):
+def _point(task: Task) -> tuple[Any, ...]:
     return task.group, task.operator, task.spacing, task.jitter
 
 
-def _tell(place, results):
+def _tell(place: str, results: Sequence[PatchResult]) -> None:
     task = results[0].task
     norms = [f"{name} {sum(one.norms[name] for one in results if name in one.norms) / len(results):.3g}"
              for name in patch_report.names_in(results)]

@@ -1,7 +1,8 @@
-"""Pictures of a patch study: error against spacing with the fitted order, error against disorder, histograms of errors."""
+"""Pictures of a patch study: error against spacing with the fitted order, against disorder, histograms of errors."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,6 +11,10 @@ from parisph.study import error_plots, patch_report
 from parisph.study.error_plots import MARKS, Dot
 from parisph.study.patch_results import NORMS, PatchResult
 from parisph.study.patch_study import Histogram, PatchStudy
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 ACROSS = 2
 SIZE = 5.2, 4.0    # of a panel [inch]
@@ -41,13 +46,15 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
     """
     names, curves = patch_report.names_in(results), patch_report.curves(results)
     down = -(-len(names) // ACROSS)
-    picture = style.drawing().Figure(figsize=(SIZE[0] * ACROSS, (SIZE[1] + 0.12 * (len(curves) + 1)) * down), layout="constrained")
+    size = SIZE[0] * ACROSS, (SIZE[1] + 0.12 * (len(curves) + 1)) * down
+    picture = style.drawing().Figure(figsize=size, layout="constrained")
     panels = picture.subplots(down, ACROSS, squeeze=False)
     looks = dict(zip(curves, style.line_looks(len(curves))))
     marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(curves)}
     for axes, name in zip(panels.flat, names):
         dots = {curve: found for curve, group in curves.items() if (found := _dots(group, name, axis))}
-        exact = [curve for curve, group in curves.items() if curve not in dots and any(name in one.norms for one in group)]
+        exact = [curve for curve, group in curves.items()
+                 if curve not in dots and any(name in one.norms for one in group)]
         if exact:
             axes.set_title(style.literal(f"exact: {', '.join(exact)}", 90), fontsize=8, loc="left")
         axes.set_ylabel(style.literal(NORMS[name], 60), fontsize=8)
@@ -72,7 +79,7 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
     style.save(picture, path)
 
 
-def _widen(axes, dots):
+def _widen(axes: "Axes", dots: Sequence[Dot]) -> None:
     """Show half a decade at least: an error that is the same everywhere is a flat line."""
     low, high = min(dot.low for dot in dots), max(dot.high for dot in dots)
     if high < NARROW * low:
@@ -81,9 +88,9 @@ def _widen(axes, dots):
 
 
 def draw_histogram(results: Sequence[PatchResult], histogram: Histogram, title: str, path: Path) -> bool:
-    """Draw a histogram to a file, with bars from the least to the largest of all seeds; return whether there was any to draw.
+    """Draw a histogram to a file, with bars from the least to the largest of all seeds.
 
-    Raises as `draw`.
+    Returns whether there was any to draw. Raises as `draw`.
     """
     found = patch_report.counts(results, histogram)
     if not found:
@@ -95,8 +102,9 @@ def draw_histogram(results: Sequence[PatchResult], histogram: Histogram, title: 
         mean = seeds.mean(axis=0)
         x = np.arange(len(names)) + (number - 0.5 * (len(found) - 1)) * width
         spread = [mean - seeds.min(axis=0), seeds.max(axis=0) - mean]
-        axes.bar(x, mean, width, yerr=spread if len(seeds) > 1 else None, color=look["color"], capsize=2, error_kw={"linewidth": 0.8},
-                 edgecolor="white", hatch=None if look["linestyle"] == "-" else "//", label=style.literal(label, 60))
+        axes.bar(x, mean, width, yerr=spread if len(seeds) > 1 else None, color=look["color"], capsize=2,
+                 error_kw={"linewidth": 0.8}, edgecolor="white", hatch=None if look["linestyle"] == "-" else "//",
+                 label=style.literal(label, 60))
     axes.set_xticks(np.arange(len(names)), names, rotation=30, fontsize=8)
     axes.set_xlabel("error of the Laplacian over its amplitude")
     axes.set_ylabel("particles")
@@ -107,11 +115,12 @@ def draw_histogram(results: Sequence[PatchResult], histogram: Histogram, title: 
     return True
 
 
-def _title(picture, text):
-    picture.suptitle("\n".join(style.literal(line, 110) for line in text.strip().split("\n")), x=0.01, ha="left", fontsize=10)
+def _title(picture: "Figure", text: str) -> None:
+    lines = [style.literal(line, 110) for line in text.strip().split("\n")]
+    picture.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=10)
 
 
-def _dots(group, name, axis):
+def _dots(group: Sequence[PatchResult], name: str, axis: str) -> list[Dot]:
     """Return the dots of a curve, without those that only rounding keeps from zero."""
     found = []
     for family in patch_report.families(group).values():

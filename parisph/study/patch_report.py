@@ -1,4 +1,4 @@
-"""The tables of a patch study as Markdown that can be read as plain text, and its files results.json and results.csv."""
+"""Tables of a patch study as Markdown that can be read as plain text, and its files results.json and results.csv."""
 
 import csv
 import io
@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Ints
 from parisph.base.errors import StoreError
 from parisph.io.files import write_json, write_text
 from parisph.study.fits import fitted_order
@@ -21,8 +22,8 @@ ROUNDING = 1e-11    # an error below which an operator is exact
 LOST = "- lost: particles without a value, which are left out; in a solution, their row is the mean of their neighbours"
 KINDS = {"laplacian": "Laplacian", "gradient": "Gradient"}
 PATCHES = {
-    "interior": "in the interior", "square": "in the square, rim included", "dirichlet": "solution with p given on all sides",
-    "neumann": "solution with walls on all sides but one",
+    "interior": "in the interior", "square": "in the square, rim included",
+    "dirichlet": "solution with p given on all sides", "neumann": "solution with walls on all sides but one",
     "closed": "solution with walls on all sides", "walls": "beside walls", "surface": "at a free surface",
 }
 
@@ -66,7 +67,10 @@ def names_in(results: Iterable[PatchResult]) -> list[str]:
 
 
 def table(results: Sequence[PatchResult], study: PatchStudy) -> str:
-    """Return all tables, the fitted orders and the counts of the histograms as text. Several seeds: mean (least to largest)."""
+    """Return all tables, the fitted orders and the counts of the histograms as text.
+
+    Several seeds are given as their mean (least to largest).
+    """
     if not results:
         return "nothing has been done yet"
     parts = []
@@ -100,11 +104,12 @@ def orders(results: Sequence[PatchResult], name: str) -> dict[tuple[str, float],
     return found
 
 
-def _orders(results, names):
+def _orders(results: Sequence[PatchResult], names: Sequence[str]) -> list[str]:
     """Return the table of the fitted orders of each operator and jitter with its title, or nothing."""
     found = {name: orders(results, name) for name in names}
     places = dict.fromkeys(place for one in found.values() for place in one)
-    rows = [[label, f"{k:g}", *(f"{one[label, k]:.2f}" if (label, k) in one else "-" for one in found.values())] for label, k in places]
+    rows = [[label, f"{k:g}", *(f"{one[label, k]:.2f}" if (label, k) in one else "-" for one in found.values())]
+            for label, k in places]
     return ["Fitted orders in the spacing:", markdown(["operator", "k", *names], rows)] if rows else []
 
 
@@ -114,9 +119,9 @@ def ranges(histogram: Histogram) -> list[str]:
     return [*(f"{low}-{high} %" for low, high in zip(edges, edges[1:])), f"> {edges[-1]} %"]
 
 
-def counts(results: Iterable[PatchResult], histogram: Histogram) -> dict[str, np.ndarray]:
-    """Return {field and operator: (seeds, ranges) particles whose error is in a range} of Laplacians in the interior."""
-    found: dict[str, list[np.ndarray]] = {}
+def counts(results: Iterable[PatchResult], histogram: Histogram) -> dict[str, Ints]:
+    """Return {field and operator: (seeds, ranges) particles by their error}, of Laplacians in the interior."""
+    found: dict[str, list[Ints]] = {}
     several = len({one.task.field.name for one in results}) > 1
     for one in results:
         task = one.task
@@ -126,28 +131,29 @@ def counts(results: Iterable[PatchResult], histogram: Histogram) -> dict[str, np
     return {label: np.array(seeds) for label, seeds in found.items()}
 
 
-def _counted(results, histogram):
+def _counted(results: Sequence[PatchResult], histogram: Histogram) -> list[str]:
     found = counts(results, histogram)
     if not found:
         return []
     rows = [[label, *(f"{mean:.0f} ({low} to {high})" if low != high else str(low) for mean, low, high in
                       zip(seeds.mean(axis=0), seeds.min(axis=0), seeds.max(axis=0)))] for label, seeds in found.items()]
-    title = f"## Particles by the error of their Laplacian over its amplitude, s = {histogram.spacing:.4g}, k = {histogram.jitter:g}"
+    title = ("## Particles by the error of their Laplacian over its amplitude, "
+             f"s = {histogram.spacing:.4g}, k = {histogram.jitter:g}")
     return [title, markdown(["operator", *ranges(histogram)], rows)]
 
 
-def _many(family, name):
+def _many(family: Sequence[PatchResult], name: str) -> str:
     values = [getattr(one, name) for one in family]
     low, high = min(values), max(values)
     return str(low) if low == high else f"{low} to {high}"
 
 
-def _mean(family, name):
+def _mean(family: Sequence[PatchResult], name: str) -> float | None:
     values = [one.norms[name] for one in family if name in one.norms]
     return float(np.mean(values)) if values else None
 
 
-def _spread(family, name):
+def _spread(family: Sequence[PatchResult], name: str) -> str:
     values = [one.norms[name] for one in family if name in one.norms]
     if not values:
         return "-"
@@ -164,7 +170,10 @@ def listing(study: PatchStudy, only: Sequence[str] = ()) -> str:
 
 
 def save(results: Sequence[PatchResult], study: PatchStudy, folder: Path, missing: int) -> None:
-    """Write results.json and results.csv, each whole or not at all. Raises StoreError. missing : tests without a result."""
+    """Write results.json and results.csv, each whole or not at all. Raises StoreError.
+
+    missing : tests without a result
+    """
     lines = [one.line() for one in results]
     out = io.StringIO()
     written = csv.DictWriter(out, list(lines[0]) if lines else ["operator"], lineterminator="\n")

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Flags, Floats
 from parisph.base.errors import CaseError, SolverDiverged
 from parisph.base.fields import SURFACE
 from parisph.base.text import clipped, named, shown
@@ -33,7 +34,8 @@ class Operator:
     """An operator.
 
     kind : "laplacian" or "gradient"; word : of its registry
-    further : word of the rows of walls that a Laplacian has beside it; of the gradient that replaces one at the surface; or ""
+    further : word of the rows of walls that a Laplacian has beside it; of the gradient that replaces one at the
+        surface; or ""
     """
 
     kind: str
@@ -76,8 +78,8 @@ class Task:
     def described(self) -> str:
         """Return what it is, for people."""
         walls = f" with {self.operator.walls} walls" if self.operator.walls else ""
-        return (f"{self.operator.kind} {self.operator.label}{walls}, {self.patch}, {self.field.name}, spacing {self.spacing:.4g}, "
-                f"k = {self.jitter:g}, seed {self.seed}")
+        return (f"{self.operator.kind} {self.operator.label}{walls}, {self.patch}, {self.field.name}, "
+                f"spacing {self.spacing:.4g}, k = {self.jitter:g}, seed {self.seed}")
 
 
 @dataclass
@@ -85,7 +87,8 @@ class PatchResult:
     """What a task gave.
 
     particles : that were compared
-    lost : of these, without a value, left out of the norms; in a solution, with the mean of their neighbours for an equation
+    lost : of these, without a value, left out of the norms; in a solution, with the mean of their neighbours for an
+        equation
     norms : {name in NORMS: number}, empty if there is none; problem : why, in one line
     sizes : (particles - lost,) |error| of Laplacians over their amplitude, if a histogram needs them, else empty
     """
@@ -95,13 +98,14 @@ class PatchResult:
     lost: int = 0
     norms: dict[str, float] = field(default_factory=dict)
     problem: str = ""
-    sizes: np.ndarray = field(default_factory=lambda: np.empty(0), repr=False)
+    sizes: Floats = field(default_factory=lambda: np.empty(0), repr=False)
 
     def line(self) -> dict[str, Any]:
         """Return the line of the table as {column: value}."""
-        task = self.task
-        return {"operator": task.operator.label, "walls": task.operator.walls, "kind": task.operator.kind, "patch": task.patch, "field": task.field.name,
-                "spacing": task.spacing, "jitter": task.jitter, "seed": task.seed, "particles": self.particles, "lost": self.lost,
+        task, operator = self.task, self.task.operator
+        return {"operator": operator.label, "walls": operator.walls, "kind": operator.kind, "patch": task.patch,
+                "field": task.field.name, "spacing": task.spacing, "jitter": task.jitter, "seed": task.seed,
+                "particles": self.particles, "lost": self.lost,
                 **{name: self.norms.get(name) for name in NORMS}, "problem": self.problem}
 
 
@@ -113,18 +117,20 @@ def operators(study: PatchStudy, patch: str) -> list[Operator]:
         found += [Operator("laplacian", word, further) for word in study.laplacians for further in walls]
     if patch in OF_GRADIENTS:
         found += [Operator("gradient", word) for word in study.gradients]
-        found += [Operator("gradient", study.gradients[0], word) for word in study.surface_gradients if patch == "surface"]
+        if patch == "surface":
+            found += [Operator("gradient", study.gradients[0], word) for word in study.surface_gradients]
     return found
 
 
 def tasks(study: PatchStudy, only: Sequence[str] = ()) -> list[Task]:
-    """Return what is to be done, each thing once: without disorder, all seeds are the same, and the first one is enough.
+    """Return what is to be done, each thing once: without disorder all seeds are the same, and the first is enough.
 
     only : words of operators, all if empty
 
     Raises
     ------
-    CaseError : a word of `only` is not in the study, a word has no part, or a part does not work in this number of dimensions
+    CaseError : a word of `only` is not in the study, a word has no part, or a part does not work in this number of
+        dimensions
     """
     there = (*study.laplacians, *study.gradients)
     for word in only:
@@ -152,15 +158,16 @@ def _places(study: PatchStudy, patch: str, operator: Operator) -> Iterator[tuple
             yield s, k, seed
 
 
-def _check(operator, dim):
+def _check(operator: Operator, dim: int) -> None:
     try:
         parts = operator.parts
     except KeyError as error:
-        raise CaseError(f"{operator.kind} {shown(error.args[0])} is a word without a part: register it in the study file, or name "
-                        "the file that does with --parts") from None
+        raise CaseError(f"{operator.kind} {shown(error.args[0])} is a word without a part: register it in the study "
+                        "file, or name the file that does with --parts") from None
     for part in parts:
         if dim not in part.dims:
-            raise CaseError(f"{part.name!r} works in {' and '.join(f'{n}D' for n in part.dims)} only: leave it out with dim={dim}")
+            raise CaseError(f"{part.name!r} works in {' and '.join(f'{n}D' for n in part.dims)} only: "
+                            f"leave it out with dim={dim}")
 
 
 def carry_out(task: Task, study: PatchStudy) -> PatchResult:
@@ -177,11 +184,13 @@ def _derivative(task: Task, study: PatchStudy) -> PatchResult:
     if task.operator.kind == "laplacian":
         found, exact = derivatives.discrete(a, task.operator.word).derivative(f)[which], of.laplacians(a.x)[which]
     else:
-        found, exact = derivatives.gradient(a, f, task.operator.word, task.operator.further or "same")[which], of.gradients(a.x)[which]
+        at_surface = task.operator.further or "same"
+        found, exact = derivatives.gradient(a, f, task.operator.word, at_surface)[which], of.gradients(a.x)[which]
     sound = np.isfinite(found.reshape(len(found), -1)).all(axis=1)
     result = PatchResult(task, len(found), int(np.count_nonzero(~sound)))
     if not sound.any() or not exact[sound].any():
-        result.problem = "the exact value is zero: there is no relative error" if sound.any() else "no particle has a value"
+        result.problem = (
+            "the exact value is zero: there is no relative error" if sound.any() else "no particle has a value")
         return result
     found, exact = found[sound], exact[sound]
     result.norms = dict(zip(("L2", "Linf"), patch_norms.relative(found, exact)))
@@ -218,19 +227,23 @@ def _solution(task: Task, study: PatchStudy) -> PatchResult:
 def _arrangement(task: Task, study: PatchStudy) -> Arrangement:
     cells = cells_of(task.spacing)
     if task.patch in ON_TANKS:
-        return arrangement.tank([cells] * study.dim, task.jitter, task.seed, lid=task.patch == "closed", spacing=1.0 / cells)
+        return arrangement.tank([cells] * study.dim, task.jitter, task.seed, lid=task.patch == "closed",
+                                spacing=1.0 / cells)
     layers = 0
     if task.patch == "dirichlet" or (task.patch == "interior" and study.beyond):
         layers = int(np.ceil(max(part.reach for part in task.operator.parts))) + 1
     return arrangement.block(cells, task.jitter, task.seed, study.dim, layers, centred=task.patch != "dirichlet")
 
 
-def _compared(a: Arrangement, patch: str, margin: float) -> np.ndarray:
+def _compared(a: Arrangement, patch: str, margin: float) -> Flags:
     """Return which particles count, (n,) bool."""
+    found: Flags = a.inside
     if patch == "surface":
-        return a.role == SURFACE
-    if patch == "walls":
+        found = a.role == SURFACE
+    elif patch == "walls":
         beside = np.minimum(a.index, a.cells - a.index)
         beside[:, -1] = a.index[:, -1]    # the last axis ends at the surface
-        return a.inside & (beside.min(axis=1) <= NEAR_WALL) & (a.index[:, -1] <= a.cells[-1] - FROM_SURFACE)
-    return a.inside if patch == "square" else a.inside & np.all(np.abs(a.x - 0.5) <= 0.5 - margin, axis=1)
+        found = a.inside & (beside.min(axis=1) <= NEAR_WALL) & (a.index[:, -1] <= a.cells[-1] - FROM_SURFACE)
+    elif patch != "square":
+        found = a.inside & np.all(np.abs(a.x - 0.5) <= 0.5 - margin, axis=1)
+    return found

@@ -1,6 +1,7 @@
 """What a patch study is: which operators are applied to which fields, on which particles. Frozen and validated."""
 
-from typing import Annotated, Literal, Optional, Union
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any, Literal, Optional, TypeVar, Union
 
 from pydantic import Field, field_validator, model_validator
 
@@ -15,11 +16,15 @@ SOLUTIONS = ("dirichlet", "neumann", "closed")
 ON_TANKS = ("neumann", "closed", "walls", "surface")
 MOST_CELLS = {2: 2000, 3: 100}    # across the unit square, and the unit cube
 FEWEST_CELLS = 8                  # so that there is an interior
-WORDS = {"laplacians": "laplacian", "gradients": "gradient", "wall_rows": "wall_rows", "surface_gradients": "surface_gradient"}
+WORDS = {
+    "laplacians": "laplacian", "gradients": "gradient", "wall_rows": "wall_rows",
+    "surface_gradients": "surface_gradient",
+}
 
 Spacing = Annotated[float, Field(gt=0, le=1 / FEWEST_CELLS)]
 Jitter = Annotated[float, Field(ge=0, le=2)]
 Whole = Annotated[int, Field(ge=0)]
+Several = TypeVar("Several", bound=Sequence[Any])
 
 
 class Sweep(Model):
@@ -33,17 +38,17 @@ class Sweep(Model):
 
     @field_validator("spacings", "jitters", mode="before")
     @classmethod
-    def _several(cls, values):
+    def _several(cls, values: object) -> object:
         return _list(values)
 
     @field_validator("spacings", "jitters")
     @classmethod
-    def _once(cls, values):
+    def _once(cls, values: tuple[float, ...]) -> tuple[float, ...]:
         return _some(_each_once(values))
 
     @field_validator("spacings")
     @classmethod
-    def _whole(cls, values):
+    def _whole(cls, values: tuple[float, ...]) -> tuple[float, ...]:
         for s in values:
             cells_of(s)
         return values
@@ -62,11 +67,11 @@ class Histogram(Model):
 
     @field_validator("edges")
     @classmethod
-    def _at_least_one(cls, values):
+    def _at_least_one(cls, values: tuple[float, ...]) -> tuple[float, ...]:
         return _some(values)
 
     @model_validator(mode="after")
-    def _increases(self):
+    def _increases(self) -> "Histogram":
         cells_of(self.spacing)
         if any(b <= a for a, b in zip(self.edges, self.edges[1:])):
             raise ValueError(f"edges = {shown(self.edges)}: must increase")
@@ -120,24 +125,24 @@ class PatchStudy(Model):
     histograms: tuple[Histogram, ...] = ()
     title: str = Field("", max_length=200, description="one line for people")
 
-    @field_validator("fields", "laplacians", "gradients", "patches", "sweeps", "seeds", "wall_rows", "surface_gradients", "histograms",
-                     mode="before")
+    @field_validator("fields", "laplacians", "gradients", "patches", "sweeps", "seeds", "wall_rows",
+                     "surface_gradients", "histograms", mode="before")
     @classmethod
-    def _several(cls, values):
+    def _several(cls, values: object) -> object:
         return _list(values)
 
     @field_validator("laplacians", "gradients", "patches", "seeds", "wall_rows", "surface_gradients")
     @classmethod
-    def _once(cls, values):
+    def _once(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
         return _each_once(values)
 
     @field_validator("fields", "sweeps", "patches", "seeds", "wall_rows")
     @classmethod
-    def _at_least_one(cls, values):
+    def _at_least_one(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
         return _some(values)
 
     @model_validator(mode="after")
-    def _fits(self):
+    def _fits(self) -> "PatchStudy":
         problems = [*self._unknown(), *self._unused()]
         most = MOST_CELLS[self.dim]
         for s in self.all_spacings:
@@ -151,17 +156,18 @@ class PatchStudy(Model):
             field.check(self.dim, self.derivatives)
         return self
 
-    def _unknown(self):
+    def _unknown(self) -> Iterator[str]:
         """Yield what is wrong with words."""
-        for field, kind in WORDS.items():
-            for word in getattr(self, field):
+        for name, kind in WORDS.items():
+            for word in getattr(self, name):
                 if word not in vocabulary.known(kind):
-                    yield f"{field}: unknown {kind} {shown(word)}; known are {', '.join(vocabulary.known(kind))}"
+                    yield f"{name}: unknown {kind} {shown(word)}; known are {', '.join(vocabulary.known(kind))}"
         for field in self.fields:
             if isinstance(field, str) and field not in FIELD_OF:
-                yield f"fields: unknown field {shown(field)}; known are {', '.join(FIELD_OF)}, or give AnalyticField(...)"
+                yield (f"fields: unknown field {shown(field)}; known are {', '.join(FIELD_OF)}, "
+                       "or give AnalyticField(...)")
 
-    def _unused(self):
+    def _unused(self) -> Iterator[str]:
         """Yield choices that have no effect, or that need others."""
         if not self.laplacians and not self.gradients:
             yield "give laplacians=[...] or gradients=[...], or both"
@@ -210,13 +216,13 @@ def _list(values: object) -> object:
     return values
 
 
-def _some(values):
+def _some(values: Several) -> Several:
     if not values:
         raise ValueError("must be a list of at least one")
     return values
 
 
-def _each_once(values):
+def _each_once(values: Several) -> Several:
     twice: Optional[object] = next((value for value in values if list(values).count(value) > 1), None)
     if twice is not None:
         raise ValueError(f"{shown(twice)} is given twice: leave one of them out")

@@ -3,7 +3,6 @@
 import difflib
 import functools
 import hashlib
-import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 import parisph
 from parisph.base import vocabulary
 from parisph.base.errors import CaseError
+from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, named, shown
 from parisph.case import load as case_file
 from parisph.case import scales, size
@@ -89,7 +89,7 @@ class Prepared:
         return {"particles": particles, "steps": steps, "seconds": steps * seconds, "basis": basis}
 
 
-def prepare(study: Study, file: Path, sets: Sequence[str] = (), parts: Sequence[str | os.PathLike] = ()) -> list[Prepared]:
+def prepare(study: Study, file: Path, sets: Sequence[str] = (), parts: Sequence[AnyPath] = ()) -> list[Prepared]:
     """Return all runs of a study, each with its case. Not collective, needs no MPI.
 
     file : absolute path of the study file; sets : texts "name=value" of --set, for all runs
@@ -110,7 +110,8 @@ def prepare(study: Study, file: Path, sets: Sequence[str] = (), parts: Sequence[
             continue
         text = to_json(made)
         own = (str(case),) if vocabulary.outside() and case.suffix == ".py" else ()
-        found.append(Prepared(point, made, text, _key(text, point.ranks), (*(str(Path(part).resolve()) for part in parts), *own)))
+        needed = (*(str(Path(part).resolve()) for part in parts), *own)
+        found.append(Prepared(point, made, text, _key(text, point.ranks), needed))
         for line in _faults(study, made, file.parent):
             problems.setdefault(line, point)
     if problems:

@@ -1,7 +1,6 @@
 """Read a study file: Python with a `study`, or JSON. Errors name file and line."""
 
 import json
-import os
 import sys
 import traceback
 import types
@@ -19,8 +18,8 @@ from parisph.study.patch_study import PatchStudy
 def read(path: AnyPath) -> tuple[Study | PatchStudy, Path]:
     """Return the study that a file describes, and the absolute path of the file. Not collective, needs no MPI.
 
-    path : a Python file with `study = Study(...)` or `study = PatchStudy(...)`, or a function `study()` that returns one;
-        or a JSON file with the fields of a Study, or, with "kind": "patch", of a PatchStudy
+    path : a Python file with `study = Study(...)` or `study = PatchStudy(...)`, or a function `study()` that returns
+        one; or a JSON file with the fields of a Study, or, with "kind": "patch", of a PatchStudy
 
     Raises
     ------

@@ -2,8 +2,8 @@
 
     parisph study run_scripts/studies/gradients_at_boundaries.py
 
-About 10 s of CPU time. The gradients are those of Z17 (see z17_fig2_5_gradients.py) and `mixed`, that of ISPH_R here. On the surface
-the harmonic fit may replace them, which is of second order for pressure with lap p = 0.
+About 10 s of CPU time. The gradients are those of Z17 (see z17_fig2_5_gradients.py) and `mixed`, that of ISPH_R here.
+On the surface the harmonic fit may replace them, which is of second order for pressure with lap p = 0.
 """
 
 from parisph.study import PatchStudy, Sweep

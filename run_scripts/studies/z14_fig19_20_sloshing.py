@@ -3,12 +3,12 @@
     parisph study run_scripts/studies/z14_fig19_20_sloshing.py
     parisph study run_scripts/studies/z14_fig19_20_sloshing.py --only ISPH_R      two minutes of CPU time
 
-About half an hour of CPU time, for three starts. Errors are against nonlinear potential flow: of the wave part, relative
-to the wave alone; by the norm of Z14, relative to depth and wave together, for which the paper's own level is 10^-3.35.
-The table compares the CPU times of the methods at equal error, each at its best spacing and time step. All projections
-are stable with steps up to 0.18 sqrt(d/g), where the paper has 0.008 for ISPH_R and 0.002 for the others. The errors of
-ISPH and CISPH1 depend on the step alone, so they also take shorter ones, on coarse particles; SPH takes the steps that
-its sound allows. The paper's spacings s/d = 1/15, 1/25 and 1/50 do not divide the tank.
+About half an hour of CPU time, for three starts. Errors are against nonlinear potential flow: of the wave part,
+relative to the wave alone; by the norm of Z14, relative to depth and wave together, for which the paper's own level is
+10^-3.35. The table compares the CPU times of the methods at equal error, each at its best spacing and time step. All
+projections are stable with steps up to 0.18 sqrt(d/g), where the paper has 0.008 for ISPH_R and 0.002 for the others.
+The errors of ISPH and CISPH1 depend on the step alone, so they also take shorter ones, on coarse particles; SPH takes
+the steps that its sound allows. The paper's spacings s/d = 1/15, 1/25 and 1/50 do not divide the tank.
 """
 
 from parisph.study import OtherCodes, Study, TruthError, Variant

@@ -2,14 +2,16 @@
 
     parisph study run_scripts/studies/z14_fig1_3_laplacians.py
 
-About 20 s of CPU time. The paper's methods are sph (Eq 20a), cisph1 (Eqs 20b, 20c) and cisph2 (20b, 20d), with h = 1.8 s. Its
-square 2 <= x, y <= 3 is the unit square here, because the field has the period 1; particles are in it alone, so that supports
-are cut off for s = 0.1, and errors are those of 0.2 <= x, y <= 0.8. The paper has one random arrangement, here there are ten.
+About 20 s of CPU time. The paper's methods are sph (Eq 20a), cisph1 (Eqs 20b, 20c) and cisph2 (20b, 20d), with
+h = 1.8 s. Its square 2 <= x, y <= 3 is the unit square here, because the field has the period 1; particles are in it
+alone, so that supports are cut off for s = 0.1, and errors are those of 0.2 <= x, y <= 0.8. The paper has one random
+arrangement, here there are ten.
 """
 
 from parisph.study import Histogram, PatchStudy, Sweep
 
-METHODS = ["sph", "cisph1", "cisph2", "rankine", "rankine_quadratic", "gfd", "fatehi"]    # the first three are the paper's
+# The first three are the paper's.
+METHODS = ["sph", "cisph1", "cisph2", "rankine", "rankine_quadratic", "gfd", "fatehi"]
 SPACINGS = [1 / n for n in (10, 20, 30, 40, 50, 60, 70, 80, 90, 100)]
 
 study = PatchStudy(

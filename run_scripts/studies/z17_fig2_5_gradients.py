@@ -2,10 +2,10 @@
 
     parisph study run_scripts/studies/z17_fig2_5_gradients.py
 
-About 25 s of CPU time. The paper's methods are ISPH (Eq 25, symmetric), CISPH1 (Eqs 26-27, corrected), CISPH2 (Eq 28, spline) and
-CISPH3 (Eqs 29-32, sfdi). It counts all particles of the unit square, those at the rim too ("square"), and its Er divides the rms
-once more by sqrt(N). The disorder of its Fig 1 is k = 0.2; k = 0.8 is that of Z14. Beside it: the interior alone, with proper
-norms. The paper does not state its smoothing length; here it is 1.8 s, as in Z14.
+About 25 s of CPU time. The paper's methods are ISPH (Eq 25, symmetric), CISPH1 (Eqs 26-27, corrected), CISPH2 (Eq 28,
+spline) and CISPH3 (Eqs 29-32, sfdi). It counts all particles of the unit square, those at the rim too ("square"), and
+its Er divides the rms once more by sqrt(N). The disorder of its Fig 1 is k = 0.2; k = 0.8 is that of Z14. Beside it:
+the interior alone, with proper norms. The paper does not state its smoothing length; here it is 1.8 s, as in Z14.
 """
 
 from parisph.study import PatchStudy, Sweep

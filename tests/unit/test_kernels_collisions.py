@@ -16,8 +16,8 @@ def collided(pool, u, distance=0.85, restitution=0.2, volume=None, gradient=None
     gradient = np.zeros((pool.n, pool.dim, pool.dim)) if gradient is None else gradient
     change, number = np.full((pool.n, pool.dim), np.nan), np.full(pool.n, -1, np.int32)
     collisions.count_collisions(number, u, pool.x, pool.kind, distance * pool.spacing, *pool.csr)
-    pairs = collisions.pair_collisions(change, number, u, pool.x, gradient, pool.kind, volume, distance * pool.spacing, restitution,
-                                       *pool.csr)
+    pairs = collisions.pair_collisions(change, number, u, pool.x, gradient, pool.kind, volume, distance * pool.spacing,
+                                       restitution, *pool.csr)
     assert pairs == number.sum() or gradient.any() and pairs < number.sum()
     return change, pairs
 

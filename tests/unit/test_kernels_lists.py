@@ -50,7 +50,8 @@ def filtered(pool):
 def collided(pool):
     out, number, u = np.empty_like(pool.x), np.empty(pool.n, np.int32), U[: pool.n, : pool.dim].copy()
     collisions.count_collisions(number, u, pool.x, pool.kind, 0.9 * S, *pool.csr)
-    collisions.pair_collisions(out, number, u, pool.x, velocity_gradient(pool), pool.kind, np.ones(pool.n), 0.9 * S, 0.2, *pool.csr)
+    collisions.pair_collisions(out, number, u, pool.x, velocity_gradient(pool), pool.kind, np.ones(pool.n), 0.9 * S,
+                               0.2, *pool.csr)
     return out
 
 

@@ -48,7 +48,8 @@ def test_a_wrong_field_is_one_clear_error(fields, says):
 
 def test_disorder_is_that_of_the_papers():
     lattice, moved = arrangement.block(10, 0.0, 1), arrangement.block(10, 0.8, 1)
-    assert len(lattice.x) == 100 and np.allclose(lattice.x.min(axis=0), 0.05) and np.allclose(lattice.x.max(axis=0), 0.95)
+    assert len(lattice.x) == 100
+    assert np.allclose(lattice.x.min(axis=0), 0.05) and np.allclose(lattice.x.max(axis=0), 0.95)
     shift = (moved.x - lattice.x) / 0.1
     assert np.abs(shift).max() <= 0.4 and np.abs(shift).max() > 0.35 and abs(shift.mean()) < 0.05
     assert not np.array_equal(moved.x, arrangement.block(10, 0.8, 2).x)

@@ -48,15 +48,18 @@ def place(tmp_path, monkeypatch):
 
 
 def test_tasks_combine_everything_once():
-    found = tasks(study(laplacians=["gfd", "sph"], gradients=["mixed"], patches=["interior", "neumann"], wall_rows=["sfdi", "harmonic"],
+    found = tasks(study(laplacians=["gfd", "sph"], gradients=["mixed"], patches=["interior", "neumann"],
+                        wall_rows=["sfdi", "harmonic"],
                         sweeps=[Sweep(spacings=[0.1, 0.05], jitters=[0.0, 0.8]), Sweep(spacings=[0.1], jitters=[0.8])]))
-    assert len(found) == (3 + 2 * 2) * (2 + 2 * 2), "3 operators inside, 4 with walls; one seed of the lattice, two of the disorder"
+    # 3 operators inside, 4 with walls; one seed of the lattice, two of the disorder
+    assert len(found) == (3 + 2 * 2) * (2 + 2 * 2)
     assert len({task.described() for task in found}) == len(found)
     assert {task.operator.word for task in tasks(study(laplacians=["gfd", "sph"]), ["sph"])} == {"sph"}
 
 
 def test_gradients_that_replace_others_at_the_surface_are_curves_of_their_own():
-    found = tasks(study(laplacians=[], gradients=["mixed", "sfdi"], patches=["surface"], surface_gradients=["harmonic"]))
+    found = tasks(study(laplacians=[], gradients=["mixed", "sfdi"], patches=["surface"],
+                        surface_gradients=["harmonic"]))
     assert {task.operator.label for task in found} == {"mixed", "sfdi", "harmonic (at the surface)"}
 
 
@@ -74,7 +77,8 @@ def test_observed_order_and_spread():
 def test_patches_with_walls(patch):
     of = {"gradients": ["mixed"], "laplacians": []} if patch in ("walls", "surface") else {}
     made = carry_out(tasks(study(fields=["harmonic"], patches=[patch], **of))[-1], study())
-    assert made.lost == 0 and 0.0 < made.norms["L2"] < 0.1 and made.particles == {"walls": 94, "surface": 19}.get(patch, 361)
+    assert made.lost == 0 and 0.0 < made.norms["L2"] < 0.1
+    assert made.particles == {"walls": 94, "surface": 19}.get(patch, 361)
 
 
 def test_a_field_without_a_relative_error_says_so():
@@ -114,7 +118,8 @@ def test_command_writes_tables_and_pictures(place, capsys):
     assert len(lines) == len(content["tests"]) == 14 and content["missing"] == 0
     assert all(float(line["L2"]) > 0.0 for line in lines)
     counted = content["histograms"][0]["counts"]
-    assert set(counted) == {"gfd", "sph"} and len(counted["sph"]) == 2 and sum(counted["sph"][0]) > sum(counted["gfd"][0])
+    assert set(counted) == {"gfd", "sph"} and len(counted["sph"]) == 2
+    assert sum(counted["sph"][0]) > sum(counted["gfd"][0])
     text = (out / "results.md").read_text()
     assert "# Short patch" in text and "Fitted orders in the spacing" in text and text.count("\n## ") == 2
     assert "Fitted orders" in said.out and "[14/14]" in said.err
@@ -147,7 +152,8 @@ def test_a_part_from_outside(place, capsys):
     (place / "s.py").write_text(BRIEF.replace('"sph"', '"wide"'))
     assert execute(["study", "s.py", "--parts", "mine.py", "-q"]) == 0
     lines = json.loads((place / "studies" / "s" / "results.json").read_text())["tests"]
-    found = {name: [line["L2"] for line in lines if line["operator"] == name and line["patch"] == "interior"] for name in ("gfd", "wide")}
+    found = {name: [line["L2"] for line in lines if line["operator"] == name and line["patch"] == "interior"]
+             for name in ("gfd", "wide")}
     assert found["wide"] == pytest.approx(found["gfd"], rel=1e-9)
 
 
@@ -190,7 +196,8 @@ def test_ctrl_c_leaves_the_tables_of_what_is_done(place, monkeypatch, capsys):
     (dict(surface_gradients=["harmonic"]), "surface_gradients: need"),
     (dict(patches=["closed"], histograms=[Histogram(spacing=0.1, jitter=0.0)]), "histograms: need"),
     (dict(dim=4), "PatchStudy.dim = 4: must be"),
-    (dict(dim=3, sweeps=[Sweep(spacings=[1 / 200], jitters=[0.0])]), "spacing 0.005: must be at least 1/100 in 3 dimensions"),
+    (dict(dim=3, sweeps=[Sweep(spacings=[1 / 200], jitters=[0.0])]),
+     "spacing 0.005: must be at least 1/100 in 3 dimensions"),
     (dict(spacings=[0.1]), "PatchStudy has no field 'spacings'"),
     (dict(fields=[AnalyticField("mine", lambda x: x[:, 0])]), "field 'mine' has no laplacian="),
 ])

@@ -123,7 +123,10 @@ def test_cost_of_an_error_lies_between_the_points_of_the_front(level, cost):
 
 
 def test_methods_are_compared_at_equal_error(found):
-    """Errors are 4, CPU times 2 over the spacing: ISPH needs spacings smaller by the root of 3, and one start of it failed."""
+    """Errors are 4, CPU times 2 over the spacing: ISPH needs spacings smaller by the root of 3.
+
+    One start of it failed.
+    """
     study, _, made = found
     levels = study.model_copy(update={"levels": {"left": (0.04, 0.02, 0.001)}})
     swapped = [one for one in made if one.item.method == "ISPH_R"] + [one for one in made if one.item.method == "ISPH"]
