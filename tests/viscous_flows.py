@@ -92,7 +92,7 @@ def forced(amplitude, viscosity):
 
 
 def pushed(acceleration):
-    """Return the body force (x, y) that pushes fluid in the lower half to the right and fluid in the upper half to the left [m/s^2]."""
+    """Return the body force (x, y) [m/s^2] that pushes the lower half to the right, and the upper to the left."""
     return (f"{-acceleration!r}*tanh(1e9*(y - 0.5))", 0.0)
 
 
@@ -106,7 +106,8 @@ def started_by_a_push(y, time, viscosity, terms=50):
     z = np.where(y < h, y, 1.0 - y)
     found = 0.5 * z * (h - z)
     for m in range(1, 2 * terms, 2):
-        found -= 4.0 * h**2 / (np.pi * m) ** 3 * np.sin(np.pi * m * z / h) * np.exp(-viscosity * (np.pi * m / h) ** 2 * time)
+        q = np.pi * m / h
+        found -= 4.0 / (h * q**3) * np.sin(q * z) * np.exp(-viscosity * q**2 * time)
     return np.where(y < h, found, -found)
 
 
@@ -123,8 +124,9 @@ def wave_over_a_bed(k, depth, viscosity, sticky, g=9.81):
     """Return the rate of damping [1/s] and the frequency [rad/s] of a small standing wave, exactly.
 
     Linear waves of viscous water (as Lamb 1932, Art. 349, for deep water) are u = i k f + s', v = f' - i k s times
-    exp(i k x + c t), with f = A cosh(k y) + B sinh(k y) and s made of exp(-m y) and exp(m (y - d)), m^2 = k^2 + c/nu: no
-    velocity at a sticky bed, else no flow through it and no shear; at the surface no shear, and c^2 f + 2 nu c v' + g v = 0.
+    exp(i k x + c t), with f = A cosh(k y) + B sinh(k y) and s made of exp(-m y) and exp(m (y - d)), m^2 = k^2 + c/nu:
+    no velocity at a sticky bed, else no flow through it and no shear; at the surface no shear, and
+    c^2 f + 2 nu c v' + g v = 0.
     """
     def determinant(c):
         m = np.sqrt(k**2 + c / viscosity)
@@ -142,7 +144,8 @@ def wave_over_a_bed(k, depth, viscosity, sticky, g=9.81):
             conditions.append((2j * k * slope + (m**2 + k**2) * s, c**2 * f + 2.0 * viscosity * c * stretch + g * v))
         return conditions[0][0] * conditions[1][1] - conditions[0][1] * conditions[1][0]
 
-    last, c = 0.9j * np.sqrt(g * k * np.tanh(k * depth)), 1j * np.sqrt(g * k * np.tanh(k * depth)) - 2.0 * viscosity * k**2
+    free = 1j * np.sqrt(g * k * np.tanh(k * depth))
+    last, c = 0.9 * free, free - 2.0 * viscosity * k**2
     before = determinant(last)
     for _ in range(30):    # the secant method
         now = determinant(c)

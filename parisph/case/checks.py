@@ -59,8 +59,8 @@ def _surface(case):
         yield ("numerics.surface_rule = none: only for a tank with a lid that is full; "
                "choose gap, auxiliary, density, divergence or frozen, or leave it to the preset")
     else:
-        yield (f"numerics.preset = {case.numerics.preset}: looks for no free surface, only for a tank with a lid that is full; "
-               "choose violent or gentle, or give numerics.surface_rule")
+        yield (f"numerics.preset = {case.numerics.preset}: looks for no free surface, only for a tank with a lid "
+               "that is full; choose violent or gentle, or give numerics.surface_rule")
 
 
 def _spacing(case):

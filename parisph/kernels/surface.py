@@ -1,8 +1,8 @@
 """Density ratio, divergence of position, and which particles lie on the free surface.
 
 The gap rule and the auxiliary functions divide the plane into angles and work in 2D only; the density
-ratio and the divergence of position work in any dimension. Walls that do not touch the fluid (see wetness.py) must not count as
-neighbours: the caller gives them the kind ABSENT.
+ratio and the divergence of position work in any dimension. Walls that do not touch the fluid (see wetness.py)
+must not count as neighbours: the caller gives them the kind ABSENT.
 """
 
 import math

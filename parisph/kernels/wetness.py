@@ -65,8 +65,8 @@ def closing_walls(closing, role, x, u, force, kind, normal, spacing, dt, indptr,
 def touched_walls(touched, role, x, kind, normal, spacing, indptr, indices, axes) -> None:
     """Mark the owned wall particles whose friction fluid can feel: 1, else 0; fluid gets 1.
 
-    These are wet ones, those of the same wall within reach of a wet one (the wall goes on above the water line), and those
-    that fluid is closer to than FELT. All others, as of a lid above the water, are as near as neighbours, but behind air.
+    These are wet ones, those of the same wall within reach of a wet one (the wall goes on above the water line), and
+    those that fluid is closer to than FELT. All others, as of a lid above the water, may be near, but are behind air.
 
     touched : (n_owned,) output; role : (n_all,), of the step before
     """

@@ -40,7 +40,10 @@ class Viscous(Force):
         out += p.viscous_all
 
     def laplacian(self, out, flow, seen) -> None:
-        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2]. seen : (n_all,) kind, ABSENT for walls behind air."""
+        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2].
+
+        seen : (n_all,) kind, ABSENT for walls behind air
+        """
         p, d, s = flow.particles, flow.domain, flow.spacing
         viscous.corrected(out, p.u_all, p.nu_all, p.x_all, seen, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
                           lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
@@ -51,12 +54,13 @@ class Viscous(Force):
         return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
 
     def _update(self, flow):
-        """Send what the Laplacian needs to the ghosts; return kind (n_all,), ABSENT for walls behind air. Collective."""
+        """Send what the Laplacian needs to ghosts; return kind (n_all,), ABSENT for walls behind air. Collective."""
         p, d = flow.particles, flow.domain
         if "touched" not in p.fields:    # a full closed tank, all of whose walls are wet
             d.update("u", "nu", "role")
             return p.kind_all
-        wetness.touched_walls(p.touched, p.role_all, p.x_all, p.kind_all, p.normal_all, flow.spacing, d.indptr, d.indices, flow.axes)
+        wetness.touched_walls(p.touched, p.role_all, p.x_all, p.kind_all, p.normal_all, flow.spacing,
+                              d.indptr, d.indices, flow.axes)
         d.update("u", "nu", "role", "touched")
         return np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all)
 

@@ -76,8 +76,8 @@ class AngularGap(Surface):
 class Auxiliary(Surface):
     """Three auxiliary functions of the neighbours' places.
 
-    Density is one of its conditions. On particles jittered by 0.8 spacings some of those below the surface seem to be on it,
-    and water at rest moves with 0.1 sqrt(g d); jittered by 0.4, it rests.
+    Density is one of its conditions. On particles jittered by 0.8 spacings some of those below the surface seem to be
+    on it, and water at rest moves with 0.1 sqrt(g d); jittered by 0.4, it rests.
     """
 
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
@@ -92,8 +92,8 @@ class Auxiliary(Surface):
 class DensityRatio(Surface):
     """Density ratio below .9.
 
-    Of particles jittered by 0.4 spacings some below the surface seem to be on it (Z14 Fig 5 shows the same), and water at rest
-    moves with 0.03 sqrt(g d); by 0.8, it may leave the tank. Jittered by 0.2, it rests.
+    Of particles jittered by 0.4 spacings some below the surface seem to be on it (Z14 Fig 5 shows the same), and water
+    at rest moves with 0.03 sqrt(g d); by 0.8, it may leave the tank. Jittered by 0.2, it rests.
     """
 
     name, source, fields = "density", "Z14 Sec 2.4", ("closing", "alpha")

@@ -8,7 +8,8 @@ from parisph.base.table import read_reference
 from parisph.study import Function
 
 COMPUTED = Path(__file__).resolve().parents[2] / "cases" / "computed"
-LINES = {"u": ("vertical", "cavity_u.csv", "y"), "v": ("horizontal", "cavity_v.csv", "x")}    # component: probe, file, column
+# component: probe, file, column
+LINES = {"u": ("vertical", "cavity_u.csv", "y"), "v": ("horizontal", "cavity_v.csv", "x")}
 MEAN = 10.0     # lid times
 
 

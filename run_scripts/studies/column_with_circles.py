@@ -1,4 +1,4 @@
-"""The falling column with three radii of the circle over which ISPH_R takes its mean: the case of z14_fig10_circle.py."""
+"""The falling column with three radii of the circle of ISPH_R: the case of z14_fig10_circle.py."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The start-up of Couette and Poiseuille flow: observed orders, with steps in proportion to the square of the spacing."""
+"""The start-up of Couette and Poiseuille flow: observed orders, with steps in proportion to s^2."""
 
 import numpy as np
 import pytest
@@ -21,8 +21,8 @@ def error(exact, prepare=None, **sets):
 def test_couette_flow_starts(form, speed):
     """Far from the ends of a tank whose lid has no jump of the velocity there.
 
-    With the lid's speed of 1 m/s, particles below it move by up to two spacings. The form of Morris is not consistent on
-    particles that have left their lattice: its orders are then 1.1 and 1.0, and its last error 7e-4.
+    With the lid's speed of 1 m/s, particles below it move by up to two spacings. The form of Morris is not consistent
+    on particles that have left their lattice: its orders are then 1.1 and 1.0, and its last error 7e-4.
     """
     cells = np.array([10, 20, 40])
     exact = speed * flows.started_by_a_lid(Y, 0.05, 1.0)
@@ -33,7 +33,10 @@ def test_couette_flow_starts(form, speed):
 
 @pytest.mark.parametrize("form", ["viscous", "viscous_morris"])
 def test_poiseuille_flow_starts(form):
-    """In two halves of a channel, because a closed tank has no flux. No particle is in the middle, where the push changes its sign."""
+    """In two halves of a channel, because a closed tank has no flux.
+
+    No particle is in the middle, where the push changes its sign.
+    """
     cells, nu, time, push = np.array([11, 21, 41]), 0.1, 0.25, 1.0
     exact = push / nu * flows.started_by_a_push(Y, time, nu)
     errors = [error(exact, spacing=1.0 / n, viscosity=nu, end_time=time, gravity=flows.pushed(push), max_time_step=time,

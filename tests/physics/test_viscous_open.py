@@ -14,14 +14,16 @@ DEPTH, WIDTH = 0.5, 2.0
 G, K = 9.81, np.pi / WIDTH
 
 
-def open_tank(viscosity, width=1.0, cells=10, top=1.5 * DEPTH, lid=False, no_slip=True, elevation=None, form="viscous", **numerics):
+def open_tank(viscosity, width=1.0, cells=10, top=1.5 * DEPTH, lid=False, no_slip=True, elevation=None, form="viscous",
+              **numerics):
     """Return the Case of an open tank, or of one with a lid above the water."""
     s = DEPTH / cells
     step = min(0.01 * 10 / cells, 0.4 * s * s / viscosity)
-    return Case(title="tank", fluid=Fluid(Box(width=width, height=DEPTH), density=1000.0, viscosity=viscosity, elevation=elevation),
+    fluid = Fluid(Box(width=width, height=DEPTH), density=1000.0, viscosity=viscosity, elevation=elevation)
+    return Case(title="tank", fluid=fluid, probes=[SurfaceGauge("end", at=0.0)],
                 walls=Tank(width=width, height=top, lid=lid, no_slip=no_slip), gravity=(0.0, -G), end_time=100.0,
-                numerics=Numerics(**{"spacing": s, "preset": "gentle", "time_step": step, "rtol": 1e-9, "forces": ("body", form), **numerics}),
-                probes=[SurfaceGauge("end", at=0.0)])
+                numerics=Numerics(**{"spacing": s, "preset": "gentle", "time_step": step, "rtol": 1e-9,
+                                      "forces": ("body", form), **numerics}))
 
 
 def fastest(case, steps):
@@ -35,7 +37,8 @@ def fastest(case, steps):
 
 
 @pytest.mark.parametrize("form", ["viscous", "viscous_morris"])
-@pytest.mark.parametrize(("preset", "no_slip", "jitter"), [("violent", True, 0.4), ("gentle", ("left", "bottom"), 0.4), ("gentle", False, 0.0)])
+@pytest.mark.parametrize(("preset", "no_slip", "jitter"), [
+    ("violent", True, 0.4), ("gentle", ("left", "bottom"), 0.4), ("gentle", False, 0.0)])
 def test_viscous_water_rests_in_an_open_tank(preset, no_slip, jitter, form):
     assert fastest(open_tank(0.01, no_slip=no_slip, preset=preset, jitter=jitter, seed=1, form=form), 200) < 1e-8
 
@@ -50,7 +53,8 @@ def test_a_lid_does_not_drive_water_across_air(preset, gap, form):
 
 def test_a_lid_drives_the_water_that_it_touches():
     """A column that fills one half of the tank up to the lid."""
-    case = open_tank(0.01, top=DEPTH, lid=Lid(1.0)).changed(**{"fluid.shape": Box(width=0.5, height=DEPTH), "gravity": (0.0, 0.0)})
+    case = open_tank(0.01, top=DEPTH, lid=Lid(1.0)).changed(
+        **{"fluid.shape": Box(width=0.5, height=DEPTH), "gravity": (0.0, 0.0)})
     s = Simulation(case, MPI.COMM_SELF)
     for _ in range(20):
         s.advance()
@@ -67,7 +71,7 @@ def test_a_lid_below_the_surface_is_refused():
 
 
 def damping(viscosity, no_slip):
-    """Return the rate [1/s] at which a standing wave, one half of its length in the tank, loses its height, from t = 1 to 8 s."""
+    """Return the rate [1/s] at which a standing wave, half a length in the tank, is damped from t = 1 to 8 s."""
     case = open_tank(viscosity, width=WIDTH, no_slip=no_slip, elevation=f"0.01*cos(pi*x/{WIDTH})")
     s = Simulation(case, MPI.COMM_SELF)
     gauge, found = instruments.build(case, s.comm)[:1], []
@@ -88,7 +92,7 @@ def test_the_exact_waves_have_the_rates_of_boundary_layers():
 
 
 def test_a_sticky_bed_damps_a_wave():
-    """What it adds, against exact linear waves; its layer of 0.1 m is two spacings thick. With half the spacing it errs by 7 %."""
+    """What it adds, against exact linear waves; its layer is two spacings thick. With four it errs by 7 %."""
     nu = 0.0159
     exact = flows.wave_over_a_bed(K, DEPTH, nu, True)[0] - flows.wave_over_a_bed(K, DEPTH, nu, False)[0]
     assert damping(nu, ("bottom",)) - damping(nu, False) == pytest.approx(exact, rel=0.15)
@@ -97,14 +101,16 @@ def test_a_sticky_bed_damps_a_wave():
 def test_sticky_sides_damp_a_wave():
     """What they add, against their laminar layers, of one spacing here and without the motion of the water line."""
     nu, omega = 0.004, np.sqrt(G * K * np.tanh(K * DEPTH))
-    rate = omega**2 * np.sqrt(2.0 * nu * omega) * (np.sinh(2.0 * K * DEPTH) / (4.0 * K) - 0.5 * DEPTH) / (G * WIDTH * np.sinh(K * DEPTH) ** 2)
+    moved = (np.sinh(2.0 * K * DEPTH) / (4.0 * K) - 0.5 * DEPTH) / np.sinh(K * DEPTH) ** 2     # of squares on a side [m]
+    rate = omega**2 * np.sqrt(2.0 * nu * omega) * moved / (G * WIDTH)
     assert 0.6 < (damping(nu, True) - damping(nu, ("bottom",))) / rate < 1.8
 
 
 RANKS = """
 from tests.physics.test_viscous_open import DEPTH, Lid, open_tank
 for form in ("viscous", "viscous_morris"):
-    case = open_tank(0.01, top=1.1 * DEPTH, lid=Lid(1.0), elevation="0.04*cos(pi*x)", form=form, preset="violent", rtol=1e-13)
+    case = open_tank(0.01, top=1.1 * DEPTH, lid=Lid(1.0), elevation="0.04*cos(pi*x)", form=form, preset="violent",
+                     rtol=1e-13)
     s = Simulation(case, comm)
     for _ in range(20):
         s.advance()

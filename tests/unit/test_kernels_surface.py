@@ -387,7 +387,7 @@ def test_divergence_on_a_lattice_with_a_surface():
     a = np.arange(-2, 3)
     r = np.hypot(*np.meshgrid(a, a, indexing="ij"))
     q = r / h
-    slope = np.where(q < 1.0, 1.5 * q**2 - 2.0 * q, np.where(q < 2.0, -0.5 * (2.0 - q) ** 2, 0.0))     # of W, over the scale
+    slope = np.where(q < 1.0, 1.5 * q**2 - 2.0 * q, np.where(q < 2.0, -0.5 * (2.0 - q) ** 2, 0.0))     # of W
     part_of = -15.0 / (7.0 * np.pi * h**2) * slope * q
     found = divergence(pool)
     assert found[pool.at(7, 10)] == pytest.approx(part_of[:, :3].sum(), rel=1e-12)
