@@ -4,8 +4,8 @@
 
 About eight minutes of CPU time, most of it for the finer ones. The radius R is no number of a case, because nothing
 else was ever needed: each radius is a Laplacian of its own, which `column_with_circles.py` registers. Both rows and
-divergence are means over the circle. Moving least squares take neighbours within 2.1 s of the particle, so that a larger
-circle has fewer of them outside. Front and P1 are the figure. At H/s = 40 the errors of the front are 0.0137, 0.0138 and
+divergence are means over the circle. Moving least squares take neighbours within 2.1 s of the particle, so a larger
+circle has fewer of them outside. Front and P1 are the figure. At H/s = 40, errors of the front are 0.0137, 0.0138 and
 0.0139: as the paper says, no difference is to be seen.
 """
 

@@ -101,7 +101,7 @@ def test_a_sticky_bed_damps_a_wave():
 def test_sticky_sides_damp_a_wave():
     """What they add, against their laminar layers, of one spacing here and without the motion of the water line."""
     nu, omega = 0.004, np.sqrt(G * K * np.tanh(K * DEPTH))
-    moved = (np.sinh(2.0 * K * DEPTH) / (4.0 * K) - 0.5 * DEPTH) / np.sinh(K * DEPTH) ** 2     # of squares on a side [m]
+    moved = (np.sinh(2.0 * K * DEPTH) / (4.0 * K) - 0.5 * DEPTH) / np.sinh(K * DEPTH) ** 2    # mean square times length
     rate = omega**2 * np.sqrt(2.0 * nu * omega) * moved / (G * WIDTH)
     assert 0.6 < (damping(nu, True) - damping(nu, ("bottom",))) / rate < 1.8
 
