@@ -9,6 +9,7 @@ from parisph.base.fields import FLUID, INNER
 from parisph.case.methods import METHODS
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.driver.simulation import Simulation
+from parisph.methods import regularising
 from parisph.methods.catalogue import Parts
 from parisph.methods.parts import (
     DIVERGENCES,
@@ -149,7 +150,8 @@ def test_position_projection_spreads_what_is_too_dense():
     before = p.alpha.copy()
     simulation.method.start(0.0)
     flow.strained = np.ones(p.n_owned)
-    simulation.method._regularise(parts.position_regularisers, 0.001)
+    regularising.prepare(flow, parts.position_regularisers, 0.001)
+    regularising.change(flow, parts.position_regularisers, 0.001)
     simulation.domain.refresh()
     classify(flow, parts.surface, 0.001)
     inner = middle & (before > 1.02)
