@@ -59,7 +59,7 @@ def exact_centre(a: float, b: float) -> float:
 
 
 def _astray(p, axes, depth, inner):
-    """Return how many particles inside the ellipse are no inner ones: of those that were at the start, and of others."""
+    """Return how many particles in the ellipse are no inner ones: of those that were at the start, and of others."""
     deep = ((p.x / (axes - depth)) ** 2).sum(axis=1) < 1.0
     astray = deep & (p.role != INNER)
     return np.count_nonzero(astray & inner), np.count_nonzero(astray & ~inner)
