@@ -1,5 +1,7 @@
 """Cell sort and neighbour lists."""
 
+import math
+
 import numpy as np
 
 from parisph.kernels.jit import axes_of, kernel
@@ -116,5 +118,56 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
                     d2 += (place[m, a] - x[i, a]) ** 2
                 indices[n] = member[m]
                 n += (d2 < r2) & (member[m] != i)
+        indptr[i + 1] = n
+    return indptr, indices[:n]
+
+
+def nearby(x, others, radius):
+    """Return for points x (n, dim) [m] which of the others (m, dim) [m] are within the radius [m], as CSR.
+
+    Returns indptr (n + 1,) int32, indices (nnz,) int32. Raises ValueError as `neighbour_lists`.
+    """
+    x, others = np.ascontiguousarray(x), np.ascontiguousarray(others)
+    if not radius > 0.0:
+        raise ValueError(f"radius {radius} must be positive")
+    if len(others) == 0 or len(x) == 0:
+        return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
+    lower = others.min(axis=0)
+    extent = others.max(axis=0) - lower
+    if not (np.isfinite(extent).all() and np.isfinite(x).all()):
+        raise ValueError("a position, or the distance of two points, is not finite")
+    counts, size = _grid(extent, radius, len(others))
+    axes = axes_of(x.shape[1])
+    start, member = _sort(others, lower, size, counts, axes)
+    return _search_nearby(x, others, radius, lower, size, counts, start, member, axes)
+
+
+@kernel
+def _search_nearby(x, others, radius, lower, size, counts, start, member, axes):
+    dim = len(axes)
+    indptr = np.zeros(len(x) + 1, np.int32)
+    indices = np.empty(4 * len(others) + 256, np.int32)
+    n = 0
+    for i in range(len(x)):
+        for block in range(3**dim):
+            rest, cell, inside = block, 0, True
+            for a in range(dim):
+                k = math.floor((x[i, a] - lower[a]) / size) + rest % 3 - 1
+                rest //= 3
+                inside = inside and 0 <= k < counts[a]
+                cell = cell * counts[a] + int(k)
+            if not inside:
+                continue
+            for m in range(start[cell], start[cell + 1]):
+                d2 = 0.0
+                for a in range(dim):
+                    d2 += (others[member[m], a] - x[i, a]) ** 2
+                if d2 < radius * radius:
+                    if n == len(indices):
+                        larger = np.empty(2 * n, np.int32)
+                        larger[:n] = indices
+                        indices = larger
+                    indices[n] = member[m]
+                    n += 1
         indptr[i + 1] = n
     return indptr, indices[:n]
