@@ -165,10 +165,10 @@ def _crosses_triangle(p, q, e, corners):
     before, slant = nx * px + ny * py + nz * pz, nx * dx + ny * dy + nz * dz
     if (before > 0.0) == (before + slant > 0.0):
         return False
-    # p + t d = u-side, v-side (Moller & Trumbore 1997)
+    # p + t d = corner + b u + c v (Moller & Trumbore 1997)
     wx, wy, wz = py * dz - pz * dy, pz * dx - px * dz, px * dy - py * dx
-    b = -(vx * wx + vy * wy + vz * wz) / -slant
-    c = (ux * wx + uy * wy + uz * wz) / -slant
+    b = -(vx * wx + vy * wy + vz * wz) / slant
+    c = (ux * wx + uy * wy + uz * wz) / slant
     return b >= -SLACK and c >= -SLACK and b + c <= 1.0 + SLACK
 
 
