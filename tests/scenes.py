@@ -8,7 +8,7 @@ from parisph.base.fields import FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.bodies import StillWater
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import WallMesh, wall_mesh
-from parisph.kernels import completion, solids
+from parisph.kernels import density, solids
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
 
@@ -37,7 +37,7 @@ class Scene:
             self.present = self.corners.mean(axis=1)[:, -1] < self.level
             dry = (self.kind == WALL) & (self.x[:, -1] > self.level + 1.01 * s)
             self.weight[dry], self.area[dry] = 0.0, 0.0
-        self.table = completion.table(s, 1.3 * s, dim)
+        self.table = density.table(s, 1.3 * s, dim)
 
     @property
     def dim(self):
@@ -62,11 +62,11 @@ class Scene:
 
     def alpha(self):
         """Return the completed density ratio of the fluid (n,)."""
-        return self._completed(completion.completed_density, np.empty(len(self.x)))
+        return self._completed(density.completed_density, np.empty(len(self.x)))
 
     def gradient(self):
         """Return its gradient (n, dim) [1/m]."""
-        return self._completed(completion.completed_gradient, np.empty(self.x.shape))
+        return self._completed(density.completed_gradient, np.empty(self.x.shape))
 
 
 def filled(shape, walls, spacing):

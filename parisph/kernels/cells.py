@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from parisph.kernels.jit import axes_of, kernel
+from parisph.kernels.jit import axes_of, inlined, kernel
 
 
 def neighbour_lists(x, n_owned, radius):
@@ -132,42 +132,64 @@ def nearby(x, others, radius):
         raise ValueError(f"radius {radius} must be positive")
     if len(others) == 0 or len(x) == 0:
         return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
-    lower = others.min(axis=0)
-    extent = others.max(axis=0) - lower
-    if not (np.isfinite(extent).all() and np.isfinite(x).all()):
+    lower, upper = (np.array([f(column) for column in others.T]) for f in (np.min, np.max))
+    if not (np.isfinite(upper - lower).all() and np.isfinite(x.sum())):
         raise ValueError("a position, or the distance of two points, is not finite")
-    counts, size = _grid(extent, radius, len(others))
+    counts, size = _grid(upper - lower, radius, len(others))
     axes = axes_of(x.shape[1])
+    lower, counts = lower - size, counts + 2    # empty cells all around
     start, member = _sort(others, lower, size, counts, axes)
-    return _search_nearby(x, others, radius, lower, size, counts, start, member, axes)
+    return _search_nearby(x, others, radius, lower, size, counts, start, member, _beside(start, counts, axes), axes)
 
 
 @kernel
-def _search_nearby(x, others, radius, lower, size, counts, start, member, axes):
+def _beside(start, counts, axes):
+    """Return which cells have a point in themselves or in a cell beside them, (cells,) bool."""
+    found = np.zeros(len(start) - 1, np.bool_)
+    for cell in range(len(found)):
+        if start[cell] < start[cell + 1]:
+            for block in range(3 ** len(axes)):
+                found[cell + _step(block, counts, axes)] = True
+    return found
+
+
+@inlined
+def _step(block, counts, axes):
+    """Return by how much the number of a cell differs from that of one of the 3^dim cells around it."""
+    step = 0
+    for a in range(len(axes)):
+        step = step * counts[a] + block % 3 - 1
+        block //= 3
+    return step
+
+
+@kernel
+def _search_nearby(x, others, radius, lower, size, counts, start, member, beside, axes):
     dim = len(axes)
     indptr = np.zeros(len(x) + 1, np.int32)
     indices = np.empty(4 * len(others) + 256, np.int32)
     n = 0
     for i in range(len(x)):
-        for block in range(3**dim):
-            rest, cell, inside = block, 0, True
-            for a in range(dim):
-                k = math.floor((x[i, a] - lower[a]) / size) + rest % 3 - 1
-                rest //= 3
-                inside = inside and 0 <= k < counts[a]
-                cell = cell * counts[a] + int(k)
-            if not inside:
-                continue
-            for m in range(start[cell], start[cell + 1]):
-                d2 = 0.0
-                for a in range(dim):
-                    d2 += (others[member[m], a] - x[i, a]) ** 2
-                if d2 < radius * radius:
-                    if n == len(indices):
-                        larger = np.empty(2 * n, np.int32)
-                        larger[:n] = indices
-                        indices = larger
-                    indices[n] = member[m]
-                    n += 1
+        cell, inside = 0, True
+        for a in range(dim):
+            k = math.floor((x[i, a] - lower[a]) / size)
+            inside = inside and 0 <= k < counts[a]
+            cell = cell * counts[a] + int(k)
+        if inside and beside[cell]:
+            for block in range(3**dim):
+                there = cell + _step(block, counts, axes)
+                if not 0 <= there < len(beside):
+                    continue
+                for m in range(start[there], start[there + 1]):
+                    d2 = 0.0
+                    for a in range(dim):
+                        d2 += (others[member[m], a] - x[i, a]) ** 2
+                    if d2 < radius * radius:
+                        if n == len(indices):
+                            larger = np.empty(2 * n, np.int32)
+                            larger[:n] = indices
+                            indices = larger
+                        indices[n] = member[m]
+                        n += 1
         indptr[i + 1] = n
     return indptr, indices[:n]

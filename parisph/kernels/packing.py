@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER
-from parisph.kernels.completion import Table, completed_gradient
+from parisph.kernels.density import Table, completed_gradient
 from parisph.kernels.jit import axes_of, kernel
 from parisph.kernels.shifting import fick_shift
 from parisph.kernels.solids import keep_off_solids
@@ -25,7 +25,7 @@ def pack(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, 
     Particles of other roles stay. Fluid that fills a lattice in front of flat walls stays, too.
 
     kind, role, weight : (n_all,); area : (n_all, dim); corners : (M, dim, dim) [m]; present : (M,) bool; as for
-        completion.completed_density. Walls above the water should not count: elements above its level, and nodes
+        density.completed_density. Walls above the water should not count: elements above its level, and nodes
         more than a spacing above it. Then the surface has no gradient at the walls.
     lists : called before each step, brings the ghosts in x up to date, and returns the indptr, indices of the neighbours of
         the owned particles that are visible, and those of their elements; collective if there are other ranks

@@ -27,53 +27,52 @@ def element_lists(x: np.ndarray, corners: np.ndarray, normal: np.ndarray, radius
     axes = axes_of(x.shape[1])
     if len(corners) == 0:
         return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
-    middle = corners.mean(axis=1)
-    size = np.sqrt(((corners - middle[:, None]) ** 2).sum(axis=2).max())
+    middle = np.empty((len(corners), len(axes)))
+    size = _middles(middle, corners, axes)
     indptr, indices = nearby(x, middle, radius + size)
-    seen = np.empty(len(indices), np.bool_)
-    _unhidden(seen, x, normal, corners, radius, LIFT * spacing, indptr, indices, axes)
-    return kept(indptr, indices, seen)
+    return indptr, indices[: _keep_unhidden(indptr, indices, x, normal, corners, radius, LIFT * spacing, axes)]
 
 
 def visible_lists(x, normal, corners, spacing, element_indptr, element_indices, indptr, indices):
-    """Return neighbour lists without those neighbours that are behind a wall: new indptr, indices.
+    """Return neighbour lists without those neighbours that are behind a wall; the lists given are used up.
 
     normal : (n_all, dim), 0 for fluid; the element lists must reach as far as the neighbour lists do
     """
-    seen = np.empty(len(indices), np.bool_)
-    visible(seen, x, normal, corners, LIFT * spacing, element_indptr, element_indices, indptr, indices, axes_of(x.shape[1]))
-    return kept(indptr, indices, seen)
-
-
-def kept(indptr, indices, keep):
-    """Return CSR lists of those entries that are kept, (nnz,) bool."""
-    before = np.concatenate([[0], np.cumsum(keep)])
-    return before[indptr].astype(np.int32), indices[keep]
+    n = keep_visible(indptr, indices, x, normal, corners, LIFT * spacing, element_indptr, element_indices, axes_of(x.shape[1]))
+    return indptr, indices[:n]
 
 
 @kernel
-def visible(seen, x, normal, corners, lift, element_indptr, element_indices, indptr, indices, axes) -> None:
-    """Write whether each neighbour is seen: no element is crossed by the line between the two particles.
+def keep_visible(indptr, indices, x, normal, corners, lift, element_indptr, element_indices, axes) -> int:
+    """Leave in the lists, in place, the neighbours that are seen: no element is crossed by the line between the two particles.
 
     The ends at nodes are lifted off the wall by `lift` [m] along the normal. A line that crosses a solid goes through its front
     once, in one of the two directions, so that both particles of a pair come to the same decision.
 
-    seen : (nnz,) bool output
+    Returns the number of neighbours that are left.
     """
     p, q = np.empty(len(axes)), np.empty(len(axes))
+    n, begin = 0, indptr[0]
     for i in range(len(indptr) - 1):
+        end = indptr[i + 1]
         first, last = element_indptr[i], element_indptr[i + 1]
         if first == last:
-            for k in range(indptr[i], indptr[i + 1]):
-                seen[k] = True
-            continue
-        _lifted(p, i, x, normal, lift, axes)
-        for k in range(indptr[i], indptr[i + 1]):
-            _lifted(q, indices[k], x, normal, lift, axes)
-            free = True
-            for m in range(first, last):
-                free = free and not _crosses(p, q, element_indices[m], corners, axes)
-            seen[k] = free
+            for k in range(begin, end):
+                indices[n] = indices[k]
+                n += 1
+        else:
+            _lifted(p, i, x, normal, lift, axes)
+            for k in range(begin, end):
+                j = indices[k]
+                _lifted(q, j, x, normal, lift, axes)
+                free = True
+                for m in range(first, last):
+                    free = free and not _crosses(p, q, element_indices[m], corners, axes)
+                indices[n] = j
+                n += free
+        begin = end
+        indptr[i + 1] = n
+    return n
 
 
 @inlined
@@ -83,27 +82,55 @@ def _lifted(p, i, x, normal, lift, axes):
 
 
 @kernel
-def _unhidden(seen, x, normal, corners, radius, lift, indptr, indices, axes):
-    """Write which listed elements are within the radius of a point, and not hidden: their middle, lifted off, is seen."""
+def _middles(middle, corners, axes):
+    """Write the middles of elements; return the greatest distance of a corner from its middle [m]."""
+    dim, size2 = len(axes), 0.0
+    for e in range(len(corners)):
+        for a in range(dim):
+            middle[e, a] = 0.0
+            for c in range(dim):
+                middle[e, a] += corners[e, c, a] / dim
+        for c in range(dim):
+            apart2 = 0.0
+            for a in range(dim):
+                apart2 += (corners[e, c, a] - middle[e, a]) ** 2
+            size2 = max(size2, apart2)
+    return math.sqrt(size2)
+
+
+@kernel
+def _keep_unhidden(indptr, indices, x, normal, corners, radius, lift, axes) -> int:
+    """Leave in the lists, in place, elements within the radius of a point that are not hidden: their middle, lifted off, is seen.
+
+    Elements that a point is behind stay, so that fluid cannot pass them. Returns the number that are left.
+    """
     dim = len(axes)
     p, q, n, foot = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
+    left, begin, free = 0, indptr[0], np.empty(256, np.bool_)
     for i in range(len(indptr) - 1):
+        end = indptr[i + 1]
         _lifted(p, i, x, normal, lift, axes)
-        for k in range(indptr[i], indptr[i + 1]):
+        if end - begin > len(free):
+            free = np.empty(2 * (end - begin), np.bool_)
+        for k in range(begin, end):
             e = indices[k]
-            seen[k] = False
             nearest_point(foot, p, e, corners, axes)
-            if _apart2(foot, p, axes) > radius * radius:
+            free[k - begin] = _apart2(foot, p, axes) <= radius * radius
+            element_normal(n, e, corners, axes)
+            if not free[k - begin] or _height(p, e, n, corners, axes) <= 0.0:
                 continue
-            area = element_normal(n, e, corners, axes)
             for a in range(dim):
                 q[a] = lift * n[a]
                 for c in range(dim):
                     q[a] += corners[e, c, a] / dim
-            free = area > 0.0
-            for m in range(indptr[i], indptr[i + 1]):
-                free = free and (m == k or not _crosses(p, q, indices[m], corners, axes))
-            seen[k] = free or _height(p, e, n, corners, axes) <= 0.0    # who is behind it must not pass it
+            for m in range(begin, end):
+                free[k - begin] = free[k - begin] and (m == k or not _crosses(p, q, indices[m], corners, axes))
+        for k in range(begin, end):
+            indices[left] = indices[k]
+            left += free[k - begin]
+        begin = end
+        indptr[i + 1] = left
+    return left
 
 
 @inlined
