@@ -193,3 +193,61 @@ def _search_nearby(x, others, radius, lower, size, counts, start, member, beside
                         n += 1
         indptr[i + 1] = n
     return indptr, indices[:n]
+
+
+def nearest_points(x, places, spacing):
+    """Return for each place (m, dim) [m] the number (m,) of the nearest of the points x (n, dim) [m], the first of equals.
+
+    spacing : [m] about the distance between neighbouring points. Raises ValueError if there is no point, or one is not finite.
+    """
+    x, places = np.ascontiguousarray(x), np.ascontiguousarray(places)
+    if len(x) == 0:
+        raise ValueError("there is no point")
+    lower, upper = (np.array([f(column) for column in x.T]) for f in (np.min, np.max))
+    if not (np.isfinite(upper - lower).all() and np.isfinite(places.sum())):
+        raise ValueError("a position, or the distance of two points, is not finite")
+    counts, size = _grid(upper - lower, spacing, len(x))
+    axes = axes_of(x.shape[1])
+    start, member = _sort(x, lower, size, counts, axes)
+    found = np.empty(len(places), np.int64)
+    _search_nearest(found, x, places, lower, size, counts, start, member, axes)
+    return found
+
+
+@kernel
+def _search_nearest(found, x, places, lower, size, counts, start, member, axes):
+    dim, last = len(axes), counts.max()
+    home = np.empty(dim, np.int64)
+    for i in range(len(places)):
+        away = 0    # cells between the place and the grid
+        for a in range(dim):
+            home[a] = math.floor((places[i, a] - lower[a]) / size)
+            away = max(away, -home[a], home[a] - counts[a] + 1)
+        best, ring = math.inf, away
+        while ring <= last + away and best > ((ring - 1) * size) ** 2 * (ring > 0):
+            best = _nearest_in_ring(found, best, i, home, ring, x, places, counts, start, member, axes)
+            ring += 1
+
+
+@inlined
+def _nearest_in_ring(found, best, i, home, ring, x, places, counts, start, member, axes):
+    """Look at the points in the cells that are `ring` cells away from the home of a place; return the least square distance."""
+    dim, side = len(axes), 2 * ring + 1
+    for block in range(side**dim):
+        rest, cell, edge, inside = block, 0, False, True
+        for a in range(dim):
+            step = rest % side - ring
+            rest //= side
+            edge = edge or abs(step) == ring
+            k = home[a] + step
+            inside = inside and 0 <= k < counts[a]
+            cell = cell * counts[a] + k
+        if not (edge and inside):
+            continue
+        for m in range(start[cell], start[cell + 1]):
+            d2 = 0.0
+            for a in range(dim):
+                d2 += (x[member[m], a] - places[i, a]) ** 2
+            if d2 < best or (d2 == best and member[m] < found[i]):
+                best, found[i] = d2, member[m]
+    return best

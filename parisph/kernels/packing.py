@@ -1,10 +1,14 @@
-"""Packing: fluid that fills a scene moves away from where it is crowded, until it lies evenly between slopes and surface."""
+"""Packing: fluid that fills a scene moves away from where it is crowded, until it lies evenly between slopes and surface.
 
-from collections.abc import Callable
+Then each particle gets the volume of all places to which it is nearest.
+"""
+
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER
+from parisph.kernels.cells import nearest_points
 from parisph.kernels.density import Table, completed_gradient
 from parisph.kernels.jit import axes_of, kernel
 from parisph.kernels.shifting import fick_shift
@@ -63,3 +67,16 @@ def level_off(move, x, kind, role, reach, indptr, indices, axes) -> None:
                 if r2 < reach * reach:
                     move[i, last] = 0.0
                     break
+
+
+def volumes(x: np.ndarray, samples: Iterable[tuple[np.ndarray, np.ndarray]], spacing: float) -> np.ndarray:
+    """Return the volume (n,) [m^dim] of the places that are nearest to each fluid particle x (n, dim) [m].
+
+    samples : places (m, dim) [m] and the volumes (m,) around them, in parts (geometry.quadrature.samples). Give ghosts, too, and
+        places as far as a rank's own particles are the nearest; the volumes of its own are then right.
+    """
+    found = np.zeros(len(x))
+    for places, volume in samples:
+        if len(places):
+            found += np.bincount(nearest_points(x, places, spacing), volume, len(x))
+    return found

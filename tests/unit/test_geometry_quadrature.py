@@ -7,16 +7,22 @@ from parisph import Box, Disc, Polygon, Tank
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import wall_mesh
-from parisph.geometry.quadrature import fluid_area, volumes
+from parisph.geometry.quadrature import fluid_area, samples
+from parisph.kernels import packing
+from parisph.kernels.cells import nearest_points
 
 S = 0.05
+
+
+def volumes(x, *scene, **options):
+    return packing.volumes(x, samples(*scene, **options), S)
 
 
 def found(shape, *walls, holes=(), spacing=S, box=((-1.0, -1.0), (5.0, 2.0))):
     """Return the particles and their volumes."""
     fill = Filling(shape, walls, wall_mesh(walls, spacing) if walls else None, spacing, holes)
     x = fill.position(fill.indices())
-    return x, volumes(x, shape, walls, *box, spacing, holes)
+    return x, volumes(x, shape, walls, *box, spacing, holes=holes)
 
 
 BASIN = Profile([(0.0, 1.2), (0.0, 0.0), (1.0, 0.0), (3.4, 1.2)])
@@ -69,3 +75,14 @@ def test_a_rank_finds_for_its_own_particles_what_one_rank_finds():
         part = (low - 2.0 * S, -1.0), (low + 1.0 + 2.0 * S, 2.0)
         found = volumes(x[near], StillWater(0.83), [BASIN], (0.0, 0.0), (4.0, 1.0), S, part=part)
         np.testing.assert_allclose(found[own], whole[near][own], rtol=1e-12)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_nearest_points_are_those_of_all(dim):
+    rng = np.random.default_rng(7)
+    x, places = rng.random((150, dim)), rng.random((400, dim)) * 2.0 - 0.5
+    apart = np.linalg.norm(places[:, None] - x, axis=2)
+    np.testing.assert_array_equal(nearest_points(x, places, 0.1), np.argmin(apart, axis=1))
+    np.testing.assert_array_equal(nearest_points(x[:1], places, 0.1), 0)
+    with pytest.raises(ValueError, match="there is no point"):
+        nearest_points(x[:0], places, 0.1)
