@@ -70,13 +70,17 @@ class Scene:
 
 
 def filled(shape, walls, spacing):
-    """Return the Scene of a shape or StillWater between walls."""
+    """Return the Scene of a shape or StillWater, or of several, between walls."""
     mesh = wall_mesh(walls, spacing)
-    fill = Filling(shape, walls, mesh, spacing)
-    index = fill.indices()
-    role = np.concatenate([np.where(fill.is_surface(index), SURFACE, INNER), np.full(len(mesh.x0), WET)]).astype(np.int8)
-    return Scene(np.concatenate([fill.position(index), mesh.x0]), len(index), role,
-                 np.concatenate([np.zeros((len(index), 2)), mesh.normal0]), mesh, spacing,
+    x, roles = [], []
+    for one in shape if isinstance(shape, (tuple, list)) else (shape,):
+        fill = Filling(one, walls, mesh, spacing)
+        index = fill.indices()
+        x.append(fill.position(index))
+        roles.append(np.where(fill.is_surface(index), SURFACE, INNER))
+    x = np.concatenate(x)
+    role = np.concatenate([*roles, np.full(len(mesh.x0), WET)]).astype(np.int8)
+    return Scene(np.concatenate([x, mesh.x0]), len(x), role, np.concatenate([np.zeros(x.shape), mesh.normal0]), mesh, spacing,
                  shape.level if isinstance(shape, StillWater) else None)
 
 

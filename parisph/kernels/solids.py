@@ -265,7 +265,9 @@ def nearest_walls(away, member, p, foot, n, i, x, corners, element_indptr, eleme
             if apart2 > best * (1.0 + 1e-9) or (turn > 0 and not squarely):
                 continue
             element_normal(n, e, corners, axes)
-            front = _height(p, e, n, corners, axes) > 0.0
+            height = _height(p, e, n, corners, axes)
+            # straight ahead of a plate's tip a particle is in front of neither side
+            front = height > 0.0 or (not squarely and height > -1e-9 * math.sqrt(apart2))
             if turn > 0 and (not front or _is_like(n, found, away, axes)):
                 continue
             if apart2 < best * (1.0 - 1e-9) or (front and not in_front):

@@ -102,3 +102,20 @@ def test_box_around_a_point_has_the_nearest_face():
     distance, element, foot = nearest(np.array([[0.5, 0.75], [0.1, 0.5]]), corners)
     np.testing.assert_allclose(distance, [0.15, 0.1], rtol=1e-12)
     np.testing.assert_allclose(foot, [[0.5, 0.6], [0.0, 0.5]], atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_any_pile_of_boxes_is_one_solid(seed):
+    """Boxes at any angle, and every other at a round place, so that some of them touch."""
+    rng = np.random.default_rng(seed)
+    walls = [Tank(3.0, 2.0, lid=bool(seed % 2))]
+    for k in range(rng.integers(1, 5)):
+        w, h = np.round(rng.uniform(0.3, 1.2, 2), 1)
+        angle = rng.choice([0.0, 0.25 * np.pi, rng.uniform(0.0, 3.0)])
+        at = rng.uniform(0.0, [3.0, 2.0])
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        corners = np.array([(-w, -h), (w, -h), (w, h), (-w, h)]) / 2 @ turn.T + (np.round(at, 1) if k % 2 else at)
+        walls.append(Obstacle(Polygon([tuple(corner) for corner in corners.tolist()])))
+    x = rng.uniform([-0.1, -0.1], [3.1, 1.99], (1500, 2))
+    signed = signed_distance(x, wall_mesh(walls, S).corners())
+    np.testing.assert_array_equal(signed > 0.0, in_fluid([outline_of(wall) for wall in walls], x))

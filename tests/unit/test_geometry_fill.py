@@ -118,26 +118,18 @@ def test_a_rank_of_many_holds_its_own_share_only():
     assert peak < 16 * fill.count / 2    # bytes: less than half of all indices
 
 
-def test_near_pieces_are_within_the_reach():
+def test_near_pieces_are_all_within_the_reach_and_no_others():
     rng = np.random.default_rng(5)
     a, b = rng.random((2, 40, 2))
-    b[::5, 0], b[1::5, 1] = a[::5, 0], a[1::5, 1]
-    b[2::5] = a[2::5]
+    b[::5, 0], b[1::5, 1] = a[::5, 0], a[1::5, 1]    # upright and level pieces
+    b[2::5] = a[2::5]                                # and points
     lines, reach = np.linspace(-0.1, 1.1, 13), 0.07
-    line, low, high = near_pieces(a, b, reach, lines)
-    assert np.all(high >= low)
-    for x, sign in ((low, -1.0), (high, 1.0)):
-        for past, near in ((1e-6, False), (-1e-6, True)):
-            at = np.stack([lines[line], x + sign * past], axis=1)
-            covered = near_pieces(a, b, reach, lines)
-            assert len(covered[0]) == len(line)
-            least = np.array([min(_apart(p, a[k], b[k]) for k in range(40)) for p in at])
-            inside = union((line, low, high))
-            on_edge = np.array([np.any((inside[0] == n) & (np.abs(inside[1 if sign < 0 else 2] - y) < 1e-12)) for n, y in zip(line, x)])
-            if near:
-                assert np.all(least <= reach)
-            else:
-                assert np.all(least[on_edge] >= reach)
+    line, low, high = union(near_pieces(a, b, reach, lines))
+    for y in np.linspace(-0.1, 1.1, 49):
+        for k, x in enumerate(lines):
+            least = min(_apart(np.array([x, y]), p, q) for p, q in zip(a, b))
+            inside = bool(np.any((line == k) & (low <= y) & (y <= high)))
+            assert inside == (least <= reach) or abs(least - reach) < 1e-9
 
 
 def _apart(p, a, b):

@@ -146,6 +146,15 @@ def test_beside_a_convex_corner_only_the_corner_counts():
     assert walls[0][1] == pytest.approx(0.05)
 
 
+@pytest.mark.parametrize("at", [(0.0, 1.03), (0.001, 1.03), (-0.001, 1.03)])
+def test_ahead_of_a_tip_only_the_tip_counts(at):
+    corners = wall_mesh([Plate([(0.0, 0.0), (0.0, 1.0)])], S).corners()
+    (wall,), = walls_of([at], corners)
+    away = np.array(at) - [0.0, 1.0]
+    np.testing.assert_allclose(wall[0], away / np.linalg.norm(away), atol=1e-9)
+    assert wall[1] == pytest.approx(np.linalg.norm(away))
+
+
 def test_moves_end_at_the_distance_from_the_wall():
     corners = block(20, 20).corners()
     x = np.array([(0.5, 0.04), (0.03, 0.03), (0.5, 0.02), (0.5, 0.5)])
