@@ -129,3 +129,14 @@ class Filling:
         for hole in self.holes:
             inside &= ~hole.inside(x, -edge) if not hasattr(hole, "points") else ~hole.inside(x, 0.0)
         return inside
+
+
+def share(fillings: Sequence[Filling], rank: int, size: int) -> list[tuple[int, int]]:
+    """Return from which to which point of each filling a rank of `size` makes the particles.
+
+    Particles are numbered through all fillings in order, whatever the number of ranks, and ranks have equal parts of them.
+    """
+    before = np.concatenate([[0], np.cumsum([fill.count for fill in fillings])])
+    start, stop = before[-1] * rank // size, before[-1] * (rank + 1) // size
+    return [(int(np.clip(start - first, 0, fill.count)), int(np.clip(stop - first, 0, fill.count)))
+            for first, fill in zip(before, fillings)]

@@ -10,7 +10,7 @@ from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.lattice import Lattice
 from parisph.geometry.columns import near_pieces, union
 from parisph.geometry.distance import nearest
-from parisph.geometry.fill import Filling
+from parisph.geometry.fill import Filling, share
 from parisph.geometry.mesh import wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
 
@@ -103,6 +103,23 @@ def test_slices_do_not_depend_on_the_number_of_ranks(ranks):
     stops = [fill.count * k // ranks for k in range(ranks + 1)]
     parts = [fill.indices(a, b) for a, b in zip(stops[:-1], stops[1:])]
     np.testing.assert_array_equal(np.concatenate(parts), fill.indices())
+
+
+@pytest.mark.parametrize("ranks", [1, 2, 5])
+def test_ranks_share_several_bodies(ranks):
+    fills = [filling(shape, *SCENES["sill"]) for shape in (Box(0.8, 0.5), Disc(0.2, at=(1.5, 0.6)), Box(0.3, 0.3, at=(2.5, 0.1)))]
+    parts = [share(fills, rank, ranks) for rank in range(ranks)]
+    for number, fill in enumerate(fills):
+        stops = [part[number] for part in parts]
+        assert stops[0][0] == 0 and stops[-1][1] == fill.count
+        assert all(before[1] == after[0] for before, after in zip(stops[:-1], stops[1:]))
+    sizes = [sum(stop - start for start, stop in part) for part in parts]
+    assert max(sizes) - min(sizes) <= 1
+
+
+@pytest.mark.parametrize(("level", "count"), [(-1.0, 0), (0.0, 0), (0.2 * S, 0), (0.6 * S, 59), (7.0, 59 * 19)])
+def test_levels_out_of_the_ordinary(level, count):
+    assert filling(StillWater(level), Tank(3.0, 1.0, lid=True)).count == count
 
 
 def test_a_rank_of_many_holds_its_own_share_only():
