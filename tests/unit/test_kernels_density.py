@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from parisph import Box, Disc, Polygon, Tank
-from parisph.base.fields import INNER, SURFACE
+from parisph.base.fields import FLUID, INNER, SURFACE
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.lattice import Lattice
 from parisph.geometry.distance import signed_distance
 from parisph.geometry.mesh import block_mesh, wall_mesh
 from parisph.kernels.cells import neighbour_lists
+from parisph.kernels.density import node_terms
 from parisph.kernels.jit import axes_of
 from parisph.kernels.packing import pack
 from parisph.kernels.smoothing import cubic_spline
@@ -59,6 +60,16 @@ def test_lattice_in_a_full_tank(counts, flat, corner):
     assert error.max() < corner
     assert pull[near == 1].max() < 10 * flat and pull.max() < 2.5 * corner
     assert error[near == 0].max() < 1e-12
+
+
+def test_fluid_half_a_spacing_from_the_walls_has_no_node_beside_it():
+    mesh = wall_mesh([Tank(1.0, 1.0, lid=True)], S)
+    k = S * (np.arange(20) + 0.5)
+    scene = beside(mesh, np.stack(np.meshgrid(k, k, indexing="ij"), axis=-1).reshape(-1, 2), S)
+    crowded = np.abs(scene.alpha() - 1.0).max()
+    scene.weight, scene.area = node_terms(scene.weight, scene.area, (scene.kind == FLUID).astype(float))
+    assert np.abs(scene.alpha() - 1.0).max() < 5e-3 < 0.3 < crowded
+    assert np.linalg.norm(scene.gradient(), axis=1).max() * S < 0.01
 
 
 @pytest.mark.parametrize("height", [0.3, 0.5, 0.77, 1.0, 1.5, 2.2])
