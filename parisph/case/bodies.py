@@ -34,8 +34,8 @@ class Profile(Model):
     def _one_line(self):
         _check_line(self.points, closed=False)
         if self.side is None and self.points[0][0] == self.points[-1][0]:
-            raise ValueError(f"points: the first and the last have the same x = {self.points[0][0]:g}, so that neither side is "
-                             'above; give side="left" or side="right", as seen along the points')
+            raise ValueError(f"points: the first and the last have the same x = {self.points[0][0]:g}, so that neither "
+                             'side is above; give side="left" or side="right", as seen along the points')
         return self
 
     @property
@@ -80,7 +80,8 @@ class StillWater(Model):
     level: float = Field(description="height of the water surface [m]")
 
 
-Body = Annotated[Union[Profile, Obstacle, Plate], Field(discriminator="kind", description="a Profile, Obstacle or Plate")]
+Body = Annotated[Union[Profile, Obstacle, Plate],
+                 Field(discriminator="kind", description="a Profile, Obstacle or Plate")]
 
 
 def _check_line(points, closed):
@@ -93,12 +94,12 @@ def _check_line(points, closed):
     for i in range(len(a) - 1):
         j = _first_met(a, b, i, closed)
         if j is not None:
-            raise ValueError(f"points: the line from {shown(tuple(a[i].tolist()))} to {shown(tuple(b[i].tolist()))} meets that from "
-                             f"{shown(tuple(a[j].tolist()))} to {shown(tuple(b[j].tolist()))}; give the points in order along one line")
+            one, other = (f"from {shown(tuple(a[k].tolist()))} to {shown(tuple(b[k].tolist()))}" for k in (i, j))
+            raise ValueError(f"points: the line {one} meets that {other}; give the points in order along one line")
 
 
 def _first_met(a, b, i, closed):
-    """Return the number of the first later piece that piece i touches or crosses, other than where they join, or None."""
+    """Return the first later piece that piece i touches or crosses, other than where they join, or None."""
     j = np.arange(i + 1, len(a))
     before = _side(a[j], b[j], a[i]) * _side(a[j], b[j], b[i]) <= 0.0
     across = _side(a[i], b[i], a[j]) * _side(a[i], b[i], b[j]) <= 0.0

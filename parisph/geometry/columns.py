@@ -1,7 +1,7 @@
 """Intervals along upright lines (2D): where these lines cross outlines, or come near them, and what is left between.
 
-A scene of N particles has sqrt(N) such lines, so that every rank can look at all of them, but at its own particles only.
-A set of intervals is three arrays: the number of the line, the lower and the upper end.
+A scene of N particles has sqrt(N) such lines, so that every rank can look at all of them, but at its own particles
+only. A set of intervals is three arrays: the number of the line, the lower and the upper end.
 """
 
 import numpy as np
@@ -42,7 +42,7 @@ def near_pieces(a: np.ndarray, b: np.ndarray, reach: float, lines: np.ndarray) -
 
 
 def crossings(a: np.ndarray, b: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers of lines x = lines (n,), in order, and the heights at which straight pieces from a to b (m, 2) cross them."""
+    """Return where straight pieces from a to b (m, 2) cross lines x = lines (n,), in order: line, height [m]."""
     left, right = np.minimum(a[:, 0], b[:, 0]), np.maximum(a[:, 0], b[:, 0])
     piece, line = _pairs(left, right, lines)
     there = (lines[line] < right[piece])    # a line through a common end of two pieces crosses one of them
@@ -84,7 +84,8 @@ def _running_maximum(line, high):
 def gaps(taken: Intervals, lines: int, bottom: float, top: float) -> Intervals:
     """Return what intervals leave of `lines` lines between bottom and top, in order, with no length if they touch."""
     every = np.arange(lines)
-    ends = (every, np.full(lines, -np.inf), np.full(lines, bottom)), (every, np.full(lines, top), np.full(lines, np.inf))
-    line, low, high = union(taken, *ends)
+    below = every, np.full(lines, -np.inf), np.full(lines, bottom)
+    above = every, np.full(lines, top), np.full(lines, np.inf)
+    line, low, high = union(taken, below, above)
     same = line[1:] == line[:-1]
     return line[1:][same], high[:-1][same], low[1:][same]

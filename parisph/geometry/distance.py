@@ -1,7 +1,7 @@
 """Distance of points from elements, on which side of them they lie, and the winding number. 2D and 3D.
 
-Elements are the leaves of a binary tree of boxes. All points go down the tree together, level by level, and leave out the boxes
-that are farther away than something they have seen. So a point looks at a few boxes on each level only.
+Elements are the leaves of a binary tree of boxes. All points go down the tree together, level by level, and leave out
+the boxes that are farther away than something they have seen. So a point looks at a few boxes on each level only.
 """
 
 import numpy as np
@@ -14,11 +14,12 @@ BITS = 10          # of the place of an element along each axis, in the order al
 
 
 def nearest(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the distance (n,) [m] of points from elements, the number of the nearest element (n,), and its point (n, dim) [m].
+    """Return the distance (n,) [m] of points from elements, the nearest element (n,), and its point (n, dim) [m].
 
     x : (n, dim) [m]; corners : (M, dim, dim) [m]
     within : [m]; points farther away have the distance inf and the element -1, which is faster
-    Of elements that are equally near, as those that join at a node, the one that the point faces most squarely is taken.
+    Of elements that are equally near, as those that join at a node, the one that the point faces most squarely is
+    taken.
     """
     n, dim = x.shape
     distance, element, foot = np.full(n, np.inf), np.full(n, -1), np.full((n, dim), np.nan)
@@ -47,9 +48,9 @@ def signed_distance(x: np.ndarray, corners: np.ndarray, within: float = np.inf) 
 def winding_number(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Return the sum of the angles (3D: solid angles) of elements as seen from points, over the whole angle, (n,).
 
-    Inside closed walls with the fluid inside it is 1, and outside 0; around closed obstacles 0, and in them -1. Walls with a hole
-    have a value between: more than 1/2 on the fluid's side unless the hole is seen under more than half of the whole angle.
-    The work is the number of points times that of elements.
+    Inside closed walls with the fluid inside it is 1, and outside 0; around closed obstacles 0, and in them -1. Walls
+    with a hole have a value between: more than 1/2 on the fluid's side unless the hole is seen under more than half
+    of the whole angle. The work is the number of points times that of elements.
     """
     total, rows = np.zeros(len(x)), max(CHUNK // max(len(corners), 1), 1)
     for low in range(0, len(x), rows):
@@ -58,20 +59,20 @@ def winding_number(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def _angles(p):
-    """Return the angle of elements with corners p (..., dim, dim) as seen from the origin, positive from the fluid's side."""
+    """Return the angles of elements p (..., dim, dim) as seen from the origin, positive from the fluid's side."""
     if p.shape[-1] == 2:
         a, b = p[..., 0, :], p[..., 1, :]
         return np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], np.sum(a * b, axis=-1))
     a, b, c = p[..., 0, :], p[..., 1, :], p[..., 2, :]
     la, lb, lc = (np.linalg.norm(q, axis=-1) for q in (a, b, c))
     volume = np.sum(a * np.cross(b, c), axis=-1)
-    # the corners are anticlockwise as seen from the fluid, so clockwise as seen from behind (van Oosterom & Strackee 1983)
+    # van Oosterom & Strackee (1983), whose corners are anticlockwise as seen from behind
     return -2.0 * np.arctan2(volume, la * lb * lc + np.sum(a * b, axis=-1) * lc + np.sum(b * c, axis=-1) * la
                              + np.sum(c * a, axis=-1) * lb)
 
 
 class _Tree:
-    """Boxes around elements: on level k there are 2^k, and each holds two of the next level; on the last, one element each.
+    """Boxes around elements: on level k there are 2^k, and each holds two of the next; on the last, one element each.
 
     leaf : (2^levels,) the elements along a curve, the last one repeated; lower, upper : of each level, (2^k, dim) [m]
     """
@@ -150,7 +151,7 @@ def _best(x, corners, point, candidate, within):
 
 
 def _square(away, normal):
-    """Return how squarely directions (n, dim) meet planes with these normals: the cosine's size, and in front before behind.
+    """Return how squarely directions (n, dim) meet planes of these normals: the cosine's size, in front before behind.
 
     Beside an edge, the side on which a point lies is that of the element which it sees most squarely.
     """
@@ -166,7 +167,7 @@ def _on_segments(x, a, b):
 
 
 def _on_triangles(x, a, b, c):
-    """Return the points of triangles nearest to x: the foot on the plane if it is inside, else the nearest on the sides."""
+    """Return the points of triangles nearest to x: the foot if it is inside, else the nearest on the sides."""
     normal = np.cross(b - a, c - a)
     size2 = np.maximum(np.sum(normal * normal, axis=-1), 1e-300)
     foot = x - (np.sum((x - a) * normal, axis=-1) / size2)[..., None] * normal

@@ -38,7 +38,8 @@ def findings(walls: Sequence, fluids: Sequence, spacing: float) -> list[str]:
 def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[float, np.ndarray, int, int]:
     """Return the least distance [m] across fluid between walls that do not meet there, its place, and the two bodies.
 
-    It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces another.
+    It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
+    another.
     """
     a, b, owner = _pieces(chains)
     normal = area_vectors(np.stack([a, b], axis=1))
@@ -101,8 +102,8 @@ def _wrong_sides(mesh, outlines, names, spacing) -> Iterator[str]:
     for number, name in enumerate(names):
         wrong = (mesh.element_body == number) & (~front | back)
         if wrong.any():
-            yield (f"{name}: at {_at(middle[wrong][0])} its fluid is not on the side that its normal points to; give its points "
-                   "the other way round, or keep it from crossing other bodies")
+            yield (f"{name}: at {_at(middle[wrong][0])} its fluid is not on the side that its normal points to; give "
+                   "its points the other way round, or keep it from crossing other bodies")
 
 
 def _sagitta(mesh, spacing):
@@ -114,16 +115,16 @@ def _wedges(chains, names) -> Iterator[str]:
     for chain in chains:
         for k in np.flatnonzero(np.degrees(chain.angle) < WEDGE):
             body = names[chain.body[min(k, len(chain.body) - 1)]]
-            yield (f"{body}: at {_at(chain.points[k])} the fluid ends in a wedge of {np.degrees(chain.angle[k]):.1f} degrees; "
-                   f"below {WEDGE:g} its tip is not resolved at any spacing")
+            yield (f"{body}: at {_at(chain.points[k])} the fluid ends in a wedge of "
+                   f"{np.degrees(chain.angle[k]):.1f} degrees; below {WEDGE:g} its tip is not resolved at any spacing")
 
 
 def _narrow(mesh, chains, names, spacing) -> Iterator[str]:
     gap, at, one, other = thinnest_gap(mesh, chains)
     if gap < GAP * spacing:
         between = f"{names[one]} and {names[other]}" if one != other else f"two walls of {names[one]}"
-        yield (f"the gap between {between} at {_at(at)} is {gap:g} m, {gap / spacing:.2g} spacings: flow through it needs "
-               f"{GAP:g}; use a spacing of at most {gap / GAP:.3g}, or close it")
+        yield (f"the gap between {between} at {_at(at)} is {gap:g} m, {gap / spacing:.2g} spacings: flow through it "
+               f"needs {GAP:g}; use a spacing of at most {gap / GAP:.3g}, or close it")
 
 
 def _short(mesh, names, spacing) -> Iterator[str]:
@@ -132,11 +133,13 @@ def _short(mesh, names, spacing) -> Iterator[str]:
         own = np.flatnonzero((mesh.element_body == number) & (length < SHORT * spacing))
         if own.size:
             least = own[np.argmin(length[own])]
-            yield (f"{name}: an edge of {length[least]:.3g} m at {_at(mesh.corners()[least].mean(axis=0))} is shorter than "
+            at = _at(mesh.corners()[least].mean(axis=0))
+            yield (f"{name}: an edge of {length[least]:.3g} m at {at} is shorter than "
                    f"{SHORT:g} spacings; leave out the step, or use a spacing of at most {length[least] / SHORT:.3g}")
         nodes = mesh.body == number
         if nodes.any() and np.all(mesh.edge[nodes] == CONVEX):
-            yield f"{name}: it has nodes at its corners only; use a spacing of at most {0.5 * length[mesh.element_body == number].min():.3g}"
+            edge = length[mesh.element_body == number].min()
+            yield f"{name}: it has nodes at its corners only; use a spacing of at most {0.5 * edge:.3g}"
 
 
 def _open_ends(chains, names, fluids, spacing) -> list[str]:
@@ -149,8 +152,8 @@ def _open_ends(chains, names, fluids, spacing) -> list[str]:
                 end = chain.points[k]
                 beside = any(_is_near(fluid, end, spacing) for fluid in fluids)
                 if end[1] < top - 1e-6 * spacing and beside:
-                    found.append(f"{names[body]}: it ends in the fluid at {_at(end)}, {top - end[1]:g} m below its top; lead it on above "
-                                 "the water, or let it end on another body")
+                    found.append(f"{names[body]}: it ends in the fluid at {_at(end)}, {top - end[1]:g} m below its "
+                                 "top; lead it on above the water, or let it end on another body")
     return found
 
 
@@ -178,7 +181,7 @@ def _filled(walls, fluids, mesh, spacing) -> Iterator[str]:
 def _overlap(fluid, other, fill, spacing, some=4096):
     """Return whether some of the particles of a filling lie deep in another fluid."""
     every = max(fill.count // some, 1)
-    index = np.concatenate([fill.indices(k, k + 1) for k in range(0, fill.count, every)]) if fill.count else np.empty((0, 2), np.int64)
+    index = np.concatenate([fill.indices(0, 0), *(fill.indices(k, k + 1) for k in range(0, fill.count, every))])
     x = fill.position(index)
     if isinstance(other, StillWater):
         return bool(np.any(x[:, 1] < other.level - 0.5 * spacing))

@@ -1,7 +1,7 @@
-"""The fluid at the start of a scene: points of a lattice inside a shape, in front of all walls, and half a spacing from them (2D).
+"""The fluid at the start of a scene: lattice points in a shape, half a spacing in front of all walls (2D).
 
-The points are counted by runs along upright lines of the lattice, whose ends follow from the shapes and the elements. So each
-rank makes its own points only, and their numbers do not depend on the number of ranks.
+The points are counted by runs along upright lines of the lattice, whose ends follow from the shapes and the elements.
+So each rank makes its own points only, and their numbers do not depend on the number of ranks.
 """
 
 from collections.abc import Sequence
@@ -70,7 +70,8 @@ class Filling:
     def _rows(self, low, high):
         """Return the first and the last row within intervals (n,) of heights [m]."""
         y, s = self.origin[1], self.step[1]
-        return (np.ceil((low - y) / s - ROUNDING).astype(np.int64), np.floor((high - y) / s + ROUNDING).astype(np.int64))
+        first, last = np.ceil((low - y) / s - ROUNDING), np.floor((high - y) / s + ROUNDING)
+        return first.astype(np.int64), last.astype(np.int64)
 
     def _free(self, lines, mesh, first, last):
         """Return the intervals of the lines that are in the shape and far enough from walls and holes."""
@@ -80,13 +81,13 @@ class Filling:
             corners = mesh.corners()
             taken.append(near_pieces(corners[:, 0], corners[:, 1], (CUT - ROUNDING) * self.spacing, lines))
         taken += [self._covered(hole, lines, -EDGE) for hole in self.holes]
-        if not isinstance(self.shape, (StillWater, Box)):    # a box is all that lies between the least and the greatest index
+        if not isinstance(self.shape, (StillWater, Box)):    # a box is all between the least and the greatest index
             taken.append(gaps(self._covered(self.shape, lines, EDGE), len(lines), bottom, top))
         none = (np.empty(0, np.int64), np.empty(0), np.empty(0))
         return gaps(union(none, *taken), len(lines), bottom, top)
 
     def _covered(self, shape, lines, edge):
-        """Return the intervals of the lines inside a shape, widened by `edge` spacings, or narrowed if that is negative."""
+        """Return the intervals of the lines inside a shape, widened by `edge` spacings, narrowed if it is negative."""
         a = corners_of(shape)
         b = np.roll(a, -1, axis=0)
         line, low, high = between(*crossings(a, b, lines))
@@ -134,7 +135,8 @@ class Filling:
 def share(fillings: Sequence[Filling], rank: int, size: int) -> list[tuple[int, int]]:
     """Return from which to which point of each filling a rank of `size` makes the particles.
 
-    Particles are numbered through all fillings in order, whatever the number of ranks, and ranks have equal parts of them.
+    Particles are numbered through all fillings in order, whatever the number of ranks, and ranks have equal parts of
+    them.
     """
     before = np.concatenate([[0], np.cumsum([fill.count for fill in fillings])])
     start, stop = before[-1] * rank // size, before[-1] * (rank + 1) // size

@@ -1,7 +1,8 @@
 """The boundary mesh of a scene: wall nodes, and the elements between them, of about a spacing.
 
-Nodes are particles and carry rows of the pressure equation; elements say where the walls are. A tank alone keeps the nodes of
-its lattice, in their order (any dimension). Other outlines are divided piece by piece into round(length / s) elements (2D).
+Nodes are particles and carry rows of the pressure equation; elements say where the walls are. A tank alone keeps the
+nodes of its lattice, in their order (any dimension). Other outlines are divided piece by piece into round(length / s)
+elements (2D).
 """
 
 from dataclasses import dataclass, field
@@ -20,7 +21,7 @@ FLAT, CONCAVE, CONVEX = 0, 1, 2    # values of `edge`
 
 @dataclass(frozen=True)
 class Body:
-    """One body of a mesh: its name, the number of the motion that carries it (0 rests in the tank's frame), and its slip."""
+    """One body of a mesh: its name, the number of its motion (0 rests in the tank's frame), and its slip."""
 
     name: str
     motion: int = 0
@@ -57,7 +58,7 @@ class WallMesh:
         return self.x0.shape[1]
 
     def corners(self, x: np.ndarray | None = None) -> np.ndarray:
-        """Return the corners (M, dim, dim) [m] of the elements, with the nodes at x (N, dim) [m] or where they are at rest."""
+        """Return the corners (M, dim, dim) [m] of the elements, with the nodes at x (N, dim) [m], or at rest."""
         return (self.x0 if x is None else x)[self.elements]
 
 
@@ -81,7 +82,8 @@ def wall_mesh(walls, spacing: float) -> WallMesh:
     bodies = tuple(_body(wall, number) for number, wall in enumerate(walls))
     chains = joined([outline_of(wall) for wall in walls], spacing)
     if not chains:
-        raise CaseError(f"walls: no fluid touches any of {', '.join(body.name for body in bodies)}: each lies inside another")
+        names = ", ".join(body.name for body in bodies)
+        raise CaseError(f"walls: no fluid touches any of {names}: each lies inside another")
     meshes, tank = [], _lone_tank(walls, chains)
     if tank is not None:
         meshes.append(_numbered(block_mesh(_tank_lattice(walls[tank], spacing)), tank))
@@ -149,7 +151,7 @@ def _simplices(corners, axis, sign):
     if corners.shape[1] == 2:    # along x the fluid above is on the left, along y that at greater x is on the right
         return corners if (axis == 1) == (sign == 1) else corners[:, ::-1]
     a, b, c, d = corners.T       # (0, 0), (0, 1), (1, 0), (1, 1) of the two other axes
-    turn = (axis == 1) == (sign == 1)    # whether from the first other axis to the second is clockwise seen from the fluid
+    turn = (axis == 1) == (sign == 1)    # whether from one other axis to the next is clockwise, seen from the fluid
     triangles = [(a, c, d), (a, d, b)] if not turn else [(a, d, c), (a, b, d)]
     return np.concatenate([np.stack(triangle, axis=1) for triangle in triangles])
 

@@ -88,7 +88,7 @@ def signed_area(points: np.ndarray) -> float:
 
 
 def in_fluid(outlines, x: np.ndarray) -> np.ndarray:
-    """Return which of the points x (n, 2) [m] lie in front of all outlines, (n,) bool. The work is points times pieces."""
+    """Return which points x (n, 2) [m] lie in front of all outlines, (n,) bool. The work is points times pieces."""
     inside = np.ones(len(x), dtype=bool)
     for outline in outlines:
         left = np.flatnonzero(inside)

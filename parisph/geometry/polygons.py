@@ -1,9 +1,9 @@
 """The walls of bodies that touch or overlap (2D): what of their outlines the fluid sees, joined into chains.
 
-Outlines are cut where they meet. Pieces inside another body go, and so do those where two bodies lie face to face. What is
-left is joined so that the fluid is between a piece and the next one: a plate that stands on a bed has a node on each side of
-its foot. Each piece keeps the number of its body, and open outlines are as good as closed ones: this is why no
-library for polygons is used.
+Outlines are cut where they meet. Pieces inside another body go, and so do those where two bodies lie face to face.
+What is left is joined so that the fluid is between a piece and the next one: a plate that stands on a bed has a node
+on each side of its foot. Each piece keeps the number of its body, and open outlines are as good as closed ones: this
+is why no library for polygons is used.
 """
 
 from dataclasses import dataclass
@@ -63,7 +63,7 @@ def _fluid_angle(back, ahead):
 
 
 def _cut(outlines, close):
-    """Cut outlines where they meet; return points (n, 2), pieces (m, 2) as numbers of points, and the body of each piece."""
+    """Cut outlines where they meet; return points (n, 2), pieces (m, 2) as numbers of points, and their bodies (m,)."""
     a, b = np.concatenate([o.starts for o in outlines]), np.concatenate([o.ends for o in outlines])
     body = np.repeat(np.arange(len(outlines)), [len(o.starts) for o in outlines])
     places, owner, along = [a, b], [], []
@@ -107,7 +107,7 @@ def _cross(a, b):
 
 
 def _merged(places, close):
-    """Return for each place (n, 2) the number of its point, and the points: places that are close are one, the first of them."""
+    """Return the number of each place's (n, 2) point, and the points: close places are one, the first of them."""
     groups = np.stack([_groups(places[:, axis], close) for axis in range(2)], axis=1)
     _, first, number = np.unique(groups, axis=0, return_index=True, return_inverse=True)
     return number.reshape(-1), places[first]
@@ -142,7 +142,8 @@ def _seen(outlines, points, pieces, body):
 def _kept(forward, thin):
     """Return which of the pieces in one place stay: one in each direction in which there is fluid.
 
-    forward : (n,) bool, their directions; thin : (n,) bool, whether they are of a plate. Two solids leave no fluid between them.
+    forward : (n,) bool, their directions; thin : (n,) bool, whether they are of a plate. Two solids leave no fluid
+    between them.
     """
     solid = [(forward & ~thin).any(), (~forward & ~thin).any()]
     keep = np.zeros(len(forward), dtype=bool)
@@ -154,7 +155,7 @@ def _kept(forward, thin):
 
 
 def _chains(points, pieces, body):
-    """Join pieces to chains, those with an open start first; the fluid at a joint is between a piece and the next one."""
+    """Join pieces to chains, those with an open start first; at a joint the fluid is between a piece and the next."""
     after, angle = _next_pieces(points, pieces)
     has_before = np.zeros(len(pieces), dtype=bool)
     has_before[after[after >= 0]] = True
@@ -190,7 +191,7 @@ def _next_pieces(points, pieces):
         for piece in coming:
             back = np.broadcast_to(-direction[piece], (len(around) - 1, 2))
             others = coming[coming != piece]
-            turn = _fluid_angle(back, np.concatenate([direction[going], -direction[others]])) if len(back) else np.empty(0)
+            turn = _fluid_angle(back, np.concatenate([direction[going], -direction[others]]))
             if len(going) and turn[: len(going)].min() <= turn.min():
                 nearest = int(np.argmin(turn[: len(going)]))
                 after[piece], angle[piece] = going[nearest], turn[nearest]

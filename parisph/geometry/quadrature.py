@@ -1,8 +1,8 @@
 """Places all over the fluid of a scene at the start, each with the area around it (2D).
 
-A particle stands for the volume of the places to which it is nearest (kernels.packing.volumes). The wetted region is cut into
-narrow upright strips, so that every corner lies between two strips, and each strip into short pieces. The sum is the area of
-the region to round-off where it is bounded by straight lines, whatever the size of the pieces.
+A particle stands for the volume of the places to which it is nearest (kernels.packing.volumes). The wetted region is
+cut into narrow upright strips, so that every corner lies between two strips, and each strip into short pieces. The
+sum is the area of the region to round-off where it is bounded by straight lines, whatever the size of the pieces.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,8 +30,8 @@ def samples(shape, walls: Sequence, lower: Sequence[float], upper: Sequence[floa
 
     shape : Box, Disc, Polygon or StillWater, without its holes; walls : bodies in front of which the fluid is
     lower, upper : (2,) [m], the box that holds the scene
-    part : None, or the corners (2, 2) [m] of the part of the scene to look at. The places do not depend on it: a rank that looks
-        at all places near its own particles finds for these what one rank would find.
+    part : None, or the corners (2, 2) [m] of the part of the scene to look at. The places do not depend on it: a rank
+        that looks at all places near its own particles finds for these what one rank would find.
     """
     _, at, width, low, high = _pieces(shape, holes, walls, np.array(lower), np.array(upper), spacing)
     if part is not None:
@@ -50,7 +50,7 @@ def samples(shape, walls: Sequence, lower: Sequence[float], upper: Sequence[floa
 
 
 def _pieces(shape, holes, walls, lower, upper, spacing):
-    """Return the intervals of fluid on the middle lines of strips: strip, place [m], width [m], lower and upper end [m]."""
+    """Return the fluid on the middle lines of strips: strip, place, width, lower and upper end [m]."""
     a, b, sides = _sides(shape, holes, walls, lower, upper)
     cuts = np.unique(np.clip(np.concatenate([a[:, 0], sides, [lower[0], upper[0]]]), lower[0], upper[0]))
     number = np.maximum(np.ceil(np.diff(cuts) * FINE / spacing - 1e-9).astype(np.int64), 1)
@@ -60,7 +60,8 @@ def _pieces(shape, holes, walls, lower, upper, spacing):
     line, height = crossings(a, b, at)
     every = np.arange(len(at))
     line = np.concatenate([line, every, every])
-    height = np.concatenate([np.clip(height, lower[1], upper[1]), np.full(len(at), lower[1]), np.full(len(at), upper[1])])
+    height = np.clip(height, lower[1], upper[1])
+    height = np.concatenate([height, np.full(len(at), lower[1]), np.full(len(at), upper[1])])
     line, low, high = between(line, height)
     middle = np.stack([at[line], 0.5 * (low + high)], axis=1)
     wet = (high > low) & _is_wet(shape, holes, walls, middle)

@@ -1,15 +1,16 @@
 """Density ratio beside walls: the kernel's integral over the solid, as the particle sees it, in place of mirror images.
 
-    alpha_i = [ sum_fluid W + sum_nodes (A s share W + s a.(x_i - x_k) b(r)) / s^dim + sum_elements Omega F(r) / s^dim ] / full
+    alpha_i full = sum_fluid W + [ sum_nodes (A s share W + s a.(x_i - x_k) b(r)) + sum_elements Omega F(r) ] / s^dim
 
-F(r) is the integral of W q^(dim-1) from r to 2h, Omega the angle of an element, whose sum of F is the solid behind it. A wall
-node is a particle of which `share` is inside the fluid, and a its area vector. b(r) is the end correction of the trapezoidal
-rule, s/12 |W'|/r to leading order (Euler and Maclaurin): with it the sum over a lattice that ends at a wall becomes the integral
-up to the wall. Its higher orders are a polynomial of r, fitted once such that alpha = 1, without a gradient, for every particle
-of a lattice in front of a flat wall.
+F(r) is the integral of W q^(dim-1) from r to 2h, Omega the angle of an element, whose sum of F is the solid behind
+it. A wall node is a particle of which `share` is inside the fluid, and a its area vector. b(r) is the end correction
+of the trapezoidal rule, s/12 |W'|/r to leading order (Euler and Maclaurin): with it the sum over a lattice that ends
+at a wall becomes the integral up to the wall. Its higher orders are a polynomial of r, fitted once such that alpha =
+1, without a gradient, for every particle of a lattice in front of a flat wall.
 
-The gradient sums that of the kernel over the same solid: sum_elements Omega e G(r), with the direction e to the element and G
-the integral of |W'| q^(dim-1) from r to 2h. It also counts the edge of what an element hides, unlike an integral over the wall.
+The gradient sums that of the kernel over the same solid: sum_elements Omega e G(r), with the direction e to the
+element and G the integral of |W'| q^(dim-1) from r to 2h. It also counts the edge of what an element hides, unlike an
+integral over the wall.
 """
 
 import math
@@ -32,7 +33,8 @@ GAUSS = math.sqrt(0.6)    # three points of Gauss's rule: 0 and +-GAUSS, with th
 class Table(NamedTuple):
     """What completion needs to know of a kernel.
 
-    values : (ENTRIES + 2, 4) at r = 0 ... 2h in equal steps: F(r) [1], b(r) [m^(-dim-1)], b'(r)/r [m^(-dim-3)], G(r) [1/m]
+    values : (ENTRIES + 2, 4) at r = 0 ... 2h in equal steps:
+        F(r) [1], b(r) [m^(-dim-1)], b'(r)/r [m^(-dim-3)], G(r) [1/m]
     h : [m]; full : the kernel's sum over the lattice [m^-dim]; spacing : [m]
     """
 
@@ -75,7 +77,7 @@ def _evaluate(w, slope, r, h, axes):
 
 
 def _integral_to_end(f, r):
-    """Return the integral of f from each r to the last (Simpson's rule on pieces, from the trapezoidal rule and the slopes)."""
+    """Return the integral of f from each r to the last, by the trapezoidal rule corrected with the slopes."""
     step, slope = r[1] - r[0], np.gradient(f, r, edge_order=2)
     pieces = 0.5 * step * (f[1:] + f[:-1]) - step**2 / 12.0 * (slope[1:] - slope[:-1])
     return np.append(np.cumsum(pieces[::-1])[::-1], 0.0)
@@ -84,8 +86,8 @@ def _integral_to_end(f, r):
 def _end_correction(spacing, h, dim):
     """Return the polynomial of q = r/h that multiplies the end correction, highest power first.
 
-    At a distance d from a wall with a lattice of fluid before it, nodes and solid must give what the rest of the lattice
-    would: with its gradient exactly for d = s, 2s, ..., and as well as possible elsewhere.
+    At a distance d from a wall with a lattice of fluid before it, nodes and solid must give what the rest of the
+    lattice would: with its gradient exactly for d = s, 2s, ..., and as well as possible elsewhere.
     """
     k = np.arange(-6, 7)
     side = k[:, None] if dim == 2 else np.stack(np.meshgrid(k, k), axis=-1).reshape(-1, 2)
@@ -104,12 +106,13 @@ def _end_correction(spacing, h, dim):
     basis, slopes = _powers(d, flat2, spacing, h, dim)
     exact = slice(0, len(rows))
     must = np.concatenate([basis[exact], h * slopes[exact]]), np.concatenate([wanted[exact], h * wanted_slope[exact]])
-    may = np.concatenate([basis[len(rows):], h * slopes[len(rows):]]), np.concatenate([wanted[len(rows):], h * wanted_slope[len(rows):]])
+    rest = slice(len(rows), None)
+    may = np.concatenate([basis[rest], h * slopes[rest]]), np.concatenate([wanted[rest], h * wanted_slope[rest]])
     return _constrained(*must, *may)[::-1]
 
 
 def _powers(d, flat2, spacing, h, dim):
-    """Return the sums over a plane of nodes at distances d (n,) of the end correction times q^k, k = 0 ... ORDER, and their slopes."""
+    """Return the sums over a plane of nodes at distances d (n,) of the end correction times q^k, and their slopes."""
     def sums(z):
         r = np.sqrt(flat2 + z[:, None] ** 2)
         base = -spacing / 12.0 * z[:, None] * _kernel(r, h, dim)[1]
@@ -143,8 +146,9 @@ def _plane(d, h, dim):
 def node_terms(weight: np.ndarray, area: np.ndarray, filled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return weight and area of particles when fluid stands for a part `filled` (n_all,) of the half cells at nodes.
 
-    Where fluid has come to a wall, its first particles are half a spacing from it, and no node stands between: then the sum is
-    that of the midpoint rule, whose end correction is -1/2 of the trapezoidal one. filled : 1 for fluid (halves.wall_share)
+    Where fluid has come to a wall, its first particles are half a spacing from it, and no node stands between: then
+    the sum is that of the midpoint rule, whose end correction is -1/2 of the trapezoidal one. filled : 1 for fluid
+    (halves.wall_share)
     """
     return weight * filled, area * (1.5 * filled - 0.5)[:, None]
 
@@ -158,12 +162,13 @@ def _entry(values, column, r, step):
 
 
 @kernel
-def completed_density(alpha, x, kind, weight, area, corners, present, values, h, full, spacing, element_indptr, element_indices,
-                      indptr, indices, axes) -> None:
+def completed_density(alpha, x, kind, weight, area, corners, present, values, h, full, spacing, element_indptr,
+                      element_indices, indptr, indices, axes) -> None:
     """Kernel-sum density of owned fluid over its lattice value, completed by nodes and by the solid behind elements.
 
     alpha : (n_owned,) output; walls get 1
-    weight : (n_all,) 1 for fluid; of nodes, the part of a cell s^dim that is inside the fluid; 0 for those that do not count
+    weight : (n_all,) 1 for fluid; of nodes, the part of a cell s^dim that is inside the fluid; 0 for those that do
+        not count
     area : (n_all, dim) area vector of nodes over s^(dim-1), 0 for all others
     corners : (M, dim, dim) [m]; present : (M,) bool, elements that count
     values, h, full, spacing : of the Table
@@ -195,7 +200,8 @@ def completed_density(alpha, x, kind, weight, area, corners, present, values, h,
                     total += before * _entry(values, 1, math.sqrt(apart[k]), step)
             for k in range(element_indptr[i], element_indptr[i + 1]):
                 if present[element_indices[k]]:
-                    total += _solid_behind(pull, n, i, x, element_indices[k], corners, values, h, step, False, axes) / cell
+                    e = element_indices[k]
+                    total += _solid_behind(pull, n, i, x, e, corners, values, h, step, False, axes) / cell
         alpha[i] = total / full
 
 
@@ -283,15 +289,17 @@ def _solid_angle(i, x, e, corners):
     ax, ay, az = corners[e, 0, 0] - x[i, 0], corners[e, 0, 1] - x[i, 1], corners[e, 0, 2] - x[i, 2]
     bx, by, bz = corners[e, 1, 0] - x[i, 0], corners[e, 1, 1] - x[i, 1], corners[e, 1, 2] - x[i, 2]
     cx, cy, cz = corners[e, 2, 0] - x[i, 0], corners[e, 2, 1] - x[i, 1], corners[e, 2, 2] - x[i, 2]
-    la, lb, lc = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz), math.sqrt(cx * cx + cy * cy + cz * cz)
+    la, lb = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
+    lc = math.sqrt(cx * cx + cy * cy + cz * cz)
     volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-    below = la * lb * lc + (ax * bx + ay * by + az * bz) * lc + (bx * cx + by * cy + bz * cz) * la + (cx * ax + cy * ay + cz * az) * lb
+    below = la * lb * lc + (ax * bx + ay * by + az * bz) * lc
+    below += (bx * cx + by * cy + bz * cz) * la + (cx * ax + cy * ay + cz * az) * lb
     return -2.0 * math.atan2(volume, below)
 
 
 @kernel
-def completed_gradient(out, x, kind, weight, area, corners, present, values, h, full, spacing, element_indptr, element_indices,
-                       indptr, indices, axes) -> None:
+def completed_gradient(out, x, kind, weight, area, corners, present, values, h, full, spacing, element_indptr,
+                       element_indices, indptr, indices, axes) -> None:
     """Sum of the gradients of the kernel over the same neighbours, nodes and solids at owned fluid [1/m].
 
     out : (n_owned, dim) output, 0 for walls; other arguments as for `completed_density`

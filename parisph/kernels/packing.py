@@ -1,4 +1,4 @@
-"""Packing: fluid that fills a scene moves away from where it is crowded, until it lies evenly between slopes and surface.
+"""Packing: fluid that fills a scene moves away from where it is crowded, until it lies evenly up to slopes.
 
 Then each particle gets the volume of all places to which it is nearest.
 """
@@ -31,8 +31,9 @@ def pack(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, 
     kind, role, weight : (n_all,); area : (n_all, dim); corners : (M, dim, dim) [m]; present : (M,) bool; as for
         density.completed_density. Walls above the water should not count: elements above its level, and nodes
         more than a spacing above it. Then the surface has no gradient at the walls.
-    lists : called before each step, brings the ghosts in x up to date, and returns the indptr, indices of the neighbours of
-        the owned particles that are visible, and those of their elements; collective if there are other ranks
+    lists : called before each step, brings the ghosts in x up to date, and returns the indptr, indices of the
+        neighbours of the owned particles that are visible, and those of their elements; collective if there are other
+        ranks
     """
     dim = x.shape[1]
     axes = axes_of(dim)
@@ -42,7 +43,8 @@ def pack(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, 
         gradient, move = np.empty((n, dim)), np.empty((n, dim))
         completed_gradient(gradient, x, kind, weight, area, corners, present, *table, element_indptr, element_indices,
                            indptr, indices, axes)
-        fick_shift(move, gradient, role, x, kind, np.full(n, STRENGTH * table.h**2), CAP * table.spacing, 0.0, indptr, indices, axes)
+        strength = np.full(n, STRENGTH * table.h**2)
+        fick_shift(move, gradient, role, x, kind, strength, CAP * table.spacing, 0.0, indptr, indices, axes)
         level_off(move, x, kind, role, LEVEL * table.spacing, indptr, indices, axes)
         keep_off_solids(move, x, kind, corners, GUARD * table.spacing, element_indptr, element_indices, axes)
         x[:n] += move
@@ -72,8 +74,9 @@ def level_off(move, x, kind, role, reach, indptr, indices, axes) -> None:
 def volumes(x: np.ndarray, samples: Iterable[tuple[np.ndarray, np.ndarray]], spacing: float) -> np.ndarray:
     """Return the volume (n,) [m^dim] of the places that are nearest to each fluid particle x (n, dim) [m].
 
-    samples : places (m, dim) [m] and the volumes (m,) around them, in parts (geometry.quadrature.samples). Give ghosts, too, and
-        places as far as a rank's own particles are the nearest; the volumes of its own are then right.
+    samples : places (m, dim) [m] and the volumes (m,) around them, in parts (geometry.quadrature.samples). Give
+        ghosts, too, and places as far as a rank's own particles are the nearest; the volumes of its own are then
+        right.
     """
     found = np.zeros(len(x))
     for places, volume in samples:

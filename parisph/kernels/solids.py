@@ -1,8 +1,9 @@
 """Walls as elements, in 2D (segments) and 3D (triangles): what is visible past them, and which of them are near.
 
-Elements are `corners` (M, dim, dim) [m], where they are now, with the fluid on the left of the way from the first to the second
-corner, in 3D on the side from which the corners are in anticlockwise order. Every owned particle has a list of the elements
-near it (element_lists), made together with its list of neighbours; most lists are empty, and then nothing is done.
+Elements are `corners` (M, dim, dim) [m], where they are now, with the fluid on the left of the way from the first to
+the second corner, in 3D on the side from which the corners are in anticlockwise order. Every owned particle has a
+list of the elements near it (element_lists), made together with its list of neighbours; most lists are empty, and
+then nothing is done.
 """
 
 import math
@@ -14,7 +15,7 @@ from parisph.kernels.cells import nearby
 from parisph.kernels.jit import axes_of, inlined, kernel
 
 LIFT = 0.1       # spacings: so far in front of its wall a node looks out
-SLACK = 1e-9     # of an element's size: a line that passes its edge by less crosses it, so that there is no gap between two
+SLACK = 1e-9     # of an element's size: a line that passes its edge by less crosses it, so that two leave no gap
 SIDE = 0.9       # cosine above which two walls count as one to keep off
 
 
@@ -38,16 +39,17 @@ def visible_lists(x, normal, corners, spacing, element_indptr, element_indices, 
 
     normal : (n_all, dim), 0 for fluid; the element lists must reach as far as the neighbour lists do
     """
-    n = keep_visible(indptr, indices, x, normal, corners, LIFT * spacing, element_indptr, element_indices, axes_of(x.shape[1]))
+    axes = axes_of(x.shape[1])
+    n = keep_visible(indptr, indices, x, normal, corners, LIFT * spacing, element_indptr, element_indices, axes)
     return indptr, indices[:n]
 
 
 @kernel
 def keep_visible(indptr, indices, x, normal, corners, lift, element_indptr, element_indices, axes) -> int:
-    """Leave in the lists, in place, the neighbours that are seen: no element is crossed by the line between the two particles.
+    """Leave in the lists, in place, the neighbours that are seen: the line between the particles crosses no element.
 
-    The ends at nodes are lifted off the wall by `lift` [m] along the normal. A line that crosses a solid goes through its front
-    once, in one of the two directions, so that both particles of a pair come to the same decision.
+    The ends at nodes are lifted off the wall by `lift` [m] along the normal. A line that crosses a solid goes through
+    its front once, in one of the two directions, so that both particles of a pair come to the same decision.
 
     Returns the number of neighbours that are left.
     """
@@ -100,9 +102,10 @@ def _middles(middle, corners, axes):
 
 @kernel
 def _keep_unhidden(indptr, indices, x, normal, corners, radius, lift, axes) -> int:
-    """Leave in the lists, in place, elements within the radius of a point that are not hidden: their middle, lifted off, is seen.
+    """Leave in the lists, in place, elements within the radius of a point that are not hidden.
 
-    Elements that a point is behind stay, so that fluid cannot pass them. Returns the number that are left.
+    The middle of an element, lifted off, must be seen. Elements that a point is behind stay, so that fluid cannot
+    pass them. Returns the number that are left.
     """
     dim = len(axes)
     p, q, n, foot = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
@@ -158,8 +161,9 @@ def element_normal(n, e, corners, axes):
         size = math.sqrt(nx * nx + ny * ny)
         n[0], n[1] = nx / size, ny / size
         return size
-    ux, uy, uz = corners[e, 1, 0] - corners[e, 0, 0], corners[e, 1, 1] - corners[e, 0, 1], corners[e, 1, 2] - corners[e, 0, 2]
-    vx, vy, vz = corners[e, 2, 0] - corners[e, 0, 0], corners[e, 2, 1] - corners[e, 0, 1], corners[e, 2, 2] - corners[e, 0, 2]
+    ax, ay, az = corners[e, 0, 0], corners[e, 0, 1], corners[e, 0, 2]
+    ux, uy, uz = corners[e, 1, 0] - ax, corners[e, 1, 1] - ay, corners[e, 1, 2] - az
+    vx, vy, vz = corners[e, 2, 0] - ax, corners[e, 2, 1] - ay, corners[e, 2, 2] - az
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     size = math.sqrt(nx * nx + ny * ny + nz * nz)
     n[0], n[1], n[2] = nx / size, ny / size, nz / size
@@ -184,10 +188,11 @@ def _crosses(p, q, e, corners, axes):
 
 @inlined
 def _crosses_triangle(p, q, e, corners):
-    ux, uy, uz = corners[e, 1, 0] - corners[e, 0, 0], corners[e, 1, 1] - corners[e, 0, 1], corners[e, 1, 2] - corners[e, 0, 2]
-    vx, vy, vz = corners[e, 2, 0] - corners[e, 0, 0], corners[e, 2, 1] - corners[e, 0, 1], corners[e, 2, 2] - corners[e, 0, 2]
+    ax, ay, az = corners[e, 0, 0], corners[e, 0, 1], corners[e, 0, 2]
+    ux, uy, uz = corners[e, 1, 0] - ax, corners[e, 1, 1] - ay, corners[e, 1, 2] - az
+    vx, vy, vz = corners[e, 2, 0] - ax, corners[e, 2, 1] - ay, corners[e, 2, 2] - az
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-    px, py, pz = p[0] - corners[e, 0, 0], p[1] - corners[e, 0, 1], p[2] - corners[e, 0, 2]
+    px, py, pz = p[0] - ax, p[1] - ay, p[2] - az
     dx, dy, dz = q[0] - p[0], q[1] - p[1], q[2] - p[2]
     before, slant = nx * px + ny * py + nz * pz, nx * dx + ny * dy + nz * dz
     if (before > 0.0) == (before + slant > 0.0):
@@ -231,7 +236,7 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
     b, c = (vv * up - uv * vp) / det, (uu * vp - uv * up) / det
     if b >= 0.0 and c >= 0.0 and b + c <= 1.0:
         for a in range(3):
-            foot[a] = corners[e, 0, a] + b * (corners[e, 1, a] - corners[e, 0, a]) + c * (corners[e, 2, a] - corners[e, 0, a])
+            foot[a] = (1.0 - b - c) * corners[e, 0, a] + b * corners[e, 1, a] + c * corners[e, 2, a]
         return True
     best, side = math.inf, 0
     for k in range(3):
@@ -247,8 +252,8 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
 def nearest_walls(away, member, p, foot, n, i, x, corners, element_indptr, element_indices, axes):
     """Find the walls that particle i must keep off: the nearest element, and further ones that it faces squarely.
 
-    away : (dim, 1 + dim) output, of each wall the unit vector from its nearest point to the particle, and the distance [m],
-        negative behind the wall; there the vector is the normal
+    away : (dim, 1 + dim) output, of each wall the unit vector from its nearest point to the particle, and the
+        distance [m], negative behind the wall; there the vector is the normal
     member : (dim,) int64 output, elements; p, foot, n : (dim,) scratch
     Returns the number of walls, at most dim. Beside an edge only the edge itself counts.
     """
@@ -306,7 +311,8 @@ def keep_off_solids(move, x, kind, corners, distance, element_indptr, element_in
     move : (n_owned, dim) [m], changed in place
     """
     dim = len(axes)
-    away, member, p, foot, n = np.empty((dim, dim + 1)), np.empty(dim, np.int64), np.empty(dim), np.empty(dim), np.empty(dim)
+    away, member = np.empty((dim, dim + 1)), np.empty(dim, np.int64)
+    p, foot, n = np.empty(dim), np.empty(dim), np.empty(dim)
     for i in range(len(element_indptr) - 1):
         if kind[i] != FLUID or element_indptr[i] == element_indptr[i + 1]:
             continue
@@ -322,13 +328,14 @@ def keep_off_solids(move, x, kind, corners, distance, element_indptr, element_in
 
 @kernel
 def guard_solids(u, x, kind, corners, wall_u, distance, dt, element_indptr, element_indices, axes) -> int:
-    """Keep fluid from coming closer to a wall than the distance [m] within the next dt [s], as collisions.wall_guard does.
+    """Keep fluid from coming closer to a wall than the distance [m] in the next dt [s], as collisions.wall_guard does.
 
     u : (n_all, dim) [m/s], that of owned fluid is changed; wall_u : (M, dim) [m/s], of the elements
     Returns the number of particles that were slowed down.
     """
     dim = len(axes)
-    away, member, p, foot, n = np.empty((dim, dim + 1)), np.empty(dim, np.int64), np.empty(dim), np.empty(dim), np.empty(dim)
+    away, member = np.empty((dim, dim + 1)), np.empty(dim, np.int64)
+    p, foot, n = np.empty(dim), np.empty(dim), np.empty(dim)
     slowed = 0
     for i in range(len(element_indptr) - 1):
         if kind[i] != FLUID or element_indptr[i] == element_indptr[i + 1]:
