@@ -1,8 +1,10 @@
 """Cell sort and neighbour lists."""
 
+import math
+
 import numpy as np
 
-from parisph.kernels.jit import axes_of, kernel
+from parisph.kernels.jit import axes_of, inlined, kernel
 
 
 def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndarray, np.ndarray]:
@@ -118,3 +120,134 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
                 n += (d2 < r2) & (member[m] != i)
         indptr[i + 1] = n
     return indptr, indices[:n]
+
+
+def nearby(x, others, radius):
+    """Return for points x (n, dim) [m] which of the others (m, dim) [m] are within the radius [m], as CSR.
+
+    Returns indptr (n + 1,) int32, indices (nnz,) int32. Raises ValueError as `neighbour_lists`.
+    """
+    x, others = np.ascontiguousarray(x), np.ascontiguousarray(others)
+    if not radius > 0.0:
+        raise ValueError(f"radius {radius} must be positive")
+    if len(others) == 0 or len(x) == 0:
+        return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
+    lower, upper = (np.array([f(column) for column in others.T]) for f in (np.min, np.max))
+    if not (np.isfinite(upper - lower).all() and np.isfinite(x.sum())):
+        raise ValueError("a position, or the distance of two points, is not finite")
+    counts, size = _grid(upper - lower, radius, len(others))
+    axes = axes_of(x.shape[1])
+    lower, counts = lower - size, counts + 2    # empty cells all around
+    start, member = _sort(others, lower, size, counts, axes)
+    return _search_nearby(x, others, radius, lower, size, counts, start, member, _beside(start, counts, axes), axes)
+
+
+@kernel
+def _beside(start, counts, axes):
+    """Return which cells have a point in themselves or in a cell beside them, (cells,) bool."""
+    found = np.zeros(len(start) - 1, np.bool_)
+    for cell in range(len(found)):
+        if start[cell] < start[cell + 1]:
+            for block in range(3 ** len(axes)):
+                found[cell + _step(block, counts, axes)] = True
+    return found
+
+
+@inlined
+def _step(block, counts, axes):
+    """Return by how much the number of a cell differs from that of one of the 3^dim cells around it."""
+    step = 0
+    for a in range(len(axes)):
+        step = step * counts[a] + block % 3 - 1
+        block //= 3
+    return step
+
+
+@kernel
+def _search_nearby(x, others, radius, lower, size, counts, start, member, beside, axes):
+    dim = len(axes)
+    indptr = np.zeros(len(x) + 1, np.int32)
+    indices = np.empty(4 * len(others) + 256, np.int32)
+    n = 0
+    for i in range(len(x)):
+        cell, inside = 0, True
+        for a in range(dim):
+            k = math.floor((x[i, a] - lower[a]) / size)
+            inside = inside and 0 <= k < counts[a]
+            cell = cell * counts[a] + int(k)
+        if inside and beside[cell]:
+            for block in range(3**dim):
+                there = cell + _step(block, counts, axes)
+                if not 0 <= there < len(beside):
+                    continue
+                for m in range(start[there], start[there + 1]):
+                    d2 = 0.0
+                    for a in range(dim):
+                        d2 += (others[member[m], a] - x[i, a]) ** 2
+                    if d2 < radius * radius:
+                        if n == len(indices):
+                            larger = np.empty(2 * n, np.int32)
+                            larger[:n] = indices
+                            indices = larger
+                        indices[n] = member[m]
+                        n += 1
+        indptr[i + 1] = n
+    return indptr, indices[:n]
+
+
+def nearest_points(x, places, spacing):
+    """Return for each place (m, dim) [m] the number (m,) of the nearest of the points x (n, dim) [m], the first of equals.
+
+    spacing : [m] about the distance between neighbouring points. Raises ValueError if there is no point, or one is not finite.
+    """
+    x, places = np.ascontiguousarray(x), np.ascontiguousarray(places)
+    if len(x) == 0:
+        raise ValueError("there is no point")
+    lower, upper = (np.array([f(column) for column in x.T]) for f in (np.min, np.max))
+    if not (np.isfinite(upper - lower).all() and np.isfinite(places.sum())):
+        raise ValueError("a position, or the distance of two points, is not finite")
+    counts, size = _grid(upper - lower, spacing, len(x))
+    axes = axes_of(x.shape[1])
+    start, member = _sort(x, lower, size, counts, axes)
+    found = np.empty(len(places), np.int64)
+    _search_nearest(found, x, places, lower, size, counts, start, member, axes)
+    return found
+
+
+@kernel
+def _search_nearest(found, x, places, lower, size, counts, start, member, axes):
+    dim, last = len(axes), counts.max()
+    home = np.empty(dim, np.int64)
+    for i in range(len(places)):
+        away = 0    # cells between the place and the grid
+        for a in range(dim):
+            home[a] = math.floor((places[i, a] - lower[a]) / size)
+            away = max(away, -home[a], home[a] - counts[a] + 1)
+        best, ring = math.inf, away
+        while ring <= last + away and best > ((ring - 1) * size) ** 2 * (ring > 0):
+            best = _nearest_in_ring(found, best, i, home, ring, x, places, counts, start, member, axes)
+            ring += 1
+
+
+@inlined
+def _nearest_in_ring(found, best, i, home, ring, x, places, counts, start, member, axes):
+    """Look at the points in the cells that are `ring` cells away from the home of a place; return the least square distance."""
+    dim, side = len(axes), 2 * ring + 1
+    for block in range(side**dim):
+        rest, cell, edge, inside = block, 0, False, True
+        for a in range(dim):
+            step = rest % side - ring
+            rest //= side
+            edge = edge or abs(step) == ring
+            k = home[a] + step
+            inside = inside and 0 <= k < counts[a]
+            cell = cell * counts[a] + k
+        if not (edge and inside):
+            continue
+        for m in range(start[cell], start[cell + 1]):
+            d2 = 0.0
+            for a in range(dim):
+                d2 += (x[member[m], a] - places[i, a]) ** 2
+            if d2 < best or (d2 == best and member[m] < found[i]):
+                best, found[i] = d2, member[m]
+    return best

@@ -1,0 +1,91 @@
+"""Intervals along upright lines (2D): where these lines cross outlines, or come near them, and what is left between.
+
+A scene of N particles has sqrt(N) such lines, so that every rank can look at all of them, but at its own particles
+only. A set of intervals is three arrays: the number of the line, the lower and the upper end.
+"""
+
+import numpy as np
+
+Intervals = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def _pairs(left, right, lines):
+    """Return the numbers of pieces from `left` to `right` and of the lines that each of them meets."""
+    first = np.searchsorted(lines, left, side="left")
+    count = np.maximum(np.searchsorted(lines, right, side="right") - first, 0)
+    piece = np.repeat(np.arange(len(left)), count)
+    return piece, np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count) + first[piece]
+
+
+def near_pieces(a: np.ndarray, b: np.ndarray, reach: float, lines: np.ndarray) -> Intervals:
+    """Return where lines x = lines (n,), in order, are nearer than `reach` [m] to straight pieces from a to b (m, 2).
+
+    The points near a piece are convex, so that it makes one interval on a line.
+    """
+    piece, line = _pairs(np.minimum(a[:, 0], b[:, 0]) - reach, np.maximum(a[:, 0], b[:, 0]) + reach, lines)
+    a, along, x = a[piece], (b - a)[piece], lines[line]
+    length = np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-300)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ends = (x - a[:, 0] + np.array([[-reach], [reach]])) / along[:, 0]
+    flat = along[:, 0] == 0.0
+    first, last = np.clip(np.where(flat, [[0.0], [1.0]], np.sort(ends, axis=0)), 0.0, 1.0)
+    edge = []
+    for sign in (-1.0, 1.0):
+        # the piece touches the circle around the end of the interval where the normal leads there
+        side = -along[:, 1] * np.where(along[:, 0] < 0.0, -1.0, 1.0) * reach * sign / length
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = (x - side - a[:, 0]) / along[:, 0]
+        t = np.where(flat, np.where(sign * along[:, 1] > 0.0, 1.0, 0.0), np.clip(t, first, last))
+        off = x - a[:, 0] - t * along[:, 0]
+        edge.append(a[:, 1] + t * along[:, 1] + sign * np.sqrt(np.maximum(reach**2 - off**2, 0.0)))
+    return line, edge[0], edge[1]
+
+
+def crossings(a: np.ndarray, b: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return where straight pieces from a to b (m, 2) cross lines x = lines (n,), in order: line, height [m]."""
+    left, right = np.minimum(a[:, 0], b[:, 0]), np.maximum(a[:, 0], b[:, 0])
+    piece, line = _pairs(left, right, lines)
+    there = (lines[line] < right[piece])    # a line through a common end of two pieces crosses one of them
+    piece, line = piece[there], line[there]
+    t = (lines[line] - a[piece, 0]) / (b[piece, 0] - a[piece, 0])
+    return line, a[piece, 1] + t * (b[piece, 1] - a[piece, 1])
+
+
+def between(line: np.ndarray, height: np.ndarray) -> Intervals:
+    """Return the intervals between neighbouring heights (n,) on each line."""
+    order = np.lexsort([height, line])
+    line, height = line[order], height[order]
+    same = line[1:] == line[:-1]
+    return line[:-1][same], height[:-1][same], height[1:][same]
+
+
+def union(*parts: Intervals) -> Intervals:
+    """Return disjoint intervals, in order, that cover the same as all parts together."""
+    line, low, high = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    order = np.lexsort([low, line])
+    line, low, high = line[order], low[order], high[order]
+    if len(line) == 0:
+        return line, low, high
+    reach = _running_maximum(line, high)
+    new = np.append(True, (line[1:] != line[:-1]) | (low[1:] > reach[:-1]))
+    last = np.append(np.flatnonzero(new)[1:], len(line)) - 1
+    return line[new], low[new], reach[last]
+
+
+def _running_maximum(line, high):
+    """Return the greatest upper end so far on the same line, for intervals in the order of their lines."""
+    order = np.argsort(high, kind="stable")
+    rank = np.empty(len(high), dtype=np.int64)
+    rank[order] = np.arange(len(high))
+    number = np.cumsum(np.append(0, line[1:] != line[:-1])) * len(high)
+    return high[order[np.maximum.accumulate(rank + number) - number]]
+
+
+def gaps(taken: Intervals, lines: int, bottom: float, top: float) -> Intervals:
+    """Return what intervals leave of `lines` lines between bottom and top, in order, with no length if they touch."""
+    every = np.arange(lines)
+    below = every, np.full(lines, -np.inf), np.full(lines, bottom)
+    above = every, np.full(lines, top), np.full(lines, np.inf)
+    line, low, high = union(taken, below, above)
+    same = line[1:] == line[:-1]
+    return line[1:][same], high[:-1][same], low[1:][same]

@@ -1,0 +1,182 @@
+"""Distance of points from elements, on which side of them they lie, and the winding number. 2D and 3D.
+
+Elements are the leaves of a binary tree of boxes. All points go down the tree together, level by level, and leave out
+the boxes that are farther away than something they have seen. So a point looks at a few boxes on each level only.
+"""
+
+import numpy as np
+
+from parisph.geometry.mesh import area_vectors
+
+CHUNK = 2**16      # points that go down the tree together, and pairs of a point and an element for the winding number
+TIE = 1e-9         # of a distance: elements as near as that are equally near
+BITS = 10          # of the place of an element along each axis, in the order along a curve through all places
+
+
+def nearest(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the distance (n,) [m] of points from elements, the nearest element (n,), and its point (n, dim) [m].
+
+    x : (n, dim) [m]; corners : (M, dim, dim) [m]
+    within : [m]; points farther away have the distance inf and the element -1, which is faster
+    Of elements that are equally near, as those that join at a node, the one that the point faces most squarely is
+    taken.
+    """
+    n, dim = x.shape
+    distance, element, foot = np.full(n, np.inf), np.full(n, -1), np.full((n, dim), np.nan)
+    if len(corners) == 0:
+        return distance, element, foot
+    tree = _Tree(corners)
+    for low in range(0, n, CHUNK):
+        part = slice(low, low + CHUNK)
+        distance[part], element[part], foot[part] = _nearest(x[part], corners, tree, within)
+    return distance, element, foot
+
+
+def signed_distance(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> np.ndarray:
+    """Return the distance (n,) [m] of points from elements, negative behind them; inf beyond `within` [m].
+
+    The side is that of the nearest element. Behind both faces of a plate is nothing: there all distances are positive.
+    """
+    distance, element, foot = nearest(x, corners, within)
+    found = element >= 0
+    normal = area_vectors(corners[element[found]])
+    behind = np.sum((x[found] - foot[found]) * normal, axis=1) < 0.0
+    distance[np.flatnonzero(found)[behind]] *= -1.0
+    return distance
+
+
+def winding_number(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Return the sum of the angles (3D: solid angles) of elements as seen from points, over the whole angle, (n,).
+
+    Inside closed walls with the fluid inside it is 1, and outside 0; around closed obstacles 0, and in them -1. Walls
+    with a hole have a value between: more than 1/2 on the fluid's side unless the hole is seen under more than half
+    of the whole angle. The work is the number of points times that of elements.
+    """
+    total, rows = np.zeros(len(x)), max(CHUNK // max(len(corners), 1), 1)
+    for low in range(0, len(x), rows):
+        total[low : low + rows] = _angles(corners[None] - x[low : low + rows, None, None, :]).sum(axis=1)
+    return total / (2.0 * np.pi if x.shape[1] == 2 else 4.0 * np.pi)
+
+
+def _angles(p):
+    """Return the angles of elements p (..., dim, dim) as seen from the origin, positive from the fluid's side."""
+    if p.shape[-1] == 2:
+        a, b = p[..., 0, :], p[..., 1, :]
+        return np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], np.sum(a * b, axis=-1))
+    a, b, c = p[..., 0, :], p[..., 1, :], p[..., 2, :]
+    la, lb, lc = (np.linalg.norm(q, axis=-1) for q in (a, b, c))
+    volume = np.sum(a * np.cross(b, c), axis=-1)
+    # van Oosterom & Strackee (1983), whose corners are anticlockwise as seen from behind
+    return -2.0 * np.arctan2(volume, la * lb * lc + np.sum(a * b, axis=-1) * lc + np.sum(b * c, axis=-1) * la
+                             + np.sum(c * a, axis=-1) * lb)
+
+
+class _Tree:
+    """Boxes around elements: on level k there are 2^k, and each holds two of the next; on the last, one element each.
+
+    leaf : (2^levels,) the elements along a curve, the last one repeated; lower, upper : of each level, (2^k, dim) [m]
+    """
+
+    def __init__(self, corners):
+        middle = corners.mean(axis=1)
+        order = np.argsort(_along_curve(middle), kind="stable")
+        self.levels = int(np.ceil(np.log2(len(order)))) if len(order) > 1 else 0
+        self.leaf = np.append(order, np.full(2**self.levels - len(order), order[-1]))
+        self.lower, self.upper = [corners.min(axis=1)[self.leaf]], [corners.max(axis=1)[self.leaf]]
+        for _ in range(self.levels):
+            self.lower.insert(0, np.minimum(self.lower[0][::2], self.lower[0][1::2]))
+            self.upper.insert(0, np.maximum(self.upper[0][::2], self.upper[0][1::2]))
+        self.some = corners[self.leaf, 0]    # a point of each leaf
+
+    def point_in(self, box, level):
+        """Return a point of an element in each box (n,) of a level."""
+        shift = self.levels - level
+        return self.some[(box << shift) + ((1 << shift) >> 1)]
+
+
+def _along_curve(x):
+    """Return numbers (n,) such that points (n, dim) with near numbers are near each other (Morton order)."""
+    extent = max(np.ptp(x, axis=0).max(), 1e-300)
+    place = ((x - x.min(axis=0)) / extent * (2**BITS - 1)).astype(np.int64)
+    key = np.zeros(len(x), dtype=np.int64)
+    for bit in range(BITS):
+        for axis in range(x.shape[1]):
+            key |= ((place[:, axis] >> bit) & 1) << (x.shape[1] * bit + axis)
+    return key
+
+
+def _nearest(x, corners, tree, within):
+    """nearest() for points that go down the tree together."""
+    point, box = np.arange(len(x)), np.zeros(len(x), dtype=np.int64)
+    limit2 = np.full(len(x), within) ** 2
+    for level in range(tree.levels + 1):
+        if level:
+            point, box = np.repeat(point, 2), np.repeat(2 * box, 2)
+            box[1::2] += 1
+        gap2, seen2 = np.zeros(len(point)), np.zeros(len(point))
+        some = tree.point_in(box, level)
+        for axis in range(x.shape[1]):
+            at = x[point, axis]
+            outside = np.maximum(np.maximum(tree.lower[level][box, axis] - at, at - tree.upper[level][box, axis]), 0.0)
+            gap2 += outside**2
+            seen2 += (some[:, axis] - at) ** 2
+        _lower(limit2, point, seen2)
+        keep = gap2 <= limit2[point] * (1.0 + 4.0 * TIE)
+        point, box = point[keep], box[keep]
+    return _best(x, corners, point, tree.leaf[box], within)
+
+
+def _lower(limit, point, value):
+    """Lower the limits of points to the least of their values; the points are in order."""
+    if len(point):
+        first = np.flatnonzero(np.append(True, point[1:] != point[:-1]))
+        limit[point[first]] = np.minimum(limit[point[first]], np.minimum.reduceat(value, first))
+
+
+def _best(x, corners, point, candidate, within):
+    """Return what nearest() does, of the candidates of each point, which are in the order of the points."""
+    n, dim = x.shape
+    distance, element, foot = np.full(n, np.inf), np.full(n, -1), np.full((n, dim), np.nan)
+    at = _on_segments(x[point], *np.moveaxis(corners[candidate], 1, 0)) if dim == 2 else _on_triangles(
+        x[point], *np.moveaxis(corners[candidate], 1, 0))
+    apart = np.sqrt(np.sum((x[point] - at) ** 2, axis=1))
+    least = np.full(n, within)
+    _lower(least, point, apart)
+    near = apart <= least[point] * (1.0 + TIE)
+    point, candidate, at, apart = point[near], candidate[near], at[near], apart[near]
+    order = np.lexsort([_square(x[point] - at, area_vectors(corners[candidate])), point])
+    last = order[np.append(point[order][1:] != point[order][:-1], True)] if len(order) else order
+    distance[point[last]], element[point[last]], foot[point[last]] = apart[last], candidate[last], at[last]
+    return distance, element, foot
+
+
+def _square(away, normal):
+    """Return how squarely directions (n, dim) meet planes of these normals: the cosine's size, in front before behind.
+
+    Beside an edge, the side on which a point lies is that of the element which it sees most squarely.
+    """
+    height = np.sum(away * normal, axis=1)
+    cosine = height / np.maximum(np.linalg.norm(away, axis=1) * np.linalg.norm(normal, axis=1), 1e-300)
+    return np.abs(cosine) + TIE * np.sign(cosine)
+
+
+def _on_segments(x, a, b):
+    along = b - a
+    t = np.sum((x - a) * along, axis=-1) / np.maximum(np.sum(along * along, axis=-1), 1e-300)
+    return a + np.clip(t, 0.0, 1.0)[..., None] * along
+
+
+def _on_triangles(x, a, b, c):
+    """Return the points of triangles nearest to x: the foot if it is inside, else the nearest on the sides."""
+    normal = np.cross(b - a, c - a)
+    size2 = np.maximum(np.sum(normal * normal, axis=-1), 1e-300)
+    foot = x - (np.sum((x - a) * normal, axis=-1) / size2)[..., None] * normal
+    inside = np.ones(foot.shape[:-1], dtype=bool)
+    best, least = foot, np.full(foot.shape[:-1], np.inf)
+    for p, q in ((a, b), (b, c), (c, a)):
+        inside &= np.sum(np.cross(q - p, foot - p) * normal, axis=-1) >= 0.0
+        at = _on_segments(x, p, q)
+        apart2 = np.sum((x - at) ** 2, axis=-1)
+        best = np.where((apart2 < least)[..., None], at, best)
+        least = np.minimum(least, apart2)
+    return np.where(inside[..., None], foot, best)

@@ -1,0 +1,192 @@
+"""What in a scene's geometry will not work, or not as meant, in plain sentences for `parisph check` (2D)."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from parisph.case.bodies import StillWater
+from parisph.geometry.fill import Filling
+from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors, wall_mesh
+from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.polygons import Chain, joined
+
+GAP = 2.0        # spacings: fluid between walls that are nearer has no particle that is not beside both
+WEDGE = 15.0     # degrees: in a sharper corner particles see too little fluid
+SHORT = 0.6      # spacings: a shorter element crowds its nodes
+NEAR = 0.02      # spacings: so far in front of an element its fluid is looked for
+
+
+def findings(walls: Sequence, fluids: Sequence, spacing: float) -> list[str]:
+    """Return what is wrong with a scene, one sentence each, the same on all ranks.
+
+    walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
+    """
+    outlines = [outline_of(wall) for wall in walls]
+    chains = joined(outlines, spacing) if walls else []
+    if walls and not chains:
+        return ["no wall touches fluid: each body lies inside another"]
+    found = []
+    if walls:
+        mesh = wall_mesh(walls, spacing)
+        names = [body.name for body in mesh.bodies]
+        found += [*_hidden(chains, names), *_wrong_sides(mesh, outlines, names, spacing), *_wedges(chains, names),
+                  *_narrow(mesh, chains, names, spacing), *_short(mesh, names, spacing)]
+        found += _open_ends(chains, names, fluids, spacing)
+    return [*found, *_filled(walls, fluids, mesh if walls else None, spacing)]
+
+
+def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[float, np.ndarray, int, int]:
+    """Return the least distance [m] across fluid between walls that do not meet there, its place, and the two bodies.
+
+    It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
+    another.
+    """
+    a, b, owner = _pieces(chains)
+    normal = area_vectors(np.stack([a, b], axis=1))
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    corners = mesh.corners()
+    middle, way = corners.mean(axis=1), area_vectors(corners)
+    way = way / np.linalg.norm(way, axis=1)[:, None]
+    best = np.inf, np.full(2, np.nan), -1, -1
+    for m, n, body in zip(middle, way, mesh.element_body):
+        e = b - a
+        slant = n[0] * e[:, 1] - n[1] * e[:, 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = ((a - m)[:, 0] * e[:, 1] - (a - m)[:, 1] * e[:, 0]) / slant
+            u = ((a - m)[:, 0] * n[1] - (a - m)[:, 1] * n[0]) / slant
+        hit = (t > 1e-9) & (u >= 0.0) & (u <= 1.0) & (normal @ n < 0.0)
+        if hit.any():
+            first = np.flatnonzero(hit)[np.argmin(t[hit])]
+            if t[first] < best[0] and not _meet(a, b, first, m):
+                best = float(t[first]), m + 0.5 * t[first] * n, int(body), int(owner[first])
+    return best
+
+
+def _meet(a, b, piece, m):
+    """Return whether a piece joins the one on which the place m lies: then they make a wedge, not a gap."""
+    along = b - a
+    t = np.clip(np.sum((m - a) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
+    own = np.argmin(np.linalg.norm(m - a - t[:, None] * along, axis=1))
+    close = 1e-6 * np.linalg.norm(along[own])
+    return bool((np.linalg.norm(a[own] - b[piece]) < close) or (np.linalg.norm(b[own] - a[piece]) < close))
+
+
+def _pieces(chains):
+    """Return the straight pieces of all chains, (n, 2) each, and their bodies (n,)."""
+    ends = [np.roll(chain.points, -1, axis=0) if chain.closed else chain.points[1:] for chain in chains]
+    starts = [chain.points if chain.closed else chain.points[:-1] for chain in chains]
+    return np.concatenate(starts), np.concatenate(ends), np.concatenate([chain.body for chain in chains])
+
+
+def _at(x):
+    return f"({x[0]:g}, {x[1]:g})"
+
+
+def _hidden(chains, names) -> Iterator[str]:
+    seen = set(np.concatenate([chain.body for chain in chains]).tolist())
+    for number, name in enumerate(names):
+        if number not in seen:
+            yield f"{name}: no fluid touches it, because it lies inside or behind another body; leave it out or move it"
+
+
+def _wrong_sides(mesh, outlines, names, spacing) -> Iterator[str]:
+    """Elements whose front is not fluid, or whose back is."""
+    corners = mesh.corners()
+    unit = area_vectors(corners)
+    unit = unit / np.linalg.norm(unit, axis=1)[:, None]
+    step = NEAR * spacing + 0.5 * _sagitta(mesh, spacing)
+    thin = np.array([outlines[number].two_sided for number in mesh.element_body])
+    middle = corners.mean(axis=1)
+    front = in_fluid(outlines, middle + step * unit)
+    back = in_fluid(outlines, middle - step * unit) & ~thin
+    for number, name in enumerate(names):
+        wrong = (mesh.element_body == number) & (~front | back)
+        if wrong.any():
+            yield (f"{name}: at {_at(middle[wrong][0])} its fluid is not on the side that its normal points to; give "
+                   "its points the other way round, or keep it from crossing other bodies")
+
+
+def _sagitta(mesh, spacing):
+    """Return how far chords of curved outlines may lie behind these [m]: for a radius of a spacing."""
+    return 0.125 * spacing if np.any(mesh.edge == 0) else 0.0
+
+
+def _wedges(chains, names) -> Iterator[str]:
+    for chain in chains:
+        for k in np.flatnonzero(np.degrees(chain.angle) < WEDGE):
+            body = names[chain.body[min(k, len(chain.body) - 1)]]
+            yield (f"{body}: at {_at(chain.points[k])} the fluid ends in a wedge of "
+                   f"{np.degrees(chain.angle[k]):.1f} degrees; below {WEDGE:g} its tip is not resolved at any spacing")
+
+
+def _narrow(mesh, chains, names, spacing) -> Iterator[str]:
+    gap, at, one, other = thinnest_gap(mesh, chains)
+    if gap < GAP * spacing:
+        between = f"{names[one]} and {names[other]}" if one != other else f"two walls of {names[one]}"
+        yield (f"the gap between {between} at {_at(at)} is {gap:g} m, {gap / spacing:.2g} spacings: flow through it "
+               f"needs {GAP:g}; use a spacing of at most {gap / GAP:.3g}, or close it")
+
+
+def _short(mesh, names, spacing) -> Iterator[str]:
+    length = np.linalg.norm(area_vectors(mesh.corners()), axis=1)
+    for number, name in enumerate(names):
+        own = np.flatnonzero((mesh.element_body == number) & (length < SHORT * spacing))
+        if own.size:
+            least = own[np.argmin(length[own])]
+            at = _at(mesh.corners()[least].mean(axis=0))
+            yield (f"{name}: an edge of {length[least]:.3g} m at {at} is shorter than "
+                   f"{SHORT:g} spacings; leave out the step, or use a spacing of at most {length[least] / SHORT:.3g}")
+        nodes = mesh.body == number
+        if nodes.any() and np.all(mesh.edge[nodes] == CONVEX):
+            edge = length[mesh.element_body == number].min()
+            yield f"{name}: it has nodes at its corners only; use a spacing of at most {0.5 * edge:.3g}"
+
+
+def _open_ends(chains, names, fluids, spacing) -> list[str]:
+    """Open ends of walls below the top of the fluid, through which it would leave."""
+    tops = [fluid.level if isinstance(fluid, StillWater) else fluid.bounds[1][1] for fluid in fluids]
+    top, found = max(tops, default=-np.inf), []
+    for chain in chains:
+        if not chain.closed:
+            for k, body in ((0, chain.body[0]), (-1, chain.body[-1])):
+                end = chain.points[k]
+                beside = any(_is_near(fluid, end, spacing) for fluid in fluids)
+                if end[1] < top - 1e-6 * spacing and beside:
+                    found.append(f"{names[body]}: it ends in the fluid at {_at(end)}, {top - end[1]:g} m below its "
+                                 "top; lead it on above the water, or let it end on another body")
+    return found
+
+
+def _is_near(fluid, x, spacing):
+    return isinstance(fluid, StillWater) or bool(fluid.inside(x[None], 1.5 * spacing)[0])
+
+
+def _filled(walls, fluids, mesh, spacing) -> Iterator[str]:
+    """Bodies of fluid without particles, or with those of another."""
+    seen = []
+    for number, fluid in enumerate(fluids):
+        if isinstance(fluid, StillWater) and mesh is None:
+            yield f"still water at level {fluid.level:g}: there are no walls to hold it"
+            continue
+        fill = Filling(fluid, walls, mesh, spacing)
+        name = f"fluid {number + 1} ({fluid.kind})"
+        if fill.count == 0:
+            yield f"{name}: it has no particles: it is thinner than a spacing, or behind the walls"
+        for other, kind in seen:
+            if _overlap(fluid, other, fill, spacing):
+                yield f"{name}: it overlaps fluid {kind}; make them disjoint"
+        seen.append((fluid, f"{number + 1} ({fluid.kind})"))
+
+
+def _overlap(fluid, other, fill, spacing, some=4096):
+    """Return whether some of the particles of a filling lie deep in another fluid."""
+    every = max(fill.count // some, 1)
+    index = np.concatenate([fill.indices(0, 0), *(fill.indices(k, k + 1) for k in range(0, fill.count, every))])
+    x = fill.position(index)
+    if isinstance(other, StillWater):
+        return bool(np.any(x[:, 1] < other.level - 0.5 * spacing))
+    deep = other.inside(x, 0.0)
+    for axis in range(2):
+        for side in (-0.5, 0.5):
+            deep &= other.inside(x + side * spacing * np.eye(2)[axis], 0.0)
+    return bool(deep.any())

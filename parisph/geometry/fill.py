@@ -1,0 +1,144 @@
+"""The fluid at the start of a scene: lattice points in a shape, half a spacing in front of all walls (2D).
+
+The points are counted by runs along upright lines of the lattice, whose ends follow from the shapes and the elements.
+So each rank makes its own points only, and their numbers do not depend on the number of ranks.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from parisph.case.bodies import StillWater
+from parisph.case.lattice import Lattice
+from parisph.case.shapes import Box, Tank
+from parisph.geometry.columns import between, crossings, gaps, near_pieces, union
+from parisph.geometry.mesh import WallMesh
+from parisph.geometry.outline import corners_of, in_fluid, outline_of
+
+CUT = 0.5        # spacings: fluid is no nearer to a wall
+EDGE = 0.01      # spacings: a point this near to the edge of a shape is in it
+ROUNDING = 1e-6  # spacings: a point this much nearer to a wall than the cut still counts
+
+
+class Filling:
+    """The points origin + step * index that one body of fluid fills.
+
+    Parameters
+    ----------
+    shape : Box, Disc, Polygon or StillWater
+    walls : the bodies of the scene that do not move at the start, in front of which the fluid is
+    mesh : WallMesh of these walls, None without walls
+    spacing : [m]
+    holes : shapes without fluid inside this one
+
+    Attributes
+    ----------
+    origin, step : (2,) [m]; still water hangs from its level, other shapes begin where those of case.lattice do
+    count : number of points
+    """
+
+    def __init__(self, shape, walls: Sequence, mesh: WallMesh | None, spacing: float, holes: Sequence = ()):
+        self.shape, self.holes, self.spacing = shape, tuple(holes), spacing
+        self._outlines = [outline_of(wall) for wall in walls]
+        tank = next((wall for wall in walls if isinstance(wall, Tank)), None)
+        self.origin, self.step, first, last = self._frame(tank, mesh)
+        self._first = first[0]
+        lines = self.origin[0] + np.arange(first[0], last[0] + 1) * self.step[0]
+        line, low, high = self._free(lines, mesh, first[1], last[1])
+        begin, end = self._rows(low, high)
+        kept = end >= begin
+        line, begin, end = line[kept], begin[kept], end[kept]
+        middle = np.stack([line + first[0], (begin + end) // 2], axis=1)
+        kept = in_fluid(self._outlines, self.position(middle))
+        self._line, self._begin = line[kept], begin[kept]
+        self._before = np.concatenate([[0], np.cumsum(end[kept] - begin[kept] + 1)])
+        self.count = int(self._before[-1])
+
+    def _frame(self, tank, mesh):
+        """Return origin, step, and the least and the greatest index (2,) that may be filled."""
+        s = self.spacing
+        if isinstance(self.shape, StillWater):
+            lower, upper = mesh.x0.min(axis=0), mesh.x0.max(axis=0)
+            lattice = None if tank is None else Lattice(Box(tank.width, tank.height, at=tank.at), tank, s)
+            origin = np.array([lower[0] if tank is None else lattice.origin[0], self.shape.level])
+            step = np.array([s if tank is None else lattice.step[0], s])
+            first = np.ceil((lower - origin) / step).astype(np.int64)
+            return origin, step, first, np.array([np.floor((upper[0] - origin[0]) / step[0]), 0], dtype=np.int64)
+        lattice = Lattice(self.shape, tank, s)
+        return lattice.origin, lattice.step, lattice.first, lattice.first + lattice.counts - 1
+
+    def _rows(self, low, high):
+        """Return the first and the last row within intervals (n,) of heights [m]."""
+        y, s = self.origin[1], self.step[1]
+        first, last = np.ceil((low - y) / s - ROUNDING), np.floor((high - y) / s + ROUNDING)
+        return first.astype(np.int64), last.astype(np.int64)
+
+    def _free(self, lines, mesh, first, last):
+        """Return the intervals of the lines that are in the shape and far enough from walls and holes."""
+        bottom, top = self.origin[1] + (first - 0.5) * self.step[1], self.origin[1] + (last + 0.5) * self.step[1]
+        taken = []
+        if mesh is not None:
+            corners = mesh.corners()
+            taken.append(near_pieces(corners[:, 0], corners[:, 1], (CUT - ROUNDING) * self.spacing, lines))
+        taken += [self._covered(hole, lines, -EDGE) for hole in self.holes]
+        if not isinstance(self.shape, (StillWater, Box)):    # a box is all between the least and the greatest index
+            taken.append(gaps(self._covered(self.shape, lines, EDGE), len(lines), bottom, top))
+        none = (np.empty(0, np.int64), np.empty(0), np.empty(0))
+        return gaps(union(none, *taken), len(lines), bottom, top)
+
+    def _covered(self, shape, lines, edge):
+        """Return the intervals of the lines inside a shape, widened by `edge` spacings, narrowed if it is negative."""
+        a = corners_of(shape)
+        b = np.roll(a, -1, axis=0)
+        line, low, high = between(*crossings(a, b, lines))
+        inside = shape.inside(np.stack([lines[line], 0.5 * (low + high)], axis=1), 0.0)
+        found = line[inside], low[inside], high[inside]
+        near = near_pieces(a, b, abs(edge) * self.spacing, lines)
+        if edge > 0.0:
+            return union(found, near)
+        outside = gaps(found, len(lines), -1e300, 1e300)
+        return gaps(union(outside, near), len(lines), -1e300, 1e300)
+
+    def position(self, index: np.ndarray) -> np.ndarray:
+        """Return the positions (n, 2) [m] of lattice indices (n, 2)."""
+        return self.origin + index * self.step
+
+    def indices(self, start: int = 0, stop: int | None = None) -> np.ndarray:
+        """Return the lattice indices (n, 2) of the points number start to stop. Only these are held in memory."""
+        number = np.arange(start, self.count if stop is None else min(stop, self.count))
+        run = np.searchsorted(self._before, number, side="right") - 1
+        return np.stack([self._line[run] + self._first, self._begin[run] + number - self._before[run]], axis=1)
+
+    def is_surface(self, index: np.ndarray) -> np.ndarray:
+        """Return which of the filled indices (n, 2) have a neighbour along an axis that is not in the shape, (n,) bool.
+
+        Walls that the shape reaches have no free surface before them.
+        """
+        free = np.zeros(len(index), dtype=bool)
+        for axis in range(2):
+            for side in (-1, 1):
+                beside = index.copy()
+                beside[:, axis] += side
+                free |= ~self._in_shape(self.position(beside))
+        return free
+
+    def _in_shape(self, x):
+        edge = EDGE * self.spacing
+        if isinstance(self.shape, StillWater):
+            return x[:, 1] <= self.shape.level + edge
+        inside = self.shape.inside(x, edge)
+        for hole in self.holes:
+            inside &= ~hole.inside(x, -edge) if not hasattr(hole, "points") else ~hole.inside(x, 0.0)
+        return inside
+
+
+def share(fillings: Sequence[Filling], rank: int, size: int) -> list[tuple[int, int]]:
+    """Return from which to which point of each filling a rank of `size` makes the particles.
+
+    Particles are numbered through all fillings in order, whatever the number of ranks, and ranks have equal parts of
+    them.
+    """
+    before = np.concatenate([[0], np.cumsum([fill.count for fill in fillings])])
+    start, stop = before[-1] * rank // size, before[-1] * (rank + 1) // size
+    return [(int(np.clip(start - first, 0, fill.count)), int(np.clip(stop - first, 0, fill.count)))
+            for first, fill in zip(before, fillings)]

@@ -1,0 +1,236 @@
+"""The boundary mesh of a scene: wall nodes, and the elements between them, of about a spacing.
+
+Nodes are particles and carry rows of the pressure equation; elements say where the walls are. A tank alone keeps the
+nodes of its lattice, in their order (any dimension). Other outlines are divided piece by piece into round(length / s)
+elements (2D).
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from parisph.base.errors import CaseError
+from parisph.case.lattice import Lattice
+from parisph.case.shapes import Box, Tank
+from parisph.geometry.outline import outline_of
+from parisph.geometry.polygons import Chain, joined
+
+SMOOTH = 0.1    # rad: an outline that turns by less has no corner there
+FLAT, CONCAVE, CONVEX = 0, 1, 2    # values of `edge`
+
+
+@dataclass(frozen=True)
+class Body:
+    """One body of a mesh: its name, the number of its motion (0 rests in the tank's frame), and its slip."""
+
+    name: str
+    motion: int = 0
+    slip: str = "free"
+
+
+@dataclass(frozen=True)
+class WallMesh:
+    """Nodes and elements of all walls, in the frames of their bodies.
+
+    x0 : (N, dim) nodes [m]; normal0 : (N, dim) unit normals into the fluid, on edges the normalised sum of both sides'
+    area : (N,) of each node's part of the wall [m^(dim-1)]; vector_area : (N, dim), the integral of the normal over it
+    share : (N,) part of the node's cell inside the fluid: the angle of the fluid over the whole angle
+    body : (N,) int; edge : (N,) int8, FLAT, CONCAVE, or CONVEX, which carries no row
+    elements : (M, dim) int, nodes; in 2D the fluid is on the left of the way from the first to the second, in 3D on the
+        side from which they are in anticlockwise order
+    element_body : (M,) int; bodies : Body number 0, 1, ...
+    """
+
+    x0: np.ndarray
+    normal0: np.ndarray
+    area: np.ndarray
+    vector_area: np.ndarray
+    share: np.ndarray
+    body: np.ndarray
+    edge: np.ndarray
+    elements: np.ndarray
+    element_body: np.ndarray
+    bodies: tuple[Body, ...] = field(default=())
+
+    @property
+    def dim(self) -> int:
+        """2 or 3."""
+        return self.x0.shape[1]
+
+    def corners(self, x: np.ndarray | None = None) -> np.ndarray:
+        """Return the corners (M, dim, dim) [m] of the elements, with the nodes at x (N, dim) [m], or at rest."""
+        return (self.x0 if x is None else x)[self.elements]
+
+
+def area_vectors(corners: np.ndarray) -> np.ndarray:
+    """Return the normals (M, dim) of elements (M, dim, dim), as long as their measures [m^(dim-1)]."""
+    along = corners[:, 1] - corners[:, 0]
+    if corners.shape[2] == 2:
+        return np.stack([-along[:, 1], along[:, 0]], axis=1) + 0.0    # no negative zeros
+    return 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]) + 0.0
+
+
+def wall_mesh(walls, spacing: float) -> WallMesh:
+    """Return the mesh of the walls of a scene (2D).
+
+    walls : Tank, Profile, Obstacle and Plate, in one frame; spacing : [m]
+
+    Raises
+    ------
+    CaseError : two bodies leave nothing of one another that touches fluid
+    """
+    bodies = tuple(_body(wall, number) for number, wall in enumerate(walls))
+    chains = joined([outline_of(wall) for wall in walls], spacing)
+    if not chains:
+        names = ", ".join(body.name for body in bodies)
+        raise CaseError(f"walls: no fluid touches any of {names}: each lies inside another")
+    meshes, tank = [], _lone_tank(walls, chains)
+    if tank is not None:
+        meshes.append(_numbered(block_mesh(_tank_lattice(walls[tank], spacing)), tank))
+    meshes += [chain_mesh(chain, spacing) for chain in chains if tank is None or not np.all(chain.body == tank)]
+    return _together(meshes, bodies)
+
+
+def _body(wall, number):
+    name = getattr(wall, "name", "") or (type(wall).__name__.lower() + (f"-{number}" if number else ""))
+    return Body(name, 0, getattr(wall, "slip", "free"))
+
+
+def _lone_tank(walls, chains):
+    """Return the number of the tank whose outline no other body touches, or None."""
+    for number, wall in enumerate(walls):
+        if isinstance(wall, Tank):
+            own = [chain for chain in chains if np.any(chain.body == number)]
+            whole = len(own) == 1 and np.all(own[0].body == number) and len(own[0].points) == 4
+            return number if whole else None
+    return None
+
+
+def _tank_lattice(tank, spacing):
+    return Lattice(Box(width=tank.width, height=tank.height, at=tank.at), tank, spacing)
+
+
+def block_mesh(lattice: Lattice) -> WallMesh:
+    """Return the mesh of a tank whose nodes are the wall points of its lattice, in their order. Any dimension."""
+    index, inward = lattice.wall_indices()
+    dim, top, step = index.shape[1], lattice.top, lattice.step
+    planes = np.abs(inward).sum(axis=1)
+    number = np.full(top + 1, -1, dtype=np.int64)
+    number[tuple(index.T)] = np.arange(len(index))
+    faces, elements = [], []
+    for axis in range(dim):
+        for sign in (1, -1):
+            there = index[inward[:, axis] == sign]
+            if len(there):
+                corners = number[tuple(np.moveaxis(_cells(there, axis, top), -1, 0))]
+                faces.append((corners, np.eye(dim)[axis] * sign * np.delete(step, axis).prod()))
+                elements.append(_simplices(corners, axis, sign))
+    vectors, area = np.zeros((len(index), dim)), np.zeros(len(index))
+    for corners, vector in faces:
+        np.add.at(vectors, corners, vector / corners.shape[1])
+        np.add.at(area, corners, np.abs(vector).sum() / corners.shape[1])
+    length = np.linalg.norm(inward, axis=1)
+    elements = np.concatenate(elements)
+    return WallMesh(
+        x0=lattice.position(index), normal0=inward / length[:, None], area=area, vector_area=vectors, share=0.5**planes,
+        body=np.zeros(len(index), np.int32), edge=np.where(planes > 1, CONCAVE, FLAT).astype(np.int8),
+        elements=elements.astype(np.int32), element_body=np.zeros(len(elements), np.int32))
+
+
+def _cells(index, axis, top):
+    """Return the corner indices (cells, 2^(dim-1), dim) of the cells on one face of a block."""
+    others = [a for a in range(index.shape[1]) if a != axis]
+    lowest = index[(index[:, others] < top[others]).all(axis=1)]
+    steps = np.zeros((2 ** len(others), index.shape[1]), dtype=np.int64)
+    steps[:, others] = np.indices((2,) * len(others)).reshape(len(others), -1).T
+    return lowest[:, None, :] + steps
+
+
+def _simplices(corners, axis, sign):
+    """Divide cells into elements with the fluid on the side to which sign * axis points."""
+    if corners.shape[1] == 2:    # along x the fluid above is on the left, along y that at greater x is on the right
+        return corners if (axis == 1) == (sign == 1) else corners[:, ::-1]
+    a, b, c, d = corners.T       # (0, 0), (0, 1), (1, 0), (1, 1) of the two other axes
+    turn = (axis == 1) == (sign == 1)    # whether from one other axis to the next is clockwise, seen from the fluid
+    triangles = [(a, c, d), (a, d, b)] if not turn else [(a, d, c), (a, b, d)]
+    return np.concatenate([np.stack(triangle, axis=1) for triangle in triangles])
+
+
+def chain_mesh(chain: Chain, spacing: float) -> WallMesh:
+    """Return the mesh of one chain: each stretch between corners divided into round(length / s) equal elements (2D)."""
+    x, body, corner = _nodes(chain, spacing)
+    n = len(x)
+    pairs = np.stack([np.arange(n), np.arange(1, n + 1) % n], axis=1)[: n if chain.closed else n - 1]
+    vectors = area_vectors(x[pairs])
+    half, area, total = np.zeros((n, 2)), np.zeros(n), np.zeros((n, 2))
+    length = np.linalg.norm(vectors, axis=1)
+    for end in pairs.T:
+        np.add.at(half, end, 0.5 * vectors)
+        np.add.at(area, end, 0.5 * length)
+        np.add.at(total, end, vectors / length[:, None])
+    angle = np.where(corner >= 0, chain.angle[corner], np.pi)
+    edge = np.where(angle < np.pi - SMOOTH, CONCAVE, np.where(angle > np.pi + SMOOTH, CONVEX, FLAT))
+    tip = angle > 2.0 * np.pi - SMOOTH    # the sides' normals add up to nothing: ahead of the tip is fluid, too
+    ahead = x - np.roll(x, 1, axis=0)
+    total = np.where(tip[:, None], ahead, total)
+    return WallMesh(
+        x0=x, normal0=total / np.linalg.norm(total, axis=1)[:, None], area=area, vector_area=half,
+        share=np.where(edge == FLAT, 0.5, angle / (2.0 * np.pi)), body=body[np.minimum(np.arange(n), len(body) - 1)],
+        edge=edge.astype(np.int8), elements=pairs.astype(np.int32), element_body=body)
+
+
+def _nodes(chain, spacing):
+    """Return the nodes (n, 2) of a chain, the body of each element, and each node's corner of the chain or -1, (n,)."""
+    breaks = _breaks(chain)
+    points, pieces = chain.points, len(chain.body)
+    x, body, corner = [], [], []
+    stops = [*breaks[1:], breaks[0] + pieces] if chain.closed else breaks[1:]
+    for start, stop in zip(breaks, stops):
+        way = points[np.arange(start, stop + 1) % len(points)]
+        divided = _divided(way, spacing, 3 if chain.closed and len(breaks) == 1 else 1)
+        x.append(divided[:-1])
+        body.append(np.full(len(divided) - 1, chain.body[start % pieces]))
+        corner += [start % len(points)] + [-1] * (len(divided) - 2)
+    if not chain.closed:
+        x.append(points[-1:])
+        corner.append(len(points) - 1)
+    return np.concatenate(x), np.concatenate(body).astype(np.int32), np.array(corner)
+
+
+def _breaks(chain):
+    """Return the numbers of the points at which a new stretch begins: corners, ends, and where another body begins."""
+    sharp = np.abs(chain.angle - np.pi) >= SMOOTH
+    if chain.closed:
+        sharp |= chain.body != np.roll(chain.body, 1)
+        return np.flatnonzero(sharp).tolist() or [0]
+    sharp[1:-1] |= chain.body[1:] != chain.body[:-1]
+    sharp[[0, -1]] = True
+    return np.flatnonzero(sharp).tolist()
+
+
+def _divided(way, spacing, least):
+    """Divide a line through points (n, 2) into round(length / s) pieces of equal length along it."""
+    reach = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+    pieces = max(round(reach[-1] / spacing), least)
+    if len(way) == 2:
+        inner = way[0] + np.arange(1, pieces)[:, None] * ((way[1] - way[0]) / pieces)
+    else:
+        at = reach[-1] * np.arange(1, pieces) / pieces
+        inner = np.stack([np.interp(at, reach, way[:, axis]) for axis in range(2)], axis=1)
+    return np.concatenate([way[:1], inner, way[-1:]])
+
+
+def _numbered(mesh, body):
+    """Return a mesh of one body with another number of that body."""
+    values = dict(vars(mesh))
+    values["body"], values["element_body"] = mesh.body + np.int32(body), mesh.element_body + np.int32(body)
+    return WallMesh(**values)
+
+
+def _together(meshes, bodies):
+    """Return meshes as one."""
+    joint = {name: np.concatenate([getattr(mesh, name) for mesh in meshes]) for name in vars(meshes[0])
+             if name not in ("elements", "bodies")}
+    before = np.cumsum([0, *[len(mesh.x0) for mesh in meshes]])
+    elements = np.concatenate([mesh.elements + np.int32(start) for mesh, start in zip(meshes, before)])
+    return WallMesh(**joint, elements=elements, bodies=bodies)

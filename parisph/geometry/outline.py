@@ -1,0 +1,105 @@
+"""The outline of each body of a scene: directed straight pieces with the fluid on their left (2D)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from parisph.case.bodies import Obstacle, Plate, Profile
+from parisph.case.shapes import Box, Disc, Tank
+
+FACETS = 256    # straight pieces around a disc; they turn by less than a mesh calls a corner
+
+
+@dataclass(frozen=True)
+class Outline:
+    """The edge of one body.
+
+    points : (n, 2) [m], in order, with fluid on the left of the way along them
+    closed : whether the last point is joined to the first; an open outline continues straight beyond its ends
+    two_sided : whether fluid is on both sides, as of a plate; its points then lead there and back, and it has no inside
+    """
+
+    points: np.ndarray
+    closed: bool
+    two_sided: bool = False
+
+    @property
+    def starts(self) -> np.ndarray:
+        """Where the pieces start, (pieces, 2) [m]."""
+        return self.points if self.closed else self.points[:-1]
+
+    @property
+    def ends(self) -> np.ndarray:
+        """Where the pieces end, (pieces, 2) [m]."""
+        return np.roll(self.points, -1, axis=0) if self.closed else self.points[1:]
+
+    def in_front(self, x: np.ndarray) -> np.ndarray:
+        """Return which of the points x (n, 2) [m] lie on the fluid's side of this body, (n,) bool.
+
+        The pieces are seen from x under angles whose sum is known but for a whole turn, which tells the sides apart.
+        """
+        if self.two_sided:
+            return np.ones(len(x), dtype=bool)
+        turn = np.zeros(len(x))
+        for a, b in zip(self.starts, self.ends):
+            turn += _angle(a - x, b - x)
+        if self.closed:
+            clockwise = signed_area(self.points) < 0.0
+            return turn > (-np.pi if clockwise else np.pi)
+        first, last = self.points[0] - self.points[1], self.points[-1] - self.points[-2]
+        turn += _angle(first[None], self.points[0] - x) + _angle(self.points[-1] - x, last[None])
+        whole = _angle(first[None], last[None])[0] % (2.0 * np.pi)
+        return turn > (whole if whole > 1e-9 else 2.0 * np.pi) - np.pi
+
+
+def outline_of(body) -> Outline:
+    """Return the Outline of a Tank, Profile, Obstacle or Plate. Raises TypeError for anything else."""
+    if isinstance(body, Tank):
+        lower, upper = body.bounds
+        left, right = (lower[0], upper[1]), (upper[0], upper[1])
+        return Outline(np.array([left, tuple(lower), (upper[0], lower[1]), right]), body.closed)
+    if isinstance(body, Profile):
+        points = np.array(body.points, dtype=float)
+        return Outline(points if body.fluid_on_left else points[::-1].copy(), False)
+    if isinstance(body, Obstacle):
+        return Outline(_clockwise(corners_of(body.shape)), True)
+    if isinstance(body, Plate):
+        points = np.array(body.points, dtype=float)
+        return Outline(np.concatenate([points, points[-2:0:-1]]), True, True)
+    raise TypeError(f"{type(body).__name__} has no outline")
+
+
+def corners_of(shape) -> np.ndarray:
+    """Return the corners (n, 2) [m] of a Box, Disc or Polygon; a disc has FACETS of them, and its own area."""
+    if isinstance(shape, Box):
+        (left, low), (right, high) = shape.bounds
+        return np.array([(left, low), (right, low), (right, high), (left, high)])
+    if isinstance(shape, Disc):
+        angle = 2.0 * np.pi * np.arange(FACETS) / FACETS
+        radius = shape.radius * np.sqrt(2.0 * np.pi / (FACETS * np.sin(2.0 * np.pi / FACETS)))
+        return np.array(shape.at) + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return np.array(shape.points, dtype=float)
+
+
+def signed_area(points: np.ndarray) -> float:
+    """Return the area within points (n, 2) [m] joined in order, negative if they go round clockwise [m2]."""
+    x, y = (points - points[0]).T
+    return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
+
+
+def in_fluid(outlines, x: np.ndarray) -> np.ndarray:
+    """Return which points x (n, 2) [m] lie in front of all outlines, (n,) bool. The work is points times pieces."""
+    inside = np.ones(len(x), dtype=bool)
+    for outline in outlines:
+        left = np.flatnonzero(inside)
+        inside[left] = outline.in_front(x[left])
+    return inside
+
+
+def _clockwise(points):
+    return points[::-1].copy() if signed_area(points) > 0.0 else points
+
+
+def _angle(a, b):
+    """Return the angle from a to b (n, 2), anticlockwise, in [-pi, pi]."""
+    return np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1])

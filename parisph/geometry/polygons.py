@@ -1,0 +1,198 @@
+"""The walls of bodies that touch or overlap (2D): what of their outlines the fluid sees, joined into chains.
+
+Outlines are cut where they meet. Pieces inside another body go, and so do those where two bodies lie face to face.
+What is left is joined so that the fluid is between a piece and the next one: a plate that stands on a bed has a node
+on each side of its foot. Each piece keeps the number of its body, and open outlines are as good as closed ones: this
+is why no library for polygons is used.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+CLOSE = 1e-6    # spacings: points nearer than this are one
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Straight pieces in a row, with the fluid on their left.
+
+    points : (n, 2) [m]; closed : whether the last is joined to the first
+    body : (n,) or, if open, (n - 1,) int, the number of the body of each piece
+    angle : (n,) [rad], of the fluid at each point: pi where the wall is straight, and at the ends of an open chain
+    """
+
+    points: np.ndarray
+    body: np.ndarray
+    angle: np.ndarray
+    closed: bool
+
+
+def joined(outlines, spacing: float) -> list[Chain]:
+    """Return the chains that the fluid between all outlines touches.
+
+    outlines : of bodies number 0, 1, ... that do not move against each other; spacing : [m]
+    """
+    if len(outlines) == 1:
+        return [_alone(outlines[0])]
+    points, pieces, body = _cut(outlines, CLOSE * spacing)
+    keep = _seen(outlines, points, pieces, body)
+    return _chains(points, pieces[keep], body[keep])
+
+
+def _alone(outline):
+    back, ahead = _directions(outline)
+    angle = np.full(len(outline.points), np.pi)
+    own = slice(None) if outline.closed else slice(1, -1)
+    angle[own] = _fluid_angle(back, ahead)
+    return Chain(outline.points, np.zeros(len(outline.starts), dtype=np.int64), angle, outline.closed)
+
+
+def _directions(outline):
+    """Return the directions back and ahead at the points where two pieces join, (n, 2) each."""
+    p = outline.points
+    if outline.closed:
+        return np.roll(p, 1, axis=0) - p, np.roll(p, -1, axis=0) - p
+    return p[:-2] - p[1:-1], p[2:] - p[1:-1]
+
+
+def _fluid_angle(back, ahead):
+    """Return the angle of the fluid between directions (n, 2), clockwise from `back` to `ahead`, in (0, 2 pi]."""
+    angle = (np.arctan2(back[:, 1], back[:, 0]) - np.arctan2(ahead[:, 1], ahead[:, 0])) % (2.0 * np.pi)
+    return np.where((angle < 1e-9) | (angle > 2.0 * np.pi - 1e-9), 2.0 * np.pi, angle)
+
+
+def _cut(outlines, close):
+    """Cut outlines where they meet; return points (n, 2), pieces (m, 2) as numbers of points, and their bodies (m,)."""
+    a, b = np.concatenate([o.starts for o in outlines]), np.concatenate([o.ends for o in outlines])
+    body = np.repeat(np.arange(len(outlines)), [len(o.starts) for o in outlines])
+    places, owner, along = [a, b], [], []
+    for i in range(len(a)):
+        t = _meetings(a, b, body, i, close)
+        places.append(a[i] + t[:, None] * (b[i] - a[i]))
+        owner.append(np.full(len(t), i))
+        along.append(t)
+    number, points = _merged(np.concatenate(places), close)
+    first, last, between = number[: len(a)], number[len(a) : 2 * len(a)], number[2 * len(a) :]
+    owner = np.concatenate([np.arange(len(a)), *owner, np.arange(len(a))]).astype(np.int64)
+    along = np.concatenate([np.zeros(len(a)), *along, np.ones(len(a))])
+    at = np.concatenate([first, between, last])
+    order = np.lexsort([along, owner])
+    owner, at = owner[order], at[order]
+    real = (owner[1:] == owner[:-1]) & (at[1:] != at[:-1])
+    return points, np.stack([at[:-1], at[1:]], axis=1)[real], body[owner[:-1][real]]
+
+
+def _meetings(a, b, body, i, close):
+    """Return where along piece i other bodies' pieces touch or cross it, as parts of its length between 0 and 1."""
+    low, high = np.minimum(a[i], b[i]) - close, np.maximum(a[i], b[i]) + close
+    other = (body != body[i]) & (np.minimum(a, b) <= high).all(axis=1) & (np.maximum(a, b) >= low).all(axis=1)
+    p, q, d = a[other], b[other], b[i] - a[i]
+    length = np.hypot(*d)
+    touching = np.concatenate([p, q]) - a[i]
+    on = np.abs(_cross(d, touching)) <= close * length
+    found = [touching[on] @ d / length**2]
+    e = q - p
+    slant = _cross(d, e)
+    crossing = np.abs(slant) > 1e-12 * length * np.hypot(e[:, 0], e[:, 1])
+    t = _cross(p[crossing] - a[i], e[crossing]) / slant[crossing]
+    u = _cross(p[crossing] - a[i], d) / slant[crossing]
+    found.append(t[(u >= 0.0) & (u <= 1.0)])
+    t = np.concatenate(found)
+    return t[(t * length > close) & ((1.0 - t) * length > close)]
+
+
+def _cross(a, b):
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def _merged(places, close):
+    """Return the number of each place's (n, 2) point, and the points: close places are one, the first of them."""
+    groups = np.stack([_groups(places[:, axis], close) for axis in range(2)], axis=1)
+    _, first, number = np.unique(groups, axis=0, return_index=True, return_inverse=True)
+    return number.reshape(-1), places[first]
+
+
+def _groups(values, close):
+    """Return group numbers (n,) of values, such that neighbours in one group differ by at most `close`."""
+    order = np.argsort(values, kind="stable")
+    group = np.empty(len(values), dtype=np.int64)
+    group[order] = np.concatenate([[0], np.cumsum(np.diff(values[order]) > close)])
+    return group
+
+
+def _seen(outlines, points, pieces, body):
+    """Return which pieces bound fluid, (m,) bool: not inside another body, not face to face with one, and not twice."""
+    two_sided = np.array([o.two_sided for o in outlines])
+    keep, on = np.ones(len(pieces), dtype=bool), np.zeros((len(pieces), len(outlines)), dtype=bool)
+    place, first = np.unique(np.sort(pieces, axis=1), axis=0, return_inverse=True)
+    first = first.reshape(-1)
+    order = np.argsort(first, kind="stable")
+    for same in np.split(order, np.cumsum(np.bincount(first, minlength=len(place)))[:-1]):
+        on[np.ix_(same, body[same])] = True
+        if len(same) > 1:
+            keep[same] = _kept(pieces[same, 0] < pieces[same, 1], two_sided[body[same]])
+    middle = 0.5 * (points[pieces[:, 0]] + points[pieces[:, 1]])
+    for number, outline in enumerate(outlines):
+        asked = np.flatnonzero(keep & ~on[:, number])
+        keep[asked] = outline.in_front(middle[asked])
+    return keep
+
+
+def _kept(forward, thin):
+    """Return which of the pieces in one place stay: one in each direction in which there is fluid.
+
+    forward : (n,) bool, their directions; thin : (n,) bool, whether they are of a plate. Two solids leave no fluid
+    between them.
+    """
+    solid = [(forward & ~thin).any(), (~forward & ~thin).any()]
+    keep = np.zeros(len(forward), dtype=bool)
+    for way, other in ((True, 1), (False, 0)):
+        there = np.flatnonzero(forward == way)
+        if there.size and not solid[other]:
+            keep[there[0]] = True
+    return keep
+
+
+def _chains(points, pieces, body):
+    """Join pieces to chains, those with an open start first; at a joint the fluid is between a piece and the next."""
+    after, angle = _next_pieces(points, pieces)
+    has_before = np.zeros(len(pieces), dtype=bool)
+    has_before[after[after >= 0]] = True
+    used, chains = np.zeros(len(pieces), dtype=bool), []
+    for start in [*np.flatnonzero(~has_before), *range(len(pieces))]:
+        row, piece = [], start
+        while piece >= 0 and not used[piece]:
+            used[piece] = True
+            row.append(piece)
+            piece = after[piece]
+        if row:
+            chains.append(_chain(points, pieces, body, angle, np.array(row), piece == row[0]))
+    return chains
+
+
+def _chain(points, pieces, body, angle, row, closed):
+    at = points[pieces[row, 0]]
+    if closed:
+        return Chain(at, body[row], angle[np.roll(row, 1)], True)
+    end = points[pieces[row[-1:], 1]]
+    return Chain(np.concatenate([at, end]), body[row], np.concatenate([[np.pi], angle[row[:-1]], [np.pi]]), False)
+
+
+def _next_pieces(points, pieces):
+    """Return for each piece the one that follows it, -1 for none, and the angle of the fluid between them [rad]."""
+    ends = np.concatenate([pieces[:, 1], pieces[:, 0]])
+    order = np.argsort(ends, kind="stable")
+    after, angle = np.full(len(pieces), -1), np.full(len(pieces), np.pi)
+    direction = points[pieces[:, 1]] - points[pieces[:, 0]]
+    count = np.bincount(ends, minlength=len(points))
+    for around in np.split(order, np.cumsum(count)[:-1]):
+        coming, going = around[around < len(pieces)], around[around >= len(pieces)] - len(pieces)
+        for piece in coming:
+            back = np.broadcast_to(-direction[piece], (len(around) - 1, 2))
+            others = coming[coming != piece]
+            turn = _fluid_angle(back, np.concatenate([direction[going], -direction[others]]))
+            if len(going) and turn[: len(going)].min() <= turn.min():
+                nearest = int(np.argmin(turn[: len(going)]))
+                after[piece], angle[piece] = going[nearest], turn[nearest]
+    return after, angle

@@ -1,0 +1,351 @@
+"""Density ratio beside walls: the kernel's integral over the solid, as the particle sees it, in place of mirror images.
+
+    alpha_i full = sum_fluid W + [ sum_nodes (A s share W + s a.(x_i - x_k) b(r)) + sum_elements Omega F(r) ] / s^dim
+
+F(r) is the integral of W q^(dim-1) from r to 2h, Omega the angle of an element, whose sum of F is the solid behind
+it. A wall node is a particle of which `share` is inside the fluid, and a its area vector. b(r) is the end correction
+of the trapezoidal rule, s/12 |W'|/r to leading order (Euler and Maclaurin): with it the sum over a lattice that ends
+at a wall becomes the integral up to the wall. Its higher orders are a polynomial of r, fitted once such that alpha =
+1, without a gradient, for every particle of a lattice in front of a flat wall.
+
+The gradient sums that of the kernel over the same solid: sum_elements Omega e G(r), with the direction e to the
+element and G the integral of |W'| q^(dim-1) from r to 2h. It also counts the edge of what an element hides, unlike an
+integral over the wall.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from parisph.base.fields import FLUID, WALL
+from parisph.kernels.jit import axes_of, inlined, kernel
+from parisph.kernels.near import dot, room_for
+from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
+from parisph.kernels.solids import element_normal
+from parisph.kernels.surface import lattice_sum
+
+ENTRIES = 1024    # of the tables
+ORDER = 5         # of the polynomial of the end correction
+GAUSS = math.sqrt(0.6)    # three points of Gauss's rule: 0 and +-GAUSS, with the weights 8/9 and 5/9
+
+
+class Table(NamedTuple):
+    """What completion needs to know of a kernel.
+
+    values : (ENTRIES + 2, 4) at r = 0 ... 2h in equal steps:
+        F(r) [1], b(r) [m^(-dim-1)], b'(r)/r [m^(-dim-3)], G(r) [1/m]
+    h : [m]; full : the kernel's sum over the lattice [m^-dim]; spacing : [m]
+    """
+
+    values: np.ndarray
+    h: float
+    full: float
+    spacing: float
+
+
+def table(spacing: float, h: float, dim: int) -> Table:
+    """Return the Table of the cubic spline. Takes some milliseconds."""
+    full = lattice_sum(spacing, h, axes_of(dim))
+    r = np.linspace(0.0, 2.0 * h, ENTRIES)
+    w, slope = _kernel(r, h, dim)
+    beyond = _integral_to_end(w * r ** (dim - 1), r)
+    pull = w * r ** (dim - 1) + (dim - 1) * _integral_to_end(w * r ** (dim - 2), r)
+    coefficients = _end_correction(spacing, h, dim)
+    q = r / h
+    b = -spacing / 12.0 * slope * np.polyval(coefficients, q)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        by_r = np.gradient(b, r, edge_order=2) / r
+    by_r[0] = by_r[1]
+    values = np.zeros((ENTRIES + 2, 4))
+    values[:ENTRIES] = np.stack([beyond, b, by_r, pull], axis=1)
+    values[ENTRIES - 1 :] = 0.0
+    return Table(values, h, full, spacing)
+
+
+def _kernel(r, h, dim):
+    """Return W and W'/r at distances r, arrays of its shape."""
+    w, slope = np.empty(r.size), np.empty(r.size)
+    _evaluate(w, slope, np.ascontiguousarray(r).ravel(), h, axes_of(dim))
+    return w.reshape(r.shape), slope.reshape(r.shape)
+
+
+@kernel
+def _evaluate(w, slope, r, h, axes):
+    for k in range(len(r)):
+        w[k], slope[k] = cubic_spline(r[k], h, len(axes)), cubic_spline_slope(r[k], h, len(axes))
+
+
+def _integral_to_end(f, r):
+    """Return the integral of f from each r to the last, by the trapezoidal rule corrected with the slopes."""
+    step, slope = r[1] - r[0], np.gradient(f, r, edge_order=2)
+    pieces = 0.5 * step * (f[1:] + f[:-1]) - step**2 / 12.0 * (slope[1:] - slope[:-1])
+    return np.append(np.cumsum(pieces[::-1])[::-1], 0.0)
+
+
+def _end_correction(spacing, h, dim):
+    """Return the polynomial of q = r/h that multiplies the end correction, highest power first.
+
+    At a distance d from a wall with a lattice of fluid before it, nodes and solid must give what the rest of the
+    lattice would: with its gradient exactly for d = s, 2s, ..., and as well as possible elsewhere.
+    """
+    k = np.arange(-6, 7)
+    side = k[:, None] if dim == 2 else np.stack(np.meshgrid(k, k), axis=-1).reshape(-1, 2)
+    flat2 = spacing**2 * np.sum(side**2, axis=1)
+    rows = np.arange(1, int(math.ceil(2.0 * h / spacing)))
+    near = np.linspace(0.3 * spacing, 2.0 * h, 60)
+    d = np.concatenate([spacing * rows, near])
+
+    def lattice(z):    # sum and slope of the kernel over a row of the lattice at a distance
+        w, slope = _kernel(np.sqrt(flat2 + z[:, None] ** 2), h, dim)
+        return w.sum(axis=1), z * slope.sum(axis=1)
+
+    behind = [lattice(d + m * spacing) for m in range(len(rows) + 1)]
+    wanted = sum(value for value, _ in behind) - 0.5 * behind[0][0] - _half_space(d, h, dim) / spacing**dim
+    wanted_slope = sum(slope for _, slope in behind) - 0.5 * behind[0][1] + _plane(d, h, dim) / spacing**dim
+    basis, slopes = _powers(d, flat2, spacing, h, dim)
+    exact = slice(0, len(rows))
+    must = np.concatenate([basis[exact], h * slopes[exact]]), np.concatenate([wanted[exact], h * wanted_slope[exact]])
+    rest = slice(len(rows), None)
+    may = np.concatenate([basis[rest], h * slopes[rest]]), np.concatenate([wanted[rest], h * wanted_slope[rest]])
+    return _constrained(*must, *may)[::-1]
+
+
+def _powers(d, flat2, spacing, h, dim):
+    """Return the sums over a plane of nodes at distances d (n,) of the end correction times q^k, and their slopes."""
+    def sums(z):
+        r = np.sqrt(flat2 + z[:, None] ** 2)
+        base = -spacing / 12.0 * z[:, None] * _kernel(r, h, dim)[1]
+        return np.stack([(base * (r / h) ** k).sum(axis=1) for k in range(ORDER + 1)], axis=1)
+    step = 1e-5 * h
+    return sums(d), (sums(d + step) - sums(d - step)) / (2.0 * step)
+
+
+def _constrained(must, value, may, wish):
+    """Return the c for which must c = value, and may c is as near to the wish as possible (least squares)."""
+    u, sizes, vt = np.linalg.svd(must)
+    rank = int(np.sum(sizes > 1e-10 * sizes[0]))
+    start = vt[:rank].T @ ((u[:, :rank].T @ value) / sizes[:rank])
+    free = vt[rank:].T
+    return start + free @ np.linalg.lstsq(may @ free, wish - may @ start, rcond=None)[0]
+
+
+def _half_space(d, h, dim):
+    """Return the integral of the kernel over all that is farther than d (n,) in one direction."""
+    fine = np.linspace(0.0, 2.0 * h, 2001)
+    return np.interp(d, fine, _integral_to_end(_plane(fine, h, dim), fine))
+
+
+def _plane(d, h, dim):
+    """Return the integral of the kernel over a plane (2D: line) at distances d (n,)."""
+    t = np.linspace(0.0, 2.0 * h, 801)
+    w = _kernel(np.sqrt(d[:, None] ** 2 + t**2), h, dim)[0]
+    return np.trapz(w * (2.0 if dim == 2 else 2.0 * np.pi * t), t, axis=1)
+
+
+def node_terms(weight: np.ndarray, area: np.ndarray, filled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return weight and area of particles when fluid stands for a part `filled` (n_all,) of the half cells at nodes.
+
+    Where fluid has come to a wall, its first particles are half a spacing from it, and no node stands between: then
+    the sum is that of the midpoint rule, whose end correction is -1/2 of the trapezoidal one. filled : 1 for fluid
+    (halves.wall_share)
+    """
+    return weight * filled, area * (1.5 * filled - 0.5)[:, None]
+
+
+@inlined
+def _entry(values, column, r, step):
+    """Return a table's value at r by linear interpolation, 0 beyond its end."""
+    at = min(r / step, ENTRIES - 0.5)
+    k = int(at)
+    return values[k, column] + (at - k) * (values[k + 1, column] - values[k, column])
+
+
+@kernel
+def completed_density(alpha, x, kind, weight, area, corners, present, values, h, full, spacing, element_indptr,
+                      element_indices, indptr, indices, axes) -> None:
+    """Kernel-sum density of owned fluid over its lattice value, completed by nodes and by the solid behind elements.
+
+    alpha : (n_owned,) output; walls get 1
+    weight : (n_all,) 1 for fluid; of nodes, the part of a cell s^dim that is inside the fluid; 0 for those that do
+        not count
+    area : (n_all, dim) area vector of nodes over s^(dim-1), 0 for all others
+    corners : (M, dim, dim) [m]; present : (M,) bool, elements that count
+    values, h, full, spacing : of the Table
+    """
+    dim = len(axes)
+    pull, n, step, cell = np.empty(dim), np.empty(dim), 2.0 * h / (ENTRIES - 1), spacing**dim
+    apart, part = np.empty(room_for(indptr)), np.empty(room_for(indptr))
+    for i in range(len(indptr) - 1):
+        alpha[i] = 1.0
+        if kind[i] != FLUID:
+            continue
+        total, walls = cubic_spline(0.0, h, dim), element_indptr[i] < element_indptr[i + 1]
+        first, count = indptr[i], indptr[i + 1] - indptr[i]
+        for k in range(count):
+            j = np.uint32(indices[first + k])
+            r2 = 0.0
+            for a in range(dim):
+                r2 += (x[i, a] - x[j, a]) ** 2
+            apart[k], part[k] = r2, weight[j]
+        for k in range(count):
+            total += part[k] * cubic_spline(math.sqrt(apart[k]), h, dim)
+        if walls:
+            for k in range(count):
+                j = indices[first + k]
+                if kind[j] == WALL:
+                    before = 0.0
+                    for a in range(dim):
+                        before += (x[i, a] - x[j, a]) * area[j, a]
+                    total += before * _entry(values, 1, math.sqrt(apart[k]), step)
+            for k in range(element_indptr[i], element_indptr[i + 1]):
+                if present[element_indices[k]]:
+                    e = element_indices[k]
+                    total += _solid_behind(pull, n, i, x, e, corners, values, h, step, False, axes) / cell
+        alpha[i] = total / full
+
+
+@inlined
+def _solid_behind(pull, n, i, x, e, corners, values, h, step, with_pull, axes):
+    """Return the integral of the kernel over the solid behind an element, as seen from particle i; 0 from behind.
+
+    pull : (dim,) output if asked for, the integral of the kernel's gradient with respect to the particle's place
+    """
+    for a in range(len(axes)):
+        pull[a] = 0.0
+    if len(axes) == 2:
+        return _behind_segment(pull, i, x, e, corners, values, h, step, with_pull)
+    return _behind_triangle(pull, n, i, x, e, corners, values, h, step, with_pull, axes)
+
+
+@inlined
+def _behind_segment(pull, i, x, e, corners, values, h, step, with_pull):
+    ax, ay = corners[e, 0, 0] - x[i, 0], corners[e, 0, 1] - x[i, 1]
+    bx, by = corners[e, 1, 0] - x[i, 0], corners[e, 1, 1] - x[i, 1]
+    cross = ax * by - ay * bx
+    tx, ty = bx - ax, by - ay
+    length = math.sqrt(tx * tx + ty * ty)
+    height = cross / length
+    if not 1e-9 * h < height < 2.0 * h:
+        return 0.0
+    angle = math.atan2(cross, ax * bx + ay * by)
+    la, lb = math.sqrt(ax * ax + ay * ay), math.sqrt(bx * bx + by * by)
+    mx, my = ax / la + bx / lb, ay / la + by / lb    # towards the middle of the angle
+    size = math.sqrt(mx * mx + my * my)
+    mx, my = mx / size, my / size
+    cosine, sine = math.cos(0.5 * angle * GAUSS), math.sin(0.5 * angle * GAUSS)
+    total = 0.0
+    for c in range(3):
+        ux, uy = mx, my
+        if c == 1:
+            ux, uy = mx * cosine - my * sine, my * cosine + mx * sine
+        elif c == 2:
+            ux, uy = mx * cosine + my * sine, my * cosine - mx * sine
+        r = cross / (ux * ty - uy * tx)
+        part = angle * (8.0 if c == 0 else 5.0) / 18.0
+        total += part * _entry(values, 0, r, step)
+        if with_pull:
+            force = part * _entry(values, 3, r, step)
+            pull[0] += force * ux
+            pull[1] += force * uy
+    return total
+
+
+@inlined
+def _behind_triangle(pull, n, i, x, e, corners, values, h, step, with_pull, axes):
+    element_normal(n, e, corners, axes)
+    height = 0.0
+    for a in range(3):
+        height += (x[i, a] - corners[e, 0, a]) * n[a]
+    if not 1e-9 * h < height < 2.0 * h:
+        return 0.0
+    mean, weights = 0.0, 0.0
+    for c in range(3):    # three points inside, weighted with the solid angle around them
+        r2 = 0.0
+        for a in range(3):
+            r2 += (_inside(e, c, a, corners) - x[i, a]) ** 2
+        r = math.sqrt(r2)
+        part = 1.0 / (r2 * r)
+        mean += _entry(values, 0, r, step) * part
+        weights += part
+        if with_pull:
+            for a in range(3):
+                pull[a] += _entry(values, 3, r, step) * part * (_inside(e, c, a, corners) - x[i, a]) / r
+    angle = _solid_angle(i, x, e, corners)
+    for a in range(3):
+        pull[a] *= angle / weights
+    return angle * mean / weights
+
+
+@inlined
+def _inside(e, c, a, corners):
+    """Return coordinate a of point c inside a triangle: half way from its middle to corner c."""
+    return 0.5 * corners[e, c, a] + (corners[e, 0, a] + corners[e, 1, a] + corners[e, 2, a]) / 6.0
+
+
+@inlined
+def _solid_angle(i, x, e, corners):
+    """Return the solid angle of a triangle (van Oosterom & Strackee 1983), positive from the fluid's side."""
+    ax, ay, az = corners[e, 0, 0] - x[i, 0], corners[e, 0, 1] - x[i, 1], corners[e, 0, 2] - x[i, 2]
+    bx, by, bz = corners[e, 1, 0] - x[i, 0], corners[e, 1, 1] - x[i, 1], corners[e, 1, 2] - x[i, 2]
+    cx, cy, cz = corners[e, 2, 0] - x[i, 0], corners[e, 2, 1] - x[i, 1], corners[e, 2, 2] - x[i, 2]
+    la, lb = math.sqrt(ax * ax + ay * ay + az * az), math.sqrt(bx * bx + by * by + bz * bz)
+    lc = math.sqrt(cx * cx + cy * cy + cz * cz)
+    volume = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    below = la * lb * lc + (ax * bx + ay * by + az * bz) * lc
+    below += (bx * cx + by * cy + bz * cz) * la + (cx * ax + cy * ay + cz * az) * lb
+    return -2.0 * math.atan2(volume, below)
+
+
+@kernel
+def completed_gradient(out, x, kind, weight, area, corners, present, values, h, full, spacing, element_indptr,
+                       element_indices, indptr, indices, axes) -> None:
+    """Sum of the gradients of the kernel over the same neighbours, nodes and solids at owned fluid [1/m].
+
+    out : (n_owned, dim) output, 0 for walls; other arguments as for `completed_density`
+    """
+    dim = len(axes)
+    mean, pull, n, step, cell = np.empty(dim), np.empty(dim), np.empty(dim), 2.0 * h / (ENTRIES - 1), spacing**dim
+    near, slope = np.empty((dim, room_for(indptr))), np.empty((1, room_for(indptr)))
+    for i in range(len(indptr) - 1):
+        out[i, :] = 0.0
+        if kind[i] != FLUID:
+            continue
+        first, count = indptr[i], indptr[i + 1] - indptr[i]
+        for k in range(count):
+            j = np.uint32(indices[first + k])
+            for a in range(dim):
+                near[a, k] = x[i, a] - x[j, a]
+            slope[0, k] = weight[j]
+        for k in range(count):
+            r2 = 0.0
+            for a in range(dim):
+                r2 += near[a, k] ** 2
+            slope[0, k] *= cubic_spline_slope(math.sqrt(r2), h, dim)
+        for a in range(dim):
+            mean[a] = dot(slope, 0, near, a, count)
+        if element_indptr[i] < element_indptr[i + 1]:
+            _add_nodes(mean, i, near, kind, area, values, step, indptr, indices, axes)
+            for k in range(element_indptr[i], element_indptr[i + 1]):
+                if present[element_indices[k]]:
+                    _solid_behind(pull, n, i, x, element_indices[k], corners, values, h, step, True, axes)
+                    for a in range(dim):
+                        mean[a] += pull[a] / cell
+        for a in range(dim):
+            out[i, a] = mean[a] / full
+
+
+@inlined
+def _add_nodes(mean, i, near, kind, area, values, step, indptr, indices, axes):
+    """Add the gradient of the end correction of the nodes around particle i, which are `near` (dim, neighbours) [m]."""
+    for k in range(indptr[i + 1] - indptr[i]):
+        j = indices[indptr[i] + k]
+        if kind[j] == WALL:
+            r2, before = 0.0, 0.0
+            for a in range(len(axes)):
+                r2 += near[a, k] ** 2
+                before += near[a, k] * area[j, a]
+            r = math.sqrt(r2)
+            slope, b = before * _entry(values, 2, r, step), _entry(values, 1, r, step)
+            for a in range(len(axes)):
+                mean[a] += slope * near[a, k] + b * area[j, a]

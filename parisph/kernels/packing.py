@@ -1,0 +1,85 @@
+"""Packing: fluid that fills a scene moves away from where it is crowded, until it lies evenly up to slopes.
+
+Then each particle gets the volume of all places to which it is nearest.
+"""
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from parisph.base.fields import FLUID, INNER
+from parisph.kernels.cells import nearest_points
+from parisph.kernels.density import Table, completed_gradient
+from parisph.kernels.jit import axes_of, kernel
+from parisph.kernels.shifting import fick_shift
+from parisph.kernels.solids import keep_off_solids
+
+STEPS = 100
+STRENGTH = 0.3    # h^2: of a shift
+# Lengths in spacings.
+CAP = 0.1         # the longest shift
+GUARD = 0.5       # fluid comes no closer to a wall
+LEVEL = 2.1       # as near to the surface particles move level only, so that it stays flat
+
+
+def pack(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, area: np.ndarray, corners: np.ndarray,
+         present: np.ndarray, table: Table, lists: Callable[[], tuple], steps: int = STEPS) -> None:
+    """Move the inner fluid x (n_all, dim) [m] in place, by shifts down the gradient of the completed density.
+
+    Particles of other roles stay. Fluid that fills a lattice in front of flat walls stays, too.
+
+    kind, role, weight : (n_all,); area : (n_all, dim); corners : (M, dim, dim) [m]; present : (M,) bool; as for
+        density.completed_density. Walls above the water should not count: elements above its level, and nodes
+        more than a spacing above it. Then the surface has no gradient at the walls.
+    lists : called before each step, brings the ghosts in x up to date, and returns the indptr, indices of the
+        neighbours of the owned particles that are visible, and those of their elements; collective if there are other
+        ranks
+    """
+    dim = x.shape[1]
+    axes = axes_of(dim)
+    for _ in range(steps):
+        indptr, indices, element_indptr, element_indices = lists()
+        n = len(indptr) - 1
+        gradient, move = np.empty((n, dim)), np.empty((n, dim))
+        completed_gradient(gradient, x, kind, weight, area, corners, present, *table, element_indptr, element_indices,
+                           indptr, indices, axes)
+        strength = np.full(n, STRENGTH * table.h**2)
+        fick_shift(move, gradient, role, x, kind, strength, CAP * table.spacing, 0.0, indptr, indices, axes)
+        level_off(move, x, kind, role, LEVEL * table.spacing, indptr, indices, axes)
+        keep_off_solids(move, x, kind, corners, GUARD * table.spacing, element_indptr, element_indices, axes)
+        x[:n] += move
+
+
+@kernel
+def level_off(move, x, kind, role, reach, indptr, indices, axes) -> None:
+    """Take the vertical part, that along the last axis, from moves (n_owned, dim) of particles near the surface.
+
+    reach : [m], within which a fluid particle that is not inner makes a surface
+    """
+    last = len(axes) - 1
+    for i in range(len(indptr) - 1):
+        if move[i, last] == 0.0:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] == FLUID and role[j] != INNER:
+                r2 = 0.0
+                for a in range(len(axes)):
+                    r2 += (x[j, a] - x[i, a]) ** 2
+                if r2 < reach * reach:
+                    move[i, last] = 0.0
+                    break
+
+
+def volumes(x: np.ndarray, samples: Iterable[tuple[np.ndarray, np.ndarray]], spacing: float) -> np.ndarray:
+    """Return the volume (n,) [m^dim] of the places that are nearest to each fluid particle x (n, dim) [m].
+
+    samples : places (m, dim) [m] and the volumes (m,) around them, in parts (geometry.quadrature.samples). Give
+        ghosts, too, and places as far as a rank's own particles are the nearest; the volumes of its own are then
+        right.
+    """
+    found = np.zeros(len(x))
+    for places, volume in samples:
+        if len(places):
+            found += np.bincount(nearest_points(x, places, spacing), volume, len(x))
+    return found

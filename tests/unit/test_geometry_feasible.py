@@ -1,0 +1,76 @@
+"""Scenes that will not work, and what is said about them."""
+
+import numpy as np
+import pytest
+
+from parisph import Box, Disc, Polygon, Tank
+from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
+from parisph.geometry import feasible
+from parisph.geometry.feasible import findings, thinnest_gap
+from parisph.geometry.mesh import wall_mesh
+from parisph.geometry.outline import outline_of
+from parisph.geometry.polygons import joined
+
+S = 0.05
+TANK = Tank(3.0, 1.0)
+
+
+@pytest.mark.parametrize(("walls", "fluids"), [
+    ([TANK], [Box(1.0, 0.5)]),
+    ([Tank(3.0, 1.0, lid=True)], [StillWater(0.7)]),
+    ([TANK, Obstacle(Polygon([(1.0, 0.0), (1.2, 0.2), (1.8, 0.2), (2.0, 0.0)]))], [Box(0.8, 0.5)]),
+    ([Profile([(0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (3.0, 1.1)])], [StillWater(0.8)]),
+    ([TANK, Obstacle(Disc(0.2, at=(1.5, 0.5))), Plate([(2.2, 0.0), (2.2, 0.6)])], [StillWater(0.8)]),
+    ([TANK, Obstacle(Box(0.5, 0.3, at=(1.0, -0.1))), Obstacle(Box(0.3, 0.5, at=(1.1, 0.0)))], [StillWater(0.8)]),
+    ([], [Disc(0.5)]),
+])
+def test_sound_scenes_have_no_findings(walls, fluids):
+    assert findings(walls, fluids, S) == []
+
+
+@pytest.mark.parametrize(("walls", "fluids", "words"), [
+    ([TANK, Obstacle(Box(0.5, 0.3, at=(1.0, 0.08)), name="box")], [StillWater(0.8)],
+     ["gap between", "box", "tank", "0.08 m, 1.6 spacings", "at most 0.04"]),
+    ([TANK, Obstacle(Polygon([(0.2, 0.0), (0.6, 0.0), (2.0, 0.3), (0.2, 0.3)]), name="ledge")], [StillWater(0.8)],
+     ["at (0.6, 0) the fluid ends in a wedge of 12.1 degrees; below 15"]),
+    ([Profile([(0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (4.0, 0.7), (0.5, 0.8), (0.5, 1.0)], side="left", name="cave")], [StillWater(0.3)],
+     ["cave: at (4, 0.7) the fluid ends in a wedge of 14.8 degrees"]),
+    ([Profile([(0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (2.0, 0.3)], name="bed")], [StillWater(0.8)],
+     ["bed: it ends in the fluid at (2, 0.3), 0.5 m below its top"]),
+    ([TANK, Obstacle(Box(0.2, 0.2, at=(1.0, -0.5)), name="lost")], [StillWater(0.8)], ["lost: no fluid touches it"]),
+    ([TANK, Obstacle(Polygon([(1.0, 0.0), (1.0, 0.3), (1.02, 0.3), (1.02, 0.32), (1.5, 0.32), (1.5, 0.0)]), name="step")], [StillWater(0.8)],
+     ["step: an edge of 0.02 m", "shorter than 0.6 spacings"]),
+    ([TANK], [Box(0.01, 0.01, at=(1.01, 0.51))], ["fluid 1 (box): it has no particles"]),
+    ([TANK], [Box(1.0, 0.5), Box(1.0, 0.5, at=(0.5, 0.2))], ["fluid 2 (box): it overlaps fluid 1 (box)"]),
+    ([TANK], [StillWater(0.5), Disc(0.2, at=(1.0, 0.6))], ["fluid 2 (disc): it overlaps fluid 1 (still_water)"]),
+    ([], [StillWater(0.5)], ["there are no walls to hold it"]),
+    ([Tank(1.0, 1.0, at=(1.0, 1.0)), Obstacle(Box(5.0, 5.0))], [StillWater(0.5)], ["each body lies inside another"]),
+])
+def test_what_is_wrong_is_said(walls, fluids, words):
+    found = "\n".join(findings(walls, fluids, S))
+    for word in words:
+        assert word in found, found
+
+
+def test_normals_that_point_into_a_solid_are_noticed():
+    outline = outline_of(Obstacle(Box(1.0, 0.5)))
+    mesh = wall_mesh([Obstacle(Box(1.0, 0.5))], S)
+    right = list(feasible._wrong_sides(mesh, [outline], ["box"], S))
+    turned = type(mesh)(**{**vars(mesh), "elements": mesh.elements[:, ::-1]})
+    wrong = list(feasible._wrong_sides(turned, [outline], ["box"], S))
+    assert right == [] and len(wrong) == 1 and wrong[0].startswith("box: at (0")
+
+
+@pytest.mark.parametrize("height", [0.08, 0.31])
+def test_thinnest_gap_is_below_the_box(height):
+    walls = [Tank(3.0, 2.0), Obstacle(Box(0.5, 0.3, at=(1.0, height)))]
+    chains = joined([outline_of(wall) for wall in walls], S)
+    gap, at, one, other = thinnest_gap(wall_mesh(walls, S), chains)
+    assert gap == pytest.approx(height)
+    assert at[1] == pytest.approx(height / 2) and {one, other} == {0, 1}
+
+
+def test_walls_that_do_not_face_each_other_have_no_gap():
+    walls = [Profile([(0.0, 0.0), (1.0, 0.0), (2.0, 1.0)])]
+    gap, at, one, other = thinnest_gap(wall_mesh(walls, S), joined([outline_of(walls[0])], S))
+    assert np.isinf(gap) and one == other == -1

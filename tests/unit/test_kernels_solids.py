@@ -1,0 +1,176 @@
+"""Walls as elements: visibility, nearest walls, guard, in 2D and 3D."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from parisph import Box, Polygon, Tank
+from parisph.base.fields import FLUID
+from parisph.case.bodies import Obstacle, Plate, StillWater
+from parisph.case.lattice import Lattice
+from parisph.geometry.distance import nearest
+from parisph.geometry.mesh import block_mesh, wall_mesh
+from parisph.kernels import solids
+from parisph.kernels.cells import nearby, neighbour_lists
+from parisph.kernels.jit import axes_of
+from tests.scenes import filled
+
+S = 0.05
+
+
+def block(*counts, spacing=S, lid=True):
+    """Return the mesh of a tank of so many spacings, in any dimension."""
+    size = spacing * np.array(counts, float)
+    tank = SimpleNamespace(bounds=(np.zeros(len(counts)), size), size=size, closed=lid)
+    return block_mesh(Lattice(SimpleNamespace(bounds=tank.bounds), tank, spacing))
+
+
+def all_elements(n, corners):
+    """Return the CSR in which each of n points has all elements."""
+    return np.arange(n + 1, dtype=np.int32) * len(corners), np.tile(np.arange(len(corners), dtype=np.int32), n)
+
+
+def walls_of(x, corners):
+    """Return for each point the walls that nearest_walls finds: list of (away (dim,), distance)."""
+    x = np.atleast_2d(np.array(x, float))
+    dim = x.shape[1]
+    lists = solids.element_lists(x, corners, np.zeros_like(x), 2.6 * S, S)
+    away, member, scratch = np.empty((dim, dim + 1)), np.empty(dim, np.int64), np.empty((3, dim))
+    found = []
+    for i in range(len(x)):
+        count = solids.nearest_walls(away, member, *scratch, i, x, corners, *lists, axes_of(dim))
+        found.append([(away[w, :dim].copy(), away[w, dim]) for w in range(count)])
+    return found
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_nearby_finds_all_others_within_the_radius(dim):
+    rng = np.random.default_rng(0)
+    x, others = rng.random((200, dim)) * 1.4 - 0.2, rng.random((150, dim))
+    indptr, indices = nearby(x, others, 0.17)
+    near = np.linalg.norm(x[:, None] - others, axis=2) < 0.17
+    for i in range(len(x)):
+        assert sorted(indices[indptr[i] : indptr[i + 1]]) == np.flatnonzero(near[i]).tolist()
+    assert nearby(x, others[:0], 0.1)[0].tolist() == [0] * 201
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_line_is_stopped_by_the_elements_that_it_crosses(dim):
+    rng = np.random.default_rng(1)
+    x, corners = rng.random((30, dim)), rng.random((6, dim, dim))
+    indptr, indices = neighbour_lists(x, len(x), 3.0)
+    left = indptr.copy(), indices.copy()
+    n = solids.keep_visible(*left, x, np.zeros_like(x), corners, 0.0, *all_elements(len(x), corners), axes_of(dim))
+    seen = set(zip(np.repeat(np.arange(len(x)), np.diff(left[0])).tolist(), left[1][:n].tolist()))
+    owner = np.repeat(np.arange(len(x)), np.diff(indptr))
+    for i, j in zip(owner, indices):
+        # p + t (q - p) = the element's corner and its sides: solved at once for t and the place in the element
+        stopped = False
+        for c in corners:
+            t, *place = np.linalg.solve(np.column_stack([x[i] - x[j], *(c[1:] - c[0])]), x[i] - c[0])
+            stopped |= 0.0 < t < 1.0 and min(place) >= 0.0 and sum(place) <= 1.0
+        assert ((i, j) in seen) != stopped
+    assert 0.1 < n / len(indices) < 0.95
+
+
+def test_plate_without_thickness_separates():
+    scene = filled(StillWater(0.9), [Tank(2.0, 1.0), Plate([(1.025, 0.0), (1.025, 1.0)])], S)
+    indptr, indices, *_ = scene.lists()
+    owner = np.repeat(np.arange(len(scene.x)), np.diff(indptr))
+    side = np.sign(scene.x[:, 0] + 0.1 * S * scene.normal[:, 0] - 1.025)
+    tip = np.concatenate([np.zeros(scene.n), scene.mesh.edge]) == 2    # which looks out over both sides
+    assert np.count_nonzero(tip) == 1
+    assert np.all((side[owner] == side[indices]) | tip[owner] | tip[indices])
+    on_plate = np.abs(scene.x[:, 0] - 1.025) < 1e-9
+    assert np.all(np.diff(indptr)[on_plate & (scene.x[:, 1] < 0.8)] > 5)
+
+
+@pytest.mark.parametrize("walls", [
+    [Tank(2.0, 1.0), Obstacle(Box(0.5, 0.3, at=(0.7, 0.0)))],
+    [Tank(2.0, 1.0), Obstacle(Polygon([(0.5, 0.0), (0.9, 0.2), (1.3, 0.2), (1.7, 0.0)]))],
+    [Tank(2.0, 1.0), Plate([(0.63, 0.2), (1.1, 0.55)])],
+])
+def test_who_sees_whom_is_mutual_and_walls_see_their_fluid(walls):
+    scene = filled(StillWater(0.9), walls, S)
+    indptr, indices, *_ = scene.lists()
+    owner = np.repeat(np.arange(len(scene.x)), np.diff(indptr))
+    pairs = set(zip(owner.tolist(), indices.tolist()))
+    assert pairs == {(j, i) for i, j in pairs}
+    low = (scene.x[:, 1] < 0.7) & (np.concatenate([np.zeros(scene.n), scene.mesh.edge]) != 2)
+    assert np.diff(indptr)[low].min() >= 5
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_lists_of_elements_hold_all_that_are_near(dim):
+    mesh = block(*(4,) * dim)
+    x = np.random.default_rng(2).random((12, dim)) * 4 * S
+    corners = mesh.corners()
+    indptr, indices = solids.element_lists(x, corners, np.zeros_like(x), 2.6 * S, S)
+    for i in range(len(x)):
+        near = [e for e in range(len(corners)) if nearest(x[i : i + 1], corners[e : e + 1])[0][0] < 2.6 * S]
+        assert sorted(indices[indptr[i] : indptr[i + 1]]) == near    # inside a block none hides another
+    assert solids.element_lists(x, corners[:0], np.zeros_like(x), S, S)[0].tolist() == [0] * 13
+
+
+def test_far_side_of_a_plate_is_in_front_of_nobody():
+    corners = wall_mesh([Plate([(0.0, 0.0), (0.0, 1.0)])], S).corners()
+    (wall,), = walls_of([(0.03, 0.51)], corners)
+    np.testing.assert_allclose(wall[0], [1.0, 0.0], atol=1e-12)
+    assert wall[1] == pytest.approx(0.03)
+
+
+def test_flat_wall_and_corner_in_2d():
+    corners = block(20, 20).corners()
+    flat, corner, behind = walls_of([(0.4, 0.03), (0.04, 0.02), (0.41, -0.01)], corners)
+    assert len(flat) == 1 and len(corner) == 2
+    np.testing.assert_allclose(flat[0][0], [0.0, 1.0], atol=1e-12)
+    np.testing.assert_allclose([wall[0] for wall in corner], [[0.0, 1.0], [1.0, 0.0]], atol=1e-12)
+    np.testing.assert_allclose([wall[1] for wall in corner], [0.02, 0.04])
+    np.testing.assert_allclose(behind[0][0], [0.0, 1.0], atol=1e-12)
+    assert behind[0][1] == pytest.approx(-0.01)
+
+
+def test_edges_and_corners_in_3d():
+    corners = block(6, 6, 6).corners()
+    walls, = walls_of([(0.04, 0.02, 0.031)], corners)
+    np.testing.assert_allclose([wall[0] for wall in walls], np.eye(3)[[1, 2, 0]], atol=1e-12)
+    np.testing.assert_allclose([wall[1] for wall in walls], [0.02, 0.031, 0.04])
+
+
+def test_beside_a_convex_corner_only_the_corner_counts():
+    corners = wall_mesh([Obstacle(Box(1.0, 0.5))], S).corners()
+    walls, = walls_of([(1.03, 0.54)], corners)
+    assert len(walls) == 1
+    np.testing.assert_allclose(walls[0][0], [0.6, 0.8], rtol=1e-9)
+    assert walls[0][1] == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("at", [(0.0, 1.03), (0.001, 1.03), (-0.001, 1.03)])
+def test_ahead_of_a_tip_only_the_tip_counts(at):
+    corners = wall_mesh([Plate([(0.0, 0.0), (0.0, 1.0)])], S).corners()
+    (wall,), = walls_of([at], corners)
+    away = np.array(at) - [0.0, 1.0]
+    np.testing.assert_allclose(wall[0], away / np.linalg.norm(away), atol=1e-9)
+    assert wall[1] == pytest.approx(np.linalg.norm(away))
+
+
+def test_moves_end_at_the_distance_from_the_wall():
+    corners = block(20, 20).corners()
+    x = np.array([(0.5, 0.04), (0.03, 0.03), (0.5, 0.02), (0.5, 0.5)])
+    lists = solids.element_lists(x, corners, np.zeros_like(x), 2.6 * S, S)
+    kind = np.full(4, FLUID, np.int8)
+    move = np.array([(0.01, -0.03), (-0.02, -0.01), (0.0, -0.01), (0.0, -0.3)])
+    solids.keep_off_solids(move, x, kind, corners, 0.025, *lists, axes_of(2))
+    np.testing.assert_allclose(move, [(0.01, -0.015), (-0.005, -0.005), (0.0, 0.0), (0.0, -0.3)], atol=1e-12)
+
+
+def test_guard_is_relative_to_the_wall():
+    corners = block(20, 20).corners()
+    x = np.array([(0.5, 0.04), (0.5, 0.025), (0.5, 0.5)])
+    lists = solids.element_lists(x, corners, np.zeros_like(x), 2.6 * S, S)
+    kind, wall_u = np.full(3, FLUID, np.int8), np.tile([0.3, -1.0], (len(corners), 1))
+    u = np.array([(2.0, -5.0), (2.0, -1.2), (0.0, -9.0)])
+    slowed = solids.guard_solids(u, x, kind, corners, wall_u, 0.025, 0.01, *lists, axes_of(2))
+    assert slowed == 2
+    np.testing.assert_allclose(u, [(2.0, -2.5), (2.0, -1.0), (0.0, -9.0)], rtol=1e-9)

@@ -1,0 +1,75 @@
+"""Hydrostatic pressure is the solution of the rows on any particles between any walls, as all rows are exact for linear fields."""
+
+import numpy as np
+import pytest
+
+from parisph import Box, Disc, Polygon, Tank
+from parisph.base.fields import CONTACT, DRY, INNER, WET
+from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
+from parisph.geometry.mesh import CONVEX
+from parisph.kernels import rankine, walls
+from parisph.kernels.packing import pack
+from parisph.kernels.solids import keep_off_solids
+from parisph.methods import lengths
+from tests.scenes import filled
+
+S = 0.05
+
+
+def beach(degrees):
+    return [Profile([(0.0, 1.2), (0.0, 0.0), (1.0, 0.0), (1.0 + 0.9 / np.tan(np.radians(degrees)), 0.9)])]
+
+
+SCENES = {
+    "slope 15": beach(15.0), "slope 30": beach(30.0), "slope 60": beach(60.0),
+    "sill": [Tank(3.0, 1.2), Obstacle(Polygon([(0.5, 0.0), (1.1, 0.3), (1.6, 0.3), (2.2, 0.0)]))],
+    "box": [Tank(2.02, 1.2), Obstacle(Box(0.63, 0.32, at=(0.713, 0.0)))],
+    "disc": [Tank(2.02, 1.2), Obstacle(Disc(0.2, at=(1.0, 0.33)))],
+    "plate": [Tank(2.02, 1.2), Plate([(1.02, 0.0), (1.13, 0.5)])],
+}
+
+
+def error(scene, level):
+    """Return the greatest error of the pressure over that at the bed, and the number of wall rows without a normal derivative.
+
+    level : (n,) height of the water over each particle [m]
+    """
+    s, n, above = scene.spacing, len(scene.x), scene.x[:, 1] - level
+    role = scene.role.copy()
+    node = np.arange(n) >= scene.n
+    role[node] = np.select([scene.mesh.edge == CONVEX, above[node] < -0.5 * s, above[node] < 0.5 * s], [DRY, WET, CONTACT], DRY)
+    indptr, indices, *_ = scene.lists()
+    count, columns, values, measure = np.zeros(n, np.int32), np.zeros(len(indices), np.int32), np.zeros(len(indices)), np.zeros(n)
+    rankine.rankine_rows(count, columns, values, measure, np.zeros((len(indices), 2)), np.zeros(n), np.zeros((n, 2)), scene.x, role,
+                         rankine.directions(2), lengths.CIRCLE * s, lengths.MLS * s, True, indptr, indices, scene.axes)
+    walls.sfdi_rows(count, columns, values, measure, scene.x, role, scene.normal, lengths.MLS * s, indptr, indices, scene.axes)
+    matrix, right = np.eye(n), np.where(role == WET, measure * scene.normal[:, 1], 0.0)
+    for i in np.flatnonzero((role == INNER) | (role == WET)):
+        own = slice(indptr[i], indptr[i] + count[i])
+        np.subtract.at(matrix[i], columns[own], values[own])
+    p = np.linalg.solve(matrix, right)
+    solved = (role == INNER) | (role == WET)
+    return np.abs(p + above)[solved].max() / level.max(), np.count_nonzero((role == WET) & (measure == 0.0))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_pressure_of_still_water(name):
+    level = 0.8
+    scene = filled(StillWater(level), SCENES[name], S)
+    water = np.full(len(scene.x), level)
+    assert error(scene, water) == (pytest.approx(0.0, abs=1e-12), 0)
+    pack(scene.x, scene.kind, scene.role, scene.weight, scene.area, scene.corners, scene.present, scene.table, scene.lists)
+    assert error(scene, water) == (pytest.approx(0.0, abs=1e-12), 0)
+    move = np.zeros_like(scene.x)
+    inner = scene.role == INNER
+    move[inner] = 0.4 * S * (np.random.default_rng(2).random((np.count_nonzero(inner), 2)) - 0.5)
+    keep_off_solids(move, scene.x, scene.kind, scene.corners, 0.5 * S, *scene.lists()[2:], scene.axes)
+    scene.x += move
+    assert error(scene, water) == (pytest.approx(0.0, abs=1e-12), 0)
+
+
+def test_plate_without_thickness_holds_back_the_higher_water():
+    levels, at = (0.8, 0.4), 1.0
+    scene = filled((Box(at, levels[0]), Box(at, levels[1], at=(at, 0.0))), [Tank(2.0, 1.2), Plate([(at, 0.0), (at, 1.2)])], S)
+    right = scene.x[:, 0] + 0.1 * S * scene.normal[:, 0] > at
+    assert error(scene, np.where(right, *levels[::-1])) == (pytest.approx(0.0, abs=1e-12), 0)
