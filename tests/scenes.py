@@ -80,11 +80,12 @@ def filled(shape, walls, spacing):
         roles.append(np.where(fill.is_surface(index), SURFACE, INNER))
     x = np.concatenate(x)
     role = np.concatenate([*roles, np.full(len(mesh.x0), WET)]).astype(np.int8)
-    return Scene(np.concatenate([x, mesh.x0]), len(x), role, np.concatenate([np.zeros(x.shape), mesh.normal0]), mesh, spacing,
-                 shape.level if isinstance(shape, StillWater) else None)
+    return Scene(np.concatenate([x, mesh.x0]), len(x), role, np.concatenate([np.zeros(x.shape), mesh.normal0]), mesh,
+                 spacing, shape.level if isinstance(shape, StillWater) else None)
 
 
 def beside(mesh, x, spacing):
     """Return the Scene of inner fluid at x (n, dim) beside the walls of a mesh."""
     role = np.repeat(np.array([INNER, WET], np.int8), [len(x), len(mesh.x0)])
-    return Scene(np.concatenate([x, mesh.x0]), len(x), role, np.concatenate([np.zeros(x.shape), mesh.normal0]), mesh, spacing)
+    return Scene(np.concatenate([x, mesh.x0]), len(x), role, np.concatenate([np.zeros(x.shape), mesh.normal0]), mesh,
+                 spacing)

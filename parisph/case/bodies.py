@@ -1,10 +1,12 @@
 """Bodies of a scene beside the tank: beds, obstacles and plates, and the still water that lies between them."""
 
+from collections.abc import Sequence
 from typing import Annotated, Literal, Optional, Union
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from parisph.base.arrays import Floats
 from parisph.base.text import shown
 from parisph.case.model import Model
 from parisph.case.shapes import Shape
@@ -31,7 +33,7 @@ class Profile(Model):
         None, description="side of the way from the first to the last point on which the fluid is, None for above")
 
     @model_validator(mode="after")
-    def _one_line(self):
+    def _one_line(self) -> "Profile":
         _check_line(self.points, closed=False)
         if self.side is None and self.points[0][0] == self.points[-1][0]:
             raise ValueError(f"points: the first and the last have the same x = {self.points[0][0]:g}, so that neither "
@@ -53,7 +55,7 @@ class Obstacle(Model):
     slip: Slip = "free"
 
     @model_validator(mode="after")
-    def _one_outline(self):
+    def _one_outline(self) -> "Obstacle":
         if self.shape.kind == "polygon":
             _check_line(self.shape.points, closed=True)
         return self
@@ -68,7 +70,7 @@ class Plate(Model):
     slip: Slip = "free"
 
     @model_validator(mode="after")
-    def _one_line(self):
+    def _one_line(self) -> "Plate":
         _check_line(self.points, closed=False)
         return self
 
@@ -84,7 +86,7 @@ Body = Annotated[Union[Profile, Obstacle, Plate],
                  Field(discriminator="kind", description="a Profile, Obstacle or Plate")]
 
 
-def _check_line(points, closed):
+def _check_line(points: Sequence[Sequence[float]], closed: bool) -> None:
     """Raise ValueError if two consecutive points are one, or the line through them meets itself."""
     p = np.array(points, dtype=float)
     a, b = (p, np.roll(p, -1, axis=0)) if closed else (p[:-1], p[1:])
@@ -98,7 +100,7 @@ def _check_line(points, closed):
             raise ValueError(f"points: the line {one} meets that {other}; give the points in order along one line")
 
 
-def _first_met(a, b, i, closed):
+def _first_met(a: Floats, b: Floats, i: int, closed: bool) -> Optional[int]:
     """Return the first later piece that piece i touches or crosses, other than where they join, or None."""
     j = np.arange(i + 1, len(a))
     before = _side(a[j], b[j], a[i]) * _side(a[j], b[j], b[i]) <= 0.0
@@ -114,6 +116,6 @@ def _first_met(a, b, i, closed):
     return int(j[met][0]) if met.any() else None
 
 
-def _side(a, b, p):
+def _side(a: Floats, b: Floats, p: Floats) -> Floats:
     """Return the cross product of b - a and p - a: positive where p lies to the left."""
     return (b[..., 0] - a[..., 0]) * (p[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (p[..., 0] - a[..., 0])

@@ -5,9 +5,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from parisph.case.bodies import StillWater
+from parisph.case.shapes import Shape
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors, wall_mesh
-from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.outline import Wall, in_fluid, outline_of
 from parisph.geometry.polygons import Chain, joined
 
 GAP = 2.0        # spacings: fluid between walls that are nearer has no particle that is not beside both
@@ -16,7 +17,7 @@ SHORT = 0.6      # spacings: a shorter element crowds its nodes
 NEAR = 0.02      # spacings: so far in front of an element its fluid is looked for
 
 
-def findings(walls: Sequence, fluids: Sequence, spacing: float) -> list[str]:
+def findings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
     """Return what is wrong with a scene, one sentence each, the same on all ranks.
 
     walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]

@@ -10,10 +10,10 @@ import numpy as np
 
 from parisph.case.bodies import StillWater
 from parisph.case.lattice import Lattice
-from parisph.case.shapes import Box, Tank
+from parisph.case.shapes import Box, Shape, Tank
 from parisph.geometry.columns import between, crossings, gaps, near_pieces, union
 from parisph.geometry.mesh import WallMesh
-from parisph.geometry.outline import corners_of, in_fluid, outline_of
+from parisph.geometry.outline import Wall, corners_of, in_fluid, outline_of
 
 CUT = 0.5        # spacings: fluid is no nearer to a wall
 EDGE = 0.01      # spacings: a point this near to the edge of a shape is in it
@@ -37,7 +37,8 @@ class Filling:
     count : number of points
     """
 
-    def __init__(self, shape, walls: Sequence, mesh: WallMesh | None, spacing: float, holes: Sequence = ()):
+    def __init__(self, shape: Shape | StillWater, walls: Sequence[Wall], mesh: WallMesh | None, spacing: float,
+                 holes: Sequence[Shape] = ()) -> None:
         self.shape, self.holes, self.spacing = shape, tuple(holes), spacing
         self._outlines = [outline_of(wall) for wall in walls]
         tank = next((wall for wall in walls if isinstance(wall, Tank)), None)

@@ -5,6 +5,7 @@ nodes of its lattice, in their order (any dimension). Other outlines are divided
 elements (2D).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from parisph.base.errors import CaseError
 from parisph.case.lattice import Lattice
 from parisph.case.shapes import Box, Tank
-from parisph.geometry.outline import outline_of
+from parisph.geometry.outline import Wall, outline_of
 from parisph.geometry.polygons import Chain, joined
 
 SMOOTH = 0.1    # rad: an outline that turns by less has no corner there
@@ -70,7 +71,7 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
     return 0.5 * np.cross(along, corners[:, 2] - corners[:, 0]) + 0.0
 
 
-def wall_mesh(walls, spacing: float) -> WallMesh:
+def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
     """Return the mesh of the walls of a scene (2D).
 
     walls : Tank, Profile, Obstacle and Plate, in one frame; spacing : [m]

@@ -1,13 +1,16 @@
 """The outline of each body of a scene: directed straight pieces with the fluid on their left (2D)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from parisph.case.bodies import Obstacle, Plate, Profile
-from parisph.case.shapes import Box, Disc, Tank
+from parisph.case.shapes import Box, Disc, Shape, Tank
 
 FACETS = 256    # straight pieces around a disc; they turn by less than a mesh calls a corner
+
+Wall = Tank | Profile | Obstacle | Plate
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,7 @@ class Outline:
         return turn > (whole if whole > 1e-9 else 2.0 * np.pi) - np.pi
 
 
-def outline_of(body) -> Outline:
+def outline_of(body: Wall) -> Outline:
     """Return the Outline of a Tank, Profile, Obstacle or Plate. Raises TypeError for anything else."""
     if isinstance(body, Tank):
         lower, upper = body.bounds
@@ -69,7 +72,7 @@ def outline_of(body) -> Outline:
     raise TypeError(f"{type(body).__name__} has no outline")
 
 
-def corners_of(shape) -> np.ndarray:
+def corners_of(shape: Shape) -> np.ndarray:
     """Return the corners (n, 2) [m] of a Box, Disc or Polygon; a disc has FACETS of them, and its own area."""
     if isinstance(shape, Box):
         (left, low), (right, high) = shape.bounds
@@ -87,7 +90,7 @@ def signed_area(points: np.ndarray) -> float:
     return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
 
 
-def in_fluid(outlines, x: np.ndarray) -> np.ndarray:
+def in_fluid(outlines: Sequence[Outline], x: np.ndarray) -> np.ndarray:
     """Return which points x (n, 2) [m] lie in front of all outlines, (n,) bool. The work is points times pieces."""
     inside = np.ones(len(x), dtype=bool)
     for outline in outlines:

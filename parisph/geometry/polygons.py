@@ -6,9 +6,12 @@ on each side of its foot. Each piece keeps the number of its body, and open outl
 is why no library for polygons is used.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from parisph.geometry.outline import Outline
 
 CLOSE = 1e-6    # spacings: points nearer than this are one
 
@@ -28,7 +31,7 @@ class Chain:
     closed: bool
 
 
-def joined(outlines, spacing: float) -> list[Chain]:
+def joined(outlines: Sequence[Outline], spacing: float) -> list[Chain]:
     """Return the chains that the fluid between all outlines touches.
 
     outlines : of bodies number 0, 1, ... that do not move against each other; spacing : [m]

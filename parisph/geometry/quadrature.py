@@ -10,22 +10,24 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from parisph.case.bodies import StillWater
+from parisph.case.shapes import Shape
 from parisph.geometry.columns import between, crossings
-from parisph.geometry.outline import corners_of, in_fluid, outline_of
+from parisph.geometry.outline import Wall, corners_of, in_fluid, outline_of
 
 FINE = 8          # pieces of a spacing
 CHUNK = 2**18     # pieces that are looked at in one go
 
 
-def fluid_area(shape, walls: Sequence, lower: Sequence[float], upper: Sequence[float], spacing: float,
-               holes: Sequence = ()) -> float:
+def fluid_area(shape: Shape | StillWater, walls: Sequence[Wall], lower: Sequence[float], upper: Sequence[float],
+               spacing: float, holes: Sequence[Shape] = ()) -> float:
     """Return the area [m2] of all fluid; see `samples`."""
     _, _, width, low, high = _pieces(shape, holes, walls, np.array(lower), np.array(upper), spacing)
     return float(np.sum(width * (high - low)))
 
 
-def samples(shape, walls: Sequence, lower: Sequence[float], upper: Sequence[float], spacing: float,
-            holes: Sequence = (), part: Sequence | None = None) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def samples(shape: Shape | StillWater, walls: Sequence[Wall], lower: Sequence[float], upper: Sequence[float],
+            spacing: float, holes: Sequence[Shape] = (),
+            part: Sequence[Sequence[float]] | None = None) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield places (m, 2) [m] all over the fluid, and the area (m,) [m2] around each of them. Not collective.
 
     shape : Box, Disc, Polygon or StillWater, without its holes; walls : bodies in front of which the fluid is

@@ -122,7 +122,7 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
     return indptr, indices[:n]
 
 
-def nearby(x, others, radius):
+def nearby(x: np.ndarray, others: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
     """Return for points x (n, dim) [m] which of the others (m, dim) [m] are within the radius [m], as CSR.
 
     Returns indptr (n + 1,) int32, indices (nnz,) int32. Raises ValueError as `neighbour_lists`.
@@ -195,10 +195,12 @@ def _search_nearby(x, others, radius, lower, size, counts, start, member, beside
     return indptr, indices[:n]
 
 
-def nearest_points(x, places, spacing):
-    """Return for each place (m, dim) [m] the number (m,) of the nearest of the points x (n, dim) [m], the first of equals.
+def nearest_points(x: np.ndarray, places: np.ndarray, spacing: float) -> np.ndarray:
+    """Return for each place (m, dim) [m] the number (m,) int64 of the nearest of the points x (n, dim) [m].
 
-    spacing : [m] about the distance between neighbouring points. Raises ValueError if there is no point, or one is not finite.
+    Of points that are equally near, the first is taken. Raises ValueError if there is no point, or one is not finite.
+
+    spacing : [m] about the distance between neighbouring points
     """
     x, places = np.ascontiguousarray(x), np.ascontiguousarray(places)
     if len(x) == 0:
@@ -231,7 +233,7 @@ def _search_nearest(found, x, places, lower, size, counts, start, member, axes):
 
 @inlined
 def _nearest_in_ring(found, best, i, home, ring, x, places, counts, start, member, axes):
-    """Look at the points in the cells that are `ring` cells away from the home of a place; return the least square distance."""
+    """Look at the points in the cells that are `ring` cells away from a place's home; return the least distance^2."""
     dim, side = len(axes), 2 * ring + 1
     for block in range(side**dim):
         rest, cell, edge, inside = block, 0, False, True

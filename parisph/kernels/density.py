@@ -162,8 +162,10 @@ def _entry(values, column, r, step):
 
 
 @kernel
-def completed_density(alpha, x, kind, weight, area, corners, present, values, h, full, spacing, element_indptr,
-                      element_indices, indptr, indices, axes) -> None:
+def completed_density(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, weight: np.ndarray, area: np.ndarray,
+                      corners: np.ndarray, present: np.ndarray, values: np.ndarray, h: float, full: float,
+                      spacing: float, element_indptr: np.ndarray, element_indices: np.ndarray, indptr: np.ndarray,
+                      indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Kernel-sum density of owned fluid over its lattice value, completed by nodes and by the solid behind elements.
 
     alpha : (n_owned,) output; walls get 1
@@ -298,8 +300,10 @@ def _solid_angle(i, x, e, corners):
 
 
 @kernel
-def completed_gradient(out, x, kind, weight, area, corners, present, values, h, full, spacing, element_indptr,
-                       element_indices, indptr, indices, axes) -> None:
+def completed_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, weight: np.ndarray, area: np.ndarray,
+                       corners: np.ndarray, present: np.ndarray, values: np.ndarray, h: float, full: float,
+                       spacing: float, element_indptr: np.ndarray, element_indices: np.ndarray, indptr: np.ndarray,
+                       indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Sum of the gradients of the kernel over the same neighbours, nodes and solids at owned fluid [1/m].
 
     out : (n_owned, dim) output, 0 for walls; other arguments as for `completed_density`

@@ -51,7 +51,8 @@ def pack(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, 
 
 
 @kernel
-def level_off(move, x, kind, role, reach, indptr, indices, axes) -> None:
+def level_off(move: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, reach: float, indptr: np.ndarray,
+              indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Take the vertical part, that along the last axis, from moves (n_owned, dim) of particles near the surface.
 
     reach : [m], within which a fluid particle that is not inner makes a surface

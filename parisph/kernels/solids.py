@@ -19,7 +19,8 @@ SLACK = 1e-9     # of an element's size: a line that passes its edge by less cro
 SIDE = 0.9       # cosine above which two walls count as one to keep off
 
 
-def element_lists(x: np.ndarray, corners: np.ndarray, normal: np.ndarray, radius: float, spacing: float):
+def element_lists(x: np.ndarray, corners: np.ndarray, normal: np.ndarray, radius: float,
+                  spacing: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the elements within the radius [m] of points x (n, dim) that are not hidden behind others, as CSR.
 
     corners : (M, dim, dim) [m]; normal : (n, dim), of nodes, 0 for fluid
@@ -34,7 +35,9 @@ def element_lists(x: np.ndarray, corners: np.ndarray, normal: np.ndarray, radius
     return indptr, indices[: _keep_unhidden(indptr, indices, x, normal, corners, radius, LIFT * spacing, axes)]
 
 
-def visible_lists(x, normal, corners, spacing, element_indptr, element_indices, indptr, indices):
+def visible_lists(x: np.ndarray, normal: np.ndarray, corners: np.ndarray, spacing: float, element_indptr: np.ndarray,
+                  element_indices: np.ndarray, indptr: np.ndarray,
+                  indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return neighbour lists without those neighbours that are behind a wall; the lists given are used up.
 
     normal : (n_all, dim), 0 for fluid; the element lists must reach as far as the neighbour lists do
@@ -45,7 +48,8 @@ def visible_lists(x, normal, corners, spacing, element_indptr, element_indices, 
 
 
 @kernel
-def keep_visible(indptr, indices, x, normal, corners, lift, element_indptr, element_indices, axes) -> int:
+def keep_visible(indptr: np.ndarray, indices: np.ndarray, x: np.ndarray, normal: np.ndarray, corners: np.ndarray,
+                 lift: float, element_indptr: np.ndarray, element_indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Leave in the lists, in place, the neighbours that are seen: the line between the particles crosses no element.
 
     The ends at nodes are lifted off the wall by `lift` [m] along the normal. A line that crosses a solid goes through
@@ -154,7 +158,7 @@ def _height(p, e, n, corners, axes):
 
 
 @inlined
-def element_normal(n, e, corners, axes):
+def element_normal(n: np.ndarray, e: int, corners: np.ndarray, axes: tuple[int, ...]) -> float:
     """Write the unit normal of an element, into the fluid; return its measure [m^(dim-1)]."""
     if len(axes) == 2:
         nx, ny = corners[e, 0, 1] - corners[e, 1, 1], corners[e, 1, 0] - corners[e, 0, 0]
@@ -205,7 +209,7 @@ def _crosses_triangle(p, q, e, corners):
 
 
 @inlined
-def nearest_point(foot, p, e, corners, axes):
+def nearest_point(foot: np.ndarray, p: np.ndarray, e: int, corners: np.ndarray, axes: tuple[int, ...]) -> bool:
     """Write the point of element e nearest to p; return whether it is inside the element, not on its edge."""
     if len(axes) == 2:
         return _nearest_on_side(foot, p, e, 0, 1, corners, axes)
@@ -249,7 +253,9 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
 
 
 @kernel
-def nearest_walls(away, member, p, foot, n, i, x, corners, element_indptr, element_indices, axes):
+def nearest_walls(away: np.ndarray, member: np.ndarray, p: np.ndarray, foot: np.ndarray, n: np.ndarray, i: int,
+                  x: np.ndarray, corners: np.ndarray, element_indptr: np.ndarray, element_indices: np.ndarray,
+                  axes: tuple[int, ...]) -> int:
     """Find the walls that particle i must keep off: the nearest element, and further ones that it faces squarely.
 
     away : (dim, 1 + dim) output, of each wall the unit vector from its nearest point to the particle, and the
@@ -305,7 +311,8 @@ def _note(away, member, w, e, p, foot, n, apart, front, squarely, axes):
 
 
 @kernel
-def keep_off_solids(move, x, kind, corners, distance, element_indptr, element_indices, axes) -> None:
+def keep_off_solids(move: np.ndarray, x: np.ndarray, kind: np.ndarray, corners: np.ndarray, distance: float,
+                    element_indptr: np.ndarray, element_indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Remove the part of a displacement that would bring fluid closer to a wall than the distance [m].
 
     move : (n_owned, dim) [m], changed in place
@@ -327,7 +334,9 @@ def keep_off_solids(move, x, kind, corners, distance, element_indptr, element_in
 
 
 @kernel
-def guard_solids(u, x, kind, corners, wall_u, distance, dt, element_indptr, element_indices, axes) -> int:
+def guard_solids(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corners: np.ndarray, wall_u: np.ndarray,
+                 distance: float, dt: float, element_indptr: np.ndarray, element_indices: np.ndarray,
+                 axes: tuple[int, ...]) -> int:
     """Keep fluid from coming closer to a wall than the distance [m] in the next dt [s], as collisions.wall_guard does.
 
     u : (n_all, dim) [m/s], that of owned fluid is changed; wall_u : (M, dim) [m/s], of the elements

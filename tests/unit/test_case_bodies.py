@@ -11,8 +11,8 @@ SLOPE = [(0.0, 0.0), (5.0, 0.0), (8.0, 1.0)]
 
 @pytest.mark.parametrize("body", [
     Profile(SLOPE, name="beach", slip="none"), Profile([(1.0, 0.0), (1.0, 1.0)], side="left"),
-    Obstacle(Box(1.0, 0.5, at=(3.0, 0.0)), name="box"), Obstacle(Disc(0.5)), Obstacle(Polygon([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])),
-    Plate([(1.0, 0.0), (1.0, 0.7)], name="gate"),
+    Obstacle(Box(1.0, 0.5, at=(3.0, 0.0)), name="box"), Obstacle(Disc(0.5)),
+    Obstacle(Polygon([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])), Plate([(1.0, 0.0), (1.0, 0.7)], name="gate"),
 ])
 def test_body_survives_json(body):
     assert TypeAdapter(Body).validate_json(body.model_dump_json()) == body
@@ -29,7 +29,8 @@ def test_fluid_is_above_a_profile_unless_its_side_is_given(points, side, left):
 
 
 @pytest.mark.parametrize(("make", "words"), [
-    (lambda: Profile([(1.0, 0.0), (1.0, 1.0)]), ["points: the first and the last have the same x = 1", "neither side is above", 'side="left"']),
+    (lambda: Profile([(1.0, 0.0), (1.0, 1.0)]),
+     ["points: the first and the last have the same x = 1", "neither side is above", 'side="left"']),
     (lambda: Profile([(0.0, 0.0), (0.0, 0.0), (1.0, 0.0)]), ["(0.0, 0.0) is given twice in a row"]),
     (lambda: Profile([(0.0, 0.0), (2.0, 0.0), (1.0, 1.0), (1.0, -1.0)]), ["meets that from (1.0, 1.0) to (1.0, -1.0)"]),
     (lambda: Plate([(0.0, 0.0), (2.0, 0.0), (1.0, 0.0)]), ["meets that from (2.0, 0.0) to (1.0, 0.0)"]),

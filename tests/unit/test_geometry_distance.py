@@ -82,7 +82,8 @@ def test_winding_number_counts_turns(scene):
     x = points(2000)
     corners = wall_mesh(walls, S).corners()
     off = np.abs(signed_distance(x, corners)) > 0.1 * S
-    np.testing.assert_allclose(winding_number(x[off], corners), in_fluid([outline_of(wall) for wall in walls], x[off]), atol=1e-9)
+    np.testing.assert_allclose(winding_number(x[off], corners), in_fluid([outline_of(wall) for wall in walls], x[off]),
+                               atol=1e-9)
 
 
 def test_block_in_3d():

@@ -27,7 +27,8 @@ def by_looking(fill, walls, spacing=S):
     mesh = wall_mesh(walls, spacing)
     lower, upper = mesh.x0.min(axis=0) - spacing, mesh.x0.max(axis=0) + spacing
     first, last = np.floor((lower - fill.origin) / fill.step), np.ceil((upper - fill.origin) / fill.step)
-    index = np.stack(np.meshgrid(*[np.arange(a, b + 1) for a, b in zip(first, last)], indexing="ij"), axis=-1).reshape(-1, 2)
+    places = np.meshgrid(*[np.arange(a, b + 1) for a, b in zip(first, last)], indexing="ij")
+    index = np.stack(places, axis=-1).reshape(-1, 2)
     x = fill.position(index)
     good = in_fluid([outline_of(wall) for wall in walls], x) & fill._in_shape(x) & (x[:, 0] >= mesh.x0[:, 0].min()) & (
         x[:, 0] <= mesh.x0[:, 0].max())
@@ -36,7 +37,8 @@ def by_looking(fill, walls, spacing=S):
 
 
 @pytest.mark.parametrize("lid", [False, True])
-@pytest.mark.parametrize("shape", [Box(1.0, 0.6), Box(1.0, 1.0), Box(0.5, 0.5, at=(0.25, 0.3)), Disc(0.3, at=(0.5, 0.5)), TRIANGLE])
+@pytest.mark.parametrize("shape", [
+    Box(1.0, 0.6), Box(1.0, 1.0), Box(0.5, 0.5, at=(0.25, 0.3)), Disc(0.3, at=(0.5, 0.5)), TRIANGLE])
 def test_shape_in_a_tank_has_the_points_of_today_to_the_bit(shape, lid):
     tank = Tank(2.0, 1.0, lid=lid)
     old, new = Lattice(shape, tank, S), filling(shape, tank)
@@ -94,7 +96,8 @@ def test_holes_are_left_out():
     index = filling(Box(1.5, 1.0), holes=[hole]).indices()
     x = S * index
     assert not np.any(hole.inside(x, -0.02 * S))
-    assert len(index) == 31 * 21 - np.count_nonzero(hole.inside(S * np.stack(np.meshgrid(np.arange(31), np.arange(21)), -1).reshape(-1, 2), -0.01 * S))
+    every = np.stack(np.meshgrid(np.arange(31), np.arange(21)), -1).reshape(-1, 2)
+    assert len(index) == 31 * 21 - np.count_nonzero(hole.inside(S * every, -0.01 * S))
 
 
 @pytest.mark.parametrize("ranks", [1, 2, 3, 7])
@@ -107,7 +110,8 @@ def test_slices_do_not_depend_on_the_number_of_ranks(ranks):
 
 @pytest.mark.parametrize("ranks", [1, 2, 5])
 def test_ranks_share_several_bodies(ranks):
-    fills = [filling(shape, *SCENES["sill"]) for shape in (Box(0.8, 0.5), Disc(0.2, at=(1.5, 0.6)), Box(0.3, 0.3, at=(2.5, 0.1)))]
+    shapes = Box(0.8, 0.5), Disc(0.2, at=(1.5, 0.6)), Box(0.3, 0.3, at=(2.5, 0.1))
+    fills = [filling(shape, *SCENES["sill"]) for shape in shapes]
     parts = [share(fills, rank, ranks) for rank in range(ranks)]
     for number, fill in enumerate(fills):
         stops = [part[number] for part in parts]

@@ -1,4 +1,4 @@
-"""Wall meshes: the nodes of a tank as the product has them, and outlines of bodies that touch, overlap or stand alone."""
+"""Wall meshes: the nodes of a tank as the product has them; bodies that touch, overlap or stand alone."""
 
 from types import SimpleNamespace
 

@@ -43,7 +43,8 @@ def integral(solid, at, reach=2.0 * H):
     """Return the kernel's integral over the places for which solid(x) is true, by many samples (2D)."""
     cell = S / 400    # places between multiples of it, so that no cell is cut by the axes
     low, high = np.floor((np.array(at) - reach) / cell), np.ceil((np.array(at) + reach) / cell)
-    x = cell * (0.5 + np.stack(np.meshgrid(*[np.arange(a, b) for a, b in zip(low, high)], indexing="ij"), axis=-1).reshape(-1, 2))
+    places = np.meshgrid(*[np.arange(a, b) for a, b in zip(low, high)], indexing="ij")
+    x = cell * (0.5 + np.stack(places, axis=-1).reshape(-1, 2))
     r = np.linalg.norm(x - at, axis=1)
     q = r / H
     w = 15.0 / (7.0 * np.pi * H**2) * np.where(q < 1.0, 2 / 3 - q**2 + q**3 / 2, np.maximum(2.0 - q, 0.0) ** 3 / 6)
@@ -136,13 +137,15 @@ def test_plate_hides_the_water_behind_it():
 
 def packed(scene):
     """Pack a scene; return the density ratio of what is deep below the level."""
-    pack(scene.x, scene.kind, scene.role, scene.weight, scene.area, scene.corners, scene.present, scene.table, scene.lists)
+    pack(scene.x, scene.kind, scene.role, scene.weight, scene.area, scene.corners, scene.present, scene.table,
+         scene.lists)
     return scene.alpha()[scene.x[: scene.n, 1] < scene.level - 2.65 * S]
 
 
 def sill(slope):
     foot = 0.4 / slope
-    return [Tank(4.0, 1.3), Obstacle(Polygon([(1.0, 0.0), (1.0 + foot, 0.4), (1.6 + foot, 0.4), (1.6 + 2.0 * foot, 0.0)]))]
+    corners = [(1.0, 0.0), (1.0 + foot, 0.4), (1.6 + foot, 0.4), (1.6 + 2.0 * foot, 0.0)]
+    return [Tank(4.0, 1.3), Obstacle(Polygon(corners))]
 
 
 def beach(degrees):
@@ -150,8 +153,9 @@ def beach(degrees):
 
 
 @pytest.mark.parametrize(("walls", "low", "high"), [
-    (beach(15.0), 0.98, 1.02), (beach(30.0), 0.98, 1.02), (beach(45.0), 0.99, 1.03), (beach(60.0), 0.99, 1.025), (sill(1.0), 0.99, 1.02),
-    (sill(0.5), 0.98, 1.01), ([Tank(3.02, 1.3), Obstacle(Disc(0.2, at=(1.5, 0.5)))], 0.97, 1.015)],
+    (beach(15.0), 0.98, 1.02), (beach(30.0), 0.98, 1.02), (beach(45.0), 0.99, 1.03), (beach(60.0), 0.99, 1.025),
+    (sill(1.0), 0.99, 1.02), (sill(0.5), 0.98, 1.01),
+    ([Tank(3.02, 1.3), Obstacle(Disc(0.2, at=(1.5, 0.5)))], 0.97, 1.015)],
     ids=["slope 15", "slope 30", "slope 45", "slope 60", "sill 45", "sill 26.6", "disc"])
 def test_packed_scene_is_even(walls, low, high):
     scene = filled(StillWater(1.0), walls, S)

@@ -1,4 +1,4 @@
-"""Hydrostatic pressure is the solution of the rows on any particles between any walls, as all rows are exact for linear fields."""
+"""Hydrostatic pressure solves the rows on any particles between any walls: all rows are exact for linear fields."""
 
 import numpy as np
 import pytest
@@ -30,19 +30,23 @@ SCENES = {
 
 
 def error(scene, level):
-    """Return the greatest error of the pressure over that at the bed, and the number of wall rows without a normal derivative.
+    """Return the greatest error of the pressure over that at the bed, and how many wall rows lack a normal derivative.
 
     level : (n,) height of the water over each particle [m]
     """
     s, n, above = scene.spacing, len(scene.x), scene.x[:, 1] - level
     role = scene.role.copy()
     node = np.arange(n) >= scene.n
-    role[node] = np.select([scene.mesh.edge == CONVEX, above[node] < -0.5 * s, above[node] < 0.5 * s], [DRY, WET, CONTACT], DRY)
+    role[node] = np.select([scene.mesh.edge == CONVEX, above[node] < -0.5 * s, above[node] < 0.5 * s],
+                           [DRY, WET, CONTACT], DRY)
     indptr, indices, *_ = scene.lists()
-    count, columns, values, measure = np.zeros(n, np.int32), np.zeros(len(indices), np.int32), np.zeros(len(indices)), np.zeros(n)
-    rankine.rankine_rows(count, columns, values, measure, np.zeros((len(indices), 2)), np.zeros(n), np.zeros((n, 2)), scene.x, role,
-                         rankine.directions(2), lengths.CIRCLE * s, lengths.MLS * s, True, indptr, indices, scene.axes)
-    walls.sfdi_rows(count, columns, values, measure, scene.x, role, scene.normal, lengths.MLS * s, indptr, indices, scene.axes)
+    count, columns = np.zeros(n, np.int32), np.zeros(len(indices), np.int32)
+    values, measure = np.zeros(len(indices)), np.zeros(n)
+    rankine.rankine_rows(count, columns, values, measure, np.zeros((len(indices), 2)), np.zeros(n), np.zeros((n, 2)),
+                         scene.x, role, rankine.directions(2), lengths.CIRCLE * s, lengths.MLS * s, True, indptr,
+                         indices, scene.axes)
+    walls.sfdi_rows(count, columns, values, measure, scene.x, role, scene.normal, lengths.MLS * s, indptr, indices,
+                    scene.axes)
     matrix, right = np.eye(n), np.where(role == WET, measure * scene.normal[:, 1], 0.0)
     for i in np.flatnonzero((role == INNER) | (role == WET)):
         own = slice(indptr[i], indptr[i] + count[i])
@@ -58,7 +62,8 @@ def test_pressure_of_still_water(name):
     scene = filled(StillWater(level), SCENES[name], S)
     water = np.full(len(scene.x), level)
     assert error(scene, water) == (pytest.approx(0.0, abs=1e-12), 0)
-    pack(scene.x, scene.kind, scene.role, scene.weight, scene.area, scene.corners, scene.present, scene.table, scene.lists)
+    pack(scene.x, scene.kind, scene.role, scene.weight, scene.area, scene.corners, scene.present, scene.table,
+         scene.lists)
     assert error(scene, water) == (pytest.approx(0.0, abs=1e-12), 0)
     move = np.zeros_like(scene.x)
     inner = scene.role == INNER
@@ -70,6 +75,7 @@ def test_pressure_of_still_water(name):
 
 def test_plate_without_thickness_holds_back_the_higher_water():
     levels, at = (0.8, 0.4), 1.0
-    scene = filled((Box(at, levels[0]), Box(at, levels[1], at=(at, 0.0))), [Tank(2.0, 1.2), Plate([(at, 0.0), (at, 1.2)])], S)
+    scene = filled((Box(at, levels[0]), Box(at, levels[1], at=(at, 0.0))),
+                   [Tank(2.0, 1.2), Plate([(at, 0.0), (at, 1.2)])], S)
     right = scene.x[:, 0] + 0.1 * S * scene.normal[:, 0] > at
     assert error(scene, np.where(right, *levels[::-1])) == (pytest.approx(0.0, abs=1e-12), 0)
