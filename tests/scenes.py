@@ -1,91 +1,36 @@
-"""Scenes of any walls as arrays that kernels take: fluid first, then wall nodes."""
-
-from dataclasses import dataclass
+"""The scenes of cases/ for tests: loaded by name, run in this process or on several ranks."""
 
 import numpy as np
 
-from parisph.base.fields import FLUID, INNER, SURFACE, WALL, WET
-from parisph.case.bodies import StillWater
-from parisph.geometry.fill import Filling
-from parisph.geometry.mesh import WallMesh, wall_mesh
-from parisph.kernels import density, solids
-from parisph.kernels.cells import neighbour_lists
-from parisph.kernels.jit import axes_of
+from parisph.case.load import load
+from tests.launch import ROOT, mpirun
+
+# The head of a program that runs on several ranks.
+PROGRAM = """
+import sys
+import numpy as np
+from mpi4py import MPI
+from parisph.driver import Simulation
+from tests.scenes import scene
+comm = MPI.COMM_WORLD
+"""
 
 
-@dataclass
-class Scene:
-    """Particles of a scene, serial. n : number of fluid particles; spacing : [m]; level : of the water [m], or None"""
-
-    x: np.ndarray
-    n: int
-    role: np.ndarray
-    normal: np.ndarray
-    mesh: WallMesh
-    spacing: float
-    level: float | None = None
-    reach: float = 2.6
-
-    def __post_init__(self):
-        s, dim, nodes = self.spacing, self.dim, len(self.x) - self.n
-        self.kind = np.repeat(np.array([FLUID, WALL], np.int8), [self.n, nodes])
-        self.weight = np.concatenate([np.ones(self.n), self.mesh.area * self.mesh.share / s ** (dim - 1)])
-        self.area = np.concatenate([np.zeros((self.n, dim)), self.mesh.vector_area / s ** (dim - 1)])
-        self.corners = self.mesh.corners()
-        self.present = np.ones(len(self.corners), bool)
-        if self.level is not None:    # walls above the water do not count
-            self.present = self.corners.mean(axis=1)[:, -1] < self.level
-            dry = (self.kind == WALL) & (self.x[:, -1] > self.level + 1.01 * s)
-            self.weight[dry], self.area[dry] = 0.0, 0.0
-        self.table = density.table(s, 1.3 * s, dim)
-
-    @property
-    def dim(self):
-        return self.x.shape[1]
-
-    @property
-    def axes(self):
-        return axes_of(self.dim)
-
-    def lists(self):
-        """Return the CSR of visible neighbours and that of elements, of all particles."""
-        radius = self.reach * self.spacing
-        elements = solids.element_lists(self.x, self.corners, self.normal, radius, self.spacing)
-        around = neighbour_lists(self.x, len(self.x), radius)
-        return (*solids.visible_lists(self.x, self.normal, self.corners, self.spacing, *elements, *around), *elements)
-
-    def _completed(self, kernel, out):
-        indptr, indices, *elements = self.lists()
-        kernel(out, self.x, self.kind, self.weight, self.area, self.corners, self.present, *self.table, *elements,
-               indptr, indices, self.axes)
-        return out[:self.n]
-
-    def alpha(self):
-        """Return the completed density ratio of the fluid (n,)."""
-        return self._completed(density.completed_density, np.empty(len(self.x)))
-
-    def gradient(self):
-        """Return its gradient (n, dim) [1/m]."""
-        return self._completed(density.completed_gradient, np.empty(self.x.shape))
+def scene(name, numerics=None, **sets):
+    """Return the Case of cases/NAME.py with some of its parameters set, and some of its Numerics changed."""
+    case = load(ROOT / "cases" / f"{name}.py", [f"{key}={value}" for key, value in sets.items()])
+    return case.changed(**{f"numerics.{key}": value for key, value in (numerics or {}).items()})
 
 
-def filled(shape, walls, spacing):
-    """Return the Scene of a shape or StillWater, or of several, between walls."""
-    mesh = wall_mesh(walls, spacing)
-    x, roles = [], []
-    for one in shape if isinstance(shape, (tuple, list)) else (shape,):
-        fill = Filling(one, walls, mesh, spacing)
-        index = fill.indices()
-        x.append(fill.position(index))
-        roles.append(np.where(fill.is_surface(index), SURFACE, INNER))
-    x = np.concatenate(x)
-    role = np.concatenate([*roles, np.full(len(mesh.x0), WET)]).astype(np.int8)
-    return Scene(np.concatenate([x, mesh.x0]), len(x), role, np.concatenate([np.zeros(x.shape), mesh.normal0]), mesh,
-                 spacing, shape.level if isinstance(shape, StillWater) else None)
+def on_ranks(n, body, folder, timeout=120):
+    """Run PROGRAM + body on n ranks in a folder; raise AssertionError with its output if it fails."""
+    path = folder / f"program{n}.py"
+    path.write_text(PROGRAM + body)
+    done = mpirun(n, [path], timeout=timeout, cwd=folder)
+    assert done.returncode == 0, f"{n} ranks:\n{done.stdout}\n{done.stderr}"
+    return done.stdout
 
 
-def beside(mesh, x, spacing):
-    """Return the Scene of inner fluid at x (n, dim) beside the walls of a mesh."""
-    role = np.repeat(np.array([INNER, WET], np.int8), [len(x), len(mesh.x0)])
-    return Scene(np.concatenate([x, mesh.x0]), len(x), role, np.concatenate([np.zeros(x.shape), mesh.normal0]), mesh,
-                 spacing)
+def difference(a, b):
+    """Return the largest difference of two arrays, relative to the largest value of the second."""
+    return np.abs(a - b).max() / np.abs(b).max()

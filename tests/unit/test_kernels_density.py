@@ -17,7 +17,7 @@ from parisph.kernels.jit import axes_of
 from parisph.kernels.packing import pack
 from parisph.kernels.smoothing import cubic_spline
 from parisph.kernels.surface import lattice_sum
-from tests.scenes import beside, filled
+from tests.wall_scenes import beside, filled
 
 S, H = 0.05, 0.065
 

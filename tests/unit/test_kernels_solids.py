@@ -14,7 +14,7 @@ from parisph.geometry.mesh import block_mesh, wall_mesh
 from parisph.kernels import solids
 from parisph.kernels.cells import nearby, neighbour_lists
 from parisph.kernels.jit import axes_of
-from tests.scenes import filled
+from tests.wall_scenes import filled
 
 S = 0.05
 

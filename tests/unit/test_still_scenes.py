@@ -11,7 +11,7 @@ from parisph.kernels import rankine, walls
 from parisph.kernels.packing import pack
 from parisph.kernels.solids import keep_off_solids
 from parisph.methods import lengths
-from tests.scenes import filled
+from tests.wall_scenes import filled
 
 S = 0.05
 
