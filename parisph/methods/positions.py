@@ -57,7 +57,8 @@ class PositionProjection(Regulariser):
 class Parting(Regulariser):
     """Parts close pairs that have no pressure."""
 
-    name, cause, words, moves, strain, fields = "parting", "parting", "parting of close pairs", True, False, ("pairs",)
+    name, cause, words, fields = "parting", "parting", "parting of close pairs", ("pairs",)
+    moves, strain, alone = True, False, True
 
     def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0

@@ -1,12 +1,12 @@
 """How the regularisers of a step act together."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from parisph.methods.flow import Flow
 from parisph.methods.parts import Limiter, Regulariser
-from parisph.methods.positions import CAP, displace
+from parisph.methods.positions import displace
 
 
 def prepare(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
@@ -28,26 +28,25 @@ def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
     """
     p = flow.particles
     changes = {part.name: part.change(flow, dt) for part in parts if not isinstance(part, Limiter)}
-    share = share_of_moves([changes[part.name] for part in parts if part.moves and part.name in changes], flow.spacing)
+    keep_alone(changes, [part.name for part in parts if part.alone])
     for part in parts:
         if isinstance(part, Limiter):
             part.apply(flow, dt)
         elif part.moves:
-            displace(flow, share * changes[part.name])
+            displace(flow, changes[part.name])
         else:
             p.u[:] += changes[part.name]
             flow.stale.add("u")
         flow.budget.mark(p, part.cause)
 
 
-def share_of_moves(moves: Sequence[np.ndarray], spacing: float) -> np.ndarray | float:
-    """Return the part of several moves (n, dim) [m] that is made: (n, 1), or 1 for fewer than two.
+def keep_alone(changes: Mapping[str, np.ndarray], alone: Sequence[str]) -> None:
+    """Remove all other changes (n, dim) of particles that one of the parts `alone` changes. Not collective.
 
-    Together they lead no farther than CAP spacings, or than the longest of them: several parts that mend the same close
-    pair would otherwise throw it apart.
+    Several parts that mend the same close pair would otherwise throw it apart.
     """
-    if len(moves) < 2:
-        return 1.0
-    most = np.maximum(CAP * spacing, np.max([np.linalg.norm(move, axis=1) for move in moves], axis=0))
-    whole = np.linalg.norm(np.sum(moves, axis=0), axis=1)
-    return np.minimum(1.0, most / np.maximum(whole, np.finfo(float).tiny))[:, None]
+    for name in alone:
+        taken = np.any(changes[name] != 0.0, axis=1)
+        for other, change in changes.items():
+            if other != name:
+                change[taken] = 0.0
