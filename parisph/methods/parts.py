@@ -154,7 +154,7 @@ class Regulariser(Part):
 
     moves : whether it changes positions; else velocities
     strain : whether its strength is in proportion to the strain of the step
-    alone : whether no other regulariser changes the particles that it changes
+    free : whether it may move particles farther than positions.CAP
     cause : column of the energy budget
     words : what `parisph check` calls it
 
@@ -164,7 +164,7 @@ class Regulariser(Part):
 
     moves: ClassVar[bool] = False
     strain: ClassVar[bool] = True
-    alone: ClassVar[bool] = False
+    free: ClassVar[bool] = False
     cause: ClassVar[str]
     words: ClassVar[str]
 

@@ -58,7 +58,7 @@ class Parting(Regulariser):
     """Parts close pairs that have no pressure."""
 
     name, cause, words, fields = "parting", "parting", "parting of close pairs", ("pairs",)
-    moves, strain, alone = True, False, True
+    moves, strain, free = True, False, True
 
     def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.methods.flow import Flow
 from parisph.methods.parts import Limiter, Regulariser
-from parisph.methods.positions import displace
+from parisph.methods.positions import CAP, displace
 
 
 def prepare(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
@@ -28,7 +28,8 @@ def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
     """
     p = flow.particles
     changes = {part.name: part.change(flow, dt) for part in parts if not isinstance(part, Limiter)}
-    keep_alone(changes, [part.name for part in parts if part.alone])
+    cap_together({part.name: changes[part.name] for part in parts if part.moves and part.name in changes},
+                 [part.name for part in parts if part.free], CAP * flow.spacing)
     for part in parts:
         if isinstance(part, Limiter):
             part.apply(flow, dt)
@@ -40,13 +41,15 @@ def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
         flow.budget.mark(p, part.cause)
 
 
-def keep_alone(changes: Mapping[str, np.ndarray], alone: Sequence[str]) -> None:
-    """Remove all other changes (n, dim) of particles that one of the parts `alone` changes. Not collective.
+def cap_together(moves: Mapping[str, np.ndarray], free: Sequence[str], cap: float) -> None:
+    """Shorten moves (n, dim) [m] that together lead farther than the cap [m], and than the longest of the `free` ones.
 
-    Several parts that mend the same close pair would otherwise throw it apart.
+    Several parts that mend the same close pair would otherwise throw it apart. Not collective.
     """
-    for name in alone:
-        taken = np.any(changes[name] != 0.0, axis=1)
-        for other, change in changes.items():
-            if other != name:
-                change[taken] = 0.0
+    if len(moves) < 2:
+        return
+    longest = np.max([np.linalg.norm(moves[name], axis=1) for name in free], axis=0, initial=cap)
+    whole = np.linalg.norm(np.sum(list(moves.values()), axis=0), axis=1)
+    share = np.minimum(1.0, longest / np.maximum(whole, np.finfo(float).tiny))
+    for move in moves.values():
+        move *= share[:, None]

@@ -119,9 +119,8 @@ def test_a_wall_without_half_cells_does_not_push_rapid_fluid_off_nor_attract_it(
     np.testing.assert_array_equal(positions.less_pushed(push, less, 0.0), push)
 
 
-def test_what_parts_does_nothing_else():
-    """Particles that the parting moves are moved by nothing else, others by all."""
-    projection, parting = np.full((3, 2), 0.1), np.array([[0.0, 0.0], [0.2, 0.0], [0.0, 0.0]])
-    regularising.keep_alone({"projection": projection, "parting": parting}, ["parting"])
-    np.testing.assert_array_equal(projection, [[0.1, 0.1], [0.0, 0.0], [0.1, 0.1]])
-    np.testing.assert_array_equal(parting[1], [0.2, 0.0])
+def test_moves_together_lead_no_farther_than_the_cap_but_for_a_free_one():
+    one = np.array([[0.03, 0.0], [0.08, 0.0], [0.1, 0.0]])
+    free = np.array([[0.0, 0.04], [0.09, 0.0], [0.4, 0.0]])
+    regularising.cap_together({"projection": one, "parting": free}, ["parting"], 0.1)
+    np.testing.assert_allclose(np.linalg.norm(one + free, axis=1), [0.05, 0.1, 0.4])
