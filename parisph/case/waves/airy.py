@@ -6,7 +6,18 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from parisph.case.waves.linear import angular_frequency, wave_number
-from parisph.case.waves.wavefield import Depth, Gravity, Height, Leftward, Period, Place, Travelling, WaveField, no_higher, steepest
+from parisph.case.waves.wavefield import (
+    Depth,
+    Gravity,
+    Height,
+    Leftward,
+    Period,
+    Place,
+    Travelling,
+    WaveField,
+    no_higher,
+    steepest,
+)
 
 
 def transfer(k, y, depth):

@@ -11,7 +11,17 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from parisph.case.waves.linear import wave_number
-from parisph.case.waves.wavefield import Depth, Gravity, Height, Leftward, Period, Place, Travelling, no_higher, steepest
+from parisph.case.waves.wavefield import (
+    Depth,
+    Gravity,
+    Height,
+    Leftward,
+    Period,
+    Place,
+    Travelling,
+    no_higher,
+    steepest,
+)
 
 
 def _coefficients(kd):

@@ -16,7 +16,17 @@ from pydantic import Field, model_validator
 
 from parisph.base.text import shown
 from parisph.case.waves.linear import wave_number
-from parisph.case.waves.wavefield import Depth, Gravity, Height, Leftward, Period, Place, Travelling, no_higher, steepest
+from parisph.case.waves.wavefield import (
+    Depth,
+    Gravity,
+    Height,
+    Leftward,
+    Period,
+    Place,
+    Travelling,
+    no_higher,
+    steepest,
+)
 
 CONVERGED = 1e-11    # of the residuals
 FIRST = 0.1          # height of the first of the waves through which the solution is followed, over the highest
