@@ -8,7 +8,8 @@ __version__ = "0.1.0"
 # `import parisph` costs nothing, and describing a case needs neither MPI nor PETSc.
 _SCHEMA = (
     "Case Fluid Box Disc Polygon Tank Lid Numerics Output Truth AtRest Sway Tabulated "
-    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityProfile"
+    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityProfile "
+    "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction"
 )
 _PUBLIC = {
     **{name: "parisph.case.schema" for name in _SCHEMA.split()},

@@ -8,6 +8,7 @@ from parisph.base.errors import ParticleLost as ParticleLost
 from parisph.base.errors import SolverDiverged as SolverDiverged
 from parisph.base.errors import StoreError as StoreError
 from parisph.case.load import load as load
+from parisph.case.schema import Airy as Airy
 from parisph.case.schema import AtRest as AtRest
 from parisph.case.schema import Box as Box
 from parisph.case.schema import Case as Case
@@ -15,12 +16,18 @@ from parisph.case.schema import ColumnHeight as ColumnHeight
 from parisph.case.schema import Disc as Disc
 from parisph.case.schema import Energy as Energy
 from parisph.case.schema import Fluid as Fluid
+from parisph.case.schema import Jonswap as Jonswap
 from parisph.case.schema import Lid as Lid
 from parisph.case.schema import Momentum as Momentum
 from parisph.case.schema import Numerics as Numerics
 from parisph.case.schema import Output as Output
 from parisph.case.schema import Polygon as Polygon
 from parisph.case.schema import PressureTap as PressureTap
+from parisph.case.schema import Sloshing as Sloshing
+from parisph.case.schema import SolitaryWave as SolitaryWave
+from parisph.case.schema import StandingWave as StandingWave
+from parisph.case.schema import Stokes as Stokes
+from parisph.case.schema import StreamFunction as StreamFunction
 from parisph.case.schema import SurfaceGauge as SurfaceGauge
 from parisph.case.schema import Sway as Sway
 from parisph.case.schema import Tabulated as Tabulated

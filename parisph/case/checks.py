@@ -10,7 +10,7 @@ import numpy as np
 from parisph.base.memory import amount
 from parisph.base.text import shown
 from parisph.case import size
-from parisph.case.expressions import compile_expression, vector_field
+from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.motion import SHARE
 from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
@@ -33,7 +33,7 @@ def problems(case):
     if not found:
         found += [*_spacing(case), *_inside(case), *_size(case)]
     if not found:
-        found += [*_surface(case), *_elevation(case), *_finite(case), *_probes(case)]
+        found += [*_surface(case), *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
         found += [*_times(case), *_steps(case), *_files(case)]
     return found
@@ -161,30 +161,40 @@ def _far(case):
 
 
 def _elevation(case):
-    if case.fluid.elevation is None:
+    fluid = case.fluid
+    if not fluid.raised:
         return
-    lower, upper = case.fluid.shape.bounds
+    lower, upper = fluid.shape.bounds
     x = np.linspace(lower[0], upper[0], 8 * SAMPLES)
-    eta = compile_expression(str(case.fluid.elevation), ("x",))(x=x)
-    height = float(case.fluid.shape.size[-1])
+    eta = fluid.rise(x)
+    height = float(fluid.shape.size[-1])
+    what = f"fluid.wave = {fluid.wave.kind}" if fluid.wave is not None else f"fluid.elevation = {shown(fluid.elevation)}"
     if not np.all(np.isfinite(eta)):
-        yield f"fluid.elevation = {shown(case.fluid.elevation)}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
+        yield f"{what}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
     elif eta.min() < -0.5 * height or eta.max() > height:
         yield (
-            f"fluid.elevation = {shown(case.fluid.elevation)}: reaches from {eta.min():g} to {eta.max():g}, must stay between "
+            f"{what}: reaches from {eta.min():g} to {eta.max():g}, must stay between "
             f"{-0.5 * height:g} and {height:g}, or the columns are stretched too far"
         )
     elif case.walls is not None and upper[-1] + eta.max() > case.walls.bounds[1][-1]:
         yield (
-            f"fluid.elevation = {shown(case.fluid.elevation)}: raises the surface to {upper[-1] + eta.max():g}, "
+            f"{what}: raises the surface to {upper[-1] + eta.max():g}, "
             f"above the tank's top at {case.walls.bounds[1][-1]:g}; lower it, or make the tank higher"
         )
+
+
+def _wave(case):
+    """A wave starts well only under its own gravity."""
+    wave, gravity = case.fluid.wave, uniform_field(case.gravity)
+    if wave is not None and (gravity is None or np.abs(gravity + [*[0.0] * (case.dim - 1), wave.g]).max() > 1e-6 * wave.g):
+        yield f"fluid.wave.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
 
 
 def _sample(case):
     """Return points (n, dim) [m] that cover the bounding box of the fluid."""
     lower, upper = case.fluid.shape.bounds
-    axes = [np.linspace(a, b, SAMPLES) for a, b in zip(lower, upper)]
+    many = 8 if case.fluid.wave is not None else 1    # a wave may be short in a long tank
+    axes = [np.linspace(a, b, SAMPLES * (1 if axis else many)) for axis, (a, b) in enumerate(zip(lower, upper))]
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
 
 
@@ -316,7 +326,7 @@ def fastest(case):
     """
     x = _sample(case)
     x = x[case.fluid.shape.inside(x, 0.0)]
-    speed = float(np.linalg.norm(vector_field(case.fluid.velocity, False)(x), axis=1).max(initial=0.0))
+    speed = float(np.linalg.norm(case.fluid.start_velocity(x), axis=1).max(initial=0.0))
     g = float(np.linalg.norm(vector_field(case.gravity, True)(x), axis=1).max(initial=0.0))
     lower, upper = case.fluid.shape.bounds
     fall = 2.0 if case.numerics.preset == "violent" else 1.0
@@ -331,7 +341,7 @@ def stable_time_step(case):
     """
     x, s = _sample(case), case.numerics.spacing
     x = x[case.fluid.shape.inside(x, 0.0)]
-    speed = float(np.linalg.norm(vector_field(case.fluid.velocity, False)(x), axis=1).max(initial=0.0))
+    speed = float(np.linalg.norm(case.fluid.start_velocity(x), axis=1).max(initial=0.0))
     g = float(np.linalg.norm(vector_field(case.gravity, True)(x), axis=1).max(initial=0.0))
     lower, upper = case.fluid.shape.bounds
     if case.numerics.preset == "violent":

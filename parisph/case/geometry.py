@@ -4,7 +4,7 @@ import numpy as np
 
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.case.expressions import compile_expression, uniform_field, vector_field
+from parisph.case.expressions import uniform_field
 from parisph.case.lattice import Lattice
 from parisph.case.methods import METHODS
 from parisph.case.shapes import Box, Lid
@@ -23,7 +23,7 @@ def still_pressure(case, x):
     gravity = uniform_field(case.gravity)
     if gravity is None or not isinstance(case.fluid.shape, Box):
         return np.zeros(len(x))
-    top = case.fluid.shape.bounds[1][-1] + _elevation(case, x[:, :-1])
+    top = case.fluid.shape.bounds[1][-1] + case.fluid.rise(x[:, 0])
     return np.maximum(case.fluid.density * -gravity[-1] * (top - x[:, -1]), 0.0)
 
 
@@ -83,17 +83,9 @@ def domain(case):
     return case.fluid.shape.bounds
 
 
-def _elevation(case, x):
-    if case.fluid.elevation is None:
-        return np.zeros(len(x))
-    names = tuple("xyz"[: x.shape[1]])
-    evaluate = compile_expression(str(case.fluid.elevation), names)
-    return evaluate(**{name: x[:, axis] for axis, name in enumerate(names)})
-
-
 def _stretched(case, x):
     """Move points (n, dim) of the lattice up with the surface, linearly from the bottom of the Box."""
-    if case.fluid.elevation is None:
+    if not case.fluid.raised:
         return x
     bottom = case.fluid.shape.bounds[0][-1]
     x = x.copy()
@@ -103,14 +95,14 @@ def _stretched(case, x):
 
 def _stretch(case, x):
     """Return the stretch factor of the columns at x (n, dim) [m], (n,)."""
-    if case.fluid.elevation is None:
+    if not case.fluid.raised:
         return np.ones(len(x))
-    return 1.0 + _elevation(case, x[:, :-1]) / case.fluid.shape.size[-1]
+    return 1.0 + case.fluid.rise(x[:, 0]) / case.fluid.shape.size[-1]
 
 
 def _unstretched(case, x):
     """Undo _stretched for points (n, dim) [m]."""
-    if case.fluid.elevation is None:
+    if not case.fluid.raised:
         return x
     bottom = case.fluid.shape.bounds[0][-1]
     x = x.copy()
@@ -135,7 +127,7 @@ def _fluid(case, points, start, stop):
         "corner": np.zeros(n, dtype=np.int8),
         "role": np.where(surface, SURFACE, INNER).astype(np.int8),
         "x": x,
-        "u": vector_field(case.fluid.velocity, with_time=False)(x),
+        "u": case.fluid.start_velocity(x),
         "volume": volume,
         "normal": np.zeros((n, dim)),
         "no_slip": np.zeros(n, dtype=np.int8),

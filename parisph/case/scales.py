@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parisph.case.expressions import compile_expression, uniform_field, vector_field
+from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.shapes import Box
 from parisph.case.waves import angular_frequency
 
@@ -66,7 +66,7 @@ def expected(case) -> Scales:
 def fall_time(case) -> float:
     """Return sqrt(depth/g) [s] of level water at rest without waves, 0 for all other fluid."""
     force, down = _gravity(case)
-    if force == 0.0 or uniform_field(case.gravity) is None or case.closed or _start_speed(case) > 0.0 or case.fluid.elevation is not None or not _is_level(case, down):
+    if force == 0.0 or uniform_field(case.gravity) is None or case.closed or _start_speed(case) > 0.0 or case.fluid.raised or not _is_level(case, down):
         return 0.0
     return float(np.sqrt(case.fluid.shape.size[-1] / force))
 
@@ -90,7 +90,7 @@ def _gravity(case):
 
 
 def _start_speed(case):
-    return float(np.linalg.norm(vector_field(case.fluid.velocity, with_time=False)(_sample(case)), axis=1).max(initial=0.0))
+    return float(np.linalg.norm(case.fluid.start_velocity(_sample(case)), axis=1).max(initial=0.0))
 
 
 def _is_level(case, down):
@@ -123,12 +123,12 @@ def _waves(case, g, times, start):
     eta, speed = _sloshing(case, g, np.pi / length, depth, times)
     acceleration = angular_frequency(np.pi / length, depth, g) * speed
     x = np.linspace(lower[0], upper[0], SAMPLES)
-    amplitude, k = _harmonic(x, _elevation(case, x))
+    amplitude, k = _harmonic(x, case.fluid.rise(x))
     omega = angular_frequency(k, depth, g)
     speed = speed + amplitude * omega / np.tanh(k * depth)
     acceleration = acceleration + amplitude * omega**2 / np.tanh(k * depth)
     surface = np.column_stack([x, np.full((SAMPLES, case.dim - 1), upper[1:])])
-    rise, k = _harmonic(x, vector_field(case.fluid.velocity, with_time=False)(surface)[:, -1])
+    rise, k = _harmonic(x, case.fluid.start_velocity(surface)[:, -1])
     acceleration = acceleration + angular_frequency(k, depth, g) * start
     amplitude = min(eta + np.hypot(amplitude, rise / angular_frequency(k, depth, g)), depth)
     return (amplitude if amplitude > 0.0 else None), np.minimum(speed, np.sqrt(2.0 * g * depth)), acceleration
@@ -153,13 +153,6 @@ def _sloshing(case, g, k, depth, times):
         size[step] = np.hypot(eta, rate / omega)
     speed = omega * size / np.tanh(k * depth)
     return largest, np.interp(times, dt * np.arange(1, count + 1), speed)
-
-
-def _elevation(case, x):
-    """Return the elevation of the surface at the start [m], at x (n,) [m]."""
-    if case.fluid.elevation is None:
-        return np.zeros_like(x)
-    return compile_expression(str(case.fluid.elevation), ("x",))(x=x)
 
 
 def _harmonic(x, values):

@@ -27,10 +27,12 @@ from parisph.case.probes import (
     WaterFront,
 )
 from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
+from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
 __all__ = [
-    "METHODS", "PRESETS", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Lid", "Momentum", "Numerics",
-    "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront",
+    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Jonswap", "Lid", "Momentum", "Numerics",
+    "Output", "Polygon", "PressureTap", "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway",
+    "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at
@@ -95,7 +97,7 @@ class Case(Model):
     def closed(self):
         """True for a tank with a lid that is full: no free surface, pressure up to a constant."""
         shape, tank = self.fluid.shape, self.walls
-        if tank is None or not tank.closed or not isinstance(shape, Box) or self.fluid.elevation is not None:
+        if tank is None or not tank.closed or not isinstance(shape, Box) or self.fluid.raised:
             return False
         gaps = np.abs(np.array(shape.bounds) - np.array(tank.bounds))
         return bool(np.all(gaps < 0.5 * self.numerics.spacing))

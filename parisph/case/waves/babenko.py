@@ -108,26 +108,32 @@ class Solitary:
         # start where the same share of the height below the surface is in the strip
         share = y / height[which]
         omega = x + share * (above.real[which] - x) + 1j * share
-        target = x + 1j * y
-        for _ in range(60):
-            z, slope = self.place(omega)
-            step = (z - target) / slope
-            omega = omega - step
-            if np.abs(step).max(initial=0.0) < STEP:
-                break
+        omega = _solve(self.place, omega, x + 1j * y)
         found = self.F * (1.0 - 1.0 / self.place(omega)[1])
         return found.real, -found.imag
 
     def _on_surface(self, x):
         """Return omega = alpha + i on the surface at x (n,)."""
-        alpha = np.interp(x, *self._crossings)
-        for _ in range(60):
+        def along(alpha):
             z, slope = self.place(alpha + 1j)
-            step = (z.real - x) / slope.real
-            alpha = alpha - step
-            if np.abs(step).max(initial=0.0) < STEP:
-                break
-        return alpha + 1j
+            return z.real, slope.real
+        return _solve(along, np.interp(x, *self._crossings), x) + 1j
+
+
+def _solve(function, start, target):
+    """Solve function(found) = target by Newton's method; function returns values and derivatives.
+
+    Each point stops for itself, so that its result does not depend on the others.
+    """
+    found, active = start, np.ones(len(start), dtype=bool)
+    for _ in range(60):
+        value, slope = function(found)
+        step = np.where(active, (value - target) / slope, 0.0)
+        found = found - step
+        active &= np.abs(step) >= STEP
+        if not active.any():
+            break
+    return found
 
 
 def _sums(b, c, theta):
