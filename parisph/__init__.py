@@ -9,7 +9,7 @@ __version__ = "0.1.0"
 _SCHEMA = (
     "Case Fluid Box Disc Polygon Tank Lid Numerics Output Truth AtRest Sway Tabulated "
     "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityProfile "
-    "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction"
+    "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction WaveTruth"
 )
 _PUBLIC = {
     **{name: "parisph.case.schema" for name in _SCHEMA.split()},

@@ -36,6 +36,7 @@ from parisph.case.schema import Truth as Truth
 from parisph.case.schema import VelocityProfile as VelocityProfile
 from parisph.case.schema import Volume as Volume
 from parisph.case.schema import WaterFront as WaterFront
+from parisph.case.schema import WaveTruth as WaveTruth
 from parisph.driver.loop import restart as restart
 from parisph.driver.loop import run as run
 from parisph.driver.simulation import Simulation as Simulation

@@ -18,7 +18,7 @@ from parisph.base.text import class_name, clipped, listed, named, of_error, plai
 from parisph.case import stored
 from parisph.case.expressions import number
 from parisph.case.model import first_lines
-from parisph.case.probes import read_truth
+from parisph.case.probes import Truth, read_truth
 from parisph.case.schema import Case
 
 MISSING = inspect.Parameter.empty
@@ -283,7 +283,7 @@ def _with_truths(case, folder):
     """Return the case with the probes' reference files made absolute, each of them read once as a check."""
     probes = []
     for probe in case.probes:
-        if probe.truth is not None:
+        if isinstance(probe.truth, Truth):
             try:
                 file = paths.checked(folder / probe.truth.file, "truth.file").resolve()
                 truth = probe.truth.model_copy(update={"file": str(file)})

@@ -25,6 +25,7 @@ from parisph.case.probes import (
     VelocityProfile,
     Volume,
     WaterFront,
+    WaveTruth,
 )
 from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
@@ -32,7 +33,7 @@ from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWa
 __all__ = [
     "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Jonswap", "Lid", "Momentum", "Numerics",
     "Output", "Polygon", "PressureTap", "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway",
-    "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront",
+    "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at
