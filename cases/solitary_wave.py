@@ -3,7 +3,7 @@
 The gauges are compared with that solution. parisph/case/waves/solitary.py has the theories; "grimshaw" and "boussinesq"
 show what a start that is not exact costs: such a wave sheds others, and becomes a lower or a higher one.
 
-parisph run cases/solitary_wave.py --set spacing=1/15
+parisph run cases/solitary_wave.py --set spacing=0.1
 """
 
 from math import sqrt
@@ -12,7 +12,7 @@ from parisph import Box, Case, Energy, Fluid, Numerics, Output, SolitaryWave, Su
 
 
 def case(
-    spacing: float = 1 / 15,            # particle spacing / d
+    spacing: float = 0.05,              # particle spacing / d
     method: str = "ISPH_R",
     preset: str = "gentle",
     end_time: float = 5.0,              # [s]
