@@ -16,13 +16,17 @@ from parisph.case.schema import ColumnHeight as ColumnHeight
 from parisph.case.schema import Disc as Disc
 from parisph.case.schema import Energy as Energy
 from parisph.case.schema import Fluid as Fluid
+from parisph.case.schema import Heave as Heave
 from parisph.case.schema import Jonswap as Jonswap
 from parisph.case.schema import Lid as Lid
 from parisph.case.schema import Momentum as Momentum
+from parisph.case.schema import Moved as Moved
 from parisph.case.schema import Numerics as Numerics
 from parisph.case.schema import Output as Output
 from parisph.case.schema import Polygon as Polygon
 from parisph.case.schema import PressureTap as PressureTap
+from parisph.case.schema import Roll as Roll
+from parisph.case.schema import Series as Series
 from parisph.case.schema import Sloshing as Sloshing
 from parisph.case.schema import SolitaryWave as SolitaryWave
 from parisph.case.schema import StandingWave as StandingWave

@@ -1,6 +1,7 @@
 """Checks of file and folder names from outside, before they are used."""
 
 import os
+from contextvars import ContextVar
 from pathlib import Path
 
 from parisph.base.errors import CaseError
@@ -8,6 +9,8 @@ from parisph.base.text import is_plain, shown
 
 # Bytes that Linux, macOS and most file systems allow for a name, and for all of a path.
 LONGEST_NAME, LONGEST_PATH = 255, 4095
+# The folder that the paths in a case file are relative to, while it is loaded.
+FOLDER: ContextVar[Path] = ContextVar("folder of the case file", default=Path())
 
 
 def checked(path, what):

@@ -12,7 +12,7 @@ from parisph.base.text import shown
 from parisph.case import size
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.lattice import FIT, misfit, nearest_spacings
-from parisph.case.motion import SHARE
+from parisph.case.motion import SHARE, Translation
 from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
 from parisph.case.shapes import Box, check_components
 from parisph.case.values import LARGEST
@@ -45,7 +45,7 @@ def _dimensions(case):
         check_components("gravity", case.gravity, dim, with_time=True)
     except ValueError as error:
         yield str(error)
-    if case.frame.kind != "at_rest" and len(case.frame.direction) != dim:
+    if isinstance(case.frame, Translation) and len(case.frame.direction) != dim:
         yield f"frame.direction = {case.frame.direction}: must have {dim} components, as the fluid's shape has"
     if case.frame.kind != "at_rest" and case.walls is None:
         yield f"frame = {case.frame.kind}: there is no tank to move; give walls=Tank(...) or leave the frame at rest"
@@ -293,8 +293,9 @@ def _time_steps(case):
     limit, reason = stable_time_step(case)
     yield limit, f"gravity, fluid.velocity and numerics.spacing: a step that {reason}"
     yield frame.longest_step, f"frame: {1 / SHARE:.0f} steps in a period of {frame.longest_step / SHARE:.2g} s"
-    if frame.top_speed > 0.0:
-        yield n.cfl * n.spacing / frame.top_speed, f"frame: a tank that moves at {frame.top_speed:.2g} m/s"
+    speed = frame.top_speed(*case.walls.bounds) if case.walls is not None else 0.0
+    if speed > 0.0:
+        yield n.cfl * n.spacing / speed, f"frame: a tank that moves at {speed:.2g} m/s"
     if n.max_time_step is not None:
         yield n.max_time_step, f"numerics.max_time_step = {n.max_time_step:g} s"
 

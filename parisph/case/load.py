@@ -9,7 +9,7 @@ import traceback
 import types
 import typing
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from parisph.base import paths, reading
@@ -48,7 +48,8 @@ def load(path: str | os.PathLike, sets: Mapping[str, Any] | Sequence[str] = ()) 
         return _stored(file, path)
     function = _function(file, path)
     given = {name: _value(function, name, value, path) for name, value in sets.items()}
-    case = _users_code(lambda: function(**given), file, path)
+    with _beside(file):
+        case = _users_code(lambda: function(**given), file, path)
     if not _users_code(lambda: isinstance(case, Case), file, path):
         raise CaseError(f"{named(path)}: case(...) returned a {class_name(case)}; it must return a Case")
     return _with_truths(case, file.parent)
@@ -72,6 +73,16 @@ def parameters(path: str | os.PathLike) -> dict[str, tuple[Any, str]]:
     function = _function(_find(path), path)
     hints = _hints(function)
     return {name: (item.default, _type_name(hints.get(name))) for name, item in inspect.signature(function).parameters.items()}
+
+
+@contextmanager
+def _beside(file):
+    """Read files that a case names, such as the measured motion of a Series, from the folder of the case file."""
+    token = paths.FOLDER.set(file.parent)
+    try:
+        yield
+    finally:
+        paths.FOLDER.reset(token)
 
 
 def _find(path):
@@ -134,7 +145,8 @@ def _module(file, path):
     module.__file__ = str(file)
     sys.path.insert(0, str(file.parent))
     try:
-        _users_code(lambda: exec(compile(text, str(file), "exec"), module.__dict__), file, path)  # noqa: S102
+        with _beside(file):
+            _users_code(lambda: exec(compile(text, str(file), "exec"), module.__dict__), file, path)  # noqa: S102
     finally:
         with suppress(ValueError):    # the case file may have taken it out
             sys.path.remove(str(file.parent))

@@ -11,7 +11,7 @@ from parisph.case import checks
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.methods import METHODS
 from parisph.case.model import Model, first_lines
-from parisph.case.motion import AtRest, Frame, Sway, Tabulated
+from parisph.case.motion import AtRest, Frame, Heave, Moved, Roll, Rotation, Series, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
 from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import (
@@ -31,8 +31,8 @@ from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
 __all__ = [
-    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Jonswap", "Lid", "Momentum", "Numerics",
-    "Output", "Polygon", "PressureTap", "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway",
+    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics",
+    "Output", "Polygon", "PressureTap", "Roll", "Series", "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway",
     "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
 ]
 
@@ -112,8 +112,16 @@ class Case(Model):
         return not isinstance(self.frame, AtRest) or uniform_field(self.gravity) is None
 
     def body_force(self, x, t):
-        """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity less the tank's acceleration."""
-        return vector_field(self.gravity, with_time=True)(x, t) - self.frame.acceleration(t)
+        """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity and what its motion adds.
+
+        It is the force on what rests in the tank; in a tank that turns, Coriolis' force is another part of the method.
+        """
+        return self.frame.seen(vector_field(self.gravity, with_time=True)(x, t), t) + self.frame.felt(x, t)
+
+    @property
+    def turns(self) -> bool:
+        """Whether the tank turns, so that gravity does in its frame."""
+        return isinstance(self.frame, Rotation)
 
     def complete_numerics(self) -> Numerics:
         """Return the numerics in which every value is set; a closed case has no free surface."""
