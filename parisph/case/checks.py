@@ -12,6 +12,7 @@ from parisph.base.text import shown
 from parisph.case import size
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.lattice import FIT, misfit, nearest_spacings
+from parisph.case.methods import METHODS
 from parisph.case.motion import SHARE, Translation
 from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
 from parisph.case.shapes import Box, check_components
@@ -33,7 +34,7 @@ def problems(case):
     if not found:
         found += [*_spacing(case), *_inside(case), *_size(case)]
     if not found:
-        found += [*_surface(case), *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
+        found += [*_turning(case), *_surface(case), *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
         found += [*_times(case), *_steps(case), *_files(case)]
     return found
@@ -49,6 +50,15 @@ def _dimensions(case):
         yield f"frame.direction = {case.frame.direction}: must have {dim} components, as the fluid's shape has"
     if case.frame.kind != "at_rest" and case.walls is None:
         yield f"frame = {case.frame.kind}: there is no tank to move; give walls=Tank(...) or leave the frame at rest"
+
+
+def _turning(case):
+    if not case.turns:
+        return
+    if METHODS[case.numerics.method].step == "compressible":
+        yield f"frame = {case.frame.kind}: weakly compressible SPH has no Coriolis force; choose a projection method, or a frame that does not turn"
+    elif "coriolis" not in case.numerics.resolved().forces:
+        yield f"frame = {case.frame.kind}: needs the force 'coriolis'; add it to numerics.forces"
 
 
 def _surface(case):

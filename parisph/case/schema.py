@@ -123,6 +123,10 @@ class Case(Model):
         """Whether the tank turns, so that gravity does in its frame."""
         return isinstance(self.frame, Rotation)
 
+    def spin(self, t) -> float:
+        """Angular velocity of the tank [rad/s] at t [s], against the clock."""
+        return float(self.frame.law(t)[1]) if self.turns else 0.0
+
     def complete_numerics(self) -> Numerics:
         """Return the numerics in which every value is set; a closed case has no free surface."""
         numerics = self.numerics

@@ -62,7 +62,7 @@ def _memory(particles):
 
 def stages(case):
     """Return the names of the stages that a step of this case has, in order."""
-    return catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity).stages(case.closed)
+    return catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity, case.turns).stages(case.closed)
 
 
 def _text(value):

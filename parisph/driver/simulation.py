@@ -111,7 +111,7 @@ class Simulation:
         self.domain = Domain(self.particles, lower, upper, parts.reach * s,
                              SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.closed)
         flow = Flow(self.numerics, case.fluid.density, self._force, self.particles, self.domain, self.timers,
-                    closed=case.closed, budget=_budget(case, parts), viscosity=case.fluid.viscosity)
+                    closed=case.closed, budget=_budget(case, parts), viscosity=case.fluid.viscosity, spin=case.spin)
         self.method = _method(case, flow, parts, petsc_options)
         if start is not None:
             self.method.resume(start.state)
@@ -287,7 +287,7 @@ def _other_than_first(comm, case, petsc_options):
 
 def _parts(case, comm):
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts, error = parts_of(case.numerics, case.fluid.viscosity), None
+    parts, error = parts_of(case.numerics, case.fluid.viscosity, case.turns), None
     try:
         parts.check(case.dim)
     except CaseError as problem:
