@@ -6,6 +6,7 @@ from mpi4py import MPI
 
 from parisph.driver import run
 from parisph.io import reader
+from parisph.pictures import curves
 from tests.scenes import scene
 from tests.solitary_profiles import errors
 
@@ -42,6 +43,9 @@ def test_solitary_wave_keeps_its_form(tmp_path):
     wave = errors(reader.open_run(tmp_path / "run"))
     assert wave["profile"] < 0.01 and abs(wave["speed"]) < 2e-3 and abs(wave["height"]) < 0.01
     assert found["errors"]["x17d"]["relative_l2"] < 0.01
+    made = reader.open_run(tmp_path / "run")
+    gauge, (time, truth) = made.probe("x17d"), curves.truths(made, tmp_path)["x17d"]
+    assert np.array_equal(time, gauge["time"]) and np.abs(gauge["y"] - truth).max() < 1e-3 < np.ptp(truth)
     assert abs(found["volume_drift"]) < 5e-3 and abs(found["energy_drift"]) < 5e-4
 
 
