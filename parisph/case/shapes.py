@@ -213,7 +213,7 @@ class Fluid(Model):
         """Whether the surface has an elevation at the start."""
         return self.elevation is not None or self.wave is not None
 
-    def rise(self, x):
+    def rise(self, x: np.ndarray) -> np.ndarray:
         """Return the elevation (n,) [m] of the surface at the start above the top of the shape, at x (n,) [m]."""
         if self.wave is not None:
             columns, which = np.unique(x, return_inverse=True)
@@ -222,7 +222,7 @@ class Fluid(Model):
             return np.zeros(len(x))
         return compile_expression(str(self.elevation), ("x",))(x=x)
 
-    def start_velocity(self, x):
+    def start_velocity(self, x: np.ndarray) -> np.ndarray:
         """Return the velocity (n, dim) [m/s] at the start, at x (n, dim) [m]."""
         if self.wave is None:
             return vector_field(self.velocity, with_time=False)(x)

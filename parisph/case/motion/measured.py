@@ -15,7 +15,7 @@ from parisph.case.values import LARGEST, SMALLEST
 LEAST = 4    # points of a spline
 
 
-def check_increasing(times, values, what) -> None:
+def check_increasing(times: tuple[float, ...], values: tuple[float, ...], what: str) -> None:
     """Raise ValueError unless there is a value for each time and times increase. what : the values are, in plural"""
     if len(times) != len(values):
         raise ValueError(f"values: {len(values)} {what} for {len(times)} times; give one for each")
@@ -66,7 +66,7 @@ class Series(Model):
         check_increasing(self.times, self.values, "values")
         return self
 
-    def law(self, t):
+    def law(self, t: float) -> tuple[float, float, float]:
         """Return the value, its rate and its second derivative at t [s]."""
         curve = cubic(self.times, self.values)
         if not self.rate:

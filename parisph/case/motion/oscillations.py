@@ -18,7 +18,7 @@ class AtRest(Translation):
     kind: Literal["at_rest"] = "at_rest"
     direction: Direction = (1.0, 0.0)
 
-    def law(self, t):
+    def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         return 0.0, 0.0, 0.0
 
@@ -26,7 +26,7 @@ class AtRest(Translation):
 class _Harmonic(Translation):
     """X = amplitude (1 - cos(frequency t)), from rest."""
 
-    def law(self, t):
+    def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         a, w = self.amplitude, self.frequency
         return a * (1.0 - np.cos(w * t)), a * w * np.sin(w * t), a * w * w * np.cos(w * t)
@@ -91,7 +91,7 @@ class Roll(Rotation):
             raise ValueError("frequency is missing: give the angular frequency [rad/s], or a Series in place of the angle")
         return self
 
-    def law(self, t):
+    def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         if isinstance(self.angle, Series):
             return self.angle.law(t)
@@ -117,7 +117,7 @@ class Moved(Translation):
     series: Series
     direction: Direction = (1.0, 0.0)
 
-    def law(self, t):
+    def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         return self.series.law(t)
 
@@ -145,6 +145,6 @@ class Tabulated(Translation):
         """See Motion: that of the straight lines between the times."""
         return float(np.max(np.abs(np.diff(self.values) / np.diff(self.times))))
 
-    def law(self, t):
+    def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         return cubic(self.times, self.values).at(t)

@@ -33,31 +33,31 @@ class Motion(Model):
     """How a rigid body moves, by a law of time: a displacement along a direction, or an angle about a centre."""
 
     @abstractmethod
-    def law(self, t):
+    def law(self, t: float) -> tuple[float, float, float]:
         """Return displacement [m] or angle [rad], its rate, and its second derivative at time t [s]."""
 
     @abstractmethod
-    def placed(self, x, t):
+    def placed(self, x: np.ndarray, t: float) -> np.ndarray:
         """Return the positions (n, dim) [m] at time t [s] of points that are at x (n, dim) [m] in the body at rest."""
 
     @abstractmethod
-    def turned(self, vectors, t):
+    def turned(self, vectors: np.ndarray, t: float) -> np.ndarray:
         """Return vectors (n, dim) of the body at rest, such as normals, as they are at time t [s]."""
 
     @abstractmethod
-    def velocity_at(self, x, t):
+    def velocity_at(self, x: np.ndarray, t: float) -> np.ndarray:
         """Return the velocity (n, dim) [m/s] of the points of the body that are at x (n, dim) [m] at time t [s]."""
 
     @abstractmethod
-    def acceleration_at(self, x, t):
+    def acceleration_at(self, x: np.ndarray, t: float) -> np.ndarray:
         """Return the acceleration (n, dim) [m/s2] of the points of the body that are at x (n, dim) [m] at time t [s]."""
 
     @abstractmethod
-    def seen(self, vectors, t):
+    def seen(self, vectors: np.ndarray, t: float) -> np.ndarray:
         """Return vectors (n, dim) of the room, such as gravity, as they are seen from the body at time t [s]."""
 
     @abstractmethod
-    def felt(self, x, t):
+    def felt(self, x: np.ndarray, t: float) -> np.ndarray:
         """Return the acceleration of the room (n, dim) [m/s2] that the body's motion adds for what rests at x (n, dim) in it.
 
         It is seen from the body. What moves in a body that turns feels Coriolis' acceleration as well.
@@ -74,7 +74,7 @@ class Motion(Model):
         return 0.0
 
     @abstractmethod
-    def top_speed(self, lower, upper) -> float:
+    def top_speed(self, lower: np.ndarray, upper: np.ndarray) -> float:
         """Return the greatest speed [m/s] of points of a body within a box given by two corners (dim,) [m]."""
 
 
@@ -85,43 +85,43 @@ class Translation(Motion):
         direction = np.array(self.direction)
         return direction / np.linalg.norm(direction) * value
 
-    def displacement(self, t):
+    def displacement(self, t: float) -> np.ndarray:
         """Displacement (dim,) [m] at time t [s]."""
         return self._along(self.law(t)[0])
 
-    def velocity(self, t):
+    def velocity(self, t: float) -> np.ndarray:
         """Velocity (dim,) [m/s] at time t [s]."""
         return self._along(self.law(t)[1])
 
-    def acceleration(self, t):
+    def acceleration(self, t: float) -> np.ndarray:
         """Acceleration (dim,) [m/s2] at time t [s]."""
         return self._along(self.law(t)[2])
 
-    def placed(self, x, t):
+    def placed(self, x: np.ndarray, t: float) -> np.ndarray:
         """See Motion."""
         return x + self.displacement(t)
 
-    def turned(self, vectors, t):
+    def turned(self, vectors: np.ndarray, t: float) -> np.ndarray:
         """See Motion: they do not turn."""
         return vectors
 
-    def velocity_at(self, x, t):
+    def velocity_at(self, x: np.ndarray, t: float) -> np.ndarray:
         """See Motion."""
         return np.broadcast_to(self.velocity(t), np.shape(x))
 
-    def acceleration_at(self, x, t):
+    def acceleration_at(self, x: np.ndarray, t: float) -> np.ndarray:
         """See Motion."""
         return np.broadcast_to(self.acceleration(t), np.shape(x))
 
-    def seen(self, vectors, t):
+    def seen(self, vectors: np.ndarray, t: float) -> np.ndarray:
         """See Motion."""
         return vectors
 
-    def felt(self, x, t):
+    def felt(self, x: np.ndarray, t: float) -> np.ndarray:
         """See Motion."""
         return -self.acceleration(t)
 
-    def top_speed(self, lower, upper) -> float:
+    def top_speed(self, lower: np.ndarray, upper: np.ndarray) -> float:
         """See Motion."""
         return self.top_rate
 
@@ -129,45 +129,45 @@ class Translation(Motion):
 class Rotation(Motion):
     """A rotation in the plane about a fixed `centre`, a field of every kind of it."""
 
-    def placed(self, x, t):
+    def placed(self, x: np.ndarray, t: float) -> np.ndarray:
         """See Motion."""
         return self.centre + rotated(np.asarray(x) - self.centre, self.law(t)[0])
 
-    def turned(self, vectors, t):
+    def turned(self, vectors: np.ndarray, t: float) -> np.ndarray:
         """See Motion."""
         return rotated(vectors, self.law(t)[0])
 
-    def velocity_at(self, x, t):
+    def velocity_at(self, x: np.ndarray, t: float) -> np.ndarray:
         """See Motion."""
         return self.law(t)[1] * quarter(np.asarray(x) - self.centre)
 
-    def acceleration_at(self, x, t):
+    def acceleration_at(self, x: np.ndarray, t: float) -> np.ndarray:
         """See Motion."""
         _, rate, second = self.law(t)
         arm = np.asarray(x) - self.centre
         return second * quarter(arm) - rate**2 * arm
 
-    def seen(self, vectors, t):
+    def seen(self, vectors: np.ndarray, t: float) -> np.ndarray:
         """See Motion."""
         return rotated(vectors, -self.law(t)[0])
 
-    def felt(self, x, t):
+    def felt(self, x: np.ndarray, t: float) -> np.ndarray:
         """See Motion: - Omega' x r - Omega x (Omega x r)."""
         return -self.acceleration_at(x, t)
 
-    def top_speed(self, lower, upper) -> float:
+    def top_speed(self, lower: np.ndarray, upper: np.ndarray) -> float:
         """See Motion."""
         arm = np.maximum(np.abs(np.asarray(lower) - self.centre), np.abs(np.asarray(upper) - self.centre))
         return self.top_rate * float(np.linalg.norm(arm))
 
 
-def rotated(vectors, angle):
+def rotated(vectors: np.ndarray, angle: float) -> np.ndarray:
     """Return vectors (n, 2) turned by an angle [rad] against the clock."""
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.asarray(vectors) @ np.array([[cosine, sine], [-sine, cosine]])
 
 
-def quarter(vectors):
+def quarter(vectors: np.ndarray) -> np.ndarray:
     """Return vectors (n, 2) turned by a right angle against the clock."""
     vectors = np.asarray(vectors)
     return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)

@@ -8,6 +8,8 @@ from functools import lru_cache
 
 import numpy as np
 
+Law = tuple[float, float, float]    # value, rate and second derivative
+
 
 class Cubic:
     """The cubic spline through (t, y) without knots at the second and the last but one time; n >= 4.
@@ -22,7 +24,7 @@ class Cubic:
         # the integral up to each knot
         self.sums = np.concatenate([[0.0], np.cumsum(0.5 * h * (self.y[1:] + self.y[:-1]) - h**3 / 24.0 * (self.m[1:] + self.m[:-1]))])
 
-    def at(self, t):
+    def at(self, t: float) -> tuple[float, float, float]:
         """Return value, rate and second derivative at t."""
         if t < self.t[0] or t > self.t[-1]:
             return (self.y[0] if t < self.t[0] else self.y[-1]), 0.0, 0.0
@@ -32,7 +34,7 @@ class Cubic:
         slope = (y[1] - y[0]) / h + ((3 * b * b - 1) * m[1] - (3 * a * a - 1) * m[0]) * h / 6.0
         return value, slope, a * m[0] + b * m[1]
 
-    def integral(self, t):
+    def integral(self, t: float) -> float:
         """Return the integral from the first time to t."""
         k, h, a, b = self._place(min(max(t, self.t[0]), self.t[-1]))
         (y0, y1), (m0, m1) = self.y[k:k + 2], self.m[k:k + 2]
@@ -52,7 +54,7 @@ def cubic(times: tuple[float, ...], values: tuple[float, ...]) -> Cubic:
     return Cubic(times, values)
 
 
-def second_derivatives(t, y):
+def second_derivatives(t: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Second derivatives (n,) at the knots of the not-a-knot cubic spline through (t, y), n >= 4."""
     h = np.diff(t)
     rhs = 6.0 * np.diff(np.diff(y) / h)
@@ -93,7 +95,7 @@ class Quintic:
     def __init__(self, t, y, rate, second):
         self.t, self.points = t, np.stack([y, rate, second], axis=1)
 
-    def at(self, t):
+    def at(self, t: float) -> tuple[float, float, float]:
         """Return value, rate and second derivative at t."""
         if t < self.t[0] or t > self.t[-1]:
             return self.points[0 if t < self.t[0] else -1, 0], 0.0, 0.0
@@ -106,7 +108,7 @@ class Quintic:
         return piece(b), piece.deriv()(b) / h, piece.deriv(2)(b) / h**2
 
 
-def rise(t, duration):
+def rise(t: float, duration: float) -> tuple[float, float, float]:
     """Return a smooth step from 0 to 1 in `duration`, with its first two derivatives; 1 from the start if it is 0."""
     if t >= duration:
         return 1.0, 0.0, 0.0
@@ -115,7 +117,7 @@ def rise(t, duration):
             60.0 * b * (1.0 - b) * (1.0 - 2.0 * b) / duration**2)
 
 
-def product(one, other):
+def product(one: Law, other: Law) -> Law:
     """Return value, rate and second derivative of the product of two functions given by theirs."""
     (f, df, ddf), (g, dg, ddg) = one, other
     return f * g, df * g + f * dg, ddf * g + 2.0 * df * dg + f * ddg

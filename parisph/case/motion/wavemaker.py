@@ -20,6 +20,7 @@ from parisph.case.waves.jonswap import Jonswap, components_of
 from parisph.case.waves.solitary import SolitaryWave
 from parisph.case.waves.stokes import Stokes
 from parisph.case.waves.stream_function import StreamFunction
+from parisph.case.waves.wavefield import WaveField
 
 KNOTS = 600           # of the motion that makes a solitary wave
 LONGEST_MADSEN = 8.0 * np.pi**2 / 3.0    # height length^2/depth^3 up to which Madsen's theory holds
@@ -28,13 +29,13 @@ Ramp = Annotated[Optional[float], Field(ge=0, description="time [s] in which the
 Regular = Union[Airy, Stokes, StreamFunction]
 
 
-def piston_ratio(k, depth):
+def piston_ratio(k: float, depth: float) -> float:
     """Return the height of waves over the stroke of a piston, 4 sinh^2(kd)/(sinh(2kd) + 2kd)."""
     kd = k * depth
     return 2.0 * np.expm1(-2.0 * kd) ** 2 / (-np.expm1(-4.0 * kd) + 4.0 * kd * np.exp(-2.0 * kd))
 
 
-def flap_ratio(k, depth, hinge):
+def flap_ratio(k: float, depth: float, hinge: float) -> float:
     """Return the height of waves over the stroke of a flap at the still surface; hinge : its height above the bed [m].
 
     Below a hinge above the bed the wall is fixed; a hinge below the bed is a flap that the bed cuts off.
@@ -131,19 +132,19 @@ class PistonStroke(Translation):
         """The piston moves along x."""
         return 1.0, 0.0
 
-    def ratio(self, k):
+    def ratio(self, k: float) -> float:
         """Return the height of waves over the stroke."""
         return piston_ratio(k, self.wave.depth)
 
     @property
-    def made(self):
+    def made(self) -> WaveField:
         """The wave in the scene: of a solitary wave, with the crest at t = 0 where it belongs, behind the wall."""
         if not isinstance(self.wave, SolitaryWave):
             return self.wave
         ahead = _solitary(self.wave, self.tail)[1]
         return self.wave.model_copy(update={"at": self.place - self._sign * ahead})
 
-    def law(self, t):
+    def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         if isinstance(self.wave, SolitaryWave):
             return tuple(self._sign * value for value in _solitary(self.wave, self.tail)[0].at(t))
@@ -199,11 +200,11 @@ class FlapStroke(Rotation):
     def _arm(self):
         return self.bed + self.wave.depth - self.centre[1]
 
-    def ratio(self, k):
+    def ratio(self, k: float) -> float:
         """Return the height of waves over the stroke at the still surface."""
         return flap_ratio(k, self.wave.depth, self.centre[1] - self.bed)
 
-    def law(self, t):
+    def law(self, t: float) -> tuple[float, float, float]:
         """See Motion: a displacement towards +x is a turn with the clock."""
         scale = (1.0 if self.wave.leftward else -1.0) / self._arm
         return tuple(scale * value for value in _sum(self, t))

@@ -3,6 +3,7 @@
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from parisph.case.waves.linear import angular_frequency, wave_number
@@ -20,7 +21,7 @@ from parisph.case.waves.wavefield import (
 )
 
 
-def transfer(k, y, depth):
+def transfer(k: float, y: np.ndarray, depth: float) -> tuple[np.ndarray, np.ndarray]:
     """Return cosh(k y)/sinh(k depth) and sinh(k y)/sinh(k depth), also where the water is deep and both overflow."""
     up, down = np.exp(k * (y - depth)), np.exp(-k * (y + depth))
     scale = -1.0 / np.expm1(-2.0 * k * depth)
@@ -95,11 +96,11 @@ class StandingWave(WaveField):
         """Angular frequency [rad/s]."""
         return float(angular_frequency(self.k, self.depth, self.g))
 
-    def elevation(self, x, t):
+    def elevation(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
         """See WaveField."""
         return self.amplitude * np.cos(self.k * (np.asarray(x) - self.at)) * np.sin(self.omega * np.asarray(t) + self.phase)
 
-    def velocity(self, x, y, t):
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """See WaveField."""
         x, y, t = np.broadcast_arrays(np.asarray(x, dtype=float), y, t)
         cosh, sinh = transfer(self.k, y, self.depth)

@@ -77,13 +77,13 @@ class Solitary:
         last = int(np.flatnonzero(np.abs(a) > SMALL)[-1]) + 1
         return 0.5 * a[0], np.concatenate([[0.0], a[1:last] / (np.arange(1, last) * np.pi / self.half)])
 
-    def place(self, omega):
+    def place(self, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return z and z' at omega (complex arrays)."""
         b, c, k = self._series
         sines, cosines = _sums(b, c, k * omega)
         return (1.0 + self.eta[0]) * omega + sines, cosines
 
-    def surface(self, x):
+    def surface(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return elevation and slope at x (n,), and the area of the wave ahead of it."""
         x = np.clip(np.asarray(x, dtype=float), -self.reach, self.reach)
         omega = self._on_surface(x)
@@ -92,7 +92,7 @@ class Solitary:
         behind = linear * omega.real + _sums(sines, np.zeros(1), np.pi / self.half * omega.real)[0]
         return z.imag - 1.0, slope.imag / slope.real, 0.5 * self.mass - behind
 
-    def velocity(self, x, y):
+    def velocity(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return u and v at points x, y (n,) in the water; 0 beyond the reach of the wave."""
         u, v = np.zeros(len(x)), np.zeros(len(x))
         near = np.flatnonzero(np.abs(x) < self.reach)

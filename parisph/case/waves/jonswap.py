@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from parisph.case.waves.airy import transfer
@@ -18,7 +19,7 @@ LOWEST, HIGHEST = 0.5, 4.0    # frequencies of the spectrum, over that of the pe
 POINTS = 20_000               # at which it is integrated
 
 
-def density(ratio, gamma):
+def density(ratio: np.ndarray, gamma: float) -> np.ndarray:
     """Spectral density over frequency/peak frequency (any scale): ratio^-5 exp(-5/4 ratio^-4) gamma^r."""
     width = np.where(ratio <= 1.0, 0.07, 0.09)
     return ratio**-5.0 * np.exp(-1.25 * ratio**-4.0) * gamma ** np.exp(-0.5 * ((ratio - 1.0) / width) ** 2)
@@ -36,7 +37,7 @@ def _edges(gamma, components, bands):
 
 
 @lru_cache(maxsize=16)
-def components_of(wave: "Jonswap"):
+def components_of(wave: "Jonswap") -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return amplitude [m], angular frequency [rad/s], wave number [1/m] and phase [rad] of the components, (n,) each."""
     edges, grid, below = _edges(wave.gamma, wave.components, wave.bands)
     rng = np.random.default_rng(wave.seed)
@@ -84,7 +85,7 @@ class Jonswap(WaveField):
                   "use a lower or a longer one")
         return self
 
-    def elevation(self, x, t):
+    def elevation(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
         """See WaveField."""
         x, t = np.broadcast_arrays(self._sign * np.asarray(x, dtype=float), np.asarray(t, dtype=float))
         eta = np.zeros(x.shape)
@@ -92,7 +93,7 @@ class Jonswap(WaveField):
             eta += amplitude * np.cos(k * x - omega * t + phase)
         return eta
 
-    def velocity(self, x, y, t):
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """See WaveField."""
         x, y, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float), np.asarray(t, dtype=float))
         y = y * self.depth / (self.depth + self.elevation(x, t))

@@ -3,6 +3,7 @@
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field
 
 from parisph.case.waves.airy import transfer
@@ -70,12 +71,12 @@ class Sloshing(WaveField):
     at: Annotated[float, Field(description="position x of the left wall [m]")] = 0.0
     g: Gravity = 9.81
 
-    def elevation(self, x, t):
+    def elevation(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
         """See WaveField."""
         x = np.asarray(x, dtype=float) - self.at
         return sway_sloshing_elevation(x, t, self.length, self.depth, self.amplitude, self.frequency, self.g)
 
-    def velocity(self, x, y, t):
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """See WaveField: that of the potential whose normal derivative at y = depth is the rate of the elevation."""
         x, y, t = np.broadcast_arrays(np.asarray(x, dtype=float) - self.at, np.asarray(y, dtype=float), np.asarray(t, dtype=float))
         u, v = np.zeros(x.shape), np.zeros(x.shape)

@@ -7,6 +7,7 @@ Boussinesq's wave is Z17 Eq 34; its velocity here is uniform over the depth and 
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from parisph.case.waves import babenko
@@ -94,7 +95,7 @@ class SolitaryWave(Travelling):
         """Area of the wave above the still surface [m2]."""
         return 2.0 * float(self.shape(0.0)[2])
 
-    def shape(self, ahead):
+    def shape(self, ahead: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return elevation [m], slope, and the area [m2] of the wave ahead, at a distance [m] ahead of the crest."""
         x, d = np.asarray(ahead, dtype=float) / self.depth, self.depth
         if self.theory == "exact":

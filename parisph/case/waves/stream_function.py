@@ -9,7 +9,7 @@ psi = -q on the surface, and Bernoulli's equation holds there at points from cre
 """
 
 from functools import lru_cache
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -99,7 +99,7 @@ class _Equations:
 
 
 @lru_cache(maxsize=32)
-def solve(height, period, order, closed):
+def solve(height: float, period: float, order: int, closed: bool) -> tuple[Any, ...] | None:
     """Return eta and its cosine amplitudes (order + 1,), B (order,), celerity, U, k and the largest residual, None if there is none.
 
     height, period : in units of depth and gravity; the solution is followed from low waves to this height

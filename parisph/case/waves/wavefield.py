@@ -10,6 +10,7 @@ from abc import abstractmethod
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import Field
 
 from parisph.base.text import shown
@@ -27,11 +28,11 @@ class WaveField(Model):
     """A wave on water of uniform `depth` [m] at rest, under gravity `g` [m/s2]."""
 
     @abstractmethod
-    def elevation(self, x, t):
+    def elevation(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
         """Elevation [m] of the surface at x [m] and t [s], which broadcast."""
 
     @abstractmethod
-    def velocity(self, x, y, t):
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Velocity components (u, v) [m/s] at x, y [m] and t [s], which broadcast; y is the height above the bed."""
 
 
@@ -41,11 +42,11 @@ class Travelling(WaveField):
     A kind of it gives `celerity` [m/s], `_profile` and `_flow`, both as functions of the distance ahead of the crest.
     """
 
-    def elevation(self, x, t):
+    def elevation(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
         """See WaveField."""
         return self._profile(self._ahead(x, t))
 
-    def velocity(self, x, y, t):
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """See WaveField."""
         ahead, y = np.broadcast_arrays(self._ahead(x, t), np.asarray(y, dtype=float))
         u, v = self._flow(ahead, y)
@@ -60,13 +61,13 @@ class Travelling(WaveField):
         return self._sign * (np.asarray(x, dtype=float) - self.at) - self.celerity * np.asarray(t, dtype=float)
 
 
-def no_higher(height, most, where, remedy):
+def no_higher(height: float, most: float, where: str, remedy: str) -> None:
     """Raise ValueError if a wave's height is more than `most` [m], the highest possible `where`."""
     if not height <= most:
         raise ValueError(f"height = {shown(height)}: must be at most {most:.4g} m, {where}; {remedy}")
 
 
-def steepest(depth, length):
+def steepest(depth: float, length: float) -> float:
     """Return the height [m] of the highest steady wave of a length [m] in water of a depth [m].
 
     Williams' results as fitted by Fenton (1990, Eq 32): within 1 % of them.
