@@ -5,8 +5,8 @@ import numpy as np
 from parisph.base.fields import SURFACE
 from parisph.case.waves import SolitaryWave
 
-REACH = 6.0    # depths on each side of the crest in which profiles are compared
-TOP = 0.5      # depths on each side of the highest particle to which a polynomial of fourth degree is fitted
+REACH = 6.0  # depths on each side of the crest in which profiles are compared
+TOP = 0.5  # depths on each side of the highest particle to which a polynomial of fourth degree is fitted
 
 
 def surface(arrays, depth):
@@ -44,5 +44,8 @@ def errors(run, first=0):
     before, after = (surface(run.snapshot(number), depth) for number in (first, -1))
     (x0, _), (x1, top) = crest(*before, depth), crest(*after, depth)
     speed = (x1 - x0) / (run.times[-1] - run.times[first])
-    return {"profile": profile_error(*after, height, depth), "speed": speed / SolitaryWave(height, depth, g=g).celerity - 1.0,
-            "height": top / height - 1.0}
+    return {
+        "profile": profile_error(*after, height, depth),
+        "speed": speed / SolitaryWave(height, depth, g=g).celerity - 1.0,
+        "height": top / height - 1.0,
+    }

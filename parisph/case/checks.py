@@ -56,7 +56,8 @@ def _turning(case):
     if not case.turns:
         return
     if METHODS[case.numerics.method].step == "compressible":
-        yield f"frame = {case.frame.kind}: weakly compressible SPH has no Coriolis force; choose a projection method, or a frame that does not turn"
+        yield (f"frame = {case.frame.kind}: weakly compressible SPH has no Coriolis force; choose a projection method, "
+               "or a frame that does not turn")
     elif "coriolis" not in case.numerics.resolved().forces:
         yield f"frame = {case.frame.kind}: needs the force 'coriolis'; add it to numerics.forces"
 
@@ -178,7 +179,8 @@ def _elevation(case):
     x = np.linspace(lower[0], upper[0], 8 * SAMPLES)
     eta = fluid.rise(x)
     height = float(fluid.shape.size[-1])
-    what = f"fluid.wave = {fluid.wave.kind}" if fluid.wave is not None else f"fluid.elevation = {shown(fluid.elevation)}"
+    wave = fluid.wave
+    what = f"fluid.elevation = {shown(fluid.elevation)}" if wave is None else f"fluid.wave = {wave.kind}"
     if not np.all(np.isfinite(eta)):
         yield f"{what}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
     elif eta.min() < -0.5 * height or eta.max() > height:
@@ -196,7 +198,10 @@ def _elevation(case):
 def _wave(case):
     """A wave starts well only under its own gravity."""
     wave, gravity = case.fluid.wave, uniform_field(case.gravity)
-    if wave is not None and (gravity is None or np.abs(gravity + [*[0.0] * (case.dim - 1), wave.g]).max() > 1e-6 * wave.g):
+    if wave is None:
+        return
+    own = np.array([*[0.0] * (case.dim - 1), -wave.g])
+    if gravity is None or np.abs(gravity - own).max() > 1e-6 * wave.g:
         yield f"fluid.wave.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
 
 

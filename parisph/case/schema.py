@@ -31,9 +31,10 @@ from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
 __all__ = [
-    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics",
-    "Output", "Polygon", "PressureTap", "Roll", "Series", "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway",
-    "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
+    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Heave",
+    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "Polygon", "PressureTap", "Roll", "Series",
+    "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated",
+    "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at

@@ -235,11 +235,14 @@ class Fluid(Model):
         if wave is None:
             return self
         if not isinstance(self.shape, Box):
-            raise ValueError(f"wave = {wave.kind}: only a Box has a top to raise; leave it out for a {type(self.shape).__name__}")
+            kind = type(self.shape).__name__
+            raise ValueError(f"wave = {wave.kind}: only a Box has a top to raise; leave it out for a {kind}")
         if self.elevation is not None or tuple(self.velocity) != (0.0,) * self.dim:
             raise ValueError(f"wave = {wave.kind}: it gives velocity and elevation; leave these two out")
         if abs(wave.depth - self.shape.height) > 1e-6 * wave.depth:
-            raise ValueError(f"wave.depth = {wave.depth:g}: must be the height of the Box, {self.shape.height:g}; change one of them")
+            raise ValueError(
+                f"wave.depth = {wave.depth:g}: must be the height of the Box, {self.shape.height:g}; change one of them"
+            )
         return self
 
     @model_validator(mode="after")

@@ -20,10 +20,10 @@ class Body(Force):
 class Coriolis(Force):
     """-2 Omega x u in a tank that turns, with the velocity in the middle of the step.
 
-    That is u + dt/2 a, with the acceleration a of the last step: of second order, for water in free flight, whose speed it
-    keeps, as for water in which pressure takes up the force. To turn u by -2 Omega dt would be exact for the first and
-    shrink the second by cos(2 Omega dt) in each step, as pressure takes away what is at right angles to u.
-    At walls, the velocity is the water's along them.
+    That is u + dt/2 a, with the acceleration a of the last step: of second order, for water in free flight, whose
+    speed it keeps, as for water in which pressure takes up the force. To turn u by -2 Omega dt would be exact for
+    the first and shrink the second by cos(2 Omega dt) in each step, as pressure takes away what is at right angles
+    to u. At walls, the velocity is the water's along them.
     """
 
     name, source, reach, turning, words = "coriolis", "", lengths.WALL, True, "Coriolis force"
@@ -34,8 +34,8 @@ class Coriolis(Force):
         p, d = flow.particles, flow.domain
         p.halfway[:] = p.u + 0.5 * flow.dt * p.acceleration
         d.update("halfway", "role")
-        gradient.wall_velocity(p.halfway_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, np.zeros_like(p.u),
-                               lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+        gradient.wall_velocity(p.halfway_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all,
+                               np.zeros_like(p.u), lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
         d.update("halfway")
         spin = flow.spin(time)
         out[:, 0] += 2.0 * spin * p.halfway_all[:, 1]

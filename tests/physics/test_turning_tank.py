@@ -37,8 +37,16 @@ def turning(rate, centre=(0.5, 0.5)):
 
 
 def scene(fluid, frame, walls=None, gravity=(0.0, -G), end_time=1.0, probes=(), **numerics):
-    return Case(title="turning", fluid=fluid, walls=walls or Tank(1.0, 1.0), gravity=gravity, frame=frame, probes=probes,
-                numerics=Numerics(**{"spacing": 0.05, "time_step": 0.005, **numerics}), end_time=end_time)
+    return Case(
+        title="turning",
+        fluid=fluid,
+        walls=walls or Tank(1.0, 1.0),
+        gravity=gravity,
+        frame=frame,
+        probes=probes,
+        numerics=Numerics(**{"spacing": 0.05, "time_step": 0.005, **numerics}),
+        end_time=end_time,
+    )
 
 
 def after(case, steps, start=False, *names):
@@ -54,8 +62,15 @@ def after(case, steps, start=False, *names):
 
 
 def full(rate, velocity=(0.0, 0.0), spacing=0.05, **numerics):
-    return scene(Fluid(Box(1.0, 1.0), 1000.0, velocity=velocity, viscosity=0.002), turning(rate) if rate else AtRest(),
-                 Tank(1.0, 1.0, lid=True), (0.0, 0.0), preset="closed", spacing=spacing, **numerics)
+    return scene(
+        Fluid(Box(1.0, 1.0), 1000.0, velocity=velocity, viscosity=0.002),
+        turning(rate) if rate else AtRest(),
+        Tank(1.0, 1.0, lid=True),
+        (0.0, 0.0),
+        preset="closed",
+        spacing=spacing,
+        **numerics,
+    )
 
 
 def test_pressure_of_rigid_rotation_is_a_paraboloid():
@@ -72,14 +87,18 @@ def test_coriolis_pressure_is_that_of_the_stream_function():
     for spacing in (0.05, 0.025):
         at_rest, turned = (after(full(rate, CELL, spacing), 0, True) for rate in (0.0, 0.5))
         x = at_rest["x"]
-        exact = -2.0 * 1000.0 * 0.5 * np.prod(np.sin(np.pi * x), axis=1) / np.pi + 0.5 * 1000.0 * 0.25 * ((x - 0.5) ** 2).sum(axis=1)
+        exact = -2.0 * 1000.0 * 0.5 * np.prod(np.sin(np.pi * x), axis=1) / np.pi + 0.5 * 1000.0 * 0.25 * (
+            (x - 0.5) ** 2
+        ).sum(axis=1)
         found = turned["p"] - at_rest["p"]
-        errors.append(np.linalg.norm(found - found.mean() - exact + exact.mean()) / np.linalg.norm(exact - exact.mean()))
+        errors.append(
+            np.linalg.norm(found - found.mean() - exact + exact.mean()) / np.linalg.norm(exact - exact.mean())
+        )
     assert errors[1] < 0.01 and errors[0] / errors[1] > 1.8, errors
 
 
 def test_pressure_takes_up_the_coriolis_force_of_a_vortex():
-    """In two dimensions it does not change a flow between walls. To turn the velocity itself would take 8 % of the energy."""
+    """In two dimensions it does not change a flow between walls; to turn the velocity itself would take 8 %."""
     at_rest, turned = (after(full(rate, CELL), 100) for rate in (0.0, 2.0))
     energy = [0.5 * (found["volume"] @ found["u"] ** 2).sum() for found in (at_rest, turned)]
     assert energy[1] == pytest.approx(energy[0], rel=0.02)
@@ -92,14 +111,22 @@ def test_free_flight_is_straight_in_the_room():
     thrown = np.array([0.4, 1.0])
     # at rest in the tank it would turn with it
     velocity = (f"{thrown[0]} + (y - 2)", f"{thrown[1]} - (x - 2)")
-    case = scene(Fluid(Disc(0.2, at=(2.6, 2.3)), 1000.0, velocity=velocity), roll, Tank(4.0, 4.0, lid=True), time_step=0.002, preset="violent")
+    case = scene(
+        Fluid(Disc(0.2, at=(2.6, 2.3)), 1000.0, velocity=velocity),
+        roll,
+        Tank(4.0, 4.0, lid=True),
+        time_step=0.002,
+        preset="violent",
+    )
     start = after(case, 0)
     found = after(case, 200)
     t = 0.4
     room = start["x"] + t * thrown + 0.5 * t**2 * np.array([0.0, -G])
     angle, rate, _ = roll.law(t)
     exact = 2.0 + rotated(room - 2.0, -angle)
-    speed = rotated(thrown + [0.0, -G * t], -angle) - rate * np.stack([-(exact - 2.0)[:, 1], (exact - 2.0)[:, 0]], axis=1)
+    speed = rotated(thrown + [0.0, -G * t], -angle) - rate * np.stack(
+        [-(exact - 2.0)[:, 1], (exact - 2.0)[:, 0]], axis=1
+    )
     assert np.abs(found["x"] - exact).max() < 2e-3
     assert np.abs(found["u"] - speed).max() < 1e-2
 
@@ -118,7 +145,9 @@ def test_a_roll_about_a_far_centre_is_a_sway():
     moved, far = 0.05 * (1.0 - np.cos(8.0 * times)), 1e6
     water = Fluid(Box(1.0, 0.5), 1000.0)
     sway = after(scene(water, Tabulated(tuple(times), tuple(moved))), 40)
-    roll = after(scene(water, Roll(Series(times=tuple(times), values=tuple(-moved / far)), centre=(0.5, 0.25 - far))), 40)
+    roll = after(
+        scene(water, Roll(Series(times=tuple(times), values=tuple(-moved / far)), centre=(0.5, 0.25 - far))), 40
+    )
     assert difference(roll["u"], sway["u"]) < 1e-4 and np.abs(sway["u"]).max() > 0.1
 
 
@@ -149,8 +178,14 @@ def linear_roll(roll, t, length, depth, modes=81):
 
 def test_small_roll_against_linear_theory(tmp_path):
     roll = Roll(0.002, 0.8 * angular_frequency(np.pi, 0.5), centre=(0.5, 0.1))
-    case = scene(Fluid(Box(1.0, 0.5), 1000.0), roll, end_time=4.0, preset="gentle", time_step=0.01, probes=[
-        SurfaceGauge("left", at=0.0), Energy("energy")])
+    case = scene(
+        Fluid(Box(1.0, 0.5), 1000.0),
+        roll,
+        end_time=4.0,
+        preset="gentle",
+        time_step=0.01,
+        probes=[SurfaceGauge("left", at=0.0), Energy("energy")],
+    )
     summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
     gauge = reader.open_run(tmp_path / "run").probe("left")
     exact = linear_roll(roll, gauge["time"], 1.0, 0.5)
@@ -174,7 +209,8 @@ def test_a_restart_in_the_middle_of_a_roll(tmp_path):
 VIOLENT = """
 from parisph import Box, Case, Fluid, Numerics, Roll, Tank
 case = Case(title="roll", fluid=Fluid(Box(1.0, 0.3), 1000.0), walls=Tank(1.0, 0.5, lid=True), gravity=(0.0, -9.81),
-            frame=Roll(0.3, 4.0, centre=(0.5, 0.0), ramp=0.0), numerics=Numerics(spacing=0.05, rtol=1e-13, time_step=0.004), end_time=1.0)
+            frame=Roll(0.3, 4.0, centre=(0.5, 0.0), ramp=0.0), end_time=1.0,
+            numerics=Numerics(spacing=0.05, rtol=1e-13, time_step=0.004))
 s = Simulation(case, comm)
 for _ in range(60):
     s.advance()
@@ -203,10 +239,13 @@ def test_only_tanks_that_turn_pay():
         simulation.destroy()
 
 
-@pytest.mark.parametrize(("changes", "words"), [
-    ({"method": "SPH"}, "frame = roll: weakly compressible SPH has no Coriolis force; choose a projection method"),
-    ({"forces": ("body",)}, "frame = roll: needs the force 'coriolis'; add it to numerics.forces"),
-])
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"method": "SPH"}, "frame = roll: weakly compressible SPH has no Coriolis force; choose a projection method"),
+        ({"forces": ("body",)}, "frame = roll: needs the force 'coriolis'; add it to numerics.forces"),
+    ],
+)
 def test_refused(changes, words):
     with pytest.raises(CaseError, match=words):
         scene(Fluid(Polygon(((0.0, 0.0), (1.0, 0.0), (0.0, 0.5))), 1000.0), Roll(0.1, 2.0), **changes)

@@ -15,7 +15,14 @@ WAVE = SolitaryWave(height=0.06, depth=0.3, at=2.0)
 
 def scene(wave=WAVE, shape=None, spacing=0.03, **changes):
     fluid = Fluid(shape or Box(6.0, 0.3), 1000.0, wave=wave, **changes)
-    return Case(title="t", fluid=fluid, walls=Tank(6.0, 0.6), gravity=(0.0, -9.81), numerics=Numerics(spacing=spacing), end_time=1.0)
+    return Case(
+        title="t",
+        fluid=fluid,
+        walls=Tank(6.0, 0.6),
+        gravity=(0.0, -9.81),
+        numerics=Numerics(spacing=spacing),
+        end_time=1.0,
+    )
 
 
 def test_particles_start_on_the_wave_with_its_velocity():
@@ -27,7 +34,8 @@ def test_particles_start_on_the_wave_with_its_velocity():
     assert np.allclose(u[fluid].T, WAVE.velocity(x[fluid, 0], x[fluid, 1], 0.0), atol=1e-9)
     still = geometry.build(scene(None))
     assert arrays["volume"].sum() - still["volume"].sum() == pytest.approx(
-        float(WAVE.shape(-2.0)[2] - WAVE.shape(4.0)[2]), rel=1e-3)
+        float(WAVE.shape(-2.0)[2] - WAVE.shape(4.0)[2]), rel=1e-3
+    )
     assert np.array_equal(arrays["role"] == WET, still["role"] == WET)
 
 
@@ -58,15 +66,24 @@ def test_slices_json_and_estimates():
     assert expected(case).wave == pytest.approx(0.03, rel=0.5) and expected(still).wave is None
 
 
-@pytest.mark.parametrize(("make", "words"), [
-    (lambda: scene(shape=Disc(0.3)), "wave = solitary: only a Box has a top to raise; leave it out for a Disc"),
-    (lambda: scene(elevation=0.01), "wave = solitary: it gives velocity and elevation; leave these two out"),
-    (lambda: scene(velocity=(1.0, 0.0)), "wave = solitary: it gives velocity and elevation; leave these two out"),
-    (lambda: scene(Airy(0.01, 1.0, 0.4)), "wave.depth = 0.4: must be the height of the Box, 0.3; change one of them"),
-    (lambda: scene(SolitaryWave(0.06, 0.3, g=1.6)), r"fluid.wave.g = 1.6: the gravity of the case must be \(0, -1.6\); change one of them"),
-    (lambda: scene().changed(walls=Tank(6.0, 0.33)), "fluid.wave = solitary: raises the surface to 0.3[56]"),
-    (lambda: scene({"kind": "cnoidal"}), "must be of a known kind"),
-])
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: scene(shape=Disc(0.3)), "wave = solitary: only a Box has a top to raise; leave it out for a Disc"),
+        (lambda: scene(elevation=0.01), "wave = solitary: it gives velocity and elevation; leave these two out"),
+        (lambda: scene(velocity=(1.0, 0.0)), "wave = solitary: it gives velocity and elevation; leave these two out"),
+        (
+            lambda: scene(Airy(0.01, 1.0, 0.4)),
+            "wave.depth = 0.4: must be the height of the Box, 0.3; change one of them",
+        ),
+        (
+            lambda: scene(SolitaryWave(0.06, 0.3, g=1.6)),
+            r"fluid.wave.g = 1.6: the gravity of the case must be \(0, -1.6\); change one of them",
+        ),
+        (lambda: scene().changed(walls=Tank(6.0, 0.33)), "fluid.wave = solitary: raises the surface to 0.3[56]"),
+        (lambda: scene({"kind": "cnoidal"}), "must be of a known kind"),
+    ],
+)
 def test_bad_input(make, words):
     with pytest.raises(CaseError, match=words):
         make()

@@ -24,17 +24,35 @@ from parisph.case.waves.babenko import solitary
 EXACT = Path(__file__).parents[2] / "cases" / "exact"
 H = 1e-5
 ALL = [
-    Airy(0.02, 1.5, 0.5, at=0.3), Stokes(0.05, 1.5, 0.5, at=0.3, leftward=True), Stokes(0.02, 1.5, 0.5, order=2), StreamFunction(0.1, 3.0, 0.5),
-    StreamFunction(0.1, 3.0, 0.5, closed=True), SolitaryWave(0.05, 0.25, at=0.2), SolitaryWave(0.05, 0.25, "grimshaw", leftward=True),
-    SolitaryWave(0.05, 0.25, "boussinesq"), StandingWave(0.01, 2.0, 0.5, phase=0.4), Sloshing(1.0, 0.5, 0.0005, 4.2), Jonswap(0.02, 1.5, 0.5, seed=3),
+    Airy(0.02, 1.5, 0.5, at=0.3),
+    Stokes(0.05, 1.5, 0.5, at=0.3, leftward=True),
+    Stokes(0.02, 1.5, 0.5, order=2),
+    StreamFunction(0.1, 3.0, 0.5),
+    StreamFunction(0.1, 3.0, 0.5, closed=True),
+    SolitaryWave(0.05, 0.25, at=0.2),
+    SolitaryWave(0.05, 0.25, "grimshaw", leftward=True),
+    SolitaryWave(0.05, 0.25, "boussinesq"),
+    StandingWave(0.01, 2.0, 0.5, phase=0.4),
+    Sloshing(1.0, 0.5, 0.0005, 4.2),
+    Jonswap(0.02, 1.5, 0.5, seed=3),
 ]
 # relative errors of what a theory leaves open: divergence, rotation, and the motion of the surface
-OPEN = {"grimshaw": (5e-3, 5e-2, 1e-2), "boussinesq": (1e-8, 0.7, 1e-8), "airy": (1e-8, 1e-8, 0.03), "standing": (1e-8, 1e-8, 0.03),
-        "sloshing": (1e-8, 1e-8, 0.02), "jonswap": (0.01, 0.05, 0.03), "stokes2": (1e-8, 1e-8, 3e-3), "stokes5": (1e-8, 1e-8, 1e-4)}
+OPEN = {
+    "grimshaw": (5e-3, 5e-2, 1e-2),
+    "boussinesq": (1e-8, 0.7, 1e-8),
+    "airy": (1e-8, 1e-8, 0.03),
+    "standing": (1e-8, 1e-8, 0.03),
+    "sloshing": (1e-8, 1e-8, 0.02),
+    "jonswap": (0.01, 0.05, 0.03),
+    "stokes2": (1e-8, 1e-8, 3e-3),
+    "stokes5": (1e-8, 1e-8, 1e-4),
+}
 
 
 def name_of(wave):
-    return {"solitary": getattr(wave, "theory", ""), "stokes": f"stokes{getattr(wave, 'order', '')}"}.get(wave.kind, wave.kind)
+    return {"solitary": getattr(wave, "theory", ""), "stokes": f"stokes{getattr(wave, 'order', '')}"}.get(
+        wave.kind, wave.kind
+    )
 
 
 def table(name):
@@ -58,7 +76,11 @@ def test_flow_is_free_of_divergence_and_rotation_and_moves_the_surface(wave):
     eta = wave.elevation(x, t)
     (ex,), (et,) = (slope(wave.elevation, x, t, along=axis) for axis in (0, 1))
     u, v = wave.velocity(x, wave.depth + eta, t)
-    found = (np.abs(ux + vy).max() / np.abs(ux).max(), np.abs(uy - vx).max() / np.abs(ux).max(), np.abs(v - et - u * ex).max() / np.abs(v).max())
+    found = (
+        np.abs(ux + vy).max() / np.abs(ux).max(),
+        np.abs(uy - vx).max() / np.abs(ux).max(),
+        np.abs(v - et - u * ex).max() / np.abs(v).max(),
+    )
     for error, limit in zip(found, OPEN.get(name_of(wave), (1e-8, 1e-8, 1e-7))):
         assert error < limit, found
 
@@ -92,7 +114,9 @@ def residuals(wave):
     eta, (rise,) = wave.elevation(x, 0.0), slope(wave.elevation, x, 0.0, along=0)
     u, v = wave.velocity(x, wave.depth + eta, 0.0)
     bernoulli = 0.5 * ((u - wave.celerity) ** 2 + v**2) + wave.g * eta
-    return np.array([np.abs((u - wave.celerity) * rise - v).max() / wave.celerity, np.ptp(bernoulli) / wave.celerity**2])
+    return np.array(
+        [np.abs((u - wave.celerity) * rise - v).max() / wave.celerity, np.ptp(bernoulli) / wave.celerity**2]
+    )
 
 
 @pytest.mark.parametrize("order", [2, 3, 4, 5])
@@ -126,8 +150,11 @@ def test_mean_current_or_mean_flux_is_zero():
         x = np.linspace(0.0, wave.length, 400, endpoint=False)
         mean = np.mean(wave.velocity(x, 0.1, 0.0)[0])
         y = np.linspace(0.0, 1.0, 200)[:, None] * (0.5 + wave.elevation(x, 0.0))
-        flux = np.mean(np.trapezoid(wave.velocity(x, y, 0.0)[0], y, axis=0) if hasattr(np, "trapezoid") else
-                       np.trapz(wave.velocity(x, y, 0.0)[0], y, axis=0))
+        flux = np.mean(
+            np.trapezoid(wave.velocity(x, y, 0.0)[0], y, axis=0)
+            if hasattr(np, "trapezoid")
+            else np.trapz(wave.velocity(x, y, 0.0)[0], y, axis=0)
+        )
         assert abs(flux if closed else mean) < 1e-6 and abs(mean if closed else flux) > 1e-4
 
 
@@ -198,7 +225,9 @@ def test_standing_and_sloshing_records_are_the_functions():
     assert wave.elevation(x, t) == pytest.approx(waves.standing_wave_elevation(x, t, 0.025, np.pi, 1.0), abs=1e-15)
     assert np.allclose(wave.velocity(x, 0.8, t), waves.standing_wave_velocity(x, 0.8, t, 0.025, np.pi, 1.0), atol=1e-15)
     moved = Sloshing(1.0, 0.5, 0.0005, 4.2, at=-0.5)
-    assert moved.elevation(x - 0.5, t) == pytest.approx(waves.sway_sloshing_elevation(x, t, 1.0, 0.5, 0.0005, 4.2), abs=1e-15)
+    assert moved.elevation(x - 0.5, t) == pytest.approx(
+        waves.sway_sloshing_elevation(x, t, 1.0, 0.5, 0.0005, 4.2), abs=1e-15
+    )
 
 
 def test_agrees_with_raschii():
@@ -209,18 +238,30 @@ def test_agrees_with_raschii():
     assert ours.elevation(x, 0.0) == pytest.approx(theirs.surface_elevation(x) - 1.0, abs=1e-6)
 
 
-@pytest.mark.parametrize(("wave", "words"), [
-    (lambda: Airy(0.5, 1.0, 0.5), r"height = 0.5: must be at most 0.2042 m, that of the highest steady wave; use a lower or a longer one"),
-    (lambda: Airy(0.1, 0.0, 0.5), r"Airy.period = 0.0: must be greater than 0 \(period \[s\]\)"),
-    (lambda: Airy(0.1, 1.0), "Airy.depth is missing: give depth of the still water"),
-    (lambda: Stokes(0.2, 4.0, 0.5), "where Stokes's expansion ends .*; use StreamFunction"),
-    (lambda: Stokes(0.1, 1.0, 0.5, order=6), r"Stokes.order = 6: must be less than or equal to 5"),
-    (lambda: StreamFunction(0.4, 3.0, 0.5), "height = 0.4: "),
-    (lambda: SolitaryWave(0.2, 0.25), "height = 0.2: must be at most 0.1875 m, 0.75 depths for theory = exact; use a lower one"),
-    (lambda: SolitaryWave(0.05, 0.25, "cnoidal"), "SolitaryWave.theory = 'cnoidal': must be 'exact', 'grimshaw' or 'boussinesq'"),
-    (lambda: Jonswap(0.2, 1.5, 0.5), "0.6 of the highest steady wave of the peak period"),
-    (lambda: Jonswap(0.02, 1.5, 0.5, gamma=0.5), "Jonswap.gamma = 0.5: must be greater than or equal to 1"),
-])
+@pytest.mark.parametrize(
+    ("wave", "words"),
+    [
+        (
+            lambda: Airy(0.5, 1.0, 0.5),
+            r"height = 0.5: must be at most 0.2042 m, that of the highest steady wave; use a lower or a longer one",
+        ),
+        (lambda: Airy(0.1, 0.0, 0.5), r"Airy.period = 0.0: must be greater than 0 \(period \[s\]\)"),
+        (lambda: Airy(0.1, 1.0), "Airy.depth is missing: give depth of the still water"),
+        (lambda: Stokes(0.2, 4.0, 0.5), "where Stokes's expansion ends .*; use StreamFunction"),
+        (lambda: Stokes(0.1, 1.0, 0.5, order=6), r"Stokes.order = 6: must be less than or equal to 5"),
+        (lambda: StreamFunction(0.4, 3.0, 0.5), "height = 0.4: "),
+        (
+            lambda: SolitaryWave(0.2, 0.25),
+            "height = 0.2: must be at most 0.1875 m, 0.75 depths for theory = exact; use a lower one",
+        ),
+        (
+            lambda: SolitaryWave(0.05, 0.25, "cnoidal"),
+            "SolitaryWave.theory = 'cnoidal': must be 'exact', 'grimshaw' or 'boussinesq'",
+        ),
+        (lambda: Jonswap(0.2, 1.5, 0.5), "0.6 of the highest steady wave of the peak period"),
+        (lambda: Jonswap(0.02, 1.5, 0.5, gamma=0.5), "Jonswap.gamma = 0.5: must be greater than or equal to 1"),
+    ],
+)
 def test_bad_input(wave, words):
     with pytest.raises(CaseError, match=words):
         wave()

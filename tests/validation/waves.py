@@ -23,7 +23,9 @@ PERIODS = 2.27     # [s] two periods of the standing wave
 def rows(bench):
     """Return the errors of the gauges, as required."""
     found = []
-    for what, study in (("small sloshing to t* = 50", sloshing()), ("standing wave", standing_wave()), ("solitary wave, a = 0.2 d", solitary())):
+    studies = {"small sloshing to t* = 50": sloshing(), "standing wave": standing_wave(),
+               "solitary wave, a = 0.2 d": solitary()}
+    for what, study in studies.items():
         found += record.rows_of(study, bench.study(study), what)
     return found
 
@@ -49,7 +51,8 @@ def standing_wave() -> Study:
 def solitary() -> Study:
     """Return the study of the exact solitary wave over 5 s at two spacings."""
     return Study(
-        case="solitary_wave.py", variants=[Variant(label="5 s at d/s = 15", spacings=[1 / 15]), Variant(label="5 s at d/s = 30", spacings=[1 / 30])],
+        case="solitary_wave.py",
+        variants=[Variant(label=f"5 s at d/s = {n}", spacings=[1 / n]) for n in (15, 30)],
         errors=[Function(name, of=of) for name, of in SOLITARY.items()],
         required=[Required(name, must=limit) for name, limit in zip(SOLITARY, (0.02, 0.004, 0.03))])
 

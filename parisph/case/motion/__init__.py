@@ -13,10 +13,29 @@ from parisph.case.motion.oscillations import AtRest, Heave, Moved, Roll, Sway, T
 from parisph.case.motion.rigid import SHARE, Motion, Rotation, Translation
 from parisph.case.motion.wavemaker import FlapStroke, PistonStroke
 
-__all__ = ["SHARE", "AnyMotion", "AtRest", "FlapStroke", "Frame", "Heave", "Motion", "Moved", "PistonStroke", "Roll", "Rotation", "Series",
-           "Sway", "Tabulated", "Translation"]
+__all__ = [
+    "SHARE",
+    "AnyMotion",
+    "AtRest",
+    "FlapStroke",
+    "Frame",
+    "Heave",
+    "Motion",
+    "Moved",
+    "PistonStroke",
+    "Roll",
+    "Rotation",
+    "Series",
+    "Sway",
+    "Tabulated",
+    "Translation",
+]
 
-Frame = Annotated[Union[AtRest, Sway, Heave, Roll, Moved, Tabulated],
-                  Field(discriminator="kind", description="AtRest, Sway, Heave, Roll, Moved or Tabulated")]
-AnyMotion = Annotated[Union[AtRest, Sway, Heave, Roll, Moved, Tabulated, PistonStroke, FlapStroke],
-                      Field(discriminator="kind", description="a motion")]
+Frame = Annotated[
+    Union[AtRest, Sway, Heave, Roll, Moved, Tabulated],
+    Field(discriminator="kind", description="AtRest, Sway, Heave, Roll, Moved or Tabulated"),
+]
+AnyMotion = Annotated[
+    Union[AtRest, Sway, Heave, Roll, Moved, Tabulated, PistonStroke, FlapStroke],
+    Field(discriminator="kind", description="a motion"),
+]

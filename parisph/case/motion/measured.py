@@ -21,7 +21,10 @@ def check_increasing(times: tuple[float, ...], values: tuple[float, ...], what: 
         raise ValueError(f"values: {len(values)} {what} for {len(times)} times; give one for each")
     late = np.flatnonzero(np.diff(times) < SMALLEST)
     if len(late):
-        raise ValueError(f"times[{late[0] + 1}] = {times[late[0] + 1]}: must be later than the time before it, by {SMALLEST:g} s at least")
+        raise ValueError(
+            f"times[{late[0] + 1}] = {times[late[0] + 1]}: must be later than the time before it, "
+            f"by {SMALLEST:g} s at least"
+        )
 
 
 class Series(Model):
@@ -57,9 +60,16 @@ class Series(Model):
     def _with_numbers(cls, data):
         if not isinstance(data, dict) or not data.get("file") or "times" in data:
             return data
-        options = {name: data.get(name, cls.model_fields[name].default) for name in ("time", "value", "scale", "offset", "time_scale")}
+        options = {
+            name: data.get(name, cls.model_fields[name].default)
+            for name in ("time", "value", "scale", "offset", "time_scale")
+        }
         times, values = _columns(data["file"], options["time"], options["value"])
-        return {**data, "times": tuple(times * options["time_scale"]), "values": tuple(options["offset"] + options["scale"] * values)}
+        return {
+            **data,
+            "times": tuple(times * options["time_scale"]),
+            "values": tuple(options["offset"] + options["scale"] * values),
+        }
 
     @model_validator(mode="after")
     def _is_sound(self):
@@ -91,12 +101,18 @@ def _columns(file, time, value):
     except CaseError as error:
         raise ValueError(str(error)) from None
     except (OSError, ValueError) as error:
-        raise ValueError(f"file = {shown(file)}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
+        raise ValueError(
+            f"file = {shown(file)}: cannot be read ({getattr(error, 'strerror', None) or error})"
+        ) from None
     for field, name in (("time", time), ("value", value)):
         if name not in names:
-            raise ValueError(f"{field} = {shown(name)}: {named(file)} has no such column; it has {reading.listed(names)}")
+            raise ValueError(
+                f"{field} = {shown(name)}: {named(file)} has no such column; it has {reading.listed(names)}"
+            )
     columns = [names.index(time), names.index(value)]
-    found = np.array([_numbers(file, line, [cells[k] for k in columns]) for line, cells in lines.items()]).reshape(-1, 2)
+    found = np.array([_numbers(file, line, [cells[k] for k in columns]) for line, cells in lines.items()]).reshape(
+        -1, 2
+    )
     return found[:, 0], found[:, 1]
 
 
@@ -106,7 +122,9 @@ def _numbers(file, line, cells):
     except ValueError:
         found = [np.nan]
     if not np.all(np.abs(found) <= LARGEST):
-        raise ValueError(f"file = {shown(file)}: line {line} holds something that is not a finite number of at most {LARGEST:g}")
+        raise ValueError(
+            f"file = {shown(file)}: line {line} holds something that is not a finite number of at most {LARGEST:g}"
+        )
     return found
 
 

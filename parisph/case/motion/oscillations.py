@@ -86,9 +86,13 @@ class Roll(Rotation):
         if isinstance(self.angle, Series):
             given = [name for name in ("frequency", "ramp") if getattr(self, name) is not None]
             if given:
-                raise ValueError(f"{given[0]} = {getattr(self, given[0]):g}: is that of a harmonic roll; leave it out with a Series")
+                raise ValueError(
+                    f"{given[0]} = {getattr(self, given[0]):g}: is that of a harmonic roll; leave it out with a Series"
+                )
         elif self.frequency is None:
-            raise ValueError("frequency is missing: give the angular frequency [rad/s], or a Series in place of the angle")
+            raise ValueError(
+                "frequency is missing: give the angular frequency [rad/s], or a Series in place of the angle"
+            )
         return self
 
     def law(self, t: float) -> tuple[float, float, float]:
@@ -128,7 +132,7 @@ class Moved(Translation):
 
 
 class Tabulated(Translation):
-    """A measured motion: displacement [m] at increasing times [s], joined by a cubic spline, as a Series of numbers is."""
+    """A measured motion: displacement [m] at increasing times [s], joined as a Series of numbers is."""
 
     kind: Literal["tabulated"] = "tabulated"
     times: Annotated[tuple[float, ...], Field(min_length=4, description="increasing times [s], at least four")]

@@ -1,7 +1,7 @@
 """Motions of rigid bodies: where their points are, how fast, and with which acceleration.
 
-The same motion moves the tank, in whose frame the flow is then computed, or a wall in the frame of the room. Motions are
-data, so that a stored run can go on without the script that made it. Angles are positive against the clock [rad].
+The same motion moves the tank, in whose frame the flow is then computed, or a wall in the frame of the room. Motions
+are data, so that a stored run can go on without the script that made it. Angles are positive against the clock [rad].
 """
 
 from abc import abstractmethod
@@ -24,9 +24,13 @@ def _not_zero(direction):
 
 
 Direction = Annotated[
-    tuple[float, ...], Field(min_length=2, max_length=3, description="direction (x, y) of the motion"), AfterValidator(_not_zero)
+    tuple[float, ...],
+    Field(min_length=2, max_length=3, description="direction (x, y) of the motion"),
+    AfterValidator(_not_zero),
 ]
-Centre = Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="centre (x, y) of the rotation [m]")]
+Centre = Annotated[
+    tuple[float, ...], Field(min_length=2, max_length=2, description="centre (x, y) of the rotation [m]")
+]
 
 
 class Motion(Model):
@@ -50,7 +54,7 @@ class Motion(Model):
 
     @abstractmethod
     def acceleration_at(self, x: np.ndarray, t: float) -> np.ndarray:
-        """Return the acceleration (n, dim) [m/s2] of the points of the body that are at x (n, dim) [m] at time t [s]."""
+        """Return the acceleration (n, dim) [m/s2] of the body's points that are at x (n, dim) [m] at time t [s]."""
 
     @abstractmethod
     def seen(self, vectors: np.ndarray, t: float) -> np.ndarray:
@@ -58,7 +62,7 @@ class Motion(Model):
 
     @abstractmethod
     def felt(self, x: np.ndarray, t: float) -> np.ndarray:
-        """Return the acceleration of the room (n, dim) [m/s2] that the body's motion adds for what rests at x (n, dim) in it.
+        """Return the acceleration (n, dim) [m/s2] that the body's motion adds for what rests at x (n, dim) in it.
 
         It is seen from the body. What moves in a body that turns feels Coriolis' acceleration as well.
         """

@@ -22,14 +22,16 @@ class Cubic:
         self.m = second_derivatives(self.t, self.y)
         h = np.diff(self.t)
         # the integral up to each knot
-        self.sums = np.concatenate([[0.0], np.cumsum(0.5 * h * (self.y[1:] + self.y[:-1]) - h**3 / 24.0 * (self.m[1:] + self.m[:-1]))])
+        self.sums = np.concatenate(
+            [[0.0], np.cumsum(0.5 * h * (self.y[1:] + self.y[:-1]) - h**3 / 24.0 * (self.m[1:] + self.m[:-1]))]
+        )
 
     def at(self, t: float) -> tuple[float, float, float]:
         """Return value, rate and second derivative at t."""
         if t < self.t[0] or t > self.t[-1]:
             return (self.y[0] if t < self.t[0] else self.y[-1]), 0.0, 0.0
         k, h, a, b = self._place(t)
-        y, m = self.y[k:k + 2], self.m[k:k + 2]
+        y, m = self.y[k : k + 2], self.m[k : k + 2]
         value = a * y[0] + b * y[1] + ((a**3 - a) * m[0] + (b**3 - b) * m[1]) * h * h / 6.0
         slope = (y[1] - y[0]) / h + ((3 * b * b - 1) * m[1] - (3 * a * a - 1) * m[0]) * h / 6.0
         return value, slope, a * m[0] + b * m[1]
@@ -37,7 +39,7 @@ class Cubic:
     def integral(self, t: float) -> float:
         """Return the integral from the first time to t."""
         k, h, a, b = self._place(min(max(t, self.t[0]), self.t[-1]))
-        (y0, y1), (m0, m1) = self.y[k:k + 2], self.m[k:k + 2]
+        (y0, y1), (m0, m1) = self.y[k : k + 2], self.m[k : k + 2]
         cubes = m0 * ((1.0 - a**4) / 4.0 - (1.0 - a * a) / 2.0) + m1 * (b**4 / 4.0 - b * b / 2.0)
         return self.sums[k] + h * (0.5 * (1.0 - a * a) * y0 + 0.5 * b * b * y1) + h**3 / 6.0 * cubes
 
@@ -103,7 +105,9 @@ class Quintic:
         h = self.t[k + 1] - self.t[k]
         (y0, v0, a0), (y1, v1, a1) = self.points[k] * (1.0, h, h * h), self.points[k + 1] * (1.0, h, h * h)
         d, e, f = y1 - y0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0
-        piece = np.polynomial.Polynomial([y0, v0, 0.5 * a0, 10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f])
+        piece = np.polynomial.Polynomial(
+            [y0, v0, 0.5 * a0, 10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f]
+        )
         b = (t - self.t[k]) / h
         return piece(b), piece.deriv()(b) / h, piece.deriv(2)(b) / h**2
 
@@ -113,8 +117,11 @@ def rise(t: float, duration: float) -> tuple[float, float, float]:
     if t >= duration:
         return 1.0, 0.0, 0.0
     b = max(t, 0.0) / duration
-    return (b**3 * (10.0 - 15.0 * b + 6.0 * b * b), 30.0 * b * b * (1.0 - b) ** 2 / duration,
-            60.0 * b * (1.0 - b) * (1.0 - 2.0 * b) / duration**2)
+    return (
+        b**3 * (10.0 - 15.0 * b + 6.0 * b * b),
+        30.0 * b * b * (1.0 - b) ** 2 / duration,
+        60.0 * b * (1.0 - b) * (1.0 - 2.0 * b) / duration**2,
+    )
 
 
 def product(one: Law, other: Law) -> Law:

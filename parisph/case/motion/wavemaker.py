@@ -3,8 +3,9 @@
 A solitary wave: Goring (1978), Tsunamis: the propagation of long waves onto a shelf, W. M. Keck Laboratory KH-R-38. The
 piston moves with the mean velocity of the wave where it is, X' = c eta/(d + eta), here with the wave's own elevation.
 
-Regular and irregular waves: the linear transfer functions of Biesel and Suquet, as in Dean & Dalrymple (1991), Water wave
-mechanics, Sec. 6.2; and the second harmonic of Madsen (1971), On the generation of long waves, J. Geophys. Res. 76(36).
+Regular and irregular waves: the linear transfer functions of Biesel and Suquet, as in Dean & Dalrymple (1991), Water
+wave mechanics, Sec. 6.2; and the second harmonic of Madsen (1971), On the generation of long waves, J. Geophys. Res.
+76(36).
 """
 
 from functools import lru_cache
@@ -22,7 +23,7 @@ from parisph.case.waves.stokes import Stokes
 from parisph.case.waves.stream_function import StreamFunction
 from parisph.case.waves.wavefield import WaveField
 
-KNOTS = 600           # of the motion that makes a solitary wave
+KNOTS = 600    # of the motion that makes a solitary wave
 LONGEST_MADSEN = 8.0 * np.pi**2 / 3.0    # height length^2/depth^3 up to which Madsen's theory holds
 
 Ramp = Annotated[Optional[float], Field(ge=0, description="time [s] in which the motion grows; default one period")]
@@ -58,7 +59,7 @@ def _solitary(wave: SolitaryWave, tail: float) -> tuple[Quintic, float]:
     xi = np.linspace(ahead, -ahead, KNOTS)
     eta, slope, area = wave.shape(xi)
     moved = (area - area[0]) / d
-    rate, second = c * eta / (d + eta), -(c * d) ** 2 * slope / (d + eta) ** 3
+    rate, second = c * eta / (d + eta), -((c * d) ** 2) * slope / (d + eta) ** 3
     for values in (rate, second):
         values[[0, -1]] = 0.0    # it starts and ends at rest, within the first and the last piece
     return Quintic((ahead - xi + moved) / c, moved, rate, second), float(ahead)
@@ -67,7 +68,7 @@ def _solitary(wave: SolitaryWave, tail: float) -> tuple[Quintic, float]:
 def _harmonics(wave, place, ratio, second):
     """Return amplitude [m], angular frequency [rad/s] and phase of X = sum a sin(w t - phase), (n,) each.
 
-    place : [m], x of the piston at rest; ratio : height over stroke, as a function of k; second : whether to add Madsen's
+    place : [m], x of the wall at rest; ratio : height over stroke, as a function of k; second : also Madsen's term
     """
     if isinstance(wave, Jonswap):
         a, w, k, phase = components_of(wave)
@@ -99,16 +100,18 @@ def _sum(stroke, t):
 class PistonStroke(Translation):
     """The motion of a vertical wall that makes a wave: a SolitaryWave, a regular wave, or a Jonswap.
 
-    wave : the wave; what it has as `at`, and its phases, are those of the scene. Only for a solitary wave, `at` is not used:
-        the piston starts at t = 0, and `made` is the wave in the scene
+    wave : the wave; what it has as `at`, and its phases, are those of the scene. Only for a solitary wave, `at` is not
+        used: the piston starts at t = 0, and `made` is the wave in the scene
     place : x [m] of the wall at rest
-    second_order : whether regular waves get Madsen's second harmonic, which keeps free waves of twice the frequency away
+    second_order : whether regular waves get Madsen's harmonic, which keeps free waves of twice the frequency away
     ramp : [s] in which regular and irregular motion grows; default one period
     tail : elevation over height at the piston when the motion for a solitary wave starts
     """
 
     kind: Literal["piston_stroke"] = "piston_stroke"
-    wave: Annotated[Union[SolitaryWave, Airy, Stokes, StreamFunction, Jonswap], Field(discriminator="kind", description="a wave")]
+    wave: Annotated[
+        Union[SolitaryWave, Airy, Stokes, StreamFunction, Jonswap], Field(discriminator="kind", description="a wave")
+    ]
     place: Annotated[float, Field(description="position x of the wall at rest [m]")] = 0.0
     second_order: bool = True
     ramp: Ramp = None
@@ -119,12 +122,17 @@ class PistonStroke(Translation):
         wave = self.wave
         if isinstance(wave, SolitaryWave):
             if self.ramp is not None:
-                raise ValueError(f"ramp = {self.ramp:g}: is for regular and irregular waves; leave it out for a solitary wave")
+                raise ValueError(
+                    f"ramp = {self.ramp:g}: is for regular and irregular waves; leave it out for a solitary wave"
+                )
         elif self.second_order and isinstance(wave, (Airy, Stokes, StreamFunction)):
             ursell = wave.height * wave.length**2 / wave.depth**3
             if ursell > LONGEST_MADSEN:
-                raise ValueError(f"wave: height length^2/depth^3 = {ursell:.3g}, Madsen's second order holds up to {LONGEST_MADSEN:.3g}; "
-                                 "use a shorter or lower wave, or second_order=False")
+                raise ValueError(
+                    f"wave: height length^2/depth^3 = {ursell:.3g}, Madsen's second order holds up to "
+                    f"{LONGEST_MADSEN:.3g}; "
+                    "use a shorter or lower wave, or second_order=False"
+                )
         return self
 
     @property

@@ -24,9 +24,23 @@ from parisph.case.waves.stream_function import StreamFunction
 from parisph.case.waves.wavefield import WaveField
 
 __all__ = [
-    "Airy", "AnyWave", "Jonswap", "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "WaveField",
-    "angular_frequency", "column_start_pressure", "drop_half_axes", "standing_wave_elevation", "standing_wave_start",
-    "standing_wave_velocity", "sway_sloshing_elevation", "wave_number",
+    "Airy",
+    "AnyWave",
+    "Jonswap",
+    "Sloshing",
+    "SolitaryWave",
+    "StandingWave",
+    "Stokes",
+    "StreamFunction",
+    "WaveField",
+    "angular_frequency",
+    "column_start_pressure",
+    "drop_half_axes",
+    "standing_wave_elevation",
+    "standing_wave_start",
+    "standing_wave_velocity",
+    "sway_sloshing_elevation",
+    "wave_number",
 ]
 
 AnyWave = Annotated[

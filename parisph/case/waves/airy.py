@@ -29,9 +29,10 @@ def transfer(k: float, y: np.ndarray, depth: float) -> tuple[np.ndarray, np.ndar
 
 
 class Airy(Travelling):
-    """A regular wave of linear theory: eta = (height/2) cos(k (x - at) - omega t), of given height [m], period [s] and depth [m].
+    """A regular wave of linear theory: eta = (height/2) cos(k (x - at) - omega t).
 
-    Above the still surface the velocity goes on as it is below. The error is of the order of the steepness.
+    height [m], period [s], depth [m]. Above the still surface the velocity goes on as it is below. The error is of the
+    order of the steepness.
     """
 
     kind: Literal["airy"] = "airy"
@@ -44,7 +45,12 @@ class Airy(Travelling):
 
     @model_validator(mode="after")
     def _does_not_break(self):
-        no_higher(self.height, steepest(self.depth, self.length), "that of the highest steady wave", "use a lower or a longer one")
+        no_higher(
+            self.height,
+            steepest(self.depth, self.length),
+            "that of the highest steady wave",
+            "use a lower or a longer one",
+        )
         return self
 
     @property
@@ -98,7 +104,11 @@ class StandingWave(WaveField):
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
         """See WaveField."""
-        return self.amplitude * np.cos(self.k * (np.asarray(x) - self.at)) * np.sin(self.omega * np.asarray(t) + self.phase)
+        return (
+            self.amplitude
+            * np.cos(self.k * (np.asarray(x) - self.at))
+            * np.sin(self.omega * np.asarray(t) + self.phase)
+        )
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """See WaveField."""

@@ -17,12 +17,12 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 HIGHEST = 0.75    # a/d, up to which the iteration was checked; the highest wave has 0.8332
-TAIL = 36.0       # the wave has decayed by exp(-TAIL) at the ends of the period
-CLOSE = 1e-14     # change of eta in the last iteration
-SMALL = 1e-14     # harmonics below this are left out
-STEP = 1e-8       # a step of Newton's method below this leaves an error of its square
-BLOCK = 2048      # points that are computed at a time, so that they stay in the cache
-MOST = 20_000     # iterations
+TAIL = 36.0    # the wave has decayed by exp(-TAIL) at the ends of the period
+CLOSE = 1e-14    # change of eta in the last iteration
+SMALL = 1e-14    # harmonics below this are left out
+STEP = 1e-8    # a step of Newton's method below this leaves an error of its square
+BLOCK = 2048    # points that are computed at a time, so that they stay in the cache
+MOST = 20_000    # iterations
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class Solitary:
         u, v = np.zeros(len(x)), np.zeros(len(x))
         near = np.flatnonzero(np.abs(x) < self.reach)
         for start in range(0, len(near), BLOCK):
-            part = near[start:start + BLOCK]
+            part = near[start : start + BLOCK]
             u[part], v[part] = self._velocity(x[part], y[part])
         return u, v
 
@@ -114,9 +114,11 @@ class Solitary:
 
     def _on_surface(self, x):
         """Return omega = alpha + i on the surface at x (n,)."""
+
         def along(alpha):
             z, slope = self.place(alpha + 1j)
             return z.real, slope.real
+
         return _solve(along, np.interp(x, *self._crossings), x) + 1j
 
 
@@ -157,7 +159,7 @@ def solitary(height: float) -> Solitary:
     while n <= 16384:
         F, eta = _of_height(height, F, half, n, eta)
         harmonics = np.abs(np.fft.rfft(eta).real) / len(eta)
-        if harmonics[-n // 8:].max() < 1e-14:
+        if harmonics[-n // 8 :].max() < 1e-14:
             return _record(F, half, eta)
         n *= 2
         eta = _refined(eta)
@@ -197,6 +199,7 @@ def _petviashvili(F, half, eta):
 
     def transformed(values, factor):
         return np.fft.irfft(factor * np.fft.rfft(values), len(eta))
+
     for _ in range(MOST):
         right = eta * transformed(eta, symbol) + 0.5 * transformed(eta * eta, symbol)
         size = (eta @ transformed(eta, linear)) / (eta @ right)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-MODES = 8000   # of the series
+MODES = 8000    # of the series
 
 
 def column_start_pressure(x, y, width, height, density=1000.0, g=9.81, modes=MODES):

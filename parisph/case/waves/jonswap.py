@@ -16,7 +16,7 @@ from parisph.case.waves.linear import wave_number
 from parisph.case.waves.wavefield import Depth, Gravity, Leftward, WaveField, no_higher, steepest
 
 LOWEST, HIGHEST = 0.5, 4.0    # frequencies of the spectrum, over that of the peak
-POINTS = 20_000               # at which it is integrated
+POINTS = 20_000    # at which it is integrated
 
 
 def density(ratio: np.ndarray, gamma: float) -> np.ndarray:
@@ -26,7 +26,7 @@ def density(ratio: np.ndarray, gamma: float) -> np.ndarray:
 
 
 def _edges(gamma, components, bands):
-    """Return the edges of the bands, over the peak frequency, and the share of the energy below each point of a grid."""
+    """Return the edges of the bands, over the peak frequency, a grid, and the share of the energy below its points."""
     grid = np.linspace(LOWEST, HIGHEST, POINTS)
     energy = density(grid, gamma)
     below = np.concatenate([[0.0], np.cumsum(0.5 * (energy[1:] + energy[:-1]))])
@@ -38,7 +38,7 @@ def _edges(gamma, components, bands):
 
 @lru_cache(maxsize=16)
 def components_of(wave: "Jonswap") -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return amplitude [m], angular frequency [rad/s], wave number [1/m] and phase [rad] of the components, (n,) each."""
+    """Return amplitude [m], frequency [rad/s], wave number [1/m] and phase [rad] of the components, (n,) each."""
     edges, grid, below = _edges(wave.gamma, wave.components, wave.bands)
     rng = np.random.default_rng(wave.seed)
     phase = 2.0 * np.pi * rng.random(wave.components)
@@ -60,8 +60,9 @@ class Jonswap(WaveField):
     gamma : peak enhancement; 1 for the spectrum of Pierson and Moskowitz
     seed : of the phases; the same number gives the same waves
     components : how many waves are added
-    bands : "energy" for components of equal energy, each at the frequency that halves its band's energy: none is wasted,
-        and the series does not repeat itself; "frequency" for bands of equal width, with a random frequency in each
+    bands : "energy" for components of equal energy, each at the frequency that halves its band's energy: none is
+        wasted, and the series does not repeat itself; "frequency" for bands of equal width, with a
+        random frequency in each
 
     Frequencies are from 0.5 to 4 times that of the peak. Below the surface, velocities are those at the same share of
     the depth (Wheeler), because the shortest waves would grow without limit under the crests of the longest.
@@ -81,8 +82,12 @@ class Jonswap(WaveField):
     @model_validator(mode="after")
     def _is_possible(self):
         length = 2.0 * np.pi / float(wave_number(2.0 * np.pi / self.period, self.depth, self.g))
-        no_higher(self.height, 0.6 * steepest(self.depth, length), "0.6 of the highest steady wave of the peak period",
-                  "use a lower or a longer one")
+        no_higher(
+            self.height,
+            0.6 * steepest(self.depth, length),
+            "0.6 of the highest steady wave of the peak period",
+            "use a lower or a longer one",
+        )
         return self
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> np.ndarray:
@@ -95,7 +100,9 @@ class Jonswap(WaveField):
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """See WaveField."""
-        x, y, t = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float), np.asarray(t, dtype=float))
+        x, y, t = np.broadcast_arrays(
+            np.asarray(x, dtype=float), np.asarray(y, dtype=float), np.asarray(t, dtype=float)
+        )
         y = y * self.depth / (self.depth + self.elevation(x, t))
         u, v = np.zeros(x.shape), np.zeros(x.shape)
         for amplitude, omega, k, phase in zip(*components_of(self)):

@@ -11,7 +11,7 @@ def angular_frequency(k, depth, g=9.81):
 def wave_number(omega, depth, g=9.81):
     """Wave number [1/m] of linear waves of angular frequency omega [rad/s], the inverse of angular_frequency."""
     target = omega**2 * depth / g
-    kd = target / np.sqrt(np.tanh(target))  # Eckart's approximation, within 5 %
+    kd = target / np.sqrt(np.tanh(target))    # Eckart's approximation, within 5 %
     for _ in range(20):
         tanh = np.tanh(kd)
         kd = kd - (kd * tanh - target) / (tanh + kd * (1.0 - tanh**2))

@@ -10,7 +10,7 @@ from parisph.case.waves.airy import transfer
 from parisph.case.waves.linear import angular_frequency
 from parisph.case.waves.wavefield import Depth, Gravity, WaveField
 
-MODES = 400   # of the series, which then has an error below 1e-7 of the wave
+MODES = 400    # of the series, which then has an error below 1e-7 of the wave
 
 
 def sway_sloshing_elevation(x, t, length, depth, amplitude, frequency, g=9.81, modes=MODES):
@@ -78,7 +78,9 @@ class Sloshing(WaveField):
 
     def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """See WaveField: that of the potential whose normal derivative at y = depth is the rate of the elevation."""
-        x, y, t = np.broadcast_arrays(np.asarray(x, dtype=float) - self.at, np.asarray(y, dtype=float), np.asarray(t, dtype=float))
+        x, y, t = np.broadcast_arrays(
+            np.asarray(x, dtype=float) - self.at, np.asarray(y, dtype=float), np.asarray(t, dtype=float)
+        )
         u, v = np.zeros(x.shape), np.zeros(x.shape)
         for k, omega, scale in _modes(self.length, self.depth, self.amplitude, self.frequency, self.g, MODES):
             rate = scale * _beat_rate(omega, self.frequency, t)

@@ -37,10 +37,26 @@ def _grimshaw_velocity(e, x, y):
     """Return u and v over sqrt(g d); x, y in depths."""
     alpha = _grimshaw_rate(e)
     q, t, Y = 1.0 / np.cosh(alpha * x) ** 2, np.tanh(alpha * x), y**2
-    u = e * q - e**2 * (P(q, (0, -1 / 4, 1)) + Y * P(q, (0, 3 / 2, -9 / 4))) - e**3 * (
-        P(q, (0, 19 / 40, 1 / 5, -6 / 5)) + Y * P(q, (0, -3 / 2, -15 / 4, 15 / 2)) + Y**2 * P(q, (0, -3 / 8, 45 / 16, -45 / 16)))
-    v = e * q - e**2 * (P(q, (0, 3 / 8, 2)) + Y * P(q, (0, 1 / 2, -3 / 2))) - e**3 * (
-        P(q, (0, 49 / 640, -17 / 20, -18 / 5)) + Y * P(q, (0, -13 / 16, -25 / 16, 15 / 2)) + Y**2 * P(q, (0, -3 / 40, 9 / 8, -27 / 16)))
+    u = (
+        e * q
+        - e**2 * (P(q, (0, -1 / 4, 1)) + Y * P(q, (0, 3 / 2, -9 / 4)))
+        - e**3
+        * (
+            P(q, (0, 19 / 40, 1 / 5, -6 / 5))
+            + Y * P(q, (0, -3 / 2, -15 / 4, 15 / 2))
+            + Y**2 * P(q, (0, -3 / 8, 45 / 16, -45 / 16))
+        )
+    )
+    v = (
+        e * q
+        - e**2 * (P(q, (0, 3 / 8, 2)) + Y * P(q, (0, 1 / 2, -3 / 2)))
+        - e**3
+        * (
+            P(q, (0, 49 / 640, -17 / 20, -18 / 5))
+            + Y * P(q, (0, -13 / 16, -25 / 16, 15 / 2))
+            + Y**2 * P(q, (0, -3 / 40, 9 / 8, -27 / 16))
+        )
+    )
     return u, np.sqrt(3.0 * e) * y * t * v
 
 
@@ -99,7 +115,9 @@ class SolitaryWave(Travelling):
         """Return elevation [m], slope, and the area [m2] of the wave ahead, at a distance [m] ahead of the crest."""
         x, d = np.asarray(ahead, dtype=float) / self.depth, self.depth
         if self.theory == "exact":
-            eta, slope, area = (values.reshape(x.shape) for values in babenko.solitary(self.relative).surface(x.ravel()))
+            eta, slope, area = (
+                values.reshape(x.shape) for values in babenko.solitary(self.relative).surface(x.ravel())
+            )
         else:
             eta, slope, area = (_grimshaw if self.theory == "grimshaw" else _boussinesq)(self.relative, x)
         return d * eta, slope, d * d * area

@@ -47,10 +47,13 @@ def _coefficients(kd):
     B = {
         (1, 1): 1.0,
         (2, 2): coth * P(S, (1, 2)) / (2.0 * a),
-        (3, 1): B31, (3, 3): -B31,
+        (3, 1): B31,
+        (3, 3): -B31,
         (4, 2): coth * P(S, (6, -26, -182, -204, -25, 26)) / (6.0 * b * a**4),
         (4, 4): coth * P(S, (24, 92, 122, 66, 67, 34)) / (24.0 * b * a**4),
-        (5, 1): -(B53 + B55), (5, 3): B53, (5, 5): B55,
+        (5, 1): -(B53 + B55),
+        (5, 3): B53,
+        (5, 5): B55,
     }
     C0 = np.sqrt(np.tanh(kd))
     C = {0: C0, 2: C0 * P(S, (2, 0, 7)) / (4.0 * a**2), 4: C0 * P(S, (4, 32, -116, -400, -71, 146)) / (32.0 * a**5)}
@@ -66,8 +69,10 @@ def _speed(k, height, depth, g, order):
 @lru_cache(maxsize=64)
 def _wave_number(height, period, depth, g, order):
     """Return k [1/m] of a wave of a given period [s], by the secant method from linear theory."""
+
     def excess(k):
         return k * _speed(k, height, depth, g, order) * period / (2.0 * np.pi) - 1.0
+
     k = float(wave_number(2.0 * np.pi / period, depth, g))
     last, k = k, 0.98 * k
     for _ in range(60):
@@ -80,7 +85,7 @@ def _wave_number(height, period, depth, g, order):
 
 @lru_cache(maxsize=64)
 def _harmonics(k, height, depth, g, order):
-    """Amplitudes of the harmonics 1 to 5: of the elevation [m], and of the velocity over cosh and sinh of n k y [m/s]."""
+    """Amplitudes of the harmonics 1 to 5: of elevation [m], and of velocity over cosh and sinh of n k y [m/s]."""
     A, B, C = _coefficients(k * depth)
     steepness, n = 0.5 * k * height, np.arange(1, 6)
     eta, speed = np.zeros(5), np.zeros(5)
@@ -110,9 +115,15 @@ class Stokes(Travelling):
     @model_validator(mode="after")
     def _is_a_stokes_wave(self):
         linear = 2.0 * np.pi / float(wave_number(2.0 * np.pi / self.period, self.depth, self.g))
-        no_higher(self.height, steepest(self.depth, linear), "that of the highest steady wave", "use a lower or a longer one")
-        no_higher(self.height, 40.0 * self.depth**3 / linear**2, "where Stokes's expansion ends for waves of this length and depth",
-                  "use StreamFunction")
+        no_higher(
+            self.height, steepest(self.depth, linear), "that of the highest steady wave", "use a lower or a longer one"
+        )
+        no_higher(
+            self.height,
+            40.0 * self.depth**3 / linear**2,
+            "where Stokes's expansion ends for waves of this length and depth",
+            "use StreamFunction",
+        )
         return self
 
     @property

@@ -29,7 +29,7 @@ from parisph.case.waves.wavefield import (
 )
 
 CONVERGED = 1e-11    # of the residuals
-FIRST = 0.1          # height of the first of the waves through which the solution is followed, over the highest
+FIRST = 0.1    # height of the first of the waves through which the solution is followed, over the highest
 
 
 def _ratios(n, k, y):
@@ -44,13 +44,13 @@ class _Equations:
     def __init__(self, order, period, closed):
         self.order, self.period, self.closed = order, period, closed
         self.j = np.arange(1, order + 1)[:, None]
-        self.places = np.arange(order + 1) * np.pi / order      # k x of the points from crest to trough
+        self.places = np.arange(order + 1) * np.pi / order    # k x of the points from crest to trough
         self.cos, self.sin = np.cos(self.j * self.places), np.sin(self.j * self.places)
 
     def split(self, state):
         """Return eta (order + 1,), B (order,), U, q, R and k."""
         n = self.order
-        return state[:n + 1], state[n + 1:2 * n + 1], *state[2 * n + 1:]
+        return state[: n + 1], state[n + 1 : 2 * n + 1], *state[2 * n + 1 :]
 
     def celerity(self, U, q):
         """With a mean Eulerian current of zero, or a mean flux of zero."""
@@ -63,8 +63,13 @@ class _Equations:
         u = -U + (self.j[:, 0] * k * B) @ (cosh * self.cos)
         v = (self.j[:, 0] * k * B) @ (sinh * self.sin)
         mean = 0.5 * (eta[0] + eta[-1]) + eta[1:-1].sum()
-        return np.concatenate([psi + q, 0.5 * (u * u + v * v) + eta - R,
-                               [mean, eta[0] - eta[-1] - height, k * self.celerity(U, q) * self.period - 2.0 * np.pi]])
+        return np.concatenate(
+            [
+                psi + q,
+                0.5 * (u * u + v * v) + eta - R,
+                [mean, eta[0] - eta[-1] - height, k * self.celerity(U, q) * self.period - 2.0 * np.pi],
+            ]
+        )
 
     def jacobian(self, state, height):
         """By complex steps, which are exact."""
@@ -100,7 +105,9 @@ class _Equations:
 
 @lru_cache(maxsize=32)
 def solve(height: float, period: float, order: int, closed: bool) -> tuple[Any, ...] | None:
-    """Return eta and its cosine amplitudes (order + 1,), B (order,), celerity, U, k and the largest residual, None if there is none.
+    """Return eta, its cosine amplitudes (order + 1,), B (order,), celerity, U, k and the largest residual.
+
+    None if there is no solution.
 
     height, period : in units of depth and gravity; the solution is followed from low waves to this height
     """
@@ -146,15 +153,25 @@ class StreamFunction(Travelling):
     @model_validator(mode="after")
     def _exists(self):
         length = 2.0 * np.pi / float(wave_number(2.0 * np.pi / self.period, self.depth, self.g))
-        no_higher(self.height, 1.1 * steepest(self.depth, length), "that of the highest steady wave", "use a lower or a longer one")
+        no_higher(
+            self.height,
+            1.1 * steepest(self.depth, length),
+            "that of the highest steady wave",
+            "use a lower or a longer one",
+        )
         if self._solution is None:
-            raise ValueError(f"height = {shown(self.height)}: no steady wave of this period and depth was found with order = {self.order}; "
-                             "use a lower wave, or another order")
+            raise ValueError(
+                f"height = {shown(self.height)}: no steady wave of this period and depth was found with "
+                f"order = {self.order}; "
+                "use a lower wave, or another order"
+            )
         return self
 
     @property
     def _solution(self):
-        return solve(self.height / self.depth, self.period * float(np.sqrt(self.g / self.depth)), self.order, self.closed)
+        return solve(
+            self.height / self.depth, self.period * float(np.sqrt(self.g / self.depth)), self.order, self.closed
+        )
 
     @property
     def k(self) -> float:

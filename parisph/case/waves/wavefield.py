@@ -73,5 +73,8 @@ def steepest(depth: float, length: float) -> float:
     Williams' results as fitted by Fenton (1990, Eq 32): within 1 % of them.
     """
     ratio = length / depth
-    return depth * (0.141063 * ratio + 0.0095721 * ratio**2 + 0.0077829 * ratio**3) / (
-        1.0 + 0.0788340 * ratio + 0.0317567 * ratio**2 + 0.0093407 * ratio**3)
+    return (
+        depth
+        * (0.141063 * ratio + 0.0095721 * ratio**2 + 0.0077829 * ratio**3)
+        / (1.0 + 0.0788340 * ratio + 0.0317567 * ratio**2 + 0.0093407 * ratio**3)
+    )
