@@ -142,6 +142,10 @@ FIELDS = {
         Field("nu", "scalar", np.float64, "m^2/s", "kinematic viscosity, that of eddies included", exchanged=False,
               migrates=False),
         Field("viscous", "vector", np.float64, "m/s^2", "acceleration by viscosity", exchanged=False, migrates=False),
+        Field("acceleration", "vector", np.float64, "m/s^2", "of fluid in the last step", exchanged=False,
+              written=False),
+        Field("halfway", "vector", np.float64, "m/s", "velocity half way through the step, as known before it",
+              migrates=False, written=False),
         Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value", default=1.0),
     )
 }

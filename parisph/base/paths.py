@@ -1,6 +1,7 @@
 """Checks of file and folder names from outside, before they are used."""
 
 import os
+from contextvars import ContextVar
 from pathlib import Path
 
 from parisph.base.errors import CaseError
@@ -10,6 +11,8 @@ AnyPath = str | os.PathLike[str]    # for annotations
 
 # Bytes that Linux, macOS and most file systems allow for a name, and for all of a path.
 LONGEST_NAME, LONGEST_PATH = 255, 4095
+# The folder that the paths in a case file are relative to, while it is loaded.
+FOLDER: ContextVar[Path] = ContextVar("folder of the case file", default=Path())
 
 
 def checked(path: AnyPath, what: str) -> Path:

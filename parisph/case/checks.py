@@ -12,9 +12,10 @@ from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
 from parisph.case import size
-from parisph.case.expressions import compile_expression, vector_field
+from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.lattice import FIT, misfit, nearest_spacings
-from parisph.case.motion import SHARE
+from parisph.case.methods import METHODS
+from parisph.case.motion import SHARE, Translation
 from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
 from parisph.case.scene import Scene
 from parisph.case.shapes import Box, check_components
@@ -36,7 +37,7 @@ def problems(case: Scene) -> list[str]:
     if not found:
         found += [*_spacing(case), *_inside(case), *_size(case)]
     if not found:
-        found += [*_surface(case), *_elevation(case), *_finite(case), *_probes(case)]
+        found += [*_turning(case), *_surface(case), *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
         found += [*_times(case), *_steps(case), *_files(case)]
     return found
@@ -48,10 +49,20 @@ def _dimensions(case: Scene) -> Iterator[str]:
         check_components("gravity", case.gravity, dim, with_time=True)
     except ValueError as error:
         yield str(error)
-    if case.frame.kind != "at_rest" and len(case.frame.direction) != dim:
+    if isinstance(case.frame, Translation) and len(case.frame.direction) != dim:
         yield f"frame.direction = {case.frame.direction}: must have {dim} components, as the fluid's shape has"
     if case.frame.kind != "at_rest" and case.walls is None:
         yield f"frame = {case.frame.kind}: there is no tank to move; give walls=Tank(...) or leave the frame at rest"
+
+
+def _turning(case: Scene) -> Iterator[str]:
+    if not case.turns:
+        return
+    if METHODS[case.numerics.method].step == "compressible":
+        yield (f"frame = {case.frame.kind}: weakly compressible SPH has no Coriolis force; choose a projection method, "
+               "or a frame that does not turn")
+    elif "coriolis" not in (case.numerics.resolved().forces or ()):
+        yield f"frame = {case.frame.kind}: needs the force 'coriolis'; add it to numerics.forces"
 
 
 def _surface(case: Scene) -> Iterator[str]:
@@ -176,32 +187,44 @@ def _far(case: Scene) -> Iterator[str]:
 
 
 def _elevation(case: Scene) -> Iterator[str]:
-    shape = case.fluid.shape
-    if case.fluid.elevation is None or not isinstance(shape, Box):
+    fluid, shape = case.fluid, case.fluid.shape
+    if not fluid.raised or not isinstance(shape, Box):
         return
     lower, upper = shape.bounds
     x = np.linspace(lower[0], upper[0], 8 * SAMPLES)
-    eta = compile_expression(str(case.fluid.elevation), ("x",))(x=x)
+    eta = fluid.rise(x)
     height = float(shape.size[-1])
+    wave = fluid.wave
+    what = f"fluid.elevation = {shown(fluid.elevation)}" if wave is None else f"fluid.wave = {wave.kind}"
     if not np.all(np.isfinite(eta)):
-        yield (f"fluid.elevation = {shown(case.fluid.elevation)}: "
-               f"is not a finite number at x = {x[~np.isfinite(eta)][0]:g}")
+        yield f"{what}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
     elif eta.min() < -0.5 * height or eta.max() > height:
         yield (
-            f"fluid.elevation = {shown(case.fluid.elevation)}: reaches from {eta.min():g} to {eta.max():g}, "
-            f"must stay between {-0.5 * height:g} and {height:g}, or the columns are stretched too far"
+            f"{what}: reaches from {eta.min():g} to {eta.max():g}, must stay between "
+            f"{-0.5 * height:g} and {height:g}, or the columns are stretched too far"
         )
     elif case.walls is not None and upper[-1] + eta.max() > case.walls.bounds[1][-1]:
         yield (
-            f"fluid.elevation = {shown(case.fluid.elevation)}: raises the surface to {upper[-1] + eta.max():g}, "
+            f"{what}: raises the surface to {upper[-1] + eta.max():g}, "
             f"above the tank's top at {case.walls.bounds[1][-1]:g}; lower it, or make the tank higher"
         )
+
+
+def _wave(case: Scene) -> Iterator[str]:
+    """A wave starts well only under its own gravity."""
+    wave, gravity = case.fluid.wave, uniform_field(case.gravity)
+    if wave is None:
+        return
+    own = np.array([*[0.0] * (case.dim - 1), -wave.g])
+    if gravity is None or np.abs(gravity - own).max() > 1e-6 * wave.g:
+        yield f"fluid.wave.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
 
 
 def _sample(case: Scene) -> Floats:
     """Return points (n, dim) [m] that cover the bounding box of the fluid."""
     lower, upper = case.fluid.shape.bounds
-    axes = [np.linspace(a, b, SAMPLES) for a, b in zip(lower, upper)]
+    many = 8 if case.fluid.wave is not None else 1    # a wave may be short in a long tank
+    axes = [np.linspace(a, b, SAMPLES * (1 if axis else many)) for axis, (a, b) in enumerate(zip(lower, upper))]
     points: Floats = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
     return points
 
@@ -304,8 +327,9 @@ def _time_steps(case: Scene) -> Iterator[tuple[float, str]]:
     limit, reason = stable_time_step(case)
     yield limit, f"gravity, fluid.velocity and numerics.spacing: a step that {reason}"
     yield frame.longest_step, f"frame: {1 / SHARE:.0f} steps in a period of {frame.longest_step / SHARE:.2g} s"
-    if frame.top_speed > 0.0 and n.cfl is not None:
-        yield n.cfl * n.spacing / frame.top_speed, f"frame: a tank that moves at {frame.top_speed:.2g} m/s"
+    speed = frame.top_speed(*case.walls.bounds) if case.walls is not None else 0.0
+    if speed > 0.0 and n.cfl is not None:
+        yield n.cfl * n.spacing / speed, f"frame: a tank that moves at {speed:.2g} m/s"
     if n.max_time_step is not None:
         yield n.max_time_step, f"numerics.max_time_step = {n.max_time_step:g} s"
 
@@ -337,7 +361,7 @@ def fastest(case: Scene) -> float:
     """
     x = _sample(case)
     x = x[case.fluid.shape.inside(x, 0.0)]
-    speed = float(np.linalg.norm(vector_field(case.fluid.velocity, False)(x), axis=1).max(initial=0.0))
+    speed = float(np.linalg.norm(case.fluid.start_velocity(x), axis=1).max(initial=0.0))
     g = float(np.linalg.norm(vector_field(case.gravity, True)(x), axis=1).max(initial=0.0))
     lower, upper = case.fluid.shape.bounds
     fall = 2.0 if case.numerics.preset == "violent" else 1.0
@@ -352,7 +376,7 @@ def stable_time_step(case: Scene) -> tuple[float, str]:
     """
     x, s = _sample(case), case.numerics.spacing
     x = x[case.fluid.shape.inside(x, 0.0)]
-    speed = float(np.linalg.norm(vector_field(case.fluid.velocity, False)(x), axis=1).max(initial=0.0))
+    speed = float(np.linalg.norm(case.fluid.start_velocity(x), axis=1).max(initial=0.0))
     g = float(np.linalg.norm(vector_field(case.gravity, True)(x), axis=1).max(initial=0.0))
     lower, upper = case.fluid.shape.bounds
     if case.numerics.preset == "violent":

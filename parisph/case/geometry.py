@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from parisph.base.arrays import Array, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.case.expressions import compile_expression, uniform_field, vector_field
+from parisph.case.expressions import uniform_field
 from parisph.case.lattice import Lattice
 from parisph.case.methods import METHODS
 from parisph.case.schema import Case
@@ -26,7 +26,7 @@ def still_pressure(case: Case, x: Floats) -> Floats:
     gravity = uniform_field(case.gravity)
     if gravity is None or not isinstance(case.fluid.shape, Box):
         return np.zeros(len(x))
-    top = case.fluid.shape.bounds[1][-1] + _elevation(case, x[:, :-1])
+    top = case.fluid.shape.bounds[1][-1] + case.fluid.rise(x[:, 0])
     pressure: Floats = np.maximum(case.fluid.density * -gravity[-1] * (top - x[:, -1]), 0.0)
     return pressure
 
@@ -87,17 +87,9 @@ def domain(case: Case) -> tuple[Floats, Floats]:
     return case.fluid.shape.bounds
 
 
-def _elevation(case: Case, x: Floats) -> Floats:
-    if case.fluid.elevation is None:
-        return np.zeros(len(x))
-    names = tuple("xyz"[: x.shape[1]])
-    evaluate = compile_expression(str(case.fluid.elevation), names)
-    return evaluate(**{name: x[:, axis] for axis, name in enumerate(names)})
-
-
 def _stretched(case: Case, x: Floats) -> Floats:
     """Move points (n, dim) of the lattice up with the surface, linearly from the bottom of the Box."""
-    if case.fluid.elevation is None:
+    if not case.fluid.raised:
         return x
     bottom = case.fluid.shape.bounds[0][-1]
     x = x.copy()
@@ -107,14 +99,14 @@ def _stretched(case: Case, x: Floats) -> Floats:
 
 def _stretch(case: Case, x: Floats) -> Floats:
     """Return the stretch factor of the columns at x (n, dim) [m], (n,)."""
-    if case.fluid.elevation is None or not isinstance(case.fluid.shape, Box):
+    if not case.fluid.raised or not isinstance(case.fluid.shape, Box):
         return np.ones(len(x))
-    return 1.0 + _elevation(case, x[:, :-1]) / float(case.fluid.shape.size[-1])
+    return 1.0 + case.fluid.rise(x[:, 0]) / float(case.fluid.shape.size[-1])
 
 
 def _unstretched(case: Case, x: Floats) -> Floats:
     """Undo _stretched for points (n, dim) [m]."""
-    if case.fluid.elevation is None:
+    if not case.fluid.raised:
         return x
     bottom = case.fluid.shape.bounds[0][-1]
     x = x.copy()
@@ -139,7 +131,7 @@ def _fluid(case: Case, points: Lattice, start: int, stop: int) -> dict[str, Arra
         "corner": np.zeros(n, dtype=np.int8),
         "role": np.where(surface, SURFACE, INNER).astype(np.int8),
         "x": x,
-        "u": vector_field(case.fluid.velocity, with_time=False)(x),
+        "u": case.fluid.start_velocity(x),
         "volume": volume,
         "normal": np.zeros((n, dim)),
         "no_slip": np.zeros(n, dtype=np.int8),

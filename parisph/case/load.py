@@ -7,8 +7,8 @@ import sys
 import traceback
 import types
 import typing
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,7 +19,7 @@ from parisph.base.text import class_name, clipped, listed, named, of_error, plai
 from parisph.case import stored
 from parisph.case.expressions import number
 from parisph.case.faults import first_lines
-from parisph.case.probes import read_truth
+from parisph.case.probes import Truth, read_truth
 from parisph.case.schema import Case
 
 Result = TypeVar("Result")
@@ -52,7 +52,8 @@ def load(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
         return _stored(file, path)
     function = _function(file, path)
     given = {name: _value(function, name, value, path) for name, value in sets.items()}
-    case = _users_code(lambda: function(**given), file, path)
+    with _beside(file):
+        case = _users_code(lambda: function(**given), file, path)
     if not _users_code(lambda: isinstance(case, Case), file, path):
         raise CaseError(f"{named(path)}: case(...) returned a {class_name(case)}; it must return a Case")
     return _with_truths(case, file.parent)
@@ -77,6 +78,16 @@ def parameters(path: AnyPath) -> dict[str, tuple[Any, str]]:
     hints = _hints(function)
     return {name: (item.default, _type_name(hints.get(name)))
             for name, item in inspect.signature(function).parameters.items()}
+
+
+@contextmanager
+def _beside(file: Path) -> Iterator[None]:
+    """Read files that a case names, such as the measured motion of a Series, from the folder of the case file."""
+    token = paths.FOLDER.set(file.parent)
+    try:
+        yield
+    finally:
+        paths.FOLDER.reset(token)
 
 
 def _find(path: AnyPath) -> Path:
@@ -140,7 +151,8 @@ def _module(file: Path, path: AnyPath) -> types.ModuleType:
     module.__file__ = str(file)
     sys.path.insert(0, str(file.parent))
     try:
-        _users_code(lambda: exec(compile(text, str(file), "exec"), module.__dict__), file, path)  # noqa: S102
+        with _beside(file):
+            _users_code(lambda: exec(compile(text, str(file), "exec"), module.__dict__), file, path)  # noqa: S102
     finally:
         with suppress(ValueError):    # the case file may have taken it out
             sys.path.remove(str(file.parent))
@@ -298,7 +310,7 @@ def _with_truths(case: Case, folder: Path) -> Case:
     """Return the case with the probes' reference files made absolute, each of them read once as a check."""
     probes = []
     for probe in case.probes:
-        if probe.truth is not None:
+        if isinstance(probe.truth, Truth):
             try:
                 file = paths.checked(folder / probe.truth.file, "truth.file").resolve()
                 truth = probe.truth.model_copy(update={"file": str(file)})

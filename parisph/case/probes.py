@@ -13,6 +13,7 @@ from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
 from parisph.case.model import Model
 from parisph.case.values import LARGEST
+from parisph.case.waves import AnyWave
 
 
 class Truth(Model):
@@ -35,6 +36,20 @@ class Truth(Model):
     scale: float = 1.0
     time_scale: float = Field(1.0, gt=0, description="seconds for one unit of the time column")
     wave: bool = False
+
+
+class WaveTruth(Model):
+    """A wave as the truth of a surface gauge, whose error is that of the wave part.
+
+    of : the wave, which may run through the scene from the start; level : height y of the still surface [m]
+    """
+
+    of: AnyWave
+    level: float = Field(description="height y of the still surface [m]")
+
+    def series(self, x: float, times: Floats) -> Floats:
+        """Return the height of the surface [m] at x [m] and times (n,) [s]."""
+        return self.level + self.of.elevation(x, np.asarray(times, dtype=float))
 
 
 Peak = Annotated[bool, Field(description="whether the flow at the greatest value is kept")]
@@ -65,7 +80,7 @@ class SurfaceGauge(Probe):
 
     kind: Literal["surface_gauge"] = "surface_gauge"
     at: float = Field(description="position x of the gauge [m]")
-    truth: Union[Truth, None] = None
+    truth: Union[Truth, WaveTruth, None] = None
     peak: Peak = False
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.case.expressions import compile_expression, uniform_field, vector_field
+from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
 from parisph.case.waves import angular_frequency
@@ -72,7 +72,7 @@ def fall_time(case: Case) -> float:
     level = _level(case, down)
     if force == 0.0 or uniform_field(case.gravity) is None or case.closed or level is None:
         return 0.0
-    if _start_speed(case) > 0.0 or case.fluid.elevation is not None:
+    if _start_speed(case) > 0.0 or case.fluid.raised:
         return 0.0
     return float(np.sqrt(level.size[-1] / force))
 
@@ -96,8 +96,7 @@ def _gravity(case: Case) -> tuple[float, Floats]:
 
 
 def _start_speed(case: Case) -> float:
-    return float(np.linalg.norm(vector_field(case.fluid.velocity, with_time=False)(_sample(case)),
-                                axis=1).max(initial=0.0))
+    return float(np.linalg.norm(case.fluid.start_velocity(_sample(case)), axis=1).max(initial=0.0))
 
 
 def _level(case: Case, down: Floats) -> Box | None:
@@ -132,12 +131,12 @@ def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tu
     eta, speed = _sloshing(case, g, np.pi / length, depth, times)
     acceleration = angular_frequency(np.pi / length, depth, g) * speed
     x = np.linspace(lower[0], upper[0], SAMPLES)
-    amplitude, k = _harmonic(x, _elevation(case, x))
+    amplitude, k = _harmonic(x, case.fluid.rise(x))
     omega = angular_frequency(k, depth, g)
     speed = speed + amplitude * omega / np.tanh(k * depth)
     acceleration = acceleration + amplitude * omega**2 / np.tanh(k * depth)
     surface = np.column_stack([x, np.full((SAMPLES, case.dim - 1), upper[1:])])
-    rise, k = _harmonic(x, vector_field(case.fluid.velocity, with_time=False)(surface)[:, -1])
+    rise, k = _harmonic(x, case.fluid.start_velocity(surface)[:, -1])
     acceleration = acceleration + angular_frequency(k, depth, g) * start
     amplitude = min(eta + np.hypot(amplitude, rise / angular_frequency(k, depth, g)), depth)
     return (amplitude if amplitude > 0.0 else None), np.minimum(speed, np.sqrt(2.0 * g * depth)), acceleration
@@ -162,13 +161,6 @@ def _sloshing(case: Case, g: float, k: float, depth: float, times: Floats) -> tu
         size[step] = np.hypot(eta, rate / omega)
     speed = omega * size / np.tanh(k * depth)
     return largest, np.interp(times, dt * np.arange(1, count + 1), speed)
-
-
-def _elevation(case: Case, x: Floats) -> Floats:
-    """Return the elevation of the surface at the start [m], at x (n,) [m]."""
-    if case.fluid.elevation is None:
-        return np.zeros_like(x)
-    return compile_expression(str(case.fluid.elevation), ("x",))(x=x)
 
 
 def _harmonic(x: Floats, values: Floats) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from pydantic import Field, field_validator
 from parisph.base.arrays import Floats
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.model import Model
-from parisph.case.motion import AtRest, Frame
+from parisph.case.motion import AtRest, Frame, Rotation
 from parisph.case.numerics import Numerics, Output
 from parisph.case.probes import AnyProbe
 from parisph.case.shapes import Box, Fluid, Tank
@@ -45,7 +45,7 @@ class Scene(Model):
     def closed(self) -> bool:
         """True for a tank with a lid that is full: no free surface, pressure up to a constant."""
         shape, tank = self.fluid.shape, self.walls
-        if tank is None or not tank.closed or not isinstance(shape, Box) or self.fluid.elevation is not None:
+        if tank is None or not tank.closed or not isinstance(shape, Box) or self.fluid.raised:
             return False
         gaps = np.abs(np.array(shape.bounds) - np.array(tank.bounds))
         return bool(np.all(gaps < 0.5 * self.numerics.spacing))
@@ -59,6 +59,17 @@ class Scene(Model):
         return not isinstance(self.frame, AtRest) or uniform_field(self.gravity) is None
 
     def body_force(self, x: Floats, t: float) -> Floats:
-        """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity less the tank's
-        acceleration."""
-        return vector_field(self.gravity, with_time=True)(x, t) - self.frame.acceleration(t)
+        """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity and what its motion adds.
+
+        It is the force on what rests in the tank; in a tank that turns, Coriolis' force is another part of the method.
+        """
+        return self.frame.seen(vector_field(self.gravity, with_time=True)(x, t), t) + self.frame.felt(x, t)
+
+    @property
+    def turns(self) -> bool:
+        """Whether the tank turns, so that gravity does in its frame."""
+        return isinstance(self.frame, Rotation)
+
+    def spin(self, t: float) -> float:
+        """Angular velocity of the tank [rad/s] at t [s], against the clock."""
+        return float(self.frame.law(t)[1]) if self.turns else 0.0

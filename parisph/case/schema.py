@@ -11,7 +11,7 @@ from parisph.case import checks
 from parisph.case.faults import first_lines
 from parisph.case.methods import METHODS
 from parisph.case.model import Model
-from parisph.case.motion import AtRest, Sway, Tabulated
+from parisph.case.motion import AtRest, Heave, Moved, Roll, Series, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
 from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import (
@@ -24,14 +24,17 @@ from parisph.case.probes import (
     VelocityProfile,
     Volume,
     WaterFront,
+    WaveTruth,
 )
 from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
+from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
 __all__ = [
-    "METHODS", "PRESETS", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Lid",
-    "Momentum", "Numerics", "Output", "Polygon", "PressureTap", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth",
-    "VelocityProfile", "Volume", "WaterFront",
+    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Heave",
+    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "Polygon", "PressureTap", "Roll", "Series",
+    "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated",
+    "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at

@@ -1,14 +1,15 @@
 """The shapes of a scene: bodies of fluid and the tank that holds them."""
 
-from typing import Annotated, ClassVar, Literal, Union
+from typing import Annotated, ClassVar, Literal, Optional, Union
 
 import numpy as np
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from parisph.base.arrays import Flags, Floats
 from parisph.base.text import shown
-from parisph.case.expressions import compile_expression, variable_names
+from parisph.case.expressions import compile_expression, variable_names, vector_field
 from parisph.case.model import Model
+from parisph.case.waves import AnyWave
 
 
 def _in_the_plane(point: tuple[float, ...]) -> tuple[float, ...]:
@@ -197,6 +198,8 @@ class Fluid(Model):
     velocity : components [m/s], numbers or expressions of x, y
     elevation : None, or the height of the free surface above the top of a Box [m], a number or
         an expression of x; the columns of particles are stretched linearly to reach it
+    wave : None, or a wave (parisph.case.waves) that gives velocity and elevation at t = 0, in place of these two; the
+        top of the Box is its still surface, and the Box is as high as the wave's water is deep
     viscosity : kinematic [m2/s], 0 for none
     """
 
@@ -208,11 +211,49 @@ class Fluid(Model):
         None, description="surface elevation above a Box [m], a number or an expression of x"
     )
     viscosity: float = Field(0.0, ge=0, description="kinematic viscosity [m2/s]")
+    wave: Optional[AnyWave] = Field(None, description="wave that gives velocity and elevation at the start")
 
     @property
     def dim(self) -> int:
         """Number of dimensions: 2, as scenes in 3D are refused so far."""
         return len(self.shape.bounds[0])
+
+    @property
+    def raised(self) -> bool:
+        """Whether the surface has an elevation at the start."""
+        return self.elevation is not None or self.wave is not None
+
+    def rise(self, x: Floats) -> Floats:
+        """Return the elevation (n,) [m] of the surface at the start above the top of the shape, at x (n,) [m]."""
+        if self.wave is not None:
+            columns, which = np.unique(x, return_inverse=True)
+            return self.wave.elevation(columns, 0.0)[which]
+        if self.elevation is None:
+            return np.zeros(len(x))
+        return compile_expression(str(self.elevation), ("x",))(x=x)
+
+    def start_velocity(self, x: Floats) -> Floats:
+        """Return the velocity (n, dim) [m/s] at the start, at x (n, dim) [m]."""
+        if self.wave is None:
+            return vector_field(self.velocity, with_time=False)(x)
+        bed = self.shape.bounds[1][-1] - self.wave.depth
+        return np.stack(self.wave.velocity(x[:, 0], x[:, -1] - bed, 0.0), axis=1)
+
+    @model_validator(mode="after")
+    def _wave_fits(self) -> "Fluid":
+        wave = self.wave
+        if wave is None:
+            return self
+        if not isinstance(self.shape, Box):
+            kind = type(self.shape).__name__
+            raise ValueError(f"wave = {wave.kind}: only a Box has a top to raise; leave it out for a {kind}")
+        if self.elevation is not None or tuple(self.velocity) != (0.0,) * self.dim:
+            raise ValueError(f"wave = {wave.kind}: it gives velocity and elevation; leave these two out")
+        if abs(wave.depth - self.shape.height) > 1e-6 * wave.depth:
+            raise ValueError(
+                f"wave.depth = {wave.depth:g}: must be the height of the Box, {self.shape.height:g}; change one of them"
+            )
+        return self
 
     @model_validator(mode="after")
     def _consistent(self) -> "Fluid":

@@ -69,7 +69,8 @@ def _memory(particles: int) -> str:
 
 def stages(case: Case) -> list[str]:
     """Return the names of the stages that a step of this case has, in order."""
-    names: list[str] = catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity).stages(case.closed)
+    parts = catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity, case.turns)
+    names: list[str] = parts.stages(case.closed)
     return names
 
 

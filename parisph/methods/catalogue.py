@@ -61,13 +61,16 @@ class Parts:
     regularisers: tuple[Regulariser, ...]
 
     @classmethod
-    def of(cls, numerics: Numerics, viscosity: float = 0.0) -> "Parts":
-        """Return the parts of a scene. numerics : resolved; viscosity : of the fluid [m^2/s]. Not collective."""
+    def of(cls, numerics: Numerics, viscosity: float = 0.0, turning: bool = False) -> "Parts":
+        """Return the parts of a scene. Not collective.
+
+        numerics : resolved; viscosity : of the fluid [m^2/s]; turning : whether the tank turns
+        """
         n, viscous = numerics, viscosity > 0.0 or numerics.smagorinsky > 0.0
         return cls(n, LAPLACIANS[n.laplacian], DIVERGENCES[n.divergence], WALL_ROWS[n.wall_rows], GRADIENTS[n.gradient],
                    SURFACE_GRADIENTS[n.surface_gradient], SURFACES[n.surface_rule], SOURCES[n.source],
                    tuple(part for part in (FORCES[name] for name in n.forces)
-                         if part.wanted(n) and (viscous or not part.viscous)),
+                         if part.wanted(n) and (viscous or not part.viscous) and (turning or not part.turning)),
                    tuple(part for part in (REGULARISERS[name] for name in n.regularisers) if part.wanted(n)))
 
     def __iter__(self) -> Iterator[Part]:
@@ -158,14 +161,11 @@ class CompressibleParts:
                             "or choose a projection method")
 
 
-def parts_of(numerics: Numerics, viscosity: float = 0.0) -> Any:
-    """Return the parts of a method: Parts of a projection, or CompressibleParts. numerics : resolved.
-
-    Not collective.
-    """
+def parts_of(numerics: Numerics, viscosity: float = 0.0, turning: bool = False) -> Any:
+    """Return the parts of a method: Parts of a projection, or CompressibleParts. Not collective. See Parts.of."""
     if METHODS[numerics.method].step == "compressible":
         return CompressibleParts(numerics)
-    return Parts.of(numerics, viscosity)
+    return Parts.of(numerics, viscosity, turning)
 
 
 def warning(numerics: Numerics) -> str:

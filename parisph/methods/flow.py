@@ -1,5 +1,6 @@
 """The state of a scene that the parts of a method may read and change."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -25,11 +26,13 @@ class Flow:
     body : callable (x (n, dim), t) -> (n, dim), the body force per unit mass in the tank's frame [m/s^2]
     particles, domain, timers : of this run
     closed : whether the fluid fills a closed tank: no free surface
+    spin : callable t -> angular velocity of the tank [rad/s], or None
     budget : measures the energy that the fluid gains by each part of a step, or None
 
     Attributes
     ----------
     full : lattice value of the density ratio's sum
+    dt : length of the step that begins [s], 0 for a look at an instant
     force : (n_all, dim) [m/s^2], of this step
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
     strained, doubt, rapid : (n_owned,) or None, of methods.straining in this step
@@ -43,10 +46,11 @@ class Flow:
     """
 
     def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, timers: Any,
-                 closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0) -> None:
+                 closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
+                 spin: Callable[[float], float] | None = None) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.timers = particles, domain, timers
-        self.closed, self.budget = closed, budget or NoBudget()
+        self.closed, self.budget, self.spin, self.dt = closed, budget or NoBudget(), spin, 0.0
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)

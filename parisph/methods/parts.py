@@ -138,10 +138,12 @@ class Force(Part):
     """A force per unit mass.
 
     viscous : whether only viscous fluid feels it
+    turning : whether only fluid in a tank that turns feels it
     words : what `parisph check` calls it, or "" for what every scene has
     """
 
     viscous: ClassVar[bool] = False
+    turning: ClassVar[bool] = False
     words: ClassVar[str] = ""
 
     @abstractmethod

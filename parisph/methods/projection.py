@@ -74,7 +74,7 @@ class Projection:
         with timers("redistribute"):
             renumbered = domain.refresh("u")
         with timers("surface"):
-            self._sum_forces(time + 0.5 * dt)
+            self._sum_forces(time + 0.5 * dt, dt)
             surfaces.classify(flow, parts.surface, dt)
             self._wall_velocity()
             domain.update("role", "u")
@@ -190,9 +190,10 @@ class Projection:
             fluid = p.kind == FLUID
             p.x[fluid] += self.stepping.ahead * dt * p.u[fluid]
 
-    def _sum_forces(self, time):
-        """Add up flow.force (n_all, dim) [m/s^2]."""
+    def _sum_forces(self, time, dt=0.0):
+        """Add up flow.force (n_all, dim) [m/s^2] at a time [s], in the middle of a step of dt [s]."""
         flow = self.flow
+        flow.dt = dt
         flow.force = np.zeros_like(flow.particles.x_all)
         for force in self.parts.forces:
             force.add(flow.force, flow, time)
@@ -274,6 +275,8 @@ class Projection:
         acceleration = flow.force[:p.n_owned][fluid] - grad[fluid] / flow.density
         flow.by_pressure = np.linalg.norm(grad, axis=1) / flow.density
         p.u[fluid] += dt * acceleration
+        if "acceleration" in p.fields:
+            p.acceleration[fluid] = acceleration
         flow.stale.add("u")
         if flow.numerics.time_step is None:
             mine = float(np.sqrt((acceleration**2).sum(axis=1).max(initial=0.0)))

@@ -13,6 +13,7 @@ import numpy as np
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.base.table import read_reference
+from parisph.case.probes import WaveTruth
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
 
@@ -140,7 +141,10 @@ def truths(run: Run, folder: Path) -> dict[str, Samples]:
     found = {}
     for probe in run.case.get("probes", ()):
         about = probe.get("truth")
-        if about:
+        if about and "of" in about:
+            time = run.probe(probe["name"])["time"]
+            found[probe["name"]] = time, WaveTruth.model_validate(about).series(probe["at"], time)
+        elif about:
             options = {name: about[name] for name in ("offset", "scale", "time_scale") if name in about}
             found[probe["name"]] = read_reference(folder / about["file"], about["time"], about["value"], **options)
     return found

@@ -3,7 +3,7 @@
 from typing import Any
 
 from parisph.base.errors import ParisphError
-from parisph.case.probes import read_truth
+from parisph.case.probes import WaveTruth, read_truth
 from parisph.case.schema import Case
 from parisph.truth import norms
 from parisph.truth.recorded import Recorded
@@ -32,18 +32,25 @@ def _error(probe, run):
     try:
         found = run.probe(probe.name)
         column = COLUMNS.get(probe.kind, next(name for name in found.dtype.names if name not in ("time", "step")))
-        return _judged(probe.truth, found["time"], found[column])
+        return _judged(probe, found["time"], found[column])
     except (ParisphError, ValueError) as problem:
         # the run is too short, or the file of the truth is missing: the summary is still written
         return {"relative_l2": None, "reason": str(problem)}
 
 
-def _judged(truth, time, values):
+def _judged(probe, time, values):
+    truth = probe.truth
+    if isinstance(truth, WaveTruth):
+        return _judged_as_wave(time, values, (time, truth.series(probe.at, time)), truth.level)
     reference = read_truth(truth)
     if not truth.wave:
         found = norms.judge(time, values, *reference)
         return {"relative_l2": found["relative_l2"], "paper": found["z14"], "points": found["samples"]}
-    found = norms.judge(time, values, *reference, rest=truth.offset)
+    return _judged_as_wave(time, values, reference, truth.offset)
+
+
+def _judged_as_wave(time, values, reference, level):
+    found = norms.judge(time, values, *reference, rest=level)
     _, value, exact = norms.on_reference(time, values, *reference)
     return {"relative_l2": found["relative_l2"], "paper": found["z14"],
-            "paper_2017": norms.z17_elevation(value - truth.offset, exact - truth.offset), "points": found["samples"]}
+            "paper_2017": norms.z17_elevation(value - level, exact - level), "points": found["samples"]}

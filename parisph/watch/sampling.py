@@ -75,7 +75,7 @@ class Scene:
 
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
     the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2],
-    zero unless the body force is uniform and constant; lid : whether the tank is closed above.
+    zero unless the body force is uniform and constant in the tank's frame; lid : whether the tank is closed above.
     """
 
     dim: int
@@ -93,7 +93,7 @@ class Scene:
         """Return the Scene of a Case."""
         s = case.numerics.spacing
         return cls(case.dim, s, geometry.lattice(case).step, case.fluid.density,
-                   *geometry.domain(case), case.walls is not None, _uniform(case.gravity),
+                   *geometry.domain(case), case.walls is not None, _uniform(case),
                    case.walls is not None and case.walls.closed)
 
     @property
@@ -111,10 +111,10 @@ class Scene:
         return self.lower[-1] if self.tank else None
 
 
-def _uniform(gravity):
+def _uniform(case):
     """Return the body force (dim,) [m/s2] if it is uniform and constant, else zeros (no potential)."""
-    found = expressions.uniform_field(gravity)
-    return np.zeros(len(gravity)) if found is None else found
+    found = None if case.turns else expressions.uniform_field(case.gravity)
+    return np.zeros(case.dim) if found is None else found
 
 
 class View:

@@ -6,7 +6,9 @@ from mpi4py import MPI
 
 from parisph.driver import run
 from parisph.io import reader
+from parisph.pictures import curves
 from tests.scenes import scene
+from tests.solitary_profiles import errors
 
 
 def summary_of(case, folder):
@@ -33,6 +35,18 @@ def test_standing_wave(tmp_path):
     assert found["errors"]["centre"]["relative_l2"] <= 0.08
     level = reader.open_run(tmp_path / "run").probe("centre")["y"] - 1.0
     assert level.max() == pytest.approx(0.025, rel=0.1) and level.min() == pytest.approx(-0.025, rel=0.1)
+
+
+def test_solitary_wave_keeps_its_form(tmp_path):
+    """Coarse, over 5 depths, against the exact wave; cases/README.md has the errors of a longer and finer run."""
+    found = summary_of(scene("solitary_wave", spacing=0.1, length=30, start=11, end_time=0.8), tmp_path)
+    wave = errors(reader.open_run(tmp_path / "run"))
+    assert wave["profile"] < 0.01 and abs(wave["speed"]) < 2e-3 and abs(wave["height"]) < 0.01
+    assert found["errors"]["x17d"]["relative_l2"] < 0.01
+    made = reader.open_run(tmp_path / "run")
+    gauge, (time, truth) = made.probe("x17d"), curves.truths(made, tmp_path)["x17d"]
+    assert np.array_equal(time, gauge["time"]) and np.abs(gauge["y"] - truth).max() < 1e-3 < np.ptp(truth)
+    assert abs(found["volume_drift"]) < 5e-3 and abs(found["energy_drift"]) < 5e-4
 
 
 def test_mean_level_of_the_gauges_does_not_drift(tmp_path):

@@ -5,6 +5,7 @@ import numpy as np
 from parisph.base.table import read_reference
 from parisph.study import Function, Required, Study, TruthError, Variant
 from tests.launch import ROOT
+from tests.solitary_profiles import errors
 from tests.validation import record
 
 ERROR = "wave-part error"
@@ -22,7 +23,9 @@ PERIODS = 2.27     # [s] two periods of the standing wave
 def rows(bench):
     """Return the errors of the gauges, as required."""
     found = []
-    for what, study in (("small sloshing to t* = 50", sloshing()), ("standing wave", standing_wave())):
+    studies = {"small sloshing to t* = 50": sloshing(), "standing wave": standing_wave(),
+               "solitary wave, a = 0.2 d": solitary()}
+    for what, study in studies.items():
         found += record.rows_of(study, bench.study(study), what)
     return found
 
@@ -43,6 +46,33 @@ def standing_wave() -> Study:
         case="standing_wave.py", variants=[Variant(label="9 s at s = 0.025 m", spacings=[0.025])],
         errors=[TruthError("centre", name=ERROR), Function(AMPLITUDE, of=amplitude)],
         required=[Required(ERROR, must=0.08), Required(AMPLITUDE, must=0.05)])
+
+
+def solitary() -> Study:
+    """Return the study of the exact solitary wave over 5 s at two spacings."""
+    return Study(
+        case="solitary_wave.py",
+        variants=[Variant(label=f"5 s at d/s = {n}", spacings=[1 / n]) for n in (15, 30)],
+        errors=[Function(name, of=of) for name, of in SOLITARY.items()],
+        required=[Required(name, must=limit) for name, limit in zip(SOLITARY, (0.02, 0.004, 0.03))])
+
+
+def profile(run) -> float:
+    """Return the error of the profile of a solitary wave, crests aligned."""
+    return errors(run)["profile"]
+
+
+def speed(run) -> float:
+    """Return the relative error of its speed."""
+    return abs(errors(run)["speed"])
+
+
+def loss(run) -> float:
+    """Return the part of its height that is lost."""
+    return abs(errors(run)["height"])
+
+
+SOLITARY = {"error of the profile": profile, "error of the speed": speed, "loss of height": loss}
 
 
 def amplitude(run) -> float:

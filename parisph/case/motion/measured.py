@@ -1,0 +1,133 @@
+"""Measured motions: series of times and values, from a file or given as numbers."""
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Union
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from parisph.base import paths, reading
+from parisph.base.arrays import Floats
+from parisph.base.errors import CaseError
+from parisph.base.text import named, shown
+from parisph.case.model import Model
+from parisph.case.motion.splines import cubic
+from parisph.case.values import LARGEST, SMALLEST
+
+LEAST = 4    # points of a spline
+
+
+def check_increasing(times: tuple[float, ...], values: tuple[float, ...], what: str) -> None:
+    """Raise ValueError unless there is a value for each time and times increase. what : the values are, in plural"""
+    if len(times) != len(values):
+        raise ValueError(f"values: {len(values)} {what} for {len(times)} times; give one for each")
+    late = np.flatnonzero(np.diff(times) < SMALLEST)
+    if len(late):
+        raise ValueError(
+            f"times[{late[0] + 1}] = {times[late[0] + 1]}: must be later than the time before it, "
+            f"by {SMALLEST:g} s at least"
+        )
+
+
+class Series(Model):
+    """A measured displacement [m] or angle [rad] over time: columns of a CSV file with one header line, or numbers.
+
+    The file is read once, when the record is made; the numbers are then part of the case. They are joined by a cubic
+    spline without a knot at the second and the last but one time. Its second derivative is the acceleration that the
+    water feels, so rough data should be smoothed before. Before the first and after the last time the body rests: data
+    that does not begin and end at rest has a jump of velocity there.
+
+    Attributes
+    ----------
+    file : path, relative to the case file
+    time, value : names of the columns
+    scale, offset : value = offset + scale * column, so scale = pi/180 for degrees
+    time_scale : seconds for one unit of the time column
+    rate : whether the values are velocities [m/s] or [rad/s]; the motion is then their integral
+    times, values : in SI units; from the file, if one is given
+    """
+
+    file: str = ""
+    time: str = "t"
+    value: str = "x"
+    scale: float = 1.0
+    offset: float = 0.0
+    time_scale: float = Field(1.0, gt=0, description="seconds for one unit of the time column")
+    rate: bool = False
+    times: Annotated[tuple[float, ...], Field(min_length=LEAST, description="increasing times [s], at least four")]
+    values: Annotated[tuple[float, ...], Field(min_length=LEAST, description="a value for each time")]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_numbers(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or not data.get("file") or "times" in data:
+            return data
+        options = {
+            name: data.get(name, cls.model_fields[name].default)
+            for name in ("time", "value", "scale", "offset", "time_scale")
+        }
+        times, values = _columns(data["file"], options["time"], options["value"])
+        return {
+            **data,
+            "times": tuple(times * options["time_scale"]),
+            "values": tuple(options["offset"] + options["scale"] * values),
+        }
+
+    @model_validator(mode="after")
+    def _is_sound(self) -> "Series":
+        check_increasing(self.times, self.values, "values")
+        return self
+
+    def law(self, t: float) -> tuple[float, float, float]:
+        """Return the value, its rate and its second derivative at t [s]."""
+        curve = cubic(self.times, self.values)
+        if not self.rate:
+            return curve.at(t)
+        if t < self.times[0] or t > self.times[-1]:
+            return curve.integral(t), 0.0, 0.0
+        return curve.integral(t), *curve.at(t)[:2]
+
+    @property
+    def top_rate(self) -> float:
+        """Greatest rate of the straight lines between the times."""
+        if self.rate:
+            return float(np.max(np.abs(self.values)))
+        return float(np.max(np.abs(np.diff(self.values) / np.diff(self.times))))
+
+
+def _columns(file: str, time: str, value: str) -> tuple[Floats, Floats]:
+    """Return two columns of a file, (n,) each. Raises ValueError, with a message that shows little of the file."""
+    try:
+        path = paths.FOLDER.get() / paths.checked(file, "file")
+        names, lines = reading.read_columns(path)
+    except CaseError as error:
+        raise ValueError(str(error)) from None
+    except (OSError, ValueError) as error:
+        raise ValueError(
+            f"file = {shown(file)}: cannot be read ({getattr(error, 'strerror', None) or error})"
+        ) from None
+    for field, name in (("time", time), ("value", value)):
+        if name not in names:
+            raise ValueError(
+                f"{field} = {shown(name)}: {named(file)} has no such column; it has {reading.listed(names)}"
+            )
+    columns = [names.index(time), names.index(value)]
+    found = np.array([_numbers(file, line, [cells[k] for k in columns]) for line, cells in lines.items()]).reshape(
+        -1, 2
+    )
+    return found[:, 0], found[:, 1]
+
+
+def _numbers(file: str, line: int, cells: Sequence[str]) -> list[float]:
+    try:
+        found = [float(cell) for cell in cells]
+    except ValueError:
+        found = [np.nan]
+    if not np.all(np.abs(found) <= LARGEST):
+        raise ValueError(
+            f"file = {shown(file)}: line {line} holds something that is not a finite number of at most {LARGEST:g}"
+        )
+    return found
+
+
+Amount = Union[float, Series]    # of an oscillation, or all of a measured motion

@@ -1,0 +1,186 @@
+"""Motions of rigid bodies: where their points are, how fast, and with which acceleration.
+
+The same motion moves the tank, in whose frame the flow is then computed, or a wall in the frame of the room. Motions
+are data, so that a stored run can go on without the script that made it. Angles are positive against the clock [rad].
+"""
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import AfterValidator, Field
+
+from parisph.base.arrays import Floats
+from parisph.base.text import shown
+from parisph.case.model import Model
+from parisph.case.values import SMALLEST
+
+SHARE = 1 / 50    # of the period of a motion: the longest adaptive time step
+
+
+def _not_zero(direction: tuple[float, ...]) -> tuple[float, ...]:
+    if np.linalg.norm(direction) < SMALLEST:
+        raise ValueError(f"{shown(direction)} must not be zero; give for example (1, 0)")
+    return direction
+
+
+Direction = Annotated[
+    tuple[float, ...],
+    Field(min_length=2, max_length=3, description="direction (x, y) of the motion"),
+    AfterValidator(_not_zero),
+]
+Centre = Annotated[
+    tuple[float, ...], Field(min_length=2, max_length=2, description="centre (x, y) of the rotation [m]")
+]
+
+
+class Motion(Model):
+    """How a rigid body moves, by a law of time: a displacement along a direction, or an angle about a centre."""
+
+    @abstractmethod
+    def law(self, t: float) -> tuple[float, float, float]:
+        """Return displacement [m] or angle [rad], its rate, and its second derivative at time t [s]."""
+
+    @abstractmethod
+    def placed(self, x: Floats, t: float) -> Floats:
+        """Return the positions (n, dim) [m] at time t [s] of points that are at x (n, dim) [m] in the body at rest."""
+
+    @abstractmethod
+    def turned(self, vectors: Floats, t: float) -> Floats:
+        """Return vectors (n, dim) of the body at rest, such as normals, as they are at time t [s]."""
+
+    @abstractmethod
+    def velocity_at(self, x: Floats, t: float) -> Floats:
+        """Return the velocity (n, dim) [m/s] of the points of the body that are at x (n, dim) [m] at time t [s]."""
+
+    @abstractmethod
+    def acceleration_at(self, x: Floats, t: float) -> Floats:
+        """Return the acceleration (n, dim) [m/s2] of the body's points that are at x (n, dim) [m] at time t [s]."""
+
+    @abstractmethod
+    def seen(self, vectors: Floats, t: float) -> Floats:
+        """Return vectors (n, dim) of the room, such as gravity, as they are seen from the body at time t [s]."""
+
+    @abstractmethod
+    def felt(self, x: Floats, t: float) -> Floats:
+        """Return the acceleration (n, dim) [m/s2] that the body's motion adds for what rests at x (n, dim) in it.
+
+        It is seen from the body. What moves in a body that turns feels Coriolis' acceleration as well.
+        """
+
+    @property
+    def longest_step(self) -> float:
+        """Longest time step [s] that resolves the motion; infinite if the motion has no time scale."""
+        return np.inf
+
+    @property
+    def top_rate(self) -> float:
+        """Greatest rate of the law, [m/s] or [rad/s]."""
+        return 0.0
+
+    @abstractmethod
+    def top_speed(self, lower: Floats, upper: Floats) -> float:
+        """Return the greatest speed [m/s] of points of a body within a box given by two corners (dim,) [m]."""
+
+
+class Translation(Motion):
+    """A motion along one `direction`, a field of every kind of it."""
+
+    if TYPE_CHECKING:    # each kind has it; as a field of this class it would come first
+        @property
+        def direction(self) -> tuple[float, ...]: ...
+
+    def _along(self, value: float) -> Floats:
+        direction = np.array(self.direction)
+        return direction / float(np.linalg.norm(direction)) * value
+
+    def displacement(self, t: float) -> Floats:
+        """Displacement (dim,) [m] at time t [s]."""
+        return self._along(self.law(t)[0])
+
+    def velocity(self, t: float) -> Floats:
+        """Velocity (dim,) [m/s] at time t [s]."""
+        return self._along(self.law(t)[1])
+
+    def acceleration(self, t: float) -> Floats:
+        """Acceleration (dim,) [m/s2] at time t [s]."""
+        return self._along(self.law(t)[2])
+
+    def placed(self, x: Floats, t: float) -> Floats:
+        """See Motion."""
+        return x + self.displacement(t)
+
+    def turned(self, vectors: Floats, t: float) -> Floats:
+        """See Motion: they do not turn."""
+        return vectors
+
+    def velocity_at(self, x: Floats, t: float) -> Floats:
+        """See Motion."""
+        return np.broadcast_to(self.velocity(t), np.shape(x))
+
+    def acceleration_at(self, x: Floats, t: float) -> Floats:
+        """See Motion."""
+        return np.broadcast_to(self.acceleration(t), np.shape(x))
+
+    def seen(self, vectors: Floats, t: float) -> Floats:
+        """See Motion."""
+        return vectors
+
+    def felt(self, x: Floats, t: float) -> Floats:
+        """See Motion."""
+        return -self.acceleration(t)
+
+    def top_speed(self, lower: Floats, upper: Floats) -> float:
+        """See Motion."""
+        return self.top_rate
+
+
+class Rotation(Motion):
+    """A rotation in the plane about a fixed `centre`, a field of every kind of it."""
+
+    if TYPE_CHECKING:    # see Translation
+        centre: tuple[float, ...]
+
+    def placed(self, x: Floats, t: float) -> Floats:
+        """See Motion."""
+        return self.centre + rotated(np.asarray(x) - self.centre, self.law(t)[0])
+
+    def turned(self, vectors: Floats, t: float) -> Floats:
+        """See Motion."""
+        return rotated(vectors, self.law(t)[0])
+
+    def velocity_at(self, x: Floats, t: float) -> Floats:
+        """See Motion."""
+        return self.law(t)[1] * quarter(np.asarray(x) - self.centre)
+
+    def acceleration_at(self, x: Floats, t: float) -> Floats:
+        """See Motion."""
+        _, rate, second = self.law(t)
+        arm = np.asarray(x) - self.centre
+        return second * quarter(arm) - rate**2 * arm
+
+    def seen(self, vectors: Floats, t: float) -> Floats:
+        """See Motion."""
+        return rotated(vectors, -self.law(t)[0])
+
+    def felt(self, x: Floats, t: float) -> Floats:
+        """See Motion: - Omega' x r - Omega x (Omega x r)."""
+        return -self.acceleration_at(x, t)
+
+    def top_speed(self, lower: Floats, upper: Floats) -> float:
+        """See Motion."""
+        arm = np.maximum(np.abs(np.asarray(lower) - self.centre), np.abs(np.asarray(upper) - self.centre))
+        return self.top_rate * float(np.linalg.norm(arm))
+
+
+def rotated(vectors: Floats, angle: float) -> Floats:
+    """Return vectors (n, 2) turned by an angle [rad] against the clock."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turned: Floats = np.asarray(vectors) @ np.array([[cosine, sine], [-sine, cosine]])
+    return turned
+
+
+def quarter(vectors: Floats) -> Floats:
+    """Return vectors (n, 2) turned by a right angle against the clock."""
+    vectors = np.asarray(vectors)
+    return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)

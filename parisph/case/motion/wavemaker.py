@@ -1,0 +1,240 @@
+"""Motions of wavemakers, pistons and flaps, that make a given wave.
+
+A solitary wave: Goring (1978), Tsunamis: the propagation of long waves onto a shelf, W. M. Keck Laboratory KH-R-38. The
+piston moves with the mean velocity of the wave where it is, X' = c eta/(d + eta), here with the wave's own elevation.
+
+Regular and irregular waves: the linear transfer functions of Biesel and Suquet, as in Dean & Dalrymple (1991), Water
+wave mechanics, Sec. 6.2; and the second harmonic of Madsen (1971), On the generation of long waves, J. Geophys. Res.
+76(36).
+"""
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Annotated, Literal, Optional, Union, cast
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from parisph.base.arrays import Floats
+from parisph.case.motion.rigid import SHARE, Centre, Rotation, Translation
+from parisph.case.motion.splines import Law, Quintic, product, rise
+from parisph.case.waves.airy import Airy
+from parisph.case.waves.jonswap import Jonswap, components_of
+from parisph.case.waves.solitary import SolitaryWave
+from parisph.case.waves.stokes import Stokes
+from parisph.case.waves.stream_function import StreamFunction
+from parisph.case.waves.wavefield import WaveField
+
+KNOTS = 600    # of the motion that makes a solitary wave
+LONGEST_MADSEN = 8.0 * np.pi**2 / 3.0    # height length^2/depth^3 up to which Madsen's theory holds
+
+Ramp = Annotated[Optional[float], Field(ge=0, description="time [s] in which the motion grows; default one period")]
+WaveTrain = Union[Airy, Stokes, StreamFunction, Jonswap]
+
+
+def piston_ratio(k: float, depth: float) -> float:
+    """Return the height of waves over the stroke of a piston, 4 sinh^2(kd)/(sinh(2kd) + 2kd)."""
+    kd = k * depth
+    return float(2.0 * np.expm1(-2.0 * kd) ** 2 / (-np.expm1(-4.0 * kd) + 4.0 * kd * np.exp(-2.0 * kd)))
+
+
+def flap_ratio(k: float, depth: float, hinge: float) -> float:
+    """Return the height of waves over the stroke of a flap at the still surface; hinge : its height above the bed [m].
+
+    Below a hinge above the bed the wall is fixed; a hinge below the bed is a flap that the bed cuts off.
+    """
+    kd, low = k * depth, max(hinge, 0.0)
+    arm = depth - hinge
+    # integral of (y - hinge)/arm cosh(k y) over the part of the flap in the water, times k/sinh(kd)
+    first = 1.0 - (low - hinge) / arm * np.sinh(k * low) / np.sinh(kd)
+    second = (np.cosh(kd) - np.cosh(k * low)) / (k * arm * np.sinh(kd))
+    return piston_ratio(k, depth) * float(first - second)
+
+
+@lru_cache(maxsize=16)
+def _solitary(wave: SolitaryWave, tail: float) -> tuple[Quintic, float]:
+    """Return the motion of the piston, and the distance [m] of the crest behind it at the start."""
+    d, c = wave.depth, wave.celerity
+    # far away the wave is some 4 height exp(-rate x)
+    far = np.linspace(0.0, np.log(10.0 / tail) / wave.rate, KNOTS)
+    ahead = np.interp(-np.log(tail), -np.log(wave.shape(far)[0] / wave.height), far)
+    xi = np.linspace(ahead, -ahead, KNOTS)
+    eta, slope, area = wave.shape(xi)
+    moved = (area - area[0]) / d
+    rate, second = c * eta / (d + eta), -((c * d) ** 2) * slope / (d + eta) ** 3
+    for values in (rate, second):
+        values[[0, -1]] = 0.0    # it starts and ends at rest, within the first and the last piece
+    return Quintic((ahead - xi + moved) / c, moved, rate, second), float(ahead)
+
+
+def _harmonics(wave: WaveTrain, place: float, ratio: Callable[[float], float],
+               second: bool) -> tuple[Floats, Floats, Floats]:
+    """Return amplitude [m], angular frequency [rad/s] and phase of X = sum a sin(w t - phase), (n,) each.
+
+    place : [m], x of the wall at rest; ratio : height over stroke, as a function of k; second : also Madsen's term
+    """
+    if isinstance(wave, Jonswap):
+        a, w, k, phase = components_of(wave)
+        sign = -1.0 if wave.leftward else 1.0
+        return a / np.array([ratio(value) for value in k]), w, k * sign * place + phase
+    f, d, height = 2.0 * np.pi / wave.period, wave.depth, wave.height
+    m = ratio(wave.k)
+    start = wave.k * (-1.0 if wave.leftward else 1.0) * (place - wave.at)
+    if not second:
+        return np.array([0.5 * height / m]), np.array([f]), np.array([start])
+    kd = wave.k * d
+    more = height**2 / (32.0 * d) * (3.0 * np.cosh(kd) / np.sinh(kd) ** 3 - 2.0 / m)
+    return np.array([0.5 * height / m, more]), np.array([f, 2.0 * f]), np.array([start, 2.0 * start])
+
+
+def _train(stroke: "PistonStroke | FlapStroke") -> WaveTrain:
+    return cast(WaveTrain, stroke.wave)    # a solitary wave has no harmonics, and nobody asks for them
+
+
+@lru_cache(maxsize=16)
+def _cached_harmonics(stroke: "PistonStroke | FlapStroke") -> tuple[Floats, Floats, Floats]:
+    return _harmonics(_train(stroke), stroke.place, stroke.ratio, stroke.second_order)
+
+
+def _sum(stroke: "PistonStroke | FlapStroke", t: float) -> Law:
+    """Return value, rate and second derivative of the sum of the harmonics of a stroke, from rest."""
+    a, w, phase = _cached_harmonics(stroke)
+    sine, cosine = a * np.sin(w * t - phase), a * np.cos(w * t - phase)
+    wave = float(sine.sum()), float((w * cosine).sum()), float(-(w * w * sine).sum())
+    return product(rise(t, _train(stroke).period if stroke.ramp is None else stroke.ramp), wave)
+
+
+def _scaled(scale: float, law: Law) -> Law:
+    value, rate, second = law
+    return scale * value, scale * rate, scale * second
+
+
+class PistonStroke(Translation):
+    """The motion of a vertical wall that makes a wave: a SolitaryWave, a regular wave, or a Jonswap.
+
+    wave : the wave; what it has as `at`, and its phases, are those of the scene. Only for a solitary wave, `at` is not
+        used: the piston starts at t = 0, and `made` is the wave in the scene
+    place : x [m] of the wall at rest
+    second_order : whether regular waves get Madsen's harmonic, which keeps free waves of twice the frequency away
+    ramp : [s] in which regular and irregular motion grows; default one period
+    tail : elevation over height at the piston when the motion for a solitary wave starts
+    """
+
+    kind: Literal["piston_stroke"] = "piston_stroke"
+    wave: Annotated[
+        Union[SolitaryWave, Airy, Stokes, StreamFunction, Jonswap], Field(discriminator="kind", description="a wave")
+    ]
+    place: Annotated[float, Field(description="position x of the wall at rest [m]")] = 0.0
+    second_order: bool = True
+    ramp: Ramp = None
+    tail: Annotated[float, Field(gt=0, le=0.1, description="elevation over height when the motion starts")] = 1e-3
+
+    @model_validator(mode="after")
+    def _possible(self) -> "PistonStroke":
+        wave = self.wave
+        if isinstance(wave, SolitaryWave):
+            if self.ramp is not None:
+                raise ValueError(
+                    f"ramp = {self.ramp:g}: is for regular and irregular waves; leave it out for a solitary wave"
+                )
+        elif self.second_order and isinstance(wave, (Airy, Stokes, StreamFunction)):
+            ursell = wave.height * wave.length**2 / wave.depth**3
+            if ursell > LONGEST_MADSEN:
+                raise ValueError(
+                    f"wave: height length^2/depth^3 = {ursell:.3g}, Madsen's second order holds up to "
+                    f"{LONGEST_MADSEN:.3g}; "
+                    "use a shorter or lower wave, or second_order=False"
+                )
+        return self
+
+    @property
+    def direction(self) -> tuple[float, float]:
+        """The piston moves along x."""
+        return 1.0, 0.0
+
+    def ratio(self, k: float) -> float:
+        """Return the height of waves over the stroke."""
+        return piston_ratio(k, self.wave.depth)
+
+    @property
+    def made(self) -> WaveField:
+        """The wave in the scene: of a solitary wave, with the crest at t = 0 where it belongs, behind the wall."""
+        if not isinstance(self.wave, SolitaryWave):
+            return self.wave
+        ahead = _solitary(self.wave, self.tail)[1]
+        return self.wave.model_copy(update={"at": self.place - self._sign * ahead})
+
+    def law(self, t: float) -> tuple[float, float, float]:
+        """See Motion."""
+        if isinstance(self.wave, SolitaryWave):
+            return _scaled(self._sign, _solitary(self.wave, self.tail)[0].at(t))
+        return _scaled(self._sign, _sum(self, t))
+
+    @property
+    def _sign(self) -> float:
+        return -1.0 if self.wave.leftward else 1.0
+
+    @property
+    def longest_step(self) -> float:
+        """See Motion."""
+        if isinstance(self.wave, SolitaryWave):
+            return SHARE * 2.0 * np.pi / (self.wave.rate * self.wave.celerity)
+        return SHARE * self.wave.period
+
+    @property
+    def top_rate(self) -> float:
+        """See Motion; of irregular motion, four standard deviations."""
+        if isinstance(self.wave, SolitaryWave):
+            return float(np.abs(_solitary(self.wave, self.tail)[0].points[:, 1]).max())
+        a, w, _ = _cached_harmonics(self)
+        return float(4.0 * np.sqrt(0.5 * ((a * w) ** 2).sum()) if len(a) > 2 else np.abs(a * w).sum())
+
+
+class FlapStroke(Rotation):
+    """The motion of a hinged wall that makes a regular wave or a Jonswap, of first order.
+
+    wave : the wave; centre : the hinge (x, y) [m]; bed : height y of the bed [m]; ramp : as of a PistonStroke
+    """
+
+    kind: Literal["flap_stroke"] = "flap_stroke"
+    wave: Annotated[Union[Airy, Stokes, StreamFunction, Jonswap], Field(discriminator="kind", description="a wave")]
+    centre: Centre = (0.0, 0.0)
+    bed: Annotated[float, Field(description="height y of the bed [m]")] = 0.0
+    ramp: Ramp = None
+    second_order: Literal[False] = False
+
+    @model_validator(mode="after")
+    def _hinge_is_under_water(self) -> "FlapStroke":
+        top = self.bed + self.wave.depth
+        if not self.centre[1] < top:
+            raise ValueError(f"centre = {self.centre}: the hinge must be below the still surface at y = {top:g}")
+        return self
+
+    @property
+    def place(self) -> float:
+        """Position x of the wall at rest [m]."""
+        return self.centre[0]
+
+    @property
+    def _arm(self) -> float:
+        return self.bed + self.wave.depth - self.centre[1]
+
+    def ratio(self, k: float) -> float:
+        """Return the height of waves over the stroke at the still surface."""
+        return flap_ratio(k, self.wave.depth, self.centre[1] - self.bed)
+
+    def law(self, t: float) -> tuple[float, float, float]:
+        """See Motion: a displacement towards +x is a turn with the clock."""
+        scale = (1.0 if self.wave.leftward else -1.0) / self._arm
+        return _scaled(scale, _sum(self, t))
+
+    @property
+    def longest_step(self) -> float:
+        """See Motion."""
+        return SHARE * self.wave.period
+
+    @property
+    def top_rate(self) -> float:
+        """See Motion; of irregular motion, four standard deviations."""
+        a, w, _ = _cached_harmonics(self)
+        return float((4.0 * np.sqrt(0.5 * ((a * w) ** 2).sum()) if len(a) > 2 else np.abs(a * w).sum()) / self._arm)

@@ -1,0 +1,96 @@
+"""What every wave is: elevation and velocity at any place and time.
+
+Waves are data of a case. The same record gives a start, the truth of a gauge, and the motion of a wavemaker.
+
+x is in the scene, y is measured from the bed, elevations from the still surface, and t = 0 is the start of the run.
+SI units; g is the acceleration of gravity.
+"""
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from parisph.base.arrays import Floats
+from parisph.base.text import shown
+from parisph.case.model import Model
+
+Depth = Annotated[float, Field(gt=0, description="depth of the still water [m]")]
+Height = Annotated[float, Field(gt=0, description="height from trough to crest [m]")]
+Period = Annotated[float, Field(gt=0, description="period [s]")]
+Gravity = Annotated[float, Field(gt=0, description="acceleration of gravity [m/s2]")]
+Place = Annotated[float, Field(description="position x of a crest at t = 0 [m]")]
+Leftward = Annotated[bool, Field(description="whether the wave runs towards -x")]
+
+
+class WaveField(Model):
+    """A wave on water of uniform `depth` [m] at rest, under gravity `g` [m/s2]."""
+
+    @abstractmethod
+    def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
+        """Elevation [m] of the surface at x [m] and t [s], which broadcast."""
+
+    @abstractmethod
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Floats, Floats]:
+        """Velocity components (u, v) [m/s] at x, y [m] and t [s], which broadcast; y is the height above the bed."""
+
+
+class Travelling(WaveField):
+    """A wave of permanent form, with a crest at x = `at` when t = 0."""
+
+    if TYPE_CHECKING:    # each kind has these; as fields of this class they would come first
+        at: float
+        leftward: bool
+
+    @property
+    @abstractmethod
+    def celerity(self) -> float:
+        """Speed of the crests [m/s]."""
+
+    @abstractmethod
+    def _profile(self, ahead: Floats) -> Floats:
+        """Return the elevation [m] at a distance ahead of the crest [m]."""
+
+    @abstractmethod
+    def _flow(self, ahead: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """Return the velocity (u, v) [m/s] of a wave towards +x, at distances ahead of the crest and heights y [m]."""
+
+    def elevation(self, x: ArrayLike, t: ArrayLike) -> Floats:
+        """See WaveField."""
+        return self._profile(self._ahead(x, t))
+
+    def velocity(self, x: ArrayLike, y: ArrayLike, t: ArrayLike) -> tuple[Floats, Floats]:
+        """See WaveField."""
+        ahead, y = np.broadcast_arrays(self._ahead(x, t), np.asarray(y, dtype=float))
+        u, v = self._flow(ahead, y)
+        return self._sign * u, v
+
+    @property
+    def _sign(self) -> float:
+        return -1.0 if self.leftward else 1.0
+
+    def _ahead(self, x: ArrayLike, t: ArrayLike) -> Floats:
+        """Return the distance of x from the crest, positive where the wave goes [m]."""
+        ahead: Floats = self._sign * (np.asarray(x, dtype=float) - self.at) - self.celerity * np.asarray(t, dtype=float)
+        return ahead
+
+
+def no_higher(height: float, most: float, where: str, remedy: str) -> None:
+    """Raise ValueError if a wave's height is more than `most` [m], the highest possible `where`."""
+    if not height <= most:
+        raise ValueError(f"height = {shown(height)}: must be at most {most:.4g} m, {where}; {remedy}")
+
+
+def steepest(depth: float, length: float) -> float:
+    """Return the height [m] of the highest steady wave of a length [m] in water of a depth [m].
+
+    Williams' results as fitted by Fenton (1990, Eq 32): within 1 % of them.
+    """
+    ratio = length / depth
+    return (
+        depth
+        * (0.141063 * ratio + 0.0095721 * ratio**2 + 0.0077829 * ratio**3)
+        / (1.0 + 0.0788340 * ratio + 0.0317567 * ratio**2 + 0.0093407 * ratio**3)
+    )
