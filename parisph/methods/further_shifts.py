@@ -7,7 +7,6 @@ from abc import abstractmethod
 from typing import TYPE_CHECKING
 
 import numpy as np
-from mpi4py import MPI
 
 from parisph.base.fields import FLUID
 from parisph.case.numerics import Numerics
@@ -85,7 +84,7 @@ class XuShift(Shift):
     def prepare(self, flow: "Flow", dt: float) -> None:
         p = flow.particles
         top = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max(initial=0.0)
-        flow.top_speed = p.comm.allreduce(float(top), op=MPI.MAX)
+        flow.top_speed = max(p.comm.allgather(float(top)))    # without mpi4py's MAX: laptops describe cases without MPI
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
