@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
@@ -70,8 +71,9 @@ def _surface(case: Scene) -> Iterator[str]:
     if case.closed or case.numerics.resolved().surface_rule != "none":
         return
     if case.numerics.surface_rule == "none":
+        rules = ", ".join(rule for rule in vocabulary.known("surface_rule") if rule != "none")
         yield ("numerics.surface_rule = none: only for a tank with a lid that is full; "
-               "choose gap, auxiliary, density, divergence or frozen, or leave it to the preset")
+               f"choose {rules}, or leave it to the preset")
     else:
         yield (f"numerics.preset = {case.numerics.preset}: looks for no free surface, only for a tank with a lid that "
                "is full; choose violent or gentle, or give numerics.surface_rule")
