@@ -3,30 +3,24 @@
 import difflib
 import functools
 import inspect
-import sys
-import traceback
 import types
 import typing
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from parisph.base import paths, reading
+from parisph.base import paths
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
-from parisph.base.text import class_name, clipped, listed, named, of_error, plain, shown
+from parisph.base.text import class_name, listed, named, of_error, shown
 from parisph.case import stored
 from parisph.case.expressions import number
-from parisph.case.faults import first_lines
 from parisph.case.probes import Truth, read_truth
 from parisph.case.schema import Case
-
-Result = TypeVar("Result")
+from parisph.case.users_file import LONGEST, beside, module_of, read, users_code, what
 
 MISSING = inspect.Parameter.empty
 STARS: dict[Any, str] = {inspect.Parameter.VAR_POSITIONAL: "*", inspect.Parameter.VAR_KEYWORD: "**"}
-LONGEST = 400    # characters of a line of a message
 MOST_STORED = 128 * 10**6    # bytes of a stored case: each of its fields may have 10**6 numbers, each up to 32 bytes
 
 
@@ -52,9 +46,9 @@ def load(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
         return _stored(file, path)
     function = _function(file, path)
     given = {name: _value(function, name, value, path) for name, value in sets.items()}
-    with _beside(file):
-        case = _users_code(lambda: function(**given), file, path)
-    if not _users_code(lambda: isinstance(case, Case), file, path):
+    with beside(file):
+        case = users_code(lambda: function(**given), file, path)
+    if not users_code(lambda: isinstance(case, Case), file, path):
         raise CaseError(f"{named(path)}: case(...) returned a {class_name(case)}; it must return a Case")
     return _with_truths(case, file.parent)
 
@@ -80,16 +74,6 @@ def parameters(path: AnyPath) -> dict[str, tuple[Any, str]]:
             for name, item in inspect.signature(function).parameters.items()}
 
 
-@contextmanager
-def _beside(file: Path) -> Iterator[None]:
-    """Read files that a case names, such as the measured motion of a Series, from the folder of the case file."""
-    token = paths.FOLDER.set(file.parent)
-    try:
-        yield
-    finally:
-        paths.FOLDER.reset(token)
-
-
 def _find(path: AnyPath) -> Path:
     file = paths.checked(path, "CASE")
     if file.is_file():
@@ -106,19 +90,12 @@ def _find(path: AnyPath) -> Path:
     raise CaseError(f"{named(path)}: {problem}{hint}")
 
 
-def _read(file: Path, path: AnyPath, most: float = reading.MOST) -> str:
-    try:
-        return reading.read_text(file, most)
-    except OSError as error:
-        raise CaseError(f"{named(path)}: cannot be read: {error.strerror}") from None
-
-
 def _stored(file: Path, path: AnyPath) -> Case:
-    text = _read(file, path, MOST_STORED)
+    text = read(file, path, MOST_STORED)
     try:
         return stored.from_json(text)
     except CaseError as error:
-        raise CaseError(f"{named(path)}: {_what(error)}") from error
+        raise CaseError(f"{named(path)}: {what(error)}") from error
 
 
 def register_parts(path: AnyPath) -> None:
@@ -126,37 +103,19 @@ def register_parts(path: AnyPath) -> None:
 
     Raises CaseError: the file cannot be read, or raises an error.
     """
-    _module(_find(path), path)
+    module_of(_find(path), path, "parisph_case")
 
 
 def _function(file: Path, path: AnyPath) -> Callable[..., Any]:
     """Run the case file and return its function `case`."""
-    module = _module(file, path)
+    module = module_of(file, path, "parisph_case")
     function: Callable[..., Any] | None = vars(module).get("case")
-    if not callable(function) or _users_code(lambda: inspect.iscoroutinefunction(function), file, path):
+    if not callable(function) or users_code(lambda: inspect.iscoroutinefunction(function), file, path):
         there = ("has no function case(...)" if function is None
                  else f"`case` is a {class_name(function)}, not a plain function")
         raise CaseError(f"{named(path)}: {there}; write: def case(...) -> Case")
     _check_parameters(function, path)
     return function
-
-
-def _module(file: Path, path: AnyPath) -> types.ModuleType:
-    """Run a Python file of the user and return its module.
-
-    The text is compiled here and not imported: no __pycache__ beside the cases, on which ranks could race.
-    """
-    text = _read(file, path)
-    module = types.ModuleType("parisph_case")
-    module.__file__ = str(file)
-    sys.path.insert(0, str(file.parent))
-    try:
-        with _beside(file):
-            _users_code(lambda: exec(compile(text, str(file), "exec"), module.__dict__), file, path)  # noqa: S102
-    finally:
-        with suppress(ValueError):    # the case file may have taken it out
-            sys.path.remove(str(file.parent))
-    return module
 
 
 def _check_parameters(function: Callable[..., Any], path: AnyPath) -> None:
@@ -175,36 +134,6 @@ def _check_parameters(function: Callable[..., Any], path: AnyPath) -> None:
         if parameter.default is MISSING:
             raise CaseError(f"{named(path)}: the parameter {name!r} of case(...) needs a default, "
                             f"as in {name}: float = 1.0")
-
-
-def _users_code(action: Callable[[], Result], file: Path, path: AnyPath) -> Result:
-    """Return action(), which runs code of a case file.
-
-    Raises CaseError that says where it failed, except for Ctrl-C.
-    """
-    try:
-        return action()
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:
-        raise CaseError(f"{_where(error, file, path)}: {_what(error)}") from error
-
-
-def _where(error: BaseException, file: Path, path: AnyPath) -> str:
-    """Return 'path, line n' of the last line of the case file that the error passed through."""
-    if isinstance(error, SyntaxError) and error.filename == str(file):
-        return f"{named(path)}, line {error.lineno}"
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
-    return f"{named(path)}, line {lines[-1]}" if lines else named(path)
-
-
-def _what(error: BaseException) -> str:
-    if isinstance(error, CaseError):
-        lines = [clipped(plain(line), LONGEST) for line in str(error).split("\n")]
-        return lines[0] if len(lines) == 1 else "\n  " + first_lines(lines).replace("\n", "\n  ")
-    if isinstance(error, SyntaxError):
-        return f"syntax error: {clipped(plain(str(error.msg)), LONGEST)}"
-    return f"{class_name(error)}: {of_error(error)}".removesuffix(": ")
 
 
 def _as_dict(sets: Mapping[str, Any] | Sequence[str]) -> dict[str, Any]:

@@ -1,0 +1,86 @@
+"""Run Python files of the user, such as case and study files. What goes wrong in them names file and line."""
+
+import sys
+import traceback
+import types
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TypeVar
+
+from parisph.base import paths, reading
+from parisph.base.errors import CaseError
+from parisph.base.paths import AnyPath
+from parisph.base.text import class_name, clipped, named, of_error, plain
+from parisph.case.faults import first_lines
+
+Result = TypeVar("Result")
+
+LONGEST = 400    # characters of a line of a message
+
+
+@contextmanager
+def beside(file: Path) -> Iterator[None]:
+    """Read files that a case names, such as the measured motion of a Series, from the folder of the case file."""
+    token = paths.FOLDER.set(file.parent)
+    try:
+        yield
+    finally:
+        paths.FOLDER.reset(token)
+
+
+def read(file: Path, path: AnyPath, most: float = reading.MOST) -> str:
+    """Return the text of a file of at most `most` bytes; path : what the user called it. Raises CaseError."""
+    try:
+        return reading.read_text(file, most)
+    except OSError as error:
+        raise CaseError(f"{named(path)}: cannot be read: {error.strerror}") from None
+
+
+def module_of(file: Path, path: AnyPath, name: str) -> types.ModuleType:
+    """Run a Python file of the user and return its module, called `name`. Raises CaseError.
+
+    The text is compiled here and not imported: no __pycache__ beside the file, on which ranks could race.
+    """
+    text = read(file, path)
+    module = types.ModuleType(name)
+    module.__file__ = str(file)
+    sys.path.insert(0, str(file.parent))
+    try:
+        with beside(file):
+            users_code(lambda: exec(compile(text, str(file), "exec"), module.__dict__), file, path)  # noqa: S102
+    finally:
+        with suppress(ValueError):    # the file may have taken it out
+            sys.path.remove(str(file.parent))
+    return module
+
+
+def users_code(action: Callable[[], Result], file: Path, path: AnyPath) -> Result:
+    """Return action(), which runs code of a file of the user.
+
+    Raises CaseError that says where it failed, except for Ctrl-C.
+    """
+    try:
+        return action()
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        raise CaseError(f"{_where(error, file, path)}: {what(error)}") from error
+
+
+def _where(error: BaseException, file: Path, path: AnyPath) -> str:
+    """Return 'path, line n' of the last line of the file that the error passed through."""
+    if isinstance(error, SyntaxError) and error.filename == str(file):
+        return f"{named(path)}, line {error.lineno}"
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
+    return f"{named(path)}, line {lines[-1]}" if lines else named(path)
+
+
+def what(error: BaseException) -> str:
+    """Return an error in words for the end of a message; of a CaseError its first lines."""
+    if isinstance(error, CaseError):
+        lines = [clipped(plain(line), LONGEST) for line in str(error).split("\n")]
+        return lines[0] if len(lines) == 1 else "\n  " + first_lines(lines).replace("\n", "\n  ")
+    if isinstance(error, SyntaxError):
+        return f"syntax error: {clipped(plain(str(error.msg)), LONGEST)}"
+    return f"{class_name(error)}: {of_error(error)}".removesuffix(": ")
