@@ -1,4 +1,4 @@
-"""Rules of the architecture that a test can check: which part may import which (the order is in README.md)."""
+"""Rules of the architecture that a test can check: which part may import which (the order is in parisph/README.md)."""
 
 import ast
 import subprocess

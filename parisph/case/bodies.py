@@ -23,6 +23,11 @@ class Profile(Model):
 
     The points may be given either way round. Where the first lies above the last, as at a vertical wall, nothing is
     above: then `side` says on which side of the way along the points the fluid is.
+
+    Examples
+    --------
+    >>> Profile(points=((0.0, 0.0), (2.0, 0.0), (4.0, 0.5)), name="beach").fluid_on_left
+    True
     """
 
     kind: Literal["profile"] = "profile"
@@ -47,7 +52,13 @@ class Profile(Model):
 
 
 class Obstacle(Model):
-    """A solid with fluid around it: a Box, Disc or Polygon, which may stand on a bed or overlap other bodies."""
+    """A solid with fluid around it: a Box, Disc or Polygon, which may stand on a bed or overlap other bodies.
+
+    Examples
+    --------
+    >>> Obstacle(Box(width=0.1, height=0.2, at=(1.0, 0.0)), name="box").slip
+    'free'
+    """
 
     kind: Literal["obstacle"] = "obstacle"
     shape: Shape
@@ -62,7 +73,13 @@ class Obstacle(Model):
 
 
 class Plate(Model):
-    """A thin wall without thickness, with fluid on both sides: straight lines between points [m]."""
+    """A thin wall without thickness, with fluid on both sides: straight lines between points [m].
+
+    Examples
+    --------
+    >>> Plate(points=((1.0, 0.0), (1.0, 0.3)), name="baffle", slip="none").name
+    'baffle'
+    """
 
     kind: Literal["plate"] = "plate"
     points: Line
@@ -76,7 +93,13 @@ class Plate(Model):
 
 
 class StillWater(Model):
-    """Water at rest that fills what the walls enclose, up to a level [m]."""
+    """Water at rest that fills what the walls enclose, up to a level [m].
+
+    Examples
+    --------
+    >>> StillWater(level=0.3).level
+    0.3
+    """
 
     kind: Literal["still_water"] = "still_water"
     level: float = Field(description="height of the water surface [m]")

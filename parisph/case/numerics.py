@@ -56,6 +56,14 @@ class Numerics(Model):
     jitter : k of a start displacement s k (Rn - 1/2) in each direction, Rn uniform in [0, 1) (Z17
         Sec. 4), of fluid particles inside; of those on the free surface too if jitter_surface
     seed : seed of the jitter
+
+    Examples
+    --------
+    >>> Numerics(spacing=0.02).resolved().cfl    # from the preset "violent"
+    0.3
+    >>> waves = Numerics(spacing=0.02, preset="gentle", time_step=0.002, jitter=0.2, seed=1)
+    >>> papers = Numerics(spacing=0.02, method="Z14_CISPH2")
+    >>> other = Numerics(spacing=0.02, laplacian="gfd", surface_rule="density")
     """
 
     spacing: float = Field(gt=0, description="particle spacing [m]")
@@ -174,6 +182,11 @@ class Output(Model):
     probe_interval : time between samples of the probes [s], instead of `probe_every`; samples have exactly these
         times, interpolated linearly in time between steps, and no step is shortened for them
     budget : whether steps.csv also has the energy that the fluid gained by each part of the step
+
+    Examples
+    --------
+    >>> Output(every=0.05, times=(0.012,), fields=("u", "p"), probe_interval=0.001).fields
+    ('u', 'p')
     """
 
     every: Optional[float] = Field(None, gt=0, description="time between snapshots [s]")

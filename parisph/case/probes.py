@@ -27,6 +27,12 @@ class Truth(Model):
     time_scale : seconds for one unit of the time column
     wave : whether the error is that of the wave part, |probe - truth| / |truth - offset|, instead of
         |probe - truth| / |truth|
+
+    Examples
+    --------
+    >>> truth = Truth("gauge.csv", time="t_s", value="eta_mm", scale=0.001, offset=0.4, wave=True)
+    >>> SurfaceGauge("gauge", at=0.5, truth=truth).truth.scale
+    0.001
     """
 
     file: str
@@ -42,6 +48,13 @@ class WaveTruth(Model):
     """A wave as the truth of a surface gauge, whose error is that of the wave part.
 
     of : the wave, which may run through the scene from the start; level : height y of the still surface [m]
+
+    Examples
+    --------
+    >>> wave = SolitaryWave(height=0.05, depth=0.25, at=2.0)
+    >>> gauge = SurfaceGauge("gauge", at=2.0, truth=WaveTruth(wave, level=0.25))
+    >>> print(f"{gauge.truth.series(2.0, [0.0])[0]:.3f} m")
+    0.300 m
     """
 
     of: AnyWave
@@ -76,7 +89,13 @@ class Probe(Model):
 
 
 class SurfaceGauge(Probe):
-    """Height y of the free surface [m] above x = `at` [m]."""
+    """Height y of the free surface [m] above x = `at` [m].
+
+    Examples
+    --------
+    >>> SurfaceGauge("gauge", at=0.25).name
+    'gauge'
+    """
 
     kind: Literal["surface_gauge"] = "surface_gauge"
     at: float = Field(description="position x of the gauge [m]")
@@ -89,6 +108,11 @@ class PressureTap(Probe):
 
     It is the value there of a linear pressure fitted to the wall within `radius`, as of a sensor with a face. One wall
     particle alone is wetted from one step to the next, and tells of an impact too late and too abruptly.
+
+    Examples
+    --------
+    >>> PressureTap("P2", at=(2.0, 0.05), radius=0.0375, peak=True).peak
+    True
     """
 
     kind: Literal["pressure_tap"] = "pressure_tap"
@@ -100,7 +124,13 @@ class PressureTap(Probe):
 
 
 class WaterFront(Probe):
-    """Position x [m] of the water's foremost particle along the bed."""
+    """Position x [m] of the water's foremost particle along the bed.
+
+    Examples
+    --------
+    >>> WaterFront("front").kind
+    'water_front'
+    """
 
     kind: Literal["water_front"] = "water_front"
     truth: Union[Truth, None] = None
@@ -108,7 +138,13 @@ class WaterFront(Probe):
 
 
 class ColumnHeight(Probe):
-    """Height y [m] of the topmost water connected to the bed at x = `at` [m]."""
+    """Height y [m] of the topmost water connected to the bed at x = `at` [m].
+
+    Examples
+    --------
+    >>> ColumnHeight("column", at=0.0).at
+    0.0
+    """
 
     kind: Literal["column_height"] = "column_height"
     at: float = Field(description="position x of the column [m]")
@@ -120,6 +156,11 @@ class Energy(Probe):
     """Kinetic and potential energy of the fluid [J/m].
 
     current : whether also by the volumes that particles represent now, not only by those at the start
+
+    Examples
+    --------
+    >>> Energy("energy", current=True).current
+    True
     """
 
     kind: Literal["energy"] = "energy"
@@ -129,7 +170,13 @@ class Energy(Probe):
 
 
 class Volume(Probe):
-    """Relative volume of the fluid: mean interior Voronoi cell over its start [-]."""
+    """Relative volume of the fluid: mean interior Voronoi cell over its start [-].
+
+    Examples
+    --------
+    >>> Volume("volume").name
+    'volume'
+    """
 
     kind: Literal["volume"] = "volume"
     truth: Union[Truth, None] = None
@@ -137,7 +184,13 @@ class Volume(Probe):
 
 
 class Momentum(Probe):
-    """Momentum of the fluid [kg/s per metre of width]."""
+    """Momentum of the fluid [kg/s per metre of width].
+
+    Examples
+    --------
+    >>> Momentum("momentum").name
+    'momentum'
+    """
 
     kind: Literal["momentum"] = "momentum"
     truth: Union[Truth, None] = None
@@ -148,6 +201,11 @@ class VelocityProfile(Probe):
     """Velocity [m/s] and pressure [Pa] at `points` points, evenly from `start` to `end` [m].
 
     The columns of point k are u_k, v_k and p_k; the first point is 0. Points outside the fluid have nan.
+
+    Examples
+    --------
+    >>> VelocityProfile("middle", start=(0.5, 0.0), end=(0.5, 1.0), points=3).places.tolist()
+    [[0.5, 0.0], [0.5, 0.5], [0.5, 1.0]]
     """
 
     kind: Literal["velocity_profile"] = "velocity_profile"

@@ -61,6 +61,14 @@ class Case(Scene):
     Raises
     ------
     CaseError : with one line for each problem
+
+    Examples
+    --------
+    >>> case = Case(title="Water at rest", fluid=Fluid(Box(width=1.0, height=0.4), density=1000.0),
+    ...             walls=Tank(width=1.0, height=0.6), gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05),
+    ...             probes=[PressureTap("tap", at=(0.0, 0.2))], end_time=1.0)
+    >>> case.changed(**{"numerics.spacing": 0.1, "end_time": 2.0}).numerics.spacing
+    0.1
     """
 
     @model_validator(mode="after")

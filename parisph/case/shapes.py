@@ -28,7 +28,13 @@ Number = Union[float, str]  # a number, or an expression of position
 
 
 class Box(Model):
-    """A rectangle of fluid: width x height [m], with its lower left corner `at` [m]."""
+    """A rectangle of fluid: width x height [m], with its lower left corner `at` [m].
+
+    Examples
+    --------
+    >>> Box(width=2.0, height=0.5, at=(0.0, 0.1)).area
+    1.0
+    """
 
     kind: Literal["box"] = "box"
     width: Length
@@ -59,7 +65,13 @@ class Box(Model):
 
 
 class Disc(Model):
-    """A disc of fluid: radius [m] about its centre `at` [m]."""
+    """A disc of fluid: radius [m] about its centre `at` [m].
+
+    Examples
+    --------
+    >>> print(f"{Disc(radius=0.5, at=(1.0, 1.0)).area:.4f} m2")
+    0.7854 m2
+    """
 
     kind: Literal["disc"] = "disc"
     radius: Length
@@ -84,7 +96,13 @@ class Disc(Model):
 
 
 class Polygon(Model):
-    """A polygon of fluid, given by its corners in order, either way round [m]."""
+    """A polygon of fluid, given by its corners in order, either way round [m].
+
+    Examples
+    --------
+    >>> Polygon(points=((0.0, 0.0), (1.0, 0.0), (0.0, 0.5))).area
+    0.25
+    """
 
     kind: Literal["polygon"] = "polygon"
     points: Annotated[tuple[tuple[float, ...], ...], Field(
@@ -139,6 +157,11 @@ class Lid(Model):
     """A lid that moves in its plane with `velocity` [m/s] along x, as in a lid-driven cavity.
 
     Only viscous fluid notices.
+
+    Examples
+    --------
+    >>> Tank(width=1.0, height=1.0, lid=Lid(velocity=0.5), no_slip=True).closed
+    True
     """
 
     velocity: float = Field(description="velocity of the lid along x [m/s]")
@@ -152,6 +175,11 @@ class Tank(Model):
 
     With a lid it is closed; without one its side walls end at the top, and water may leave
     it there. Viscous fluid sticks to the walls named in `no_slip`, and slips along the others.
+
+    Examples
+    --------
+    >>> Tank(width=2.0, height=1.0, lid=True, no_slip=("bottom",)).sticky
+    ('bottom',)
     """
 
     width: Length
@@ -201,6 +229,14 @@ class Fluid(Model):
     wave : None, or a wave (parisph.case.waves) that gives velocity and elevation at t = 0, in place of these two; the
         top of the Box is its still surface, and the Box is as high as the wave's water is deep
     viscosity : kinematic [m2/s], 0 for none
+
+    Examples
+    --------
+    >>> water = Fluid(Box(width=1.0, height=0.4), density=1000.0, velocity=("0.1*cos(pi*x)", 0.0))
+    >>> Fluid(Box(width=1.0, height=0.4), density=1000.0, elevation="0.02*cos(pi*x)").raised
+    True
+    >>> wave = SolitaryWave(height=0.05, depth=0.25, at=2.0)
+    >>> moving = Fluid(Box(width=8.0, height=0.25), density=1000.0, viscosity=1e-6, wave=wave)
     """
 
     shape: Shape

@@ -1,4 +1,4 @@
-"""The README is true: its case and its script run, its commands, options and files exist."""
+"""The README files are true: their cases and scripts run, their commands, options, files and links exist."""
 
 import ast
 import re
@@ -11,17 +11,22 @@ from parisph import cli
 from parisph.case.load import load, parameters
 from tests.launch import ROOT, parisph, run
 
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+README = ROOT / "README.md"
+READMES = [README, *(path for folder in ("parisph", "cases", "run_scripts", "tests")
+                     for path in sorted((ROOT / folder).rglob("README.md")))]
+NAMES = [str(path.relative_to(ROOT)) for path in READMES]
+TEXT = "\n".join(path.read_text(encoding="utf-8") for path in READMES)
 PYTHON = re.findall(r"^```python\n(.*?)^```", TEXT, flags=re.M | re.S)
 SHELL = [line for block in re.findall(r"^```sh\n(.*?)^```", TEXT, flags=re.M | re.S) for line in block.splitlines()]
 CODE = re.findall(r"(?<!`)`([^`\n]+)`(?!`)", TEXT)
 COMMANDS = [line for line in SHELL if re.search(r"\bparisph ", line)]
+LINK = re.compile(r"(?<!`)\[[^\]\n]*\]\(([^)\s]+)\)")
 
 
 def one(blocks, word):
     """Return the block that holds a word."""
     found = [block for block in blocks if word in block]
-    assert len(found) == 1, f"{len(found)} blocks of the README with {word!r}"
+    assert len(found) == 1, f"{len(found)} blocks of the README files with {word!r}"
     return found[0]
 
 
@@ -72,6 +77,12 @@ def test_script_runs_as_printed(first):
         assert (first / folder / "summary.json").exists()
 
 
+def test_part_is_registered_as_printed():
+    script = one(PYTHON, "parts.SOURCES.register") + "assert parts.SOURCES['weaker'].target\n"
+    done = run([sys.executable, "-c", script], timeout=200)
+    assert done.returncode == 0, done.stderr
+
+
 def test_names_are_offered_by_the_package():
     import parisph as package
 
@@ -91,12 +102,12 @@ def test_command_is_understood(line, first):
         assert {text.partition("=")[0] for text in args.set} <= set(known)
 
 
-@pytest.mark.parametrize("verb", sorted(set(re.findall(r"\bparisph ([a-z]+)", " ".join([*CODE, *SHELL])))))
+@pytest.mark.parametrize("verb", sorted(set(re.findall(r"(?<!from )\bparisph ([a-z]+)", " ".join([*CODE, *SHELL])))))
 def test_verb_exists(verb):
     assert verb in _verbs()
 
 
-@pytest.mark.parametrize("option", sorted(set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", " ".join([*CODE, *SHELL])))))
+@pytest.mark.parametrize("option", sorted(set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", " ".join([*CODE, *COMMANDS])))))
 def test_option_exists(option):
     assert any(option in verb._option_string_actions for verb in _verbs().values())
 
@@ -115,3 +126,53 @@ def test_commands_are_there():
     path.rstrip(".") for path in re.findall(r"(?<![\w/.])(?:parisph|cases|run_scripts|tests)/[\w./]+", TEXT)}))
 def test_file_exists(path):
     assert (ROOT / path).exists()
+
+
+@pytest.mark.parametrize("module", sorted(set(re.findall(r"python -m (tests\.\w+)", TEXT))))
+def test_campaign_exists(module):
+    assert (ROOT / module.replace(".", "/") / "__main__.py").exists()
+
+
+def slug(heading):
+    """Return the anchor that a heading has on GitHub."""
+    words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).strip().lower()
+    return re.sub(r"[^\w\- ]", "", words).replace(" ", "-")
+
+
+def links(path):
+    """Return the (file, anchor) that a README links to; not pages of the web."""
+    text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.M | re.S)
+    found = [target.partition("#") for target in LINK.findall(text) if "://" not in target]
+    return [((path.parent / name).resolve() if name else path, anchor) for name, _, anchor in found]
+
+
+@pytest.mark.parametrize("path", READMES, ids=NAMES)
+def test_links_lead_somewhere(path):
+    for target, anchor in links(path):
+        assert target.exists() and ROOT in target.parents, f"{path.relative_to(ROOT)} links to {target}"
+        if anchor:
+            headings = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), flags=re.M)
+            assert anchor in map(slug, headings), f"{path.relative_to(ROOT)} links to {target.name}#{anchor}"
+
+
+def test_every_readme_is_linked_from_the_first():
+    seen, new = set(), {README}
+    while new:
+        seen |= new
+        new = {target for path in new for target, _ in links(path) if target.name == "README.md"} - seen
+    assert seen == set(READMES)
+
+
+def test_readme_is_short_and_shows_a_picture():
+    text = README.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 150
+    pictures = [README.parent / name for name in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)]
+    assert pictures and all(picture.read_bytes().startswith(b"\x89PNG") for picture in pictures)
+    assert all(picture.stat().st_size < 150_000 for picture in pictures)
+
+
+@pytest.mark.parametrize(("heading", "anchor"), [
+    ("Limits in numbers", "limits-in-numbers"), ("Set-up", "set-up"), ("The `Case`, and (a)", "the-case-and-a"),
+])
+def test_slug_is_that_of_github(heading, anchor):
+    assert slug(heading) == anchor

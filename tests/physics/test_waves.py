@@ -38,7 +38,7 @@ def test_standing_wave(tmp_path):
 
 
 def test_solitary_wave_keeps_its_form(tmp_path):
-    """Coarse, over 5 depths, against the exact wave; cases/README.md has the errors of a longer and finer run."""
+    """Coarse, over 5 depths, against the exact wave; tests/README.md has the errors of a longer and finer run."""
     found = summary_of(scene("solitary_wave", spacing=0.1, length=30, start=11, end_time=0.8), tmp_path)
     wave = errors(reader.open_run(tmp_path / "run"))
     assert wave["profile"] < 0.01 and abs(wave["speed"]) < 2e-3 and abs(wave["height"]) < 0.01

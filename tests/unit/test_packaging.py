@@ -9,6 +9,7 @@ import pytest
 import parisph
 from tests.launch import ROOT
 
+METHOD = ROOT / "parisph" / "methods" / "README.md"    # has the references
 STUBS = sorted((ROOT / "parisph").rglob("*.pyi"))
 
 
@@ -40,4 +41,4 @@ def test_citation_is_of_this_version():
     text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert re.search(r"^version: (.*)$", text, re.M)[1] == parisph.__version__
     assert (set(re.findall(r"doi: (\S+)", text))
-            <= set(re.findall(r"doi:([^\s,]+?)\.?\s", (ROOT / "README.md").read_text(encoding="utf-8"))))
+            <= set(re.findall(r"doi:([^\s,]+?)\.?\s", METHOD.read_text(encoding="utf-8"))))

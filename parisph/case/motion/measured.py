@@ -45,6 +45,13 @@ class Series(Model):
     time_scale : seconds for one unit of the time column
     rate : whether the values are velocities [m/s] or [rad/s]; the motion is then their integral
     times, values : in SI units; from the file, if one is given
+
+    Examples
+    --------
+    >>> angle = Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0))
+    >>> print(f"{angle.law(1.0)[0]:.3f} rad")
+    0.100 rad
+    >>> angle = Series("roll.csv", time="t_s", value="angle_deg", scale=pi / 180)
     """
 
     file: str = ""

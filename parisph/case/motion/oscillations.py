@@ -13,7 +13,13 @@ Frequency = Annotated[Optional[float], Field(gt=0, description="angular frequenc
 
 
 class AtRest(Translation):
-    """A body that does not move."""
+    """A body that does not move.
+
+    Examples
+    --------
+    >>> AtRest().law(1.0)
+    (0.0, 0.0, 0.0)
+    """
 
     kind: Literal["at_rest"] = "at_rest"
     direction: Direction = (1.0, 0.0)
@@ -50,6 +56,11 @@ class Sway(_Harmonic):
     """Harmonic sway from rest: X = amplitude (1 - cos(frequency t)) (Z14, Sec. 3.2).
 
     amplitude [m], frequency [rad/s].
+
+    Examples
+    --------
+    >>> print(f"{Sway(amplitude=0.03, frequency=2 * pi).law(0.5)[0]:.3f} m")    # after half a period
+    0.060 m
     """
 
     kind: Literal["sway"] = "sway"
@@ -62,6 +73,11 @@ class Heave(_Harmonic):
     """Harmonic heave from rest: Y = amplitude (1 - cos(frequency t)), upwards.
 
     amplitude [m], frequency [rad/s].
+
+    Examples
+    --------
+    >>> print(f"{Heave(amplitude=0.03, frequency=2 * pi).law(0.5)[0]:.3f} m")
+    0.060 m
     """
 
     kind: Literal["heave"] = "heave"
@@ -77,6 +93,12 @@ class Roll(Rotation):
     frequency : [rad/s], of a harmonic roll
     centre : (x, y) [m]
     ramp : [s] in which a harmonic roll grows to its amplitude; default one period. With 0 the body turns from the start
+
+    Examples
+    --------
+    >>> print(f"{Roll(angle=0.07, frequency=2 * pi, centre=(0.45, 0.0)).law(10.25)[0]:.3f} rad")
+    0.070 rad
+    >>> measured = Roll(Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)), centre=(0.45, 0.0))
     """
 
     kind: Literal["roll"] = "roll"
@@ -123,7 +145,14 @@ class Roll(Rotation):
 
 
 class Moved(Translation):
-    """A measured translation, series, along a direction."""
+    """A measured translation, series, along a direction.
+
+    Examples
+    --------
+    >>> path = Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0))
+    >>> print(f"{Moved(path, direction=(0.0, 1.0)).law(2.0)[0]:.3f} m")
+    0.100 m
+    """
 
     kind: Literal["moved"] = "moved"
     series: Series
@@ -140,7 +169,13 @@ class Moved(Translation):
 
 
 class Tabulated(Translation):
-    """A measured motion: displacement [m] at increasing times [s], joined as a Series of numbers is."""
+    """A measured motion: displacement [m] at increasing times [s], joined as a Series of numbers is.
+
+    Examples
+    --------
+    >>> print(f"{Tabulated(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)).law(1.0)[0]:.3f} m")
+    0.100 m
+    """
 
     kind: Literal["tabulated"] = "tabulated"
     times: Annotated[tuple[float, ...], Field(min_length=4, description="increasing times [s], at least four")]

@@ -118,6 +118,12 @@ class PistonStroke(Translation):
     second_order : whether regular waves get Madsen's harmonic, which keeps free waves of twice the frequency away
     ramp : [s] in which regular and irregular motion grows; default one period
     tail : elevation over height at the piston when the motion for a solitary wave starts
+
+    Examples
+    --------
+    >>> stroke = PistonStroke(SolitaryWave(height=0.05, depth=0.25), place=0.0)
+    >>> print(f"{stroke.made.celerity:.2f} m/s")
+    1.71 m/s
     """
 
     kind: Literal["piston_stroke"] = "piston_stroke"
@@ -194,6 +200,12 @@ class FlapStroke(Rotation):
     """The motion of a hinged wall that makes a regular wave or a Jonswap, of first order.
 
     wave : the wave; centre : the hinge (x, y) [m]; bed : height y of the bed [m]; ramp : as of a PistonStroke
+
+    Examples
+    --------
+    >>> stroke = FlapStroke(Airy(height=0.05, period=1.2, depth=0.5), centre=(0.0, 0.1))
+    >>> print(f"{abs(stroke.law(0.0)[0]):.3f} rad")    # at rest at the start
+    0.000 rad
     """
 
     kind: Literal["flap_stroke"] = "flap_stroke"

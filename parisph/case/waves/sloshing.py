@@ -68,6 +68,12 @@ class Sloshing(WaveField):
     """Linear sloshing in a tank that sways by X = amplitude (1 - cos(frequency t)) from rest, seen from the tank.
 
     length, depth : of the water [m]; amplitude [m] and frequency [rad/s] : of the sway; at : x of the left wall [m]
+
+    Examples
+    --------
+    >>> wave = Sloshing(length=2.0, depth=0.5, amplitude=0.002, frequency=2.7)
+    >>> print(f"{abs(wave.elevation(0.0, 0.0)):.3f} m")    # flat at the start
+    0.000 m
     """
 
     kind: Literal["sloshing"] = "sloshing"

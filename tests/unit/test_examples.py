@@ -1,0 +1,56 @@
+"""The examples in the docstrings of what `from parisph import ...` offers for cases: each class has one, and it holds.
+
+An example may use all these names, pi, and the file roll.csv in the current folder.
+"""
+
+import doctest
+from math import pi
+from pathlib import Path
+
+import pytest
+
+import parisph
+from parisph.case import bodies, motion, schema
+
+CLASSES = {name: value for name in schema.__all__ if isinstance(value := getattr(schema, name), type)}
+CLASSES |= {value.__name__: value for value in (bodies.Profile, bodies.Obstacle, bodies.Plate, bodies.StillWater,
+                                               motion.PistonStroke, motion.FlapStroke)}
+
+
+def examples(thing):
+    """Return the examples in the docstring of a class, as one doctest."""
+    return doctest.DocTestParser().get_doctest(thing.__doc__, {"pi": pi, **CLASSES}, thing.__name__, None, None)
+
+
+def failures(test):
+    """Return what a doctest prints about the examples that do not hold; empty if all do."""
+    said = []
+    doctest.DocTestRunner(verbose=False).run(test, out=said.append)
+    return "".join(said)
+
+
+def test_all_classes_of_cases_are_looked_at():
+    offered = {name for name in parisph.__all__ if parisph._PUBLIC.get(name) == "parisph.case.schema"}
+    assert offered <= set(CLASSES)
+
+
+@pytest.mark.parametrize("name", sorted(CLASSES))
+def test_example_holds(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("roll.csv").write_text("t_s,angle_deg\n0,0\n1,4\n2,4\n3,0\n", encoding="utf-8")
+    test = examples(CLASSES[name])
+    assert any(f"{name}(" in example.source for example in test.examples)
+    assert not any(example.options for example in test.examples), "an example that is not run proves nothing"
+    assert failures(test) == ""
+
+
+class Wrong:
+    """An example that does not hold.
+
+    >>> 1 + 1
+    3
+    """
+
+
+def test_a_wrong_example_is_found():
+    assert "Expected" in failures(examples(Wrong))
