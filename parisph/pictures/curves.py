@@ -12,8 +12,7 @@ import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath
-from parisph.base.table import read_reference
-from parisph.case.probes import WaveTruth
+from parisph.case.truths import Truth, WaveTruth, read_truth
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
 
@@ -136,7 +135,7 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
 def truths(run: Run, folder: Path) -> dict[str, Samples]:
     """Return {probe name: (time [s], value)} for the probes of a run whose case names a truth.
 
-    folder : where the case file is; the files of the truths are relative to it. Raises StoreError.
+    folder : where the case file is; the files of the truths are relative to it. Raises CaseError.
     """
     found = {}
     for probe in run.case.get("probes", ()):
@@ -145,8 +144,8 @@ def truths(run: Run, folder: Path) -> dict[str, Samples]:
             time = run.probe(probe["name"])["time"]
             found[probe["name"]] = time, WaveTruth.model_validate(about).series(probe["at"], time)
         elif about:
-            options = {name: about[name] for name in ("offset", "scale", "time_scale") if name in about}
-            found[probe["name"]] = read_reference(folder / about["file"], about["time"], about["value"], **options)
+            truth = Truth.model_validate(about)
+            found[probe["name"]] = read_truth(truth.model_copy(update={"file": str(folder / truth.file)}))
     return found
 
 

@@ -26,8 +26,8 @@ from parisph import (
 )
 from parisph.case.checks import stable_time_step
 from parisph.case.methods import METHODS
-from parisph.case.probes import read_truth
 from parisph.case.schema import PRESETS
+from parisph.case.truths import read_truth
 
 
 def scene(**changes):
