@@ -26,6 +26,12 @@ class PeakBand(Model):
     low: float = Field(description="lower end of the band [unit of the probe]")
     high: float = Field(description="upper end of the band [unit of the probe]")
 
+    @model_validator(mode="after")
+    def _in_order(self) -> "PeakBand":
+        if not (self.start < self.end and 0.0 < self.low < self.high):
+            raise ValueError("start must be before end, and low above 0 and below high")
+        return self
+
 
 class Truth(Model):
     """A reference series for a probe: two columns of a CSV file with one header line ('#' starts a comment).
