@@ -109,12 +109,15 @@ def _band(file: str | None, unit: float, pressure: float) -> tuple[PeakBand, ...
 
 
 def _level(name: str, file: str | None, unit: float, height: float) -> Truth | None:
-    """Return the level of the water seen in a video, and of the second run where there is one."""
+    """Return the level of the water seen in a video, and of the second run where there is one.
+
+    Later, the wave that comes back overturns: the video has its top, and the gauge the surface below it.
+    """
     if file is None:
         return None
     first, *others = (
         Truth(file, time="t_sqrt_g_over_H", value="h_over_H", scale=height, time_scale=unit,
-              rows={"probe": name, "run": f"ETSIN0{number}"}, name=f"experiment, run {number}")
-        for number in ((1,) if name == "H1" else (1, 2))
+              rows={"probe": name, "run": f"ETSIN0{k}"}, window=(0.0, 5.4 * unit), name=f"experiment, run {k}")
+        for k in ((1,) if name == "H1" else (1, 2))
     )
     return first.model_copy(update={"others": tuple(others)})

@@ -47,15 +47,19 @@ def series(probe: AnyProbe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
 
 
 def prepared(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
-    """Return the series of a run and of its truth, (times, values) each, as they are compared: smoothed and cut.
+    """Return the series of a run and of its truth, (times, values) each, as they are compared.
 
-    Raises ValueError if the run does not reach over the window, and CaseError for the file.
+    Both are smoothed, and the truth is cut to its window. Raises ValueError if the run does not reach over the window,
+    and CaseError for the file.
     """
     reference = read_truth(truth)
     if truth.smooth is not None:
         values = norms.moving_mean(time, values, truth.smooth)
         reference = reference[0], norms.moving_mean(*reference, truth.smooth)
-    return (time, values) if truth.window is None else norms.cut(time, values, truth.window), reference
+    if truth.window is not None:
+        norms.cut(time, values, truth.window)    # which a run that is too short does not have
+        reference = norms.cut(*reference, truth.window)
+    return (time, values), reference
 
 
 def _error(probe, run):
@@ -94,17 +98,20 @@ def _judged(run, reference, level):
     """Return the errors of two series. level : None, or that of a wave at rest"""
     found = norms.judge(*run, *reference, rest=level)
     result = {"relative_l2": found["relative_l2"], "paper": found["z14"], "points": found["samples"],
-              "start": found["start"], "end": found["end"], **_shifted(run, reference, level)}
+              "start": found["start"], "end": found["end"], **_shifted(run, reference, level, found["relative_l2"])}
     if level is not None:
         _, value, exact = norms.on_reference(*run, *reference)
         result["paper_2017"] = norms.z17_elevation(value - level, exact - level)
     return result
 
 
-def _shifted(run, reference, level):
+def _shifted(run, reference, level, error):
+    """Return the best shift and its error; no shift, where what is left out at the ends would make it worse."""
     try:
-        shift = norms.best_shift(*run, *reference, SOUGHT * (run[0][-1] - run[0][0]))
-        return {"best_shift": shift, "shifted_l2": norms.judge(*run, *reference, level, shift)["relative_l2"]}
+        limit = SOUGHT * (min(run[0][-1], reference[0][-1]) - max(run[0][0], reference[0][0]))
+        shift = norms.best_shift(*run, *reference, limit)
+        shifted = norms.judge(*run, *reference, level, shift)["relative_l2"]
+        return {"best_shift": shift if shifted < error else 0.0, "shifted_l2": min(shifted, error)}
     except ValueError:    # too few samples stay inside
         return {"best_shift": None, "shifted_l2": None}
 
