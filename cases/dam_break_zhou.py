@@ -60,7 +60,7 @@ def case(
     readings = _readings(measured(EVENT, data), unit, 9810.0 * H)
     low, high = 160.0 / 600.0 * H, 584.0 / 600.0 * H    # heights of the sensors [m]
     return Case(
-        title=f"Dam break, H/L = 0.5, D/L = {D / L:.4g} (Zhou, De Kat & Buchner)",
+        title=f"Dam break, L/H = 2, D/H = {distance:.4g} (Zhou, De Kat & Buchner)",
         fluid=Fluid(Box(width=L, height=H), density=1000.0),
         walls=Tank(width=D, height=3.0 * H, lid=True),
         gravity=(0.0, -g),
