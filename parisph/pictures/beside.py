@@ -49,7 +49,7 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
                   color="black" if number == 0 else style.LINES[number % len(style.LINES)], **look)
     if isinstance(probe.truth, Truth):
         _mark(axes, probe.truth, found[0][-1], factor)
-    _limit(axes, factor, found, others)
+    _limit(axes, factor, shown, found, others)
     axes.set_ylabel(f"{curves.KINDS.get(probe.kind, probe.kind.replace('_', ' '))} [{shown or '-'}]")
     axes.set_xlabel("$t$ [s]")
     curves.plain_axes(axes)
@@ -70,7 +70,7 @@ def _mark(axes: "Axes", truth: Truth, end: float, factor: float) -> None:
                           label="peaks of experiments" if number == 0 else None)
 
 
-def _limit(axes: "Axes", factor: float, found: curves.Samples, others: dict[str, curves.Samples]) -> None:
+def _limit(axes: "Axes", factor: float, unit: str, found: curves.Samples, others: dict[str, curves.Samples]) -> None:
     """Leave out single spikes of the run, which would hide the rest, and say so."""
     end = found[0][-1]
     parts = [values[(time >= found[0][0]) & (time <= end)] for time, values in others.values()]
@@ -79,4 +79,4 @@ def _limit(axes: "Axes", factor: float, found: curves.Samples, others: dict[str,
     slack = 0.08 * (high - low) or 1.0
     axes.set_ylim(low - slack, high + slack)
     if factor * np.max(found[1]) > high + slack:
-        axes.set_title(f"the run reaches {factor * np.max(found[1]):.4g}", loc="right", fontsize=8)
+        axes.set_title(f"the run reaches {factor * np.max(found[1]):.4g} {unit}", loc="right", fontsize=8)
