@@ -23,6 +23,7 @@ from parisph.case.schema import Momentum as Momentum
 from parisph.case.schema import Moved as Moved
 from parisph.case.schema import Numerics as Numerics
 from parisph.case.schema import Output as Output
+from parisph.case.schema import PeakBand as PeakBand
 from parisph.case.schema import Polygon as Polygon
 from parisph.case.schema import PressureTap as PressureTap
 from parisph.case.schema import Roll as Roll

@@ -276,6 +276,15 @@ def _add_looking(verbs):
     verb.add_argument("--slow", type=arguments.number, metavar="X",
                       help="Play X times slower than in nature (default: the speed that shows each snapshot once)")
     _add_drawing(verb, "one scale for all frames, for most of their values; a short impact may exceed it")
+    verb = _verb(verbs, "report", _report, "Write a page that shows a run beside its references",
+                 "parisph report DIR. What was run, errors without any shift of time, pictures, cost and drift in one "
+                 "HTML file, with the pictures as PNG beside it")
+    verb.add_argument("runs", type=arguments.path, metavar="DIR", nargs="+",
+                      help="Folder of a run; with --all also a folder that holds runs")
+    verb.add_argument("--all", action="store_true",
+                      help="Write one gallery of all runs instead, as HTML and as Markdown")
+    verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
+                      help="Write to this folder (default: that of the run; with --all: gallery)")
     verb = _verb(verbs, "compare", _compare, "Compute the error of a probe against a reference series")
     _add_run(verb)
     verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv", help="CSV file with one header line")
@@ -481,6 +490,19 @@ def _compare(args):
 
         orders.compare(run, found, args.reference, args.plot)
     print(json.dumps(found.result, indent=2) if args.json else comparison.text(found.result))
+
+
+def _report(args):
+    from parisph.report import gallery, page
+
+    if args.all:
+        written = gallery.write(args.runs, args.out or "gallery")
+    elif args.out is not None and len(args.runs) > 1:
+        raise CaseError("-o: several runs cannot have their pages in one folder; leave it out, or use --all")
+    else:
+        written = [page.write(folder, args.out) for folder in args.runs]
+    for path in written:
+        print(path)
 
 
 def _plot(args):

@@ -22,6 +22,14 @@ def scene(name, numerics=None, **sets):
     return case.changed(**{f"numerics.{key}": value for key, value in (numerics or {}).items()})
 
 
+def made_motion(folder):
+    """Write a roll of 4 degrees, from rest and to rest, as the measured motion that cases/lateral_roll.py needs."""
+    t = np.linspace(0.0, 8.35, 836)
+    degrees = 4.0 * np.sin(np.pi * t / t[-1])**3 * np.sin(2.0 * np.pi * t / 1.63)
+    lines = "".join(f"{time},{angle}\n" for time, angle in zip(t, degrees))
+    (folder / "04a_spheric10_water_lateral_roll_motion.csv").write_text("t_s,roll_deg\n" + lines)
+
+
 def on_ranks(n, body, folder, timeout=120):
     """Run PROGRAM + body on n ranks in a folder; raise AssertionError with its output if it fails."""
     path = folder / f"program{n}.py"

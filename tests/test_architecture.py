@@ -12,7 +12,8 @@ from tests.launch import ROOT, clean_environment
 
 # A module imports only from its own part and from those that stand before it.
 ORDER = ("base", "case", "geometry", "kernels", "parallel", "pressure", "methods", "truth", "patch", "watch", "io",
-         "pictures", "driver", "study", "doctor", "arguments", "completion", "cli", "__main__")
+         "pictures", "driver", "study", "report", "doctor",
+         "arguments", "completion", "cli", "__main__")
 
 # Where these may be imported, as beginnings of module names; nowhere else.
 ONLY_IN = {

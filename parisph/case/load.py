@@ -15,8 +15,8 @@ from parisph.base.paths import AnyPath
 from parisph.base.text import class_name, listed, named, of_error, shown
 from parisph.case import stored
 from parisph.case.expressions import number
-from parisph.case.probes import Truth, read_truth
 from parisph.case.schema import Case
+from parisph.case.truths import Truth, read_truth
 from parisph.case.users_file import LONGEST, beside, module_of, read, users_code, what
 
 MISSING = inspect.Parameter.empty
@@ -241,14 +241,20 @@ def _with_truths(case: Case, folder: Path) -> Case:
     for probe in case.probes:
         if isinstance(probe.truth, Truth):
             try:
-                file = paths.checked(folder / probe.truth.file, "truth.file").resolve()
-                truth = probe.truth.model_copy(update={"file": str(file)})
-                read_truth(truth)
+                truth = _found(probe.truth, folder)
             except CaseError as error:
                 raise CaseError(f"probe {probe.name!r}: {error}") from None
-            except (OSError, RuntimeError) as error:    # links in a circle
-                raise CaseError(f"probe {probe.name!r}: truth.file = {shown(probe.truth.file)}: "
-                                f"{of_error(error)}") from None
             probe = probe.model_copy(update={"truth": truth})
         probes.append(probe)
     return case.model_copy(update={"probes": tuple(probes)})
+
+
+def _found(truth: Truth, folder: Path) -> Truth:
+    """Return a truth whose files, and those of the others beside it, are absolute, after reading them as a check."""
+    try:
+        file = paths.checked(folder / truth.file, "truth.file").resolve()
+    except (OSError, RuntimeError) as error:    # links in a circle
+        raise CaseError(f"truth.file = {shown(truth.file)}: {of_error(error)}") from None
+    truth = truth.model_copy(update={"file": str(file)})
+    read_truth(truth)
+    return truth.model_copy(update={"others": tuple(_found(other, folder) for other in truth.others)})

@@ -1,69 +1,15 @@
 """Descriptions of probes; parisph.watch.instruments computes their values."""
 
 import re
-from collections.abc import Sequence
 from typing import Annotated, Literal, Union
 
 import numpy as np
 from pydantic import Field, field_validator
 
-from parisph.base import reading
 from parisph.base.arrays import Floats
-from parisph.base.errors import CaseError
-from parisph.base.text import named, shown
+from parisph.base.text import shown
 from parisph.case.model import Model
-from parisph.case.values import LARGEST
-from parisph.case.waves import AnyWave
-
-
-class Truth(Model):
-    """A reference series for a probe: two columns of a CSV file with one header line ('#' starts a comment).
-
-    Attributes
-    ----------
-    file : path, relative to the case file
-    time, value : names of the columns
-    offset, scale : truth = offset + scale * column, in the probe's unit
-    time_scale : seconds for one unit of the time column
-    wave : whether the error is that of the wave part, |probe - truth| / |truth - offset|, instead of
-        |probe - truth| / |truth|
-
-    Examples
-    --------
-    >>> truth = Truth("gauge.csv", time="t_s", value="eta_mm", scale=0.001, offset=0.4, wave=True)
-    >>> SurfaceGauge("gauge", at=0.5, truth=truth).truth.scale
-    0.001
-    """
-
-    file: str
-    time: str
-    value: str
-    offset: float = 0.0
-    scale: float = 1.0
-    time_scale: float = Field(1.0, gt=0, description="seconds for one unit of the time column")
-    wave: bool = False
-
-
-class WaveTruth(Model):
-    """A wave as the truth of a surface gauge, whose error is that of the wave part.
-
-    of : the wave, which may run through the scene from the start; level : height y of the still surface [m]
-
-    Examples
-    --------
-    >>> wave = SolitaryWave(height=0.05, depth=0.25, at=2.0)
-    >>> gauge = SurfaceGauge("gauge", at=2.0, truth=WaveTruth(wave, level=0.25))
-    >>> print(f"{gauge.truth.series(2.0, [0.0])[0]:.3f} m")
-    0.300 m
-    """
-
-    of: AnyWave
-    level: float = Field(description="height y of the still surface [m]")
-
-    def series(self, x: float, times: Floats) -> Floats:
-        """Return the height of the surface [m] at x [m] and times (n,) [s]."""
-        return self.level + self.of.elevation(x, np.asarray(times, dtype=float))
-
+from parisph.case.truths import Truth, WaveTruth
 
 Peak = Annotated[bool, Field(description="whether the flow at the greatest value is kept")]
 
@@ -225,41 +171,3 @@ AnyProbe = Annotated[
     Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile],
     Field(discriminator="kind", description="a probe"),
 ]
-
-
-def read_truth(truth: Truth) -> tuple[Floats, Floats]:
-    """Return the times (n,) [s] and the values (n,) [the probe's unit] of a Truth.
-
-    Raises
-    ------
-    CaseError : the file cannot be read, a column is missing, or a value is not a number. The message shows only a
-        few words of the file, because a stored case may name any file.
-    """
-    try:
-        names, lines = reading.read_columns(truth.file)
-    except OSError as error:
-        raise CaseError(f"truth.file = {shown(truth.file)}: cannot be read ({error.strerror})") from None
-    except ValueError as error:
-        raise CaseError(f"truth.file = {shown(truth.file)}: cannot be read ({error})") from None
-    for field, name in (("time", truth.time), ("value", truth.value)):
-        if name not in names:
-            raise CaseError(f"truth.{field} = {shown(name)}: {named(truth.file)} has no such column; "
-                            f"it has {reading.listed(names)}")
-    columns = [names.index(truth.time), names.index(truth.value)]
-    data = np.array([_numbers(truth, number, [cells[k] for k in columns])
-                     for number, cells in lines.items()]).reshape(-1, 2)
-    if len(data) < 2 or np.any(np.diff(data[:, 0]) <= 0):
-        raise CaseError(f"truth.file = {shown(truth.file)}: must have at least two lines of finite numbers, "
-                        "at increasing times")
-    return data[:, 0] * truth.time_scale, truth.offset + truth.scale * data[:, 1]
-
-
-def _numbers(truth: Truth, line: int, cells: Sequence[str]) -> list[float]:
-    try:
-        found = [float(cell) for cell in cells]
-    except ValueError:
-        found = [np.nan]
-    if not np.all(np.abs(found) <= LARGEST):
-        raise CaseError(f"truth.file = {shown(truth.file)}: line {line} holds something that is not a finite "
-                        f"number of at most {LARGEST:g} in {shown(truth.time)} or {shown(truth.value)}")
-    return found

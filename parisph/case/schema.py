@@ -20,19 +20,18 @@ from parisph.case.probes import (
     Momentum,
     PressureTap,
     SurfaceGauge,
-    Truth,
     VelocityProfile,
     Volume,
     WaterFront,
-    WaveTruth,
 )
 from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
+from parisph.case.truths import PeakBand, Truth, WaveTruth
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
 __all__ = [
     "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Heave",
-    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "Polygon", "PressureTap", "Roll", "Series",
+    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "PeakBand", "Polygon", "PressureTap", "Roll", "Series",
     "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated",
     "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
 ]

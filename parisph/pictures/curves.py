@@ -12,8 +12,7 @@ import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath
-from parisph.base.table import read_reference
-from parisph.case.probes import WaveTruth
+from parisph.case.truths import Truth, WaveTruth, read_truth
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
 
@@ -90,7 +89,7 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
         axes = picture.add_subplot(rows, columns, number + 1)
         draw_curves(axes, curves, unit, normalise, truth or {})
         if number < columns:
-            _second_time_axis(axes, runs, normalise)
+            second_time_axis(axes, runs, normalise)
         time_label(axes, normalise, number + columns >= len(panels))
     picture.set_figwidth(picture.get_figwidth() + columns * max(map(_further_columns, picture.axes)))
     picture.suptitle(style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in runs))), x=0.01,
@@ -117,7 +116,7 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
     factor, shown = style.with_prefix(max(np.max(np.abs(part), initial=0.0) for part in inside), unit)
     upper.plot(found[0], factor * found[1], color=style.LINES[0], linewidth=1.1, label="run")
     upper.plot(reference[0], factor * reference[1], color="black", linewidth=1.0, label="reference",
-               **_marks(len(inside[1])))
+               **marks(len(inside[1])))
     lower.axhline(0.0, color="black", linewidth=0.6)
     lower.plot(difference[0], factor * difference[1], color=style.LINES[1], linewidth=1.0,
                marker="." if len(difference[0]) < MARKS else "")
@@ -126,7 +125,7 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
     lower.set_xlabel("$t$ [s]")
     upper.legend(loc="best", fontsize=8, framealpha=0.8)
     for axes in (upper, lower):
-        _plain_axes(axes)
+        plain_axes(axes)
     upper.set_xlim(start, end)
     upper.set_title(style.literal(title), loc="left", fontsize=10)
     style.save(picture, path)
@@ -136,7 +135,7 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
 def truths(run: Run, folder: Path) -> dict[str, Samples]:
     """Return {probe name: (time [s], value)} for the probes of a run whose case names a truth.
 
-    folder : where the case file is; the files of the truths are relative to it. Raises StoreError.
+    folder : where the case file is; the files of the truths are relative to it. Raises CaseError.
     """
     found = {}
     for probe in run.case.get("probes", ()):
@@ -145,8 +144,8 @@ def truths(run: Run, folder: Path) -> dict[str, Samples]:
             time = run.probe(probe["name"])["time"]
             found[probe["name"]] = time, WaveTruth.model_validate(about).series(probe["at"], time)
         elif about:
-            options = {name: about[name] for name in ("offset", "scale", "time_scale") if name in about}
-            found[probe["name"]] = read_reference(folder / about["file"], about["time"], about["value"], **options)
+            truth = Truth.model_validate(about)
+            found[probe["name"]] = read_truth(truth.model_copy(update={"file": str(folder / truth.file)}))
     return found
 
 
@@ -206,7 +205,7 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
             _draw_truth(axes, curves[first], truth[name], 1.0 / by[first] if by[first] else factor,
                         scales[first].time if normalise else 1.0)
     axes.set_ylabel(_value_label(curves, series, unit, shown, bool(by[0])))
-    _plain_axes(axes)
+    plain_axes(axes)
     if len(axes.lines) <= BESIDE:
         axes.legend(loc="best", fontsize=8, framealpha=0.8)
     else:
@@ -254,10 +253,11 @@ def _draw_truth(axes, curve, series, factor, by_time):
     time, values = (np.asarray(part, dtype=float) for part in series)
     inside = time <= max(curve.time, default=-np.inf)
     axes.plot(time[inside] / by_time, factor * values[inside], color="black", linewidth=1.0,
-              label=f"{curve.probe}: reference", **_marks(np.sum(inside)))
+              label=f"{curve.probe}: reference", **marks(np.sum(inside)))
 
 
-def _marks(samples):
+def marks(samples: int) -> style.LineLook:
+    """Return how a reference is drawn: few samples as marks, many as a dashed line."""
     few = {"linestyle": "", "marker": "o", "markersize": 4, "markerfacecolor": "none"}
     return few if samples < MARKS else {"linestyle": "--"}
 
@@ -278,14 +278,15 @@ def _value_label(curves, series, unit, shown, scaled):
     return f"{what} [{shown or '-'}]"
 
 
-def _plain_axes(axes):
+def plain_axes(axes: "Axes") -> None:
+    """Give axes a light grid, ticks inside, and plain numbers."""
     axes.grid(True, linewidth=0.4, alpha=0.5)
     axes.tick_params(direction="in", top=True, right=True)
     axes.ticklabel_format(axis="y", useOffset=False)
     axes.margins(x=0.0)
 
 
-def _second_time_axis(axes, runs, normalise):
+def second_time_axis(axes: "Axes", runs: Sequence[Run], normalise: bool) -> None:
     """Add the dimensionless time above, if it is the same for all runs."""
     times = {own.time for own in (style.scales(run.case) for run in runs)}
     if len(times) != 1 or None in times:

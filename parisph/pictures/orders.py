@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from parisph.base.errors import CaseError, StoreError
+from parisph.base.errors import CaseError, ParisphError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.base.text import clipped
 from parisph.io.reader import Run
@@ -165,6 +165,6 @@ def _truths(run):
     """References of the probes; a run that was carried to another machine may have left them behind."""
     try:
         return curves.truths(run, Path())
-    except StoreError as error:
+    except ParisphError as error:
         print(f"parisph: drawn without its reference: {error}", file=sys.stderr)
         return {}

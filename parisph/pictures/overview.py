@@ -38,6 +38,27 @@ def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = 
     return picture
 
 
+def plot_moments(run: Run, path: AnyPath | None = None, count: int = 6, columns: int = 2) -> "Figure":
+    """Draw the pressure at moments evenly spread over a run; return the matplotlib Figure. Raises StoreError."""
+    if len(run) == 0:
+        raise StoreError(f"{run.folder} has no snapshots")
+    moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, count).round())]
+    view, columns = FieldView(run.case, moments, Look()), min(columns, len(moments))
+    height = -(-len(moments) // columns) * _height(view, 10.4 / columns)
+    picture = style.drawing().Figure(figsize=(11.0, 0.4 + height), layout="constrained")
+    _draw_moments(picture, view, moments, columns)
+    style.save(picture, path, dpi=110)
+    return picture
+
+
+def plot_solver(run: Run, path: AnyPath | None = None) -> "Figure":
+    """Draw the iterations and the time steps of a run; return the matplotlib Figure."""
+    picture = style.drawing().Figure(figsize=(8.0, 2.6), layout="constrained")
+    _draw_steps(picture.add_subplot(), run.steps)
+    style.save(picture, path, dpi=110)
+    return picture
+
+
 def _height(view, width):
     (left, right), (low, high) = view.window
     return min(0.85 * width * (high - low) / (right - left) + 0.7, 6.0)

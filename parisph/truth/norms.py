@@ -124,13 +124,12 @@ def noise(time: np.ndarray, pressure: np.ndarray, window: tuple[float, float], s
     window : (start, end) [s]; values outside, such as an earlier impact, have no influence
     smooth : width of the moving mean [s]; it is shortened at the ends of the window
     """
-    t, p = _inside(time, pressure, window)
+    t, p = cut(time, pressure, window)
     mean = _area(t, p) / (t[-1] - t[0])
     if mean <= 0.0:
         raise ValueError(f"the mean pressure from {t[0]:g} to {t[-1]:g} s is {mean:g} Pa: "
                          "noise relative to it has no meaning")
-    low, high = np.maximum(t - smooth / 2, t[0]), np.minimum(t + smooth / 2, t[-1])
-    rough = p - (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
+    rough = p - _moving_mean(t, p, smooth)
     average = _area(t, rough) / (t[-1] - t[0])
     return float(np.sqrt(_area(t, (rough - average) ** 2) / (t[-1] - t[0])) / mean)
 
@@ -140,17 +139,15 @@ def impulse(time: np.ndarray, pressure: np.ndarray, window: tuple[float, float])
 
     In the papers' units divide by rho g H sqrt(H/g).
     """
-    t, p = _inside(time, pressure, window)
+    t, p = cut(time, pressure, window)
     return float(_area(t, p))
 
 
-def _within(time, other):
-    """Return which of the times (n,) lie inside the span of others (m,), as (n,) bool."""
-    return (time >= other[0]) & (time <= other[-1])
+def cut(time: np.ndarray, value: np.ndarray, window: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the series (k,) inside a window (start, end) [s], with interpolated samples at its ends.
 
-
-def _inside(time, value, window):
-    """Return the series inside a window, with interpolated samples at its ends."""
+    Raises ValueError if the window is not inside the series.
+    """
     time, value = _series(time, value)
     start, end = window
     if not time[0] <= start < end <= time[-1]:
@@ -158,6 +155,25 @@ def _inside(time, value, window):
                          f"{time[-1]:g} s")
     t = np.concatenate(([start], time[(time > start) & (time < end)], [end]))
     return t, np.interp(t, time, value)
+
+
+def moving_mean(time: np.ndarray, value: np.ndarray, width: float) -> np.ndarray:
+    """Return the mean (n,) of a series over a width [s] about each of its times, by integrals over time.
+
+    At the ends of the series the mean is over what is there.
+    """
+    time, value = _series(time, value)
+    return _moving_mean(time, value, width)
+
+
+def _within(time, other):
+    """Return which of the times (n,) lie inside the span of others (m,), as (n,) bool."""
+    return (time >= other[0]) & (time <= other[-1])
+
+
+def _moving_mean(t, p, width):
+    low, high = np.maximum(t - width / 2, t[0]), np.minimum(t + width / 2, t[-1])
+    return (_integral(t, p, high) - _integral(t, p, low)) / (high - low)
 
 
 def _area(t, p):

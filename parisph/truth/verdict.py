@@ -2,14 +2,18 @@
 
 from typing import Any
 
+import numpy as np
+
 from parisph.base.errors import ParisphError
-from parisph.case.probes import WaveTruth, read_truth
+from parisph.case.probes import AnyProbe
 from parisph.case.schema import Case
+from parisph.case.truths import PeakBand, Truth, WaveTruth, read_truth
 from parisph.truth import norms
 from parisph.truth.recorded import Recorded
 
 # The column that a truth is of; the first one of other probes.
 COLUMNS = {"energy": "total", "volume": "cell"}
+SOUGHT = 0.05    # share of the compared time by which the run is shifted either way, for the best shift
 
 
 def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
@@ -19,38 +23,105 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
 
     Returns
     -------
-    dict of dicts: relative_l2 (of the wave part if Truth.wave is set); paper, the norm of Zheng, Ma &
-    Duan (2014), Er_p and Er_eta, which includes the depth; paper_2017, for waves, that of Zheng et al.
-    (2017), Eq 35 (which decreases with the number of samples); points, the number of compared samples of
-    the truth, or of the run if the truth is too coarse (errors.on_reference). If nothing can be compared:
-    relative_l2 None, and `reason`.
+    dict of dicts. All but the last two entries are of the series as they are, without any shift of time.
+    relative_l2 : of the wave part if Truth.wave is set, in Truth.window, of what Truth.smooth leaves
+    paper : the norm of Zheng, Ma & Duan (2014), Er_p and Er_eta, which includes the depth
+    paper_2017 : for waves, that of Zheng et al. (2017), Eq 35 (which decreases with the number of samples)
+    points : number of compared samples of the truth, or of the run if the truth is too coarse (norms.on_reference)
+    start, end : of what was compared [s]
+    peaks : for each band of Truth.peaks: start, end [s], low, high, the greatest value `found`, its `time`
+        [s], and by which share of the nearer end it is `beyond` the band, 0 inside
+    others : {name: the same, without peaks} of the further references
+    best_shift, shifted_l2 : the shift [s] of the run's time with the least error, and this error; None if it is not
+        defined
+    If nothing can be compared: relative_l2 None, and `reason`.
     """
     return {probe.name: _error(probe, run) for probe in case.probes if probe.truth is not None}
 
 
+def series(probe: AnyProbe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
+    """Return the times (n,) [s] and values (n,) of a probe's column that a truth is of."""
+    found = run.probe(probe.name)
+    column = COLUMNS.get(probe.kind, next(name for name in found.dtype.names if name not in ("time", "step")))
+    return found["time"], found[column]
+
+
+def prepared(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """Return the series of a run and of its truth, (times, values) each, as they are compared.
+
+    Both are smoothed, and the truth is cut to its window. Raises ValueError if the run does not reach over the window,
+    and CaseError for the file.
+    """
+    reference = read_truth(truth)
+    if truth.smooth is not None:
+        values = norms.moving_mean(time, values, truth.smooth)
+        reference = reference[0], norms.moving_mean(*reference, truth.smooth)
+    if truth.window is not None:
+        norms.cut(time, values, truth.window)    # which a run that is too short does not have
+        reference = norms.cut(*reference, truth.window)
+    return (time, values), reference
+
+
 def _error(probe, run):
     try:
-        found = run.probe(probe.name)
-        column = COLUMNS.get(probe.kind, next(name for name in found.dtype.names if name not in ("time", "step")))
-        return _judged(probe, found["time"], found[column])
+        time, values = series(probe, run)
+        truth = probe.truth
+        if isinstance(truth, WaveTruth):
+            return _judged((time, values), (time, truth.series(probe.at, time)), truth.level)
+        found = _against(truth, time, values)
     except (ParisphError, ValueError) as problem:
-        # the run is too short, or the file of the truth is missing: the summary is still written
-        return {"relative_l2": None, "reason": str(problem)}
+        return _not_judged(problem)
+    if truth.peaks:
+        found["peaks"] = [_peak(band, time, values) for band in truth.peaks]
+    if truth.others:
+        found["others"] = {other.name: _other(other, time, values) for other in truth.others}
+    return found
 
 
-def _judged(probe, time, values):
-    truth = probe.truth
-    if isinstance(truth, WaveTruth):
-        return _judged_as_wave(time, values, (time, truth.series(probe.at, time)), truth.level)
-    reference = read_truth(truth)
-    if not truth.wave:
-        found = norms.judge(time, values, *reference)
-        return {"relative_l2": found["relative_l2"], "paper": found["z14"], "points": found["samples"]}
-    return _judged_as_wave(time, values, reference, truth.offset)
+def _other(truth, time, values):
+    try:
+        return _against(truth, time, values)
+    except (ParisphError, ValueError) as problem:
+        return _not_judged(problem)
 
 
-def _judged_as_wave(time, values, reference, level):
-    found = norms.judge(time, values, *reference, rest=level)
-    _, value, exact = norms.on_reference(time, values, *reference)
-    return {"relative_l2": found["relative_l2"], "paper": found["z14"],
-            "paper_2017": norms.z17_elevation(value - level, exact - level), "points": found["samples"]}
+def _not_judged(problem):
+    """The run is too short, or the file of the truth is missing: the summary is still written."""
+    return {"relative_l2": None, "reason": str(problem)}
+
+
+def _against(truth, time, values):
+    return _judged(*prepared(truth, time, values), truth.offset if truth.wave else None)
+
+
+def _judged(run, reference, level):
+    """Return the errors of two series. level : None, or that of a wave at rest"""
+    found = norms.judge(*run, *reference, rest=level)
+    result = {"relative_l2": found["relative_l2"], "paper": found["z14"], "points": found["samples"],
+              "start": found["start"], "end": found["end"], **_shifted(run, reference, level, found["relative_l2"])}
+    if level is not None:
+        _, value, exact = norms.on_reference(*run, *reference)
+        result["paper_2017"] = norms.z17_elevation(value - level, exact - level)
+    return result
+
+
+def _shifted(run, reference, level, error):
+    """Return the best shift and its error; no shift, where what is left out at the ends would make it worse."""
+    try:
+        limit = SOUGHT * (min(run[0][-1], reference[0][-1]) - max(run[0][0], reference[0][0]))
+        shift = norms.best_shift(*run, *reference, limit)
+        shifted = norms.judge(*run, *reference, level, shift)["relative_l2"]
+        return {"best_shift": shift if shifted < error else 0.0, "shifted_l2": min(shifted, error)}
+    except ValueError:    # too few samples stay inside
+        return {"best_shift": None, "shifted_l2": None}
+
+
+def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray) -> dict[str, float | None]:
+    """Return a band and the greatest value of the series in its interval; None if the run ends before it does."""
+    found: dict[str, float | None] = {**band.model_dump(), "found": None, "time": None, "beyond": None}
+    inside = np.flatnonzero((time >= band.start) & (time <= band.end)) if time[-1] >= band.end else ()
+    if len(inside):
+        k = inside[np.argmax(values[inside])]
+        nearest = float(np.clip(values[k], band.low, band.high))
+        found.update(found=float(values[k]), time=float(time[k]), beyond=float(values[k] / nearest - 1.0))
+    return found

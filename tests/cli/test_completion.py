@@ -33,7 +33,8 @@ def test_script_is_sound(shell, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(("words", "offered", "not_offered"), [
-    ([""], {"run", "restart", "check", "study", "info", "plot", "movie", "compare", "doctor", "completion"},
+    ([""], {"run", "restart", "check", "study", "info", "plot", "movie", "report", "compare", "doctor",
+            "completion"},
      {"tank.py"}),
     (["re"], {"restart"}, {"run"}),
     (["run", "ta"], {"tank.py"}, {"table.csv"}),

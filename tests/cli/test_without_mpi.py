@@ -56,6 +56,7 @@ def laptop(hide):
     (["plot", "RUN", "--time", "0.2", "--field", "speed", "-o", "flow.png"], "flow.png"),
     (["plot", "RUN", "--probe", "left", "-o", "left.png"], "left.png"),
     (["movie", "RUN", "-o", "flow.gif"], "flow.gif"),
+    (["report", "RUN", "-o", "page"], "page/report.html"),
     (["compare", "RUN", ROOT / "cases/exact/small_sloshing.csv", "--probe", "left", "--time", "t_s",
       "--value", "eta_nonlinear_m"], "relative L2 error"),
 ], ids=lambda value: value[0] if isinstance(value, list) else "")

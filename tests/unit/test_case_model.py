@@ -17,6 +17,7 @@ from parisph import (
     Fluid,
     Numerics,
     Output,
+    PeakBand,
     PressureTap,
     SurfaceGauge,
     Sway,
@@ -26,8 +27,8 @@ from parisph import (
 )
 from parisph.case.checks import stable_time_step
 from parisph.case.methods import METHODS
-from parisph.case.probes import read_truth
 from parisph.case.schema import PRESETS
+from parisph.case.truths import read_truth
 
 
 def scene(**changes):
@@ -136,6 +137,30 @@ def test_read_truth_scales_and_shifts(tmp_path):
     file.write_text("# made up\nt, h, n\n0, 1, a\n\n2, 3, b\n", encoding="utf-8")
     t, h = read_truth(Truth(str(file), time="t", value="h", offset=0.5, scale=2.0, time_scale=10.0))
     assert np.array_equal(t, [0.0, 20.0]) and np.array_equal(h, [2.5, 6.5])
+
+
+def test_a_truth_takes_the_rows_of_its_own_series(tmp_path):
+    file = tmp_path / "several.csv"
+    file.write_text("sensor,t,p\nA,0,1\nA,1,2\nB,0,5\nB,1,6\n")
+    of = {name: Truth(str(file), time="t", value="p", rows={"sensor": name}) for name in "ABC"}
+    assert np.array_equal(read_truth(of["B"])[1], [5.0, 6.0])
+    with pytest.raises(CaseError, match="two lines .* at increasing times, where {'sensor': 'C'}"):
+        read_truth(of["C"])
+    with pytest.raises(CaseError, match="truth.rows = 'by': .* has no such column; it has sensor, t, p"):
+        read_truth(Truth(str(file), time="t", value="p", rows={"by": "A"}))
+    with pytest.raises(CaseError, match="at increasing times"):
+        read_truth(Truth(str(file), time="t", value="p"))
+
+
+@pytest.mark.parametrize(("wrong", "message"), [
+    (lambda: Truth("a.csv", time="t", value="p", window=(2.0, 1.0)), "must end after its start"),
+    (lambda: Truth("a.csv", time="t", value="p", smooth=0.0), "smooth"),
+    (lambda: PeakBand(start=1.0, end=0.5, low=1.0, high=2.0), "start must be before end"),
+    (lambda: PeakBand(start=0.0, end=0.5, low=3.0, high=2.0), "low above 0 and below high"),
+])
+def test_windows_and_bands_are_in_order(wrong, message):
+    with pytest.raises(CaseError, match=message):
+        wrong()
 
 
 def test_import_is_light():

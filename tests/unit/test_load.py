@@ -251,6 +251,12 @@ def test_truth_files_are_found_beside_the_case_and_checked(write, tmp_path):
             load(file)
     data.write_text("# made up\nt,eta\n0,1\n1,2\n", encoding="utf-8")
     assert load(file).probes[0].truth.file == str(data)
+    both = "Truth('eta.csv', time='t', value='eta', others=(Truth('other.csv', time='t', value='eta'),))"
+    file = write(probes=f"[SurfaceGauge('g', 0.5, {both})]")
+    with pytest.raises(CaseError, match="other.csv.*cannot be read"):
+        load(file)
+    (tmp_path / "other.csv").write_text(data.read_text())
+    assert load(file).probes[0].truth.others[0].file == str(tmp_path / "other.csv")
 
 
 def test_a_truth_shows_little_of_a_file_that_is_none(write, tmp_path):

@@ -87,6 +87,21 @@ def test_noise_does_not_depend_on_how_the_time_is_cut():
                                                                            rel=1e-3)
 
 
+def test_the_moving_mean_of_a_line_is_the_line_inside_and_shorter_at_the_ends():
+    t = np.sort(np.random.default_rng(1).uniform(0.0, 2.0, 200))
+    found = norms.moving_mean(t, 3.0 * t + 1.0, 0.4)
+    inside = (t >= t[0] + 0.2) & (t <= t[-1] - 0.2)
+    assert found[inside] == pytest.approx(3.0 * t[inside] + 1.0)
+    assert found[0] == pytest.approx(3.0 * (t[0] + 0.1) + 1.0), "the mean of the half that is there"
+
+
+def test_a_cut_has_interpolated_ends_and_must_be_inside():
+    t, p = norms.cut(np.array([0.0, 1.0, 2.0]), np.array([0.0, 2.0, 0.0]), (0.5, 1.25))
+    assert np.allclose(t, [0.5, 1.0, 1.25]) and np.allclose(p, [1.0, 2.0, 1.5])
+    with pytest.raises(ValueError, match="the window from 1 to 3 s is not inside the series"):
+        norms.cut(np.array([0.0, 2.0]), np.array([0.0, 2.0]), (1.0, 3.0))
+
+
 def test_noise_does_not_look_outside_its_window():
     p = np.where(T < 2.0, 1e6, 1000.0)
     assert norms.noise(T, p, (2.0, 9.0)) < 1e-12

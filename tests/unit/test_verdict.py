@@ -7,6 +7,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph.case.schema import Energy, PressureTap, SurfaceGauge, Truth, WaterFront
+from parisph.case.truths import PeakBand
 from parisph.io.reader import open_run
 from parisph.io.store import Store
 from parisph.truth import verdict
@@ -50,12 +51,14 @@ def test_waves_are_judged_without_the_depth_and_pressures_with_all(tmp_path, ref
     found = verdict.errors(case, open_run(run))
     assert set(found) == {"gauge", "tap", "energy"}
     wave = 0.01 * np.sin(T[::10])
-    assert found["gauge"] == {
-        "relative_l2": pytest.approx(0.2),
+    expected = {
+        "relative_l2": pytest.approx(0.2), "start": 0.0, "end": 2.0,
         "paper": pytest.approx(0.2 * np.linalg.norm(wave) / np.linalg.norm(0.5 + wave)),
         "paper_2017": pytest.approx(0.2 * np.linalg.norm(wave) / wave.sum()), "points": 21,
     }
-    assert found["tap"] == {"relative_l2": pytest.approx(0.01), "paper": pytest.approx(0.01), "points": 21}
+    assert {name: found["gauge"][name] for name in expected} == expected
+    expected = {"relative_l2": pytest.approx(0.01), "paper": pytest.approx(0.01), "points": 21}
+    assert {name: found["tap"][name] for name in expected} == expected
     assert found["energy"]["relative_l2"] == pytest.approx(0.1)
 
 
@@ -67,3 +70,35 @@ def test_what_cannot_be_judged_says_why(tmp_path, reference, end, file, reason):
     found = verdict.errors(case, open_run(run))["front"]
     assert found["relative_l2"] is None and reason in found["reason"]
 
+
+def test_series_are_smoothed_and_cut_shifts_are_separate_and_peaks_have_bands(tmp_path):
+    file = tmp_path / "two.csv"
+    lines = [f"{of},{t / 2.0},{(of == 'b') + np.sin(3.0 * t)}\n" for of in ("a", "b") for t in T]
+    file.write_text("of,t,p\n" + "".join(lines))
+    first, other = (Truth(str(file), time="t", value="p", time_scale=2.0, rows={"of": of}, window=(0.5, 1.5),
+                          smooth=0.1, name=of) for of in ("a", "b"))
+    bands = (PeakBand(start=0.2, end=1.0, low=0.9, high=1.1), PeakBand(start=1.5, end=2.5, low=0.1, high=1.0))
+    watched = [WaterFront(name="late", truth=first.model_copy(update={"peaks": bands, "others": (other,)}))]
+    # 0.02 s late, with a ripple as long as the mean is wide
+    of = {"late": ({"x": "m"}, lambda t: (np.sin(3.0 * (t - 0.02)) + 0.3 * np.sin(20.0 * np.pi * t),))}
+    case, run = case_and_run(tmp_path, watched, of)
+    found = verdict.errors(case, open_run(run))["late"]
+    assert (found["start"], found["end"]) == (0.5, 1.5)
+    t = T[(T >= 0.5) & (T <= 1.5)]
+    assert found["relative_l2"] == pytest.approx(
+        np.linalg.norm(np.sin(3.0 * (t - 0.02)) - np.sin(3.0 * t)) / np.linalg.norm(np.sin(3.0 * t)), rel=0.05)
+    assert found["best_shift"] == pytest.approx(-0.02, abs=1e-3)
+    assert found["shifted_l2"] < 0.1 * found["relative_l2"]
+    assert found["others"]["b"]["relative_l2"] > 0.5
+    first, last = found["peaks"]
+    assert 1.0 < first["found"] < 1.31 and first["high"] == 1.1
+    assert first["beyond"] == pytest.approx(max(0.0, first["found"] / 1.1 - 1.0))
+    assert last["found"] is None, "the run ends within it"
+
+
+def test_a_run_shorter_than_the_window_has_no_error(tmp_path, reference):
+    about = Truth(reference, time="t_s", value="one", window=(1.0, 3.0), name="long")
+    of = {"front": ({"x": "m"}, lambda t: (1.0,))}
+    case, run = case_and_run(tmp_path, [WaterFront(name="front", truth=about)], of)
+    found = verdict.errors(case, open_run(run))["front"]
+    assert found["relative_l2"] is None and "window" in found["reason"]

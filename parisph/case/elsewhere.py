@@ -1,0 +1,53 @@
+"""Measured data of others, which parisph does not carry: where it lies, if it is there.
+
+It lies in the folder `shared/reference/measured` beside the clone, in the one that the environment variable
+PARISPH_MEASURED names, or in the one that a case is given as its parameter `data`.
+"""
+
+import os
+from pathlib import Path
+
+from parisph.base import paths
+from parisph.base.errors import CaseError
+from parisph.base.log import logger
+from parisph.base.text import named
+
+VARIABLE = "PARISPH_MEASURED"
+BESIDE = "../../shared/reference/measured"    # from the folder of a case file, cases/
+
+
+def measured(file: str, data: str = "") -> str | None:
+    """Return the path of a file of measured data, or None if it is not there; the log then says so. Not collective.
+
+    file : its name
+    data : the folder that the user has given, "" for the usual one
+
+    Raises CaseError if the user has given a folder and the file is not in it.
+    """
+    path = _folder(data) / paths.checked(file, "file")
+    if path.is_file():
+        return str(path.resolve())
+    if data:
+        raise CaseError(f"data = {named(data)}: there is no {named(file)} in it")
+    logger.warning(f"there is no {named(path)}: what is compared with it has no truth ({_remedy()})")
+    return None
+
+
+def needed(file: str, what: str, data: str = "") -> str:
+    """Return the path of a file without which a case cannot be computed. what : it is, for the message
+
+    Raises CaseError if it is not there.
+    """
+    path = _folder(data) / paths.checked(file, "file")
+    if not path.is_file():
+        raise CaseError(f"{what} is missing: there is no {named(path)}; {_remedy()}")
+    return str(path.resolve())
+
+
+def _folder(data: str) -> Path:
+    given = data or os.environ.get(VARIABLE, "")
+    return paths.checked(given, "data") if given else (paths.FOLDER.get() / BESIDE).resolve()
+
+
+def _remedy() -> str:
+    return f"give the folder with --set data=FOLDER, or in the environment as {VARIABLE}"

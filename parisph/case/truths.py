@@ -1,0 +1,149 @@
+"""References that a probe is compared with: series of files, waves, and bands of measured peaks."""
+
+from collections.abc import Sequence
+from typing import Optional
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from parisph.base import reading
+from parisph.base.arrays import Floats
+from parisph.base.errors import CaseError
+from parisph.base.text import named, shown
+from parisph.case.model import Model
+from parisph.case.values import LARGEST
+from parisph.case.waves import AnyWave
+
+
+class PeakBand(Model):
+    """Where repeated experiments have their greatest value within an interval of time.
+
+    start, end : of the interval [s]; low, high : of the band, in the probe's unit
+
+    Examples
+    --------
+    >>> PeakBand(start=2.2, end=2.6, low=2100.0, high=4300.0).high
+    4300.0
+    """
+
+    start: float = Field(description="start of the interval of time [s]")
+    end: float = Field(description="end of the interval of time [s]")
+    low: float = Field(description="lower end of the band [unit of the probe]")
+    high: float = Field(description="upper end of the band [unit of the probe]")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> "PeakBand":
+        if not (self.start < self.end and 0.0 < self.low < self.high):
+            raise ValueError("start must be before end, and low above 0 and below high")
+        return self
+
+
+class Truth(Model):
+    """A reference series for a probe: two columns of a CSV file with one header line ('#' starts a comment).
+
+    Attributes
+    ----------
+    file : path, relative to the case file
+    time, value : names of the columns
+    offset, scale : truth = offset + scale * column, in the probe's unit
+    time_scale : seconds for one unit of the time column
+    wave : whether the error is that of the wave part, |probe - truth| / |truth - offset|, instead of
+        |probe - truth| / |truth|
+    rows : {column: word}, only the lines that have these words in these columns; a file may hold several series
+    window : (start, end) [s] of what is compared; None for all
+    smooth : width [s] of a moving mean of both series before they are compared; None for none
+    name : what pages and legends call it
+    note : what a reader of the error should know, such as the place of a sensor
+    published : {who and how: relative L2 error that others have against the same reference}
+    peaks : bands of the greatest values, one PeakBand for each
+    others : further references, which are compared in the same way
+
+    Examples
+    --------
+    >>> truth = Truth("gauge.csv", time="t_s", value="eta_mm", scale=0.001, offset=0.4, wave=True)
+    >>> SurfaceGauge("gauge", at=0.5, truth=truth).truth.scale
+    0.001
+    """
+
+    file: str
+    time: str
+    value: str
+    offset: float = 0.0
+    scale: float = 1.0
+    time_scale: float = Field(1.0, gt=0, description="seconds for one unit of the time column")
+    wave: bool = False
+    rows: dict[str, str] = Field({}, description="words that lines have in columns")
+    window: Optional[tuple[float, float]] = Field(None, description="start and end of what is compared [s]")
+    smooth: Optional[float] = Field(None, gt=0, description="width of the moving mean [s]")
+    name: str = ""
+    note: str = ""
+    published: dict[str, float] = Field({}, description="relative errors of others")
+    peaks: tuple[PeakBand, ...] = ()
+    others: tuple["Truth", ...] = ()
+
+    @model_validator(mode="after")
+    def _window_is_one(self) -> "Truth":
+        if self.window is not None and not self.window[0] < self.window[1]:
+            raise ValueError(f"window = {self.window}: must end after its start")
+        return self
+
+
+class WaveTruth(Model):
+    """A wave as the truth of a surface gauge, whose error is that of the wave part.
+
+    of : the wave, which may run through the scene from the start; level : height y of the still surface [m]
+
+    Examples
+    --------
+    >>> wave = SolitaryWave(height=0.05, depth=0.25, at=2.0)
+    >>> gauge = SurfaceGauge("gauge", at=2.0, truth=WaveTruth(wave, level=0.25))
+    >>> print(f"{gauge.truth.series(2.0, [0.0])[0]:.3f} m")
+    0.300 m
+    """
+
+    of: AnyWave
+    level: float = Field(description="height y of the still surface [m]")
+
+    def series(self, x: float, times: Floats) -> Floats:
+        """Return the height of the surface [m] at x [m] and times (n,) [s]."""
+        return self.level + self.of.elevation(x, np.asarray(times, dtype=float))
+
+
+def read_truth(truth: Truth) -> tuple[Floats, Floats]:
+    """Return the times (n,) [s] and the values (n,) [the probe's unit] of a Truth, of all times.
+
+    Raises
+    ------
+    CaseError : the file cannot be read, a column is missing, or a value is not a number. The message shows only a
+        few words of the file, because a stored case may name any file.
+    """
+    try:
+        names, lines = reading.read_columns(truth.file)
+    except OSError as error:
+        raise CaseError(f"truth.file = {shown(truth.file)}: cannot be read ({error.strerror})") from None
+    except ValueError as error:
+        raise CaseError(f"truth.file = {shown(truth.file)}: cannot be read ({error})") from None
+    for field, name in (("time", truth.time), ("value", truth.value), *(("rows", name) for name in truth.rows)):
+        if name not in names:
+            raise CaseError(f"truth.{field} = {shown(name)}: {named(truth.file)} has no such column; "
+                            f"it has {reading.listed(names)}")
+    columns = [names.index(truth.time), names.index(truth.value)]
+    words = {names.index(name): word for name, word in truth.rows.items()}
+    data = np.array([_numbers(truth, number, [cells[k] for k in columns]) for number, cells in lines.items()
+                     if all(cells[k] == word for k, word in words.items())]).reshape(-1, 2)
+    if len(data) < 2 or np.any(np.diff(data[:, 0]) <= 0):
+        such = f", where {shown(truth.rows)}" if truth.rows else ""
+        raise CaseError(f"truth.file = {shown(truth.file)}: must have at least two lines of finite numbers, "
+                        f"at increasing times{such}")
+    return data[:, 0] * truth.time_scale, truth.offset + truth.scale * data[:, 1]
+
+
+def _numbers(truth: Truth, line: int, cells: Sequence[str]) -> list[float]:
+    try:
+        found = [float(cell) for cell in cells]
+    except ValueError:
+        found = [np.nan]
+    if not np.all(np.abs(found) <= LARGEST):
+        raise CaseError(f"truth.file = {shown(truth.file)}: line {line} holds something that is not a finite "
+                        f"number of at most {LARGEST:g} in {shown(truth.time)} or {shown(truth.value)}")
+    return found

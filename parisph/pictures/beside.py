@@ -1,0 +1,82 @@
+"""A probe beside its references, with what of it is compared and where peaks should be. Needs matplotlib, no MPI."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parisph.base.paths import AnyPath
+from parisph.case.probes import AnyProbe
+from parisph.case.truths import Truth, WaveTruth, read_truth
+from parisph.io.reader import Run
+from parisph.pictures import curves, style
+from parisph.truth import verdict
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST = 99.8    # percentile of the run's values up to which the axes reach, if the references do not reach higher
+
+
+def references(probe: AnyProbe, run: Run) -> dict[str, curves.Samples]:
+    """Return {name: (times (n,) [s], values (n,))} of the references of a probe that has a truth.
+
+    Raises CaseError for a file that cannot be read.
+    """
+    truth = probe.truth
+    if isinstance(truth, WaveTruth):
+        time = run.probe(probe.name)["time"]
+        return {"wave": (time, truth.series(probe.at, time))}
+    return {one.name or "reference": read_truth(one) for one in (truth, *truth.others)}
+
+
+def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figure":
+    """Draw a probe and its references over the time of the run, none of them shifted; return the matplotlib Figure.
+
+    Grey: what is outside the window that is compared. Boxes: bands in which the peaks of experiments are.
+    Raises CaseError, StoreError.
+    """
+    found, others = verdict.series(probe, run), references(probe, run)
+    picture = style.drawing().Figure(figsize=(8.0, 3.6), layout="constrained")
+    axes = picture.add_subplot()
+    unit = next((unit for name, unit in run.units(probe.name).items() if name not in ("time", "step")), "")
+    factor, shown = style.with_prefix(float(np.max(np.abs(found[1]), initial=0.0)), unit)
+    axes.plot(found[0], factor * found[1], color=style.LINES[0], linewidth=1.2, label="run", zorder=3)
+    for number, (name, (time, values)) in enumerate(others.items()):
+        inside = (time >= found[0][0]) & (time <= found[0][-1])
+        look = curves.marks(int(np.sum(inside))) if number == 0 else {"linestyle": style.STYLES[number % 4]}
+        axes.plot(time[inside], factor * values[inside], linewidth=1.0, label=style.literal(name),
+                  color="black" if number == 0 else style.LINES[number % len(style.LINES)], **look)
+    if isinstance(probe.truth, Truth):
+        _mark(axes, probe.truth, found[0][-1], factor)
+    _limit(axes, factor, shown, found, others)
+    axes.set_ylabel(f"{curves.KINDS.get(probe.kind, probe.kind.replace('_', ' '))} [{shown or '-'}]")
+    axes.set_xlabel("$t$ [s]")
+    curves.plain_axes(axes)
+    axes.set_xlim(found[0][0], found[0][-1])
+    curves.second_time_axis(axes, [run], False)
+    axes.legend(loc="best", fontsize=8, framealpha=0.8)
+    style.save(picture, path, dpi=110)
+    return picture
+
+
+def _mark(axes: "Axes", truth: Truth, end: float, factor: float) -> None:
+    if truth.window is not None:
+        axes.axvspan(-1e3, truth.window[0], color="0.93", zorder=0)
+        axes.axvspan(truth.window[1], truth.window[1] + 1e3, color="0.93", zorder=0)
+    for number, band in enumerate(truth.peaks):
+        axes.fill_between([band.start, min(band.end, end)], factor * band.low, factor * band.high,
+                          color=style.LINES[4], alpha=0.35, linewidth=0.0, zorder=1,
+                          label="peaks of experiments" if number == 0 else None)
+
+
+def _limit(axes: "Axes", factor: float, unit: str, found: curves.Samples, others: dict[str, curves.Samples]) -> None:
+    """Leave out single spikes of the run, which would hide the rest, and say so."""
+    end = found[0][-1]
+    parts = [values[(time >= found[0][0]) & (time <= end)] for time, values in others.values()]
+    fits = [np.percentile(found[1], [100.0 - MOST, MOST]), *(part for part in parts if len(part))]
+    low, high = (factor * of([of(part) for part in fits]) for of in (np.min, np.max))
+    slack = 0.08 * (high - low) or 1.0
+    axes.set_ylim(low - slack, high + slack)
+    if factor * np.max(found[1]) > high + slack:
+        axes.set_title(f"the run reaches {factor * np.max(found[1]):.4g} {unit}", loc="right", fontsize=8)

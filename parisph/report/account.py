@@ -1,0 +1,146 @@
+"""What a report says of a run in numbers, all of them from summary.json and case.json."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from parisph.base.text import named
+from parisph.case.probes import AnyProbe
+from parisph.case.truths import Truth, WaveTruth
+from parisph.report.entries import Cell, Table, number
+
+SUMMARY, CASE = "summary.json", "case.json"
+ALIGNMENT = (
+    "No series is shifted: the time of the run is that of the reference (shift = 0). The last two columns say, only "
+    "for information, which shift of the run's time would make the error least (sought among 5 % of the compared "
+    "time, either way), and this error."
+)
+ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", "to [s]", "both smoothed over [s]",
+              "samples", "best published", "best shift [s]", "error if so shifted")
+PEAK_HEAD = ("probe", "from [s]", "to [s]", "greatest value", "at [s]", "band from", "to", "beyond the band by")
+Probes = Sequence[AnyProbe]
+AnyTruth = Truth | WaveTruth
+Content = Mapping[str, Any]    # of a JSON file
+
+
+def conditions(case: Content, summary: Content) -> Table:
+    """Return what was run: method, resolution, steps, ranks and versions."""
+    rows = [("status", number(summary, SUMMARY, ["status"])), ("method", number(summary, SUMMARY, ["method"])),
+            ("preset", number(summary, SUMMARY, ["preset"])),
+            ("particles", number(summary, SUMMARY, ["particles"], "d")),
+            ("spacing", number(summary, SUMMARY, ["spacing"], ".6g", "m")),
+            ("steps", number(summary, SUMMARY, ["steps"], "d")),
+            ("time step", number(case, CASE, ["numerics", "time_step"], ".6g", "s")),
+            ("time reached", number(summary, SUMMARY, ["time"], ".6g", "s")),
+            ("ranks", number(summary, SUMMARY, ["ranks"], "d")),
+            ("parisph", number(summary, SUMMARY, ["parisph_version"])),
+            ("PETSc options", number(summary, SUMMARY, ["petsc_options"]))]
+    versions = summary.get("versions")
+    rows += [(name, number(summary, SUMMARY, ["versions", name])) for name in
+             (versions if isinstance(versions, dict) else ())]
+    if case["numerics"].get("time_step") is None:
+        rows[6] = ("time step", Cell("adaptive"))
+    return _named(rows)
+
+
+def cost(summary: Content) -> Table:
+    """Return what the run has cost: time by the clock and of the processors, steps, iterations, phases."""
+    rows = [("CPU time", number(summary, SUMMARY, ["cpu_seconds"], ".4g", "s")),
+            ("wall time", number(summary, SUMMARY, ["wall_seconds"], ".4g", "s")),
+            ("steps", number(summary, SUMMARY, ["steps"], "d")),
+            ("iterations a solve, median", number(summary, SUMMARY, ["iterations", "median"])),
+            ("iterations a solve, most", number(summary, SUMMARY, ["iterations", "max"])),
+            ("peak memory of the first rank", number(summary, SUMMARY, ["peak_memory_mb", 0], ".0f", "MB"))]
+    phases = summary.get("cpu_phases") or {}
+    longest = sorted(phases, key=lambda name: -float(phases[name]))[:4]
+    rows += [(f"CPU time, {name}", number(summary, SUMMARY, ["cpu_phases", name], ".4g", "s")) for name in longest]
+    return _named(rows)
+
+
+def drift(summary: Content) -> Table:
+    """Return how volume and energy have changed since the start."""
+    energy = "energy change (work is done on the fluid)" if summary.get("driven") else "energy drift"
+    extremes = (("low", "+.3%", ""), ("low_time", ".4g", "s"), ("high", "+.3%", ""), ("high_time", ".4g", "s"))
+    rows = []
+    for what, kind in (("volume drift", "volume"), (energy, "energy")):
+        end = number(summary, SUMMARY, [f"{kind}_drift"], "+.3%")
+        rows.append((Cell(what), end, *(number(summary, SUMMARY, [f"{kind}_range", name], form, unit)
+                                        for name, form, unit in extremes)))
+    return Table(("", "at the end", "lowest", "at", "highest", "at"), tuple(rows))
+
+
+def errors(probes: Probes, case: Content, summary: Content) -> Table:
+    """Return the errors of the probes that have a truth, a line for each of their references."""
+    return Table(ERROR_HEAD, tuple(row for k, probe in enumerate(probes) if probe.truth
+                                   for row in _of_probe(k, probe, case, summary)))
+
+
+def _of_probe(k: int, probe: AnyProbe, case: Content, summary: Content) -> Iterator[tuple[Cell, ...]]:
+    for truth, place, path in _truths(k, probe):
+        error = error_of(summary, path)
+        start, end, points, shift, shifted = (
+            number(summary, SUMMARY, [*path, name], form) for name, form in
+            (("start", ".4g"), ("end", ".4g"), ("points", "d"), ("best_shift", "+.3g"), ("shifted_l2", ".3g")))
+        yield (Cell(probe.name), Cell(name_of(truth)), error, start, end, number(case, CASE, [*place, "smooth"], ".3g"),
+               points, best_published(truth, case, place), shift, shifted)
+
+
+def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list[Any]]]:
+    """Yield the truth of the probe number k and those beside it, each with its places in the case and the summary."""
+    truth, place, path = probe.truth, ["probes", k, "truth"], ["errors", probe.name]
+    yield truth, place, path
+    for n, other in enumerate(truth.others if isinstance(truth, Truth) else ()):
+        yield other, [*place, "others", n], [*path, "others", other.name]
+
+
+def name_of(truth: AnyTruth) -> str:
+    """Return what a truth is called: its own name, or that of its file."""
+    return (truth.name or named(truth.file.rpartition("/")[2])) if isinstance(truth, Truth) else "wave"
+
+
+def error_of(summary: Content, path: list[Any]) -> Cell:
+    """Return the error of a probe, or why there is none. path : ["errors", name of the probe, ...]"""
+    reason = number(summary, SUMMARY, [*path, "reason"])
+    return number(summary, SUMMARY, [*path, "relative_l2"], ".3g") if reason.text == "-" else reason
+
+
+def best_published(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
+    """Return the least error that others have published; the case states it at `place`, its truth."""
+    levels = truth.published if isinstance(truth, Truth) else {}
+    if not levels:
+        return Cell("-")
+    best = min(levels, key=lambda name: levels[name])
+    return number(case, CASE, [*place, "published", best], ".3g", f"({best})")
+
+
+def peaks(probes: Probes, summary: Content) -> Table:
+    """Return the greatest values in intervals of time beside the bands in which experiments have them."""
+    columns = (("start", ".4g"), ("end", ".4g"), ("found", ".4g"), ("time", ".4g"), ("low", ".4g"), ("high", ".4g"),
+               ("beyond", "+.0%"))
+    return Table(PEAK_HEAD, tuple(
+        (Cell(probe.name), *(number(summary, SUMMARY, ["errors", probe.name, "peaks", k, name], form)
+                             for name, form in columns))
+        for probe in probes if isinstance(probe.truth, Truth) for k in range(len(probe.truth.peaks))
+    ))
+
+
+def published(probes: Probes) -> list[tuple[str, str]]:
+    """Return (name of a probe, text) of all the errors of others that the case states."""
+    found = []
+    for probe in probes:
+        truth = probe.truth
+        for one in (truth, *truth.others) if isinstance(truth, Truth) else ():
+            if one.published:
+                levels = "; ".join(f"{who}: {level:.3g}" for who, level in one.published.items())
+                found.append((probe.name, f"against {one.name or 'the reference'}: {levels}"))
+    return found
+
+
+def notes(probes: Probes) -> list[tuple[str, str]]:
+    """Return (name of a probe, note) of the truths that have one."""
+    truths = [(probe.name, one) for probe in probes if isinstance(probe.truth, Truth)
+              for one in (probe.truth, *probe.truth.others)]
+    return [(name, one.note) for name, one in truths if one.note]
+
+
+def _named(rows: list[tuple[str, Cell]]) -> Table:
+    return Table((), tuple((Cell(name), cell) for name, cell in rows))

@@ -1,0 +1,153 @@
+"""`parisph report RUN`: a page that shows a run beside its references. Needs matplotlib, no MPI. Not collective.
+
+The page is one file; its pictures are also written as PNG files, into the folder `report` beside it.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from parisph.base.errors import CaseError, ParisphError, StoreError
+from parisph.base.paths import AnyPath
+from parisph.base.text import clipped, named, plain
+from parisph.case import stored
+from parisph.case.probes import AnyProbe
+from parisph.io.files import write_text
+from parisph.io.layout import PEAKS
+from parisph.io.reader import Run, open_run
+from parisph.pictures import beside, curves, overview, view
+from parisph.report import account, markup
+
+PAGE, FOLDER = "report.html", "report"
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What a report is of.
+
+    run : Run; title : of the case; case : dict, as in case.json; probes : of the case; summary : dict, as in
+    summary.json, empty if the run has none
+    """
+
+    run: Run
+    title: str
+    case: dict[str, Any]
+    probes: list[AnyProbe]
+    summary: dict[str, Any]
+
+
+def subject(folder: AnyPath) -> Subject:
+    """Return the Subject of the run in a folder. Raises StoreError if there is none, with a remedy."""
+    path = Path(folder)
+    if not (path / "case.json").exists():
+        inner = [item.parent.name for item in sorted(path.glob("*/case.json"))] if path.is_dir() else []
+        hint = (f"it holds runs ({clipped(', '.join(map(named, inner)), 80)}): give one of them, or all with --all"
+                if inner else "give the folder that `parisph run` has printed at its end")
+        raise StoreError(f"{named(folder)} is not the folder of a run, as it has no case.json; {hint}")
+    run = open_run(path)
+    case = stored.from_json(json.dumps(run.case), read_only=True)
+    return Subject(run, clipped(plain(case.title), 200), run.case, list(case.probes), run.summary or {})
+
+
+def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
+    """Write the page of a run, and its pictures; return the path of the page.
+
+    folder : of the run; out : the folder to write to, by default that of the run
+
+    Raises StoreError for a folder that is no run and for files that cannot be read or written; MissingLibrary.
+    """
+    about, place = subject(folder), Path(out if out is not None else folder)
+    pictures = place / FOLDER
+    try:
+        pictures.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(f"cannot make {pictures}: {error.strerror}") from None
+    try:
+        parts = [*_run(about), *_errors(about), *_series(about, pictures), *_flow(about, pictures),
+                 *_conserved(about), *_cost(about, pictures)]
+    except (TypeError, KeyError, AttributeError, OverflowError) as error:
+        raise StoreError(f"{about.run.folder / 'summary.json'} is damaged: its entries are not those of a summary "
+                         f"({type(error).__name__})") from None
+    try:
+        write_text(place / PAGE, markup.page(about.title, parts))
+    except OSError as error:
+        raise StoreError(f"cannot write {place / PAGE}: {error.strerror}") from None
+    return place / PAGE
+
+
+def _run(about: Subject) -> list[str]:
+    parts = [markup.paragraph(f"Run in {about.run.folder.resolve().name}. Every number of the tables is an entry of "
+                              "summary.json or case.json of this run: point at it to see which.", "small")]
+    if not about.summary:
+        parts.append(markup.paragraph("There is no summary.json: the run goes on, or was killed.", "warning"))
+    parts += [markup.paragraph(f"Warning: {text}", "warning") for text in about.summary.get("warnings") or ()]
+    return [*parts, markup.heading("What was run"), markup.table(account.conditions(about.case, about.summary))]
+
+
+def _errors(about: Subject) -> list[str]:
+    parts, judged = [markup.heading("Errors")], account.errors(about.probes, about.case, about.summary)
+    if judged.rows:
+        parts += [markup.paragraph(account.ALIGNMENT), markup.table(judged)]
+    without = [probe.name for probe in about.probes if probe.truth is None]
+    if without:
+        parts.append(markup.paragraph(f"Without a reference: {', '.join(without)}.", "small"))
+    for name, text in account.published(about.probes):
+        parts.append(markup.paragraph(f"Published errors of others at {name}, {text}.", "small"))
+    parts += [markup.paragraph(f"{name}: {note}", "small") for name, note in account.notes(about.probes)]
+    bands = account.peaks(about.probes, about.summary)
+    if bands.rows:
+        parts += [markup.heading("Peaks"), markup.table(bands)]
+    return parts
+
+
+def _series(about: Subject, folder: Path) -> list[str]:
+    parts, rest = [markup.heading("Probes")], []
+    for probe in about.probes:
+        if probe.name not in about.run.probe_names:
+            continue
+        if probe.truth is None:
+            rest.append(probe.name)
+            continue
+        path = folder / f"{probe.name}.png"
+        try:
+            beside.plot_beside(about.run, probe, path)
+        except CaseError as error:    # the file of the truth is not here
+            parts.append(markup.paragraph(f"{probe.name} is shown without its reference: {error}", "warning"))
+            rest.append(probe.name)
+            continue
+        parts.append(markup.picture(path, f"{probe.name} beside its references, not shifted"))
+    if rest:
+        path = folder / "probes.png"
+        curves.plot_probe(about.run, rest, path)
+        parts.append(markup.picture(path, f"Probes: {', '.join(rest)}"))
+    return parts
+
+
+def _flow(about: Subject, folder: Path) -> list[str]:
+    run = about.run
+    if len(run) == 0:
+        return []
+    overview.plot_moments(run, folder / "flow.png")
+    parts = [markup.heading("The flow"), markup.picture(folder / "flow.png", "Pressure at moments of the run")]
+    for name in run.probe_names:
+        if (run.folder / PEAKS / f"{name}.vtkhdf").exists():
+            path = folder / f"peak_{name}.png"
+            view.plot_field(run, run.peak(name), path=path)
+            parts.append(markup.picture(path, f"Pressure at the greatest value of {name}"))
+    return parts
+
+
+def _conserved(about: Subject) -> list[str]:
+    return [markup.heading("Volume and energy"), markup.table(account.drift(about.summary))] if about.summary else []
+
+
+def _cost(about: Subject, folder: Path) -> list[str]:
+    parts = [markup.heading("Cost")]
+    if about.summary:
+        parts.append(markup.table(account.cost(about.summary)))
+    try:
+        overview.plot_solver(about.run, folder / "solver.png")
+    except (ParisphError, ValueError):    # no step was made
+        return parts
+    return [*parts, markup.picture(folder / "solver.png", "Iterations of the pressure solve, and time steps")]

@@ -1,0 +1,126 @@
+"""`parisph report`: the page of a tiny run, whose numbers are those of its files, and a gallery."""
+
+import base64
+import html
+import json
+import re
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph import Box, Case, Energy, Fluid, Numerics, PeakBand, PressureTap, SurfaceGauge, Tank, Truth, run
+from parisph.base.errors import StoreError
+from parisph.report import gallery, page
+from tests.launch import parisph
+
+CELL = re.compile(r'<td class="number" data-from="(.*?)" title="(.*?)">(.*?)</td>')
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The folder of a run of a few steps, with a truth, another beside it, an error of others, and bands of peaks."""
+    folder = tmp_path_factory.mktemp("report")
+    lines = [f"{of},{t:.3f},{value}\n" for of, value in (("a", 1.0), ("b", 1.1)) for t in np.linspace(0.0, 0.1, 41)]
+    (folder / "measured.csv").write_text("of,t,p\n" + "".join(lines))
+    first, other = (
+        Truth(str(folder / "measured.csv"), time="t", value="p", scale=2000.0, rows={"of": of}, name=f"<{of}>",
+              window=(0.01, 0.04), smooth=0.012, published={"others": 0.123} if of == "a" else {})
+        for of in ("a", "b")
+    )
+    bands = (PeakBand(start=0.0, end=0.03, low=1000.0, high=3000.0), PeakBand(start=0.0, end=0.03, low=1.0, high=2.0))
+    truth = first.model_copy(update={"others": (other,), "peaks": bands, "note": "a sensor of brass"})
+    late = first.model_copy(update={"window": (0.5, 0.9)})
+    case = Case(
+        title="Still & <calm>", fluid=Fluid(Box(width=1.0, height=0.4), density=1e3), walls=Tank(width=1.0, height=0.5),
+        gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.005),
+        probes=[PressureTap("tap", at=(0.0, 0.2), truth=truth, peak=True), SurfaceGauge("late", at=0.5, truth=late),
+                Energy("energy")],
+        end_time=0.05,
+    )
+    run(case, MPI.COMM_SELF, folder / "run", progress=False)
+    return folder / "run"
+
+
+@pytest.fixture(scope="module")
+def text(made):
+    """The page of the run, in its folder."""
+    return page.write(made).read_text(encoding="utf-8")
+
+
+def entry(folder, source):
+    """Return the entry of a JSON file that a cell names, read without parisph."""
+    file, _, path = source.partition(": ")
+    value = json.loads((folder / file).read_text())
+    for name in path.split("/"):
+        value = value[int(name) if isinstance(value, list) else name]
+    return value
+
+
+def test_every_number_of_the_page_is_in_the_files_of_the_run(made, text):
+    cells = [(html.unescape(source), html.unescape(shown)) for source, _, shown in CELL.findall(text)]
+    assert len(cells) > 50
+    for source, shown in cells:
+        value = entry(made, source)
+        if isinstance(value, str):
+            assert shown == value, source
+        else:
+            word = shown.split()[0]
+            found = float(word.rstrip("%")) / (100.0 if word.endswith("%") else 1.0)
+            assert found == pytest.approx(value, rel=0.01, abs=0.006 if word.endswith("%") else 1e-12), source
+    rest = re.sub(CELL, "", text)
+    words = [html.unescape(word) for word in re.findall(r"<td>(.*?)</td>", rest)]
+    assert [word for word in words if re.search(r"(?<![A-Za-z])\d", word)] == [], "a number without a source"
+    sources = {source for source, _ in cells}
+    assert {"summary.json: errors/tap/relative_l2", "summary.json: errors/tap/others/<b>/relative_l2",
+            "summary.json: errors/tap/best_shift", "summary.json: errors/tap/peaks/1/beyond",
+            "case.json: probes/0/truth/published/others", "summary.json: cpu_seconds",
+            "summary.json: volume_range/low", "summary.json: errors/late/reason"} <= sources
+
+
+def test_the_page_is_one_file_with_its_pictures(made, text):
+    assert "<title>Still &amp; &lt;calm&gt;</title>" in text and "<calm>" not in text
+    assert "shift = 0" in text and "a sensor of brass" in text
+    found = [base64.b64decode(data) for data in re.findall('src="data:image/png;base64,(.*?)"', text)]
+    beside = {path.name: path.read_bytes() for path in (made / "report").glob("*.png")}
+    assert set(beside) == {"tap.png", "late.png", "probes.png", "flow.png", "peak_tap.png", "solver.png"}
+    assert sorted(found) == sorted(beside.values()) and all(data.startswith(PNG) for data in found)
+    assert not re.search('(src|href)="(?!data:)', text), "nothing is fetched"
+
+
+def test_a_truth_that_is_gone_is_said(made, tmp_path):
+    file = made.parent / "measured.csv"
+    file.rename(tmp_path / "gone.csv")
+    try:
+        text = page.write(made, tmp_path / "page").read_text(encoding="utf-8")
+    finally:
+        (tmp_path / "gone.csv").rename(file)
+    assert "tap is shown without its reference" in text and (tmp_path / "page" / "report" / "probes.png").exists()
+
+
+def test_a_gallery_shows_every_run(made, tmp_path):
+    paths = gallery.write([made.parent], tmp_path)
+    assert [path.name for path in paths] == ["gallery.html", "gallery.md"]
+    pages, text = (path.read_text(encoding="utf-8") for path in paths)
+    error = json.loads((made / "summary.json").read_text())["errors"]["tap"]["relative_l2"]
+    assert f"{error:.3g}" in pages and f"| {error:.3g} | 0.123 (others) |" in text
+    assert "![Still & <calm>](run.png)" in text
+    assert (tmp_path / "run.png").read_bytes() in [
+        base64.b64decode(data) for data in re.findall('base64,(.*?)"', pages)]
+
+
+def test_a_folder_without_a_run_is_an_error_with_a_remedy(made, tmp_path):
+    with pytest.raises(StoreError, match="it holds runs .run.: give one of them, or all with --all"):
+        page.write(made.parent)
+    with pytest.raises(StoreError, match="give the folder that `parisph run` has printed"):
+        page.write(tmp_path)
+    with pytest.raises(StoreError, match="holds no run: give the folder of a run"):
+        gallery.write([tmp_path], tmp_path / "gallery")
+
+
+def test_the_command_prints_what_it_has_written(made, tmp_path):
+    done = parisph("report", "--all", made, cwd=tmp_path)
+    assert done.stdout == "gallery/gallery.html\ngallery/gallery.md\n", done.stderr
+    done = parisph("report", tmp_path, cwd=tmp_path)
+    assert done.returncode == 5 and done.stderr.startswith("parisph: error: ") and "case.json" in done.stderr
