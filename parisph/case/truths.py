@@ -50,7 +50,7 @@ class Truth(Model):
     wave : whether the error is that of the wave part, |probe - truth| / |truth - offset|, instead of
         |probe - truth| / |truth|
     rows : {column: word}, only the lines that have these words in these columns; a file may hold several series
-    window : (start, end) [s] of what is compared; None for all
+    window : (start, end) [s] of what is compared, at even times; None for all, at the times of the file
     smooth : width [s] of a moving mean of both series before they are compared; None for none
     name : what pages and legends call it
     note : what a reader of the error should know, such as the place of a sensor

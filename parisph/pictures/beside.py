@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.base.paths import AnyPath
-from parisph.case.probes import AnyProbe
+from parisph.case.probes import AnyProbe, SurfaceGauge
 from parisph.case.truths import Truth, WaveTruth, read_truth
 from parisph.io.reader import Run
 from parisph.pictures import curves, style
@@ -24,10 +24,11 @@ def references(probe: AnyProbe, run: Run) -> dict[str, curves.Samples]:
     Raises CaseError for a file that cannot be read.
     """
     truth = probe.truth
-    if isinstance(truth, WaveTruth):
+    if isinstance(truth, WaveTruth) and isinstance(probe, SurfaceGauge):
         time = run.probe(probe.name)["time"]
         return {"wave": (time, truth.series(probe.at, time))}
-    return {one.name or "reference": read_truth(one) for one in (truth, *truth.others)}
+    series = (truth, *truth.others) if isinstance(truth, Truth) else ()
+    return {one.name or "reference": read_truth(one) for one in series}
 
 
 def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figure":

@@ -70,7 +70,7 @@ def drift(summary: Content) -> Table:
 
 def errors(probes: Probes, case: Content, summary: Content) -> Table:
     """Return the errors of the probes that have a truth, a line for each of their references."""
-    return Table(ERROR_HEAD, tuple(row for k, probe in enumerate(probes) if probe.truth
+    return Table(ERROR_HEAD, tuple(row for k, probe in enumerate(probes)
                                    for row in _of_probe(k, probe, case, summary)))
 
 
@@ -80,14 +80,18 @@ def _of_probe(k: int, probe: AnyProbe, case: Content, summary: Content) -> Itera
         start, end, points, shift, shifted = (
             number(summary, SUMMARY, [*path, name], form) for name, form in
             (("start", ".4g"), ("end", ".4g"), ("points", "d"), ("best_shift", "+.3g"), ("shifted_l2", ".3g")))
-        yield (Cell(probe.name), Cell(name_of(truth)), error, start, end, number(case, CASE, [*place, "smooth"], ".3g"),
+        of_wave = isinstance(truth, WaveTruth) or truth.wave
+        name = name_of(truth) + (", relative to the wave alone" if of_wave else "")
+        yield (Cell(probe.name), Cell(name), error, start, end, number(case, CASE, [*place, "smooth"], ".3g"),
                points, best_published(truth, case, place), shift, shifted)
 
 
 def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list[Any]]]:
     """Yield the truth of the probe number k and those beside it, each with its places in the case and the summary."""
-    truth, place, path = probe.truth, ["probes", k, "truth"], ["errors", probe.name]
-    yield truth, place, path
+    truth, path = probe.truth, ["errors", probe.name]
+    place: list[Any] = ["probes", k, "truth"]
+    if truth is not None:
+        yield truth, place, [*path]
     for n, other in enumerate(truth.others if isinstance(truth, Truth) else ()):
         yield other, [*place, "others", n], [*path, "others", other.name]
 

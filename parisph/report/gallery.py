@@ -77,7 +77,8 @@ def _table(name: str, about: Subject) -> Table:
     """Return the table of a run: a line for each probe that has a truth, or one line."""
     own = [Cell(name), *(number(about.summary, account.SUMMARY, [key], form) for key, form in
                          (("particles", "d"), ("steps", "d"), ("cpu_seconds", ".3g")))]
-    rows, blank = [], [Cell("")] * len(own)
+    rows: list[tuple[Cell, ...]] = []
+    blank = [Cell("")] * len(own)
     for k, probe in enumerate(about.probes):
         if probe.truth is not None:
             rows.append((*(blank if rows else own), Cell(f"{probe.name}: {account.name_of(probe.truth)}"),

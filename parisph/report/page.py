@@ -14,7 +14,6 @@ from parisph.base.text import clipped, named, plain
 from parisph.case import stored
 from parisph.case.probes import AnyProbe
 from parisph.io.files import write_text
-from parisph.io.layout import PEAKS
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
 from parisph.report import account, markup
@@ -131,9 +130,10 @@ def _flow(about: Subject, folder: Path) -> list[str]:
     overview.plot_moments(run, folder / "flow.png")
     parts = [markup.heading("The flow"), markup.picture(folder / "flow.png", "Pressure at moments of the run")]
     for name in run.probe_names:
-        if (run.folder / PEAKS / f"{name}.vtkhdf").exists():
+        peak = run.peak(name)
+        if peak is not None:
             path = folder / f"peak_{name}.png"
-            view.plot_field(run, run.peak(name), path=path)
+            view.plot_field(run, peak, path=path)
             parts.append(markup.picture(path, f"Pressure at the greatest value of {name}"))
     return parts
 

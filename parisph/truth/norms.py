@@ -6,6 +6,8 @@ increase. Nothing here is collective. A series that cannot be evaluated raises V
 
 import numpy as np
 
+MOST_SAMPLES = 10_000    # of a series that is sampled evenly
+
 
 def relative_l2(value: np.ndarray, truth: np.ndarray) -> float:
     """Return |value - truth| / |truth| in the discrete L2 norm; both (n,), any unit.
@@ -154,6 +156,14 @@ def cut(time: np.ndarray, value: np.ndarray, window: tuple[float, float]) -> tup
         raise ValueError(f"the window from {start:g} to {end:g} s is not inside the series from {time[0]:g} to "
                          f"{time[-1]:g} s")
     t = np.concatenate(([start], time[(time > start) & (time < end)], [end]))
+    return t, np.interp(t, time, value)
+
+
+def evenly(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a series (n,) at even times from its first to its last (m,), with about its median step [s]."""
+    time, value = _series(time, value)
+    count = min(round((time[-1] - time[0]) / float(np.median(np.diff(time)))), MOST_SAMPLES)
+    t = np.linspace(time[0], time[-1], max(count, 1) + 1)
     return t, np.interp(t, time, value)
 
 

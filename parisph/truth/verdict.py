@@ -49,8 +49,8 @@ def series(probe: AnyProbe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
 def prepared(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """Return the series of a run and of its truth, (times, values) each, as they are compared.
 
-    Both are smoothed, and the truth is cut to its window. Raises ValueError if the run does not reach over the window,
-    and CaseError for the file.
+    Both are smoothed. The truth is cut to its window and sampled evenly there: a file may be denser at an impact, which
+    would otherwise weigh more. Raises ValueError if the run does not reach over the window, and CaseError for the file.
     """
     reference = read_truth(truth)
     if truth.smooth is not None:
@@ -58,7 +58,7 @@ def prepared(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[
         reference = reference[0], norms.moving_mean(*reference, truth.smooth)
     if truth.window is not None:
         norms.cut(time, values, truth.window)    # which a run that is too short does not have
-        reference = norms.cut(*reference, truth.window)
+        reference = norms.evenly(*norms.cut(*reference, truth.window))
     return (time, values), reference
 
 

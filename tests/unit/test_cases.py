@@ -144,7 +144,8 @@ def test_truths_of_measured_data_where_it_lies(monkeypatch):
     zhou, lobovsky, roll = (load(CASES / f"{name}.py")
                             for name in ("dam_break_zhou", "dam_break_lobovsky", "lateral_roll"))
     truths = {probe.name: probe.truth for case in (zhou, lobovsky, roll) for probe in case.probes if probe.truth}
-    assert set(truths) == {"P2", "P2_point", "S1", "S2", "S3", "S4", "H1", "H2", "H3", "H4", "sensor"}
+    assert set(truths) == {"P2", "P2_point", "S1", "S2", "S3", "S4", "H1", "H2", "H3", "H4", "sensor",
+                           "wide"}
     assert len(truths["P2"].others) == 3 and truths["S1"].published
     band = truths["S2"].peaks[0]
     assert 1.5 < band.low / (997.0 * 9.81 * 0.3) < 1.871 < band.high / (997.0 * 9.81 * 0.3) < 2.04

@@ -102,6 +102,12 @@ def test_a_cut_has_interpolated_ends_and_must_be_inside():
         norms.cut(np.array([0.0, 2.0]), np.array([0.0, 2.0]), (1.0, 3.0))
 
 
+def test_even_times_undo_a_denser_part():
+    t = np.concatenate((np.arange(0.0, 1.0, 0.001), np.arange(1.0, 3.01, 0.1)))
+    even, p = norms.evenly(t, 2.0 * t)
+    assert np.allclose(np.diff(even), 0.001) and even[-1] == pytest.approx(3.0) and np.allclose(p, 2.0 * even)
+
+
 def test_noise_does_not_look_outside_its_window():
     p = np.where(T < 2.0, 1e6, 1000.0)
     assert norms.noise(T, p, (2.0, 9.0)) < 1e-12
