@@ -12,13 +12,14 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from parisph.base import paths, reading
+from parisph.base import paths, reading, vocabulary
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
 from parisph.base.text import class_name, clipped, listed, named, of_error, plain, shown
 from parisph.case import stored
 from parisph.case.expressions import number
 from parisph.case.faults import first_lines
+from parisph.case.numerics import WORDS
 from parisph.case.probes import Truth, read_truth
 from parisph.case.schema import Case
 
@@ -236,6 +237,8 @@ def _value(function: Callable[..., Any], name: str, value: Any, path: AnyPath) -
     hint = _hints(function).get(name)
     default = known[name].default
     wanted = hint if hint is not None else type(default)
+    if name in WORDS and value.lower() in vocabulary.known(WORDS[name]):    # one of them is "none"
+        return value.lower()
     try:
         return _convert(value, wanted)
     except (ValueError, TypeError) as error:

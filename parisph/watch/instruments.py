@@ -22,6 +22,7 @@ __all__ = ["SAMPLERS", "build", "sample_all"]
 
 # Lengths in spacings.
 GAUGE_GAP = 1.5     # air under a gauge: more than this between one particle and the next above it
+STRETCH = 1.25      # more than that above a particle inside the fluid: under the crest of a steep wave they lie apart
 COLUMN_GAP = 2.1    # air in a column: falling water stretches, to 1.6 in the dam break
 BED = 2.0           # water on the bed is as near to it as this
 BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradients do
@@ -32,7 +33,8 @@ PROFILE = 2.6       # neighbours that serve a point of a velocity profile
 CELL = 2.6          # neighbours that bound the cell of a particle; the lists of every method have them
 
 ROUNDING = 1.0 + 1e-9
-HEIGHT, BODY = 0.0, 1.0  # what a row is: a surface particle (x, y), or a body (lower end, upper end, particles)
+# what a row is: a surface particle (x, y), a body (lower end, upper end, particles), or the top of a body (y)
+HEIGHT, BODY, TOP = 0.0, 1.0, 2.0
 
 
 def build(case: Case, comm: Communicator) -> list[Sampler]:
@@ -53,25 +55,37 @@ def build(case: Case, comm: Communicator) -> list[Sampler]:
 
 
 class _Column(Sampler):
-    """Bodies of water in the column at x = `at`."""
+    """Bodies of water in the column at x = `at`.
+
+    Above a particle inside the fluid is water: there a body may have gaps that are longer by `stretch`.
+    """
 
     columns = {"y": "m"}
-    gap = GAUGE_GAP
+    gap, stretch = GAUGE_GAP, STRETCH
 
     def rows(self, view):
-        x, y = view.body
-        chosen = np.abs(x - self.probe.at) <= COLUMN * self.scene.spacing * ROUNDING
-        return _body_rows(bodies(y[chosen], self.gap * self.scene.spacing))
+        (x, y), s = view.body, self.scene.spacing
+        chosen = np.abs(x - self.probe.at) <= COLUMN * s * ROUNDING
+        y, inside = y[chosen], view.inside[chosen]
+        ends = y + self.stretch * s * inside
+        found = bodies(y, self.gap * s, counts=np.ones(len(y)), ends=ends)
+        tops = np.zeros((len(found), WIDTH - 1))
+        tops[:, 0], tops[:, 1] = TOP, [y[(y >= low) & (y <= end)].max() for low, end, _ in found]
+        return np.concatenate([_body_rows(found), tops])
 
     def top(self, rows):
         """Return the height of the water that stands on the bed, or of the largest body without a bed [m].
 
         The bed itself where it is dry; nan where there is no water and no bed.
         """
-        found, bed = _bodies_of_all(rows, self.gap * self.scene.spacing), self.scene.bed
-        if bed is not None:
-            return found[0, 1] if len(found) and found[0, 0] <= bed + BED_GAP * self.scene.spacing else bed
-        return found[np.argmax(found[:, 2]), 1] if len(found) else np.nan
+        found, bed = _bodies_of_all(rows[rows[:, 0] == BODY], self.gap * self.scene.spacing), self.scene.bed
+        if bed is not None and not (len(found) and found[0, 0] <= bed + BED_GAP * self.scene.spacing):
+            return bed
+        if not len(found):
+            return np.nan
+        low, end, _ = found[0] if bed is not None else found[np.argmax(found[:, 2])]
+        tops = rows[rows[:, 0] == TOP, 1]
+        return tops[(tops >= low) & (tops <= end)].max()
 
 
 class ColumnHeight(_Column):
@@ -81,7 +95,7 @@ class ColumnHeight(_Column):
     more than 2.1 spacings ends the column. A dry bed gives the height of the bed.
     """
 
-    gap = COLUMN_GAP
+    gap, stretch = COLUMN_GAP, 0.0
 
     def __init__(self, probe: probes.ColumnHeight, scene: Scene) -> None:
         super().__init__(probe, scene)

@@ -13,7 +13,7 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError
-from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL
 from parisph.case import expressions, geometry
 from parisph.case.probes import AnyProbe
 from parisph.case.schema import Case
@@ -134,6 +134,12 @@ class View:
         p = self.particles
         chosen = self.fluid & (p.role != BALLISTIC)
         return p.x[chosen, 0], p.x[chosen, -1]
+
+    @cached_property
+    def inside(self) -> np.ndarray:
+        """Whether a particle of `body` is inside the fluid: bool (n,)."""
+        p = self.particles
+        return p.role[self.fluid & (p.role != BALLISTIC)] == INNER
 
     @cached_property
     def surface(self) -> tuple[np.ndarray, np.ndarray]:
