@@ -9,6 +9,7 @@ __version__ = "0.1.0"
 # `import parisph` costs nothing, and describing a case needs neither MPI nor PETSc.
 _SCHEMA = (
     "Case Fluid Box Disc Polygon Tank Lid Numerics Output Truth AtRest Sway Heave Roll Moved Series Tabulated "
+    "Sponge Relaxation "
     "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityProfile "
     "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction WaveTruth"
 )

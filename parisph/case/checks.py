@@ -12,7 +12,7 @@ from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
-from parisph.case import size
+from parisph.case import absorb, size
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.methods import METHODS
@@ -38,7 +38,8 @@ def problems(case: Scene) -> list[str]:
     if not found:
         found += [*_spacing(case), *_inside(case), *_size(case)]
     if not found:
-        found += [*_turning(case), *_surface(case), *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
+        found += [*_turning(case), *_absorbing(case), *_surface(case), *_wave(case), *_elevation(case), *_finite(case),
+                  *_probes(case)]
     if not found:
         found += [*_times(case), *_steps(case), *_files(case)]
     return found
@@ -64,6 +65,20 @@ def _turning(case: Scene) -> Iterator[str]:
                "or a frame that does not turn")
     elif "coriolis" not in (case.numerics.resolved().forces or ()):
         yield f"frame = {case.frame.kind}: needs the force 'coriolis'; add it to numerics.forces"
+
+
+def _absorbing(case: Scene) -> Iterator[str]:
+    if not case.absorb:
+        return
+    if case.walls is None:
+        yield "absorb: there is no tank; give walls=Tank(...) or leave the zones out"
+        return
+    low, high = case.walls.bounds
+    yield from absorb.problems(case.absorb, (float(low[0]), float(high[0])))
+    if METHODS[case.numerics.method].step == "compressible":
+        yield "absorb: weakly compressible SPH has no zones; choose a projection method, or leave them out"
+    elif "absorb" not in (case.numerics.resolved().forces or ()):
+        yield "absorb: needs the force 'absorb'; add it to numerics.forces"
 
 
 def _surface(case: Scene) -> Iterator[str]:

@@ -8,6 +8,7 @@ from pydantic import ValidationInfo, model_validator
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
 from parisph.case import checks
+from parisph.case.absorb import Relaxation, Sponge
 from parisph.case.faults import first_lines
 from parisph.case.methods import METHODS
 from parisph.case.model import Model
@@ -32,9 +33,9 @@ from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWa
 
 __all__ = [
     "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Heave",
-    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "Polygon", "PressureTap", "Roll", "Series",
-    "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated",
-    "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
+    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "Polygon", "PressureTap", "Relaxation", "Roll",
+    "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway",
+    "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at
@@ -52,6 +53,7 @@ class Case(Scene):
     walls : Tank, or None
     gravity : components of the body force [m/s2], numbers or expressions of x, y and t
     frame : motion of the tank, in whose frame the flow is computed
+    absorb : a Sponge or Relaxation zone, or several
     numerics, output : Numerics, Output
     probes : what is watched
     end_time : [s]

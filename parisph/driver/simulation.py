@@ -119,7 +119,8 @@ class Simulation:
                              SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.closed)
         self._made.append(self.domain)
         flow = Flow(self.numerics, case.fluid.density, self._force, self.particles, self.domain, self.timers,
-                    closed=case.closed, budget=_budget(case, parts), viscosity=case.fluid.viscosity, spin=case.spin)
+                    closed=case.closed, budget=_budget(case, parts), viscosity=case.fluid.viscosity, spin=case.spin,
+                    absorb=case.absorber)
         self.method = _method(case, flow, parts, petsc_options)
         self._made.append(self.method)
         if start is not None:
@@ -302,7 +303,7 @@ def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | Non
 
 def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts: Parts | CompressibleParts = parts_of(case.numerics, case.fluid.viscosity, case.turns)
+    parts: Parts | CompressibleParts = parts_of(case.numerics, case.fluid.viscosity, case.turns, bool(case.absorb))
     error = None
     try:
         parts.check(case.dim)
