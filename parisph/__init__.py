@@ -10,7 +10,8 @@ __version__ = "0.1.0"
 _SCHEMA = (
     "Case Fluid Box Disc Polygon Tank Lid Numerics Output Truth AtRest Sway Heave Roll Moved Series Tabulated "
     "Sponge Relaxation "
-    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityProfile "
+    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityPoint VelocityProfile "
+    "RunUp Force ProbeArray "
     "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction WaveTruth"
 )
 _PUBLIC = {

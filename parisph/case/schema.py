@@ -18,10 +18,14 @@ from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import (
     ColumnHeight,
     Energy,
+    Force,
     Momentum,
     PressureTap,
+    ProbeArray,
+    RunUp,
     SurfaceGauge,
     Truth,
+    VelocityPoint,
     VelocityProfile,
     Volume,
     WaterFront,
@@ -32,10 +36,11 @@ from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
 __all__ = [
-    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Heave",
-    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "Polygon", "PressureTap", "Relaxation", "Roll",
-    "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway",
-    "Tabulated", "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
+    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Force", "Heave",
+    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "Polygon", "PressureTap", "ProbeArray", "Relaxation",
+    "Roll", "RunUp", "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave", "Stokes", "StreamFunction",
+    "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint", "VelocityProfile", "Volume", "WaterFront",
+    "WaveTruth",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at

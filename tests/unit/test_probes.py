@@ -15,10 +15,14 @@ from parisph.case.schema import (
     ColumnHeight,
     Disc,
     Energy,
+    Force,
     Momentum,
     PressureTap,
+    ProbeArray,
+    RunUp,
     SolitaryWave,
     SurfaceGauge,
+    VelocityPoint,
     VelocityProfile,
     Volume,
     WaterFront,
@@ -435,7 +439,10 @@ def test_a_velocity_profile_ignores_what_has_no_pressure_equation():
 
 ALL = [SurfaceGauge(name="gauge", at=0.42), PressureTap(name="tap", at=(0.0, 0.2)), WaterFront(name="front"),
        ColumnHeight(name="column", at=0.3), Energy(name="energy"), Volume(name="volume"), Momentum(name="momentum"),
-       VelocityProfile(name="line", start=(0.5, 0.1), end=(0.5, 0.4), points=3)]
+       VelocityProfile(name="line", start=(0.5, 0.1), end=(0.5, 0.4), points=3), VelocityPoint("point", at=(0.4, 0.2)),
+       RunUp("side", side="left"), RunUp("wall", points=[(1.0, 0.0), (1.0, 1.0)]), Force("load", side="left"),
+       PressureTap("disc", at=(0.0, 0.3), diameter=0.2),
+       ProbeArray("several", [SurfaceGauge("g", at=0.3), PressureTap("t", at=(0.0, 0.2)), Force("f"), Volume("v")])]
 
 
 def test_every_probe_that_a_case_can_have_can_be_sampled():
