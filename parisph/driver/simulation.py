@@ -1,6 +1,6 @@
 """A scene in memory: particles, domain, solver and method, advanced step by step."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import wraps
@@ -21,6 +21,7 @@ from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
+from parisph.methods import written
 from parisph.methods.budget import Budget
 from parisph.methods.catalogue import CompressibleParts, Parts, parts_of
 from parisph.methods.compressible import Compressible
@@ -195,6 +196,16 @@ class Simulation:
         return finished(self.case, self.time)
 
     @_collective
+    def complete(self, names: Iterable[str]) -> None:
+        """Compute those of the fields `names` that no step needs, such as "vorticity", for the particles as they are.
+
+        The case has to ask for them: Output(fields=("vorticity", ...)).
+        """
+        if not self.domain.n_lists:    # before the first step
+            self.domain.refresh()
+        written.compute(self.method.flow, [name for name in names if name in self.particles.fields])
+
+    @_collective
     def gather(self, *names: str) -> dict[str, Array] | None:
         """Return {name: array over all particles, sorted by id} on rank 0, None elsewhere."""
         p = self.particles
@@ -307,6 +318,7 @@ def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     error = None
     try:
         parts.check(case.dim)
+        written.check(case.output.fields, case.dim)
     except CaseError as problem:
         error = problem
     agree(comm, error)
