@@ -63,6 +63,11 @@ class Sponge(Zone):
     start, length [m]: the zone reaches from x = start to start + length, and becomes stronger towards the nearer end of
     the tank. Waves as long as the zone come back with 1 to 2.5 % of their height, waves half as long with .3 %
     (kd = .8 to 3).
+
+    Examples
+    --------
+    >>> Sponge(start=8.0, length=2.0).end
+    10.0
     """
 
     kind: Literal["sponge"] = "sponge"
@@ -71,10 +76,20 @@ class Sponge(Zone):
 class Relaxation(Zone):
     """Makes a wave, and takes up all other waves: the velocity is drawn to that of `wave`.
 
+    For waves that carry no water with them: all of it comes from the zone, which a solitary wave of 0.1 depths leaves
+    with 0.82 of its height.
+
     start, length [m] : as of a Sponge. It is as strong as waves of its length need to come out within 4 % of their
         height (kd = .8 to 3); such waves that come back are reflected by 8 %, waves half as long by .3 %
     ramp : time [s] over which the wave grows from rest; 0 for a scene that starts with the wave
     level : height y of the still surface [m], by default the top of the fluid's shape
+
+    Examples
+    --------
+    >>> from parisph.case.waves import Airy
+    >>> zone = Relaxation(start=0.0, length=2.0, wave=Airy(height=0.02, period=1.2, depth=0.5), ramp=2.4)
+    >>> zone.wave.depth
+    0.5
     """
 
     kind: Literal["relaxation"] = "relaxation"

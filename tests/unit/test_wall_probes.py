@@ -4,9 +4,20 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import CaseError, ColumnHeight, Force, PressureTap, ProbeArray, RunUp, SurfaceGauge, VelocityPoint
+from parisph import (
+    CaseError,
+    ColumnHeight,
+    Force,
+    PressureTap,
+    ProbeArray,
+    RunUp,
+    Simulation,
+    SurfaceGauge,
+    VelocityPoint,
+)
 from parisph.base.fields import FLUID, SURFACE, WALL
 from parisph.case.stored import from_json, to_json
+from parisph.watch.instruments import build, sample_all
 from parisph.watch.wall_pressure import disc_mean
 from tests.watched import DENSITY, G, Watch, only, scene
 
@@ -73,6 +84,20 @@ def test_hydrostatic_force_on_a_wall(side, sign):
     assert fx == pytest.approx(sign * 0.5 * DENSITY * G * DEPTH**2, rel=1e-13) and fy == 0.0
     exact = -sign * DENSITY * G * DEPTH**3 / 6.0    # that of the trapezoidal rule is (1 - s^2/d^2) of it
     assert moment == pytest.approx(exact * (1.0 - (S / DEPTH) ** 2), rel=1e-12)
+
+
+@pytest.mark.parametrize("preset", ["gentle", "violent"])
+def test_the_force_of_water_at_rest_as_it_is_solved(preset):
+    """On disordered particles."""
+    probes = [Force("wall", side="right"), Force("bed", side="bed"), PressureTap("disc", at=(0.0, 0.2), diameter=0.1)]
+    case = scene(probes, jitter=0.4).changed(**{"numerics.preset": preset, "numerics.rtol": 1e-12})
+    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation.solve_start()
+    found = sample_all(build(case, simulation.comm), simulation.particles, simulation.domain, 0.0)
+    simulation.destroy()
+    assert found["wall"][0] == pytest.approx(0.5 * DENSITY * G * DEPTH**2, rel=1e-9)
+    assert found["bed"][1] == pytest.approx(-DENSITY * G * DEPTH, rel=1e-9)
+    assert found["disc"][0] == pytest.approx(DENSITY * G * 0.3, rel=1e-9)
 
 
 def test_the_force_on_the_bed_is_the_weight_and_on_all_of_the_tank_nothing_else():
