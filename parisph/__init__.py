@@ -9,7 +9,9 @@ __version__ = "0.1.0"
 # `import parisph` costs nothing, and describing a case needs neither MPI nor PETSc.
 _SCHEMA = (
     "Case Fluid Box Disc Polygon Tank Lid Numerics Output PeakBand Truth AtRest Sway Heave Roll Moved Series Tabulated "
-    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityProfile "
+    "Sponge Relaxation "
+    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityPoint VelocityProfile "
+    "RunUp Force ProbeArray "
     "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction WaveTruth"
 )
 _PUBLIC = {

@@ -118,6 +118,8 @@ FIELDS = {
               migrates=False, written=False),
         Field("grad_u", "tensor", np.float64, "1/s", "velocity gradient, du_a/dx_b", exchanged=False, migrates=False,
               written=False),
+        Field("vorticity", "scalar", np.float64, "1/s", "dv/dx - du/dy of fluid, 0 for walls; as of when it is written",
+              exchanged=False, migrates=False),
         Field("strain_rate", "scalar", np.float64, "1/s", "rate of strain sqrt(2 S:S)", exchanged=False, migrates=False,
               written=False),
         Field("turn", "scalar", np.float64, "m", "displacement by which close pairs turn",

@@ -13,7 +13,7 @@ WORDS: dict[str, list[str]] = {
     "surface_rule": ["gap", "auxiliary", "density", "divergence", "frozen", "none"],
     "source": ["mixed", "divergence", "density", "compensating"],
     "stepping": ["midpoint", "start", "predicted", "symplectic"],
-    "force": ["body", "coriolis", "viscous", "viscous_morris"],
+    "force": ["body", "coriolis", "viscous", "viscous_morris", "absorb"],
     "regulariser": ["filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart",
                     "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"],
 }

@@ -12,12 +12,11 @@ from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
-from parisph.case import size
+from parisph.case import absorb, probe_checks, size
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.methods import METHODS
 from parisph.case.motion import SHARE, Translation
-from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
 from parisph.case.scene import Scene
 from parisph.case.shapes import Box, check_components
 from parisph.case.values import LARGEST
@@ -38,7 +37,8 @@ def problems(case: Scene) -> list[str]:
     if not found:
         found += [*_spacing(case), *_inside(case), *_size(case)]
     if not found:
-        found += [*_turning(case), *_surface(case), *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
+        found += [*_turning(case), *_absorbing(case), *_surface(case), *_wave(case), *_elevation(case), *_finite(case),
+                  *_probes(case)]
     if not found:
         found += [*_times(case), *_steps(case), *_files(case)]
     return found
@@ -64,6 +64,20 @@ def _turning(case: Scene) -> Iterator[str]:
                "or a frame that does not turn")
     elif "coriolis" not in (case.numerics.resolved().forces or ()):
         yield f"frame = {case.frame.kind}: needs the force 'coriolis'; add it to numerics.forces"
+
+
+def _absorbing(case: Scene) -> Iterator[str]:
+    if not case.absorb:
+        return
+    if case.walls is None:
+        yield "absorb: there is no tank; give walls=Tank(...) or leave the zones out"
+        return
+    low, high = case.walls.bounds
+    yield from absorb.problems(case.absorb, (float(low[0]), float(high[0])))
+    if METHODS[case.numerics.method].step == "compressible":
+        yield "absorb: weakly compressible SPH has no zones; choose a projection method, or leave them out"
+    elif "absorb" not in (case.numerics.resolved().forces or ()):
+        yield "absorb: needs the force 'absorb'; add it to numerics.forces"
 
 
 def _surface(case: Scene) -> Iterator[str]:
@@ -251,44 +265,7 @@ def _probes(case: Scene) -> Iterator[str]:
     for name, count in sorted(Counter(probe.name for probe in case.probes).items()):
         if count > 1:
             yield f"probes: the name {name!r} is given {count} times; give each probe a name of its own"
-    for probe in case.probes:
-        if isinstance(probe, PressureTap):
-            yield from _tap(case, probe)
-        elif isinstance(probe, VelocityProfile):
-            yield from _profile(case, probe)
-        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.walls is not None:
-            low, high = case.walls.bounds
-            if not low[0] <= probe.at <= high[0]:
-                yield (f"probe {probe.name!r}: at = {probe.at:g} must lie in the tank, "
-                       f"from x = {low[0]:g} to {high[0]:g}")
-
-
-def _profile(case: Scene, probe: VelocityProfile) -> Iterator[str]:
-    for name, point in (("start", probe.start), ("end", probe.end)):
-        if len(point) != case.dim:
-            yield f"probe {probe.name!r}: {name} = {point} must have {case.dim} components"
-            return
-    if probe.start == probe.end:
-        yield f"probe {probe.name!r}: start and end = {probe.start}: must be two points"
-
-
-def _tap(case: Scene, probe: PressureTap) -> Iterator[str]:
-    if case.walls is None:
-        yield f"probe {probe.name!r}: a pressure tap needs a wall; give walls=Tank(...) or leave the tap out"
-        return
-    if len(probe.at) != case.dim:
-        yield f"probe {probe.name!r}: at = {probe.at} must have {case.dim} components"
-        return
-    at, (low, high) = np.array(probe.at), case.walls.bounds
-    tolerance = 1e-6 * float(np.max(high - low))
-    walls = [abs(at - low) <= tolerance, abs(at - high) <= tolerance]
-    walls[1][-1] &= case.walls.closed
-    if np.any(at < low - tolerance) or np.any(at > high + tolerance) or not np.any(walls):
-        which = "left, right, lower or upper" if case.walls.closed else "left, right or lower"
-        yield (
-            f"probe {probe.name!r}: at = {probe.at} is not on a wall; give a point of the {which} wall of the tank "
-            f"from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g})"
-        )
+    yield from probe_checks.problems(case)
 
 
 def _times(case: Scene) -> Iterator[str]:

@@ -9,12 +9,13 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from parisph.base import paths
+from parisph.base import paths, vocabulary
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
 from parisph.base.text import class_name, listed, named, of_error, shown
 from parisph.case import stored
 from parisph.case.expressions import number
+from parisph.case.numerics import WORDS
 from parisph.case.schema import Case
 from parisph.case.truths import Truth, read_truth
 from parisph.case.users_file import LONGEST, beside, module_of, read, users_code, what
@@ -165,6 +166,8 @@ def _value(function: Callable[..., Any], name: str, value: Any, path: AnyPath) -
     hint = _hints(function).get(name)
     default = known[name].default
     wanted = hint if hint is not None else type(default)
+    if name in WORDS and value.lower() in vocabulary.known(WORDS[name]):    # one of them is "none"
+        return value.lower()
     try:
         return _convert(value, wanted)
     except (ValueError, TypeError) as error:

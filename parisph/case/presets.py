@@ -6,7 +6,7 @@ from typing import Any
 USUAL: dict[str, Any] = {
     "divergence": "flux",
     "source": "mixed",
-    "forces": ("body", "coriolis", "viscous"),
+    "forces": ("body", "coriolis", "viscous", "absorb"),
     "regularisers": ("filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart"),
 }
 

@@ -1,10 +1,11 @@
 """Descriptions of probes; parisph.watch.instruments computes their values."""
 
 import re
-from typing import Annotated, Literal, Union
+from collections.abc import Sequence
+from typing import Annotated, Literal, Optional, Union
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from parisph.base.arrays import Floats
 from parisph.base.text import shown
@@ -12,6 +13,9 @@ from parisph.case.model import Model
 from parisph.case.truths import Truth, WaveTruth
 
 Peak = Annotated[bool, Field(description="whether the flow at the greatest value is kept")]
+Arrival = Annotated[
+    Optional[float], Field(description="value whose first passing is told in the summary, in the probe's unit")]
+Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) [m]")]
 
 
 class Probe(Model):
@@ -19,6 +23,9 @@ class Probe(Model):
 
     With peak=True the run writes the flow at the greatest value of the probe (of its first column) to
     peaks/NAME.vtkhdf. Every step counts for this, even if samples are written less often.
+
+    With arrival=VALUE the summary tells when the probe first passes this value, upwards or downwards, by linear
+    interpolation between its samples: when a front comes by, or a gauge notices a wave.
     """
 
     name: str = Field(description="name of the probe and of its file")
@@ -47,6 +54,7 @@ class SurfaceGauge(Probe):
     at: float = Field(description="position x of the gauge [m]")
     truth: Union[Truth, WaveTruth, None] = None
     peak: Peak = False
+    arrival: Arrival = None
 
 
 class PressureTap(Probe):
@@ -55,10 +63,15 @@ class PressureTap(Probe):
     It is the value there of a linear pressure fitted to the wall within `radius`, as of a sensor with a face. One wall
     particle alone is wetted from one step to the next, and tells of an impact too late and too abruptly.
 
+    diameter : [m] of a round sensor, over whose disc the pressure is averaged instead: in 2D over a stretch, with
+        the chord of the disc at each place as its weight
+
     Examples
     --------
     >>> PressureTap("P2", at=(2.0, 0.05), radius=0.0375, peak=True).peak
     True
+    >>> PressureTap("P1", at=(3.22, 0.16), diameter=0.09).diameter
+    0.09
     """
 
     kind: Literal["pressure_tap"] = "pressure_tap"
@@ -67,6 +80,15 @@ class PressureTap(Probe):
     peak: Peak = False
     radius: Union[float, None] = Field(
         None, gt=0, description="radius of the face of the tap [m]; one spacing if it is less; default 3 spacings")
+    diameter: Optional[float] = Field(None, gt=0, description="diameter of the disc of the sensor [m]")
+    arrival: Arrival = None
+
+    @model_validator(mode="after")
+    def _one_face(self) -> "PressureTap":
+        if self.radius is not None and self.diameter is not None:
+            raise ValueError(f"radius = {self.radius:g} and diameter = {self.diameter:g}: give only one of them, a fit "
+                             "over a stretch of wall or the mean over a disc")
+        return self
 
 
 class WaterFront(Probe):
@@ -81,6 +103,7 @@ class WaterFront(Probe):
     kind: Literal["water_front"] = "water_front"
     truth: Union[Truth, None] = None
     peak: Peak = False
+    arrival: Arrival = None
 
 
 class ColumnHeight(Probe):
@@ -96,6 +119,7 @@ class ColumnHeight(Probe):
     at: float = Field(description="position x of the column [m]")
     truth: Union[Truth, None] = None
     peak: Peak = False
+    arrival: Arrival = None
 
 
 class Energy(Probe):
@@ -167,7 +191,122 @@ class VelocityProfile(Probe):
         return np.linspace(self.start, self.end, self.points)
 
 
-AnyProbe = Annotated[
-    Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile],
+class VelocityPoint(Probe):
+    """Velocity u, v [m/s] and pressure p [Pa] at the point `at` [m]; nan outside the fluid.
+
+    Examples
+    --------
+    >>> VelocityPoint("below", at=(2.0, 0.1)).at
+    (2.0, 0.1)
+    """
+
+    kind: Literal["velocity_point"] = "velocity_point"
+    at: Point
+    truth: Union[Truth, None] = None
+    peak: Peak = False
+
+
+class RunUp(Probe):
+    """Height y [m] of the highest point at which water touches a wall, and its x [m].
+
+    The water counts that is connected, along the wall, with the lower end of the wall. At a vertical side it is the
+    surface's height as of a SurfaceGauge; along a line of points, the surface is continued straight to the line.
+
+    on : name of the body
+    side : of the tank
+    points : the line itself [m], from below the water upwards, in place of a side
+
+    Examples
+    --------
+    >>> RunUp("wall", side="right").on
+    'tank'
+    >>> RunUp("beach", points=[(4.0, 0.0), (6.0, 0.5)]).points[1]
+    (6.0, 0.5)
+    """
+
+    kind: Literal["run_up"] = "run_up"
+    on: str = Field("tank", description="name of the body")
+    side: Optional[Literal["left", "right"]] = Field(None, description="side of the tank")
+    points: Optional[tuple[Point, ...]] = Field(None, min_length=2, max_length=10_000,
+                                                description="line along the wall, from below the water upwards [m]")
+    truth: Union[Truth, None] = None
+    peak: Peak = False
+    arrival: Arrival = None
+
+    @model_validator(mode="after")
+    def _one_line(self) -> "RunUp":
+        if (self.side is None) == (self.points is None):
+            raise ValueError("give either a side of the tank, side='left' or 'right', or the points of a line")
+        return self
+
+
+class Force(Probe):
+    """Force [N/m] of the fluid's pressure on a body, and its moment [N m/m] against the clock.
+
+    on : name of the body, "tank" for the tank or one of its sides
+    side : of the tank; None for all of it
+    about : point of the moment [m]
+
+    Examples
+    --------
+    >>> Force("load", side="right", about=(1.0, 0.0)).side
+    'right'
+    """
+
+    kind: Literal["force"] = "force"
+    on: str = Field("tank", description="name of the body")
+    side: Optional[Literal["left", "right", "bed", "lid"]] = Field(None, description="side of the tank")
+    about: Point = (0.0, 0.0)
+    truth: Union[Truth, None] = None
+    peak: Peak = False
+
+
+Single = Annotated[
+    Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile, VelocityPoint,
+          RunUp, Force],
     Field(discriminator="kind", description="a probe"),
 ]
+
+
+class ProbeArray(Probe):
+    """Several probes with one file: its columns are the names of the probes, NAME_COLUMN for one with more columns.
+
+    Examples
+    --------
+    >>> gauges = ProbeArray("gauges", [SurfaceGauge(f"x{x}", at=x) for x in (1, 2, 3)])
+    >>> [probe.name for probe in gauges.probes]
+    ['x1', 'x2', 'x3']
+    """
+
+    kind: Literal["probe_array"] = "probe_array"
+    probes: tuple[Single, ...] = Field(min_length=1, max_length=1000, description="probes")
+    truth: None = None
+    peak: Literal[False] = False
+
+    @model_validator(mode="after")
+    def _plain(self) -> "ProbeArray":
+        names = [probe.name for probe in self.probes]
+        for probe in self.probes:
+            if names.count(probe.name) > 1:
+                raise ValueError(f"the name {probe.name!r} is given {names.count(probe.name)} times; "
+                                 "give each probe a name of its own")
+            if probe.truth is not None or probe.peak:
+                raise ValueError(f"probe {probe.name!r}: a truth or peak=True is for a probe with a file of its own; "
+                                 "take it out of the array")
+        return self
+
+
+AnyProbe = Annotated[
+    Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile, VelocityPoint,
+          RunUp, Force, ProbeArray],
+    Field(discriminator="kind", description="a probe"),
+]
+
+
+def singles(probes: Sequence[Probe]) -> list[tuple[str, Probe]]:
+    """Return (name, probe) of all probes, those in arrays too: their names are as in "gauges.x1"."""
+    found: list[tuple[str, Probe]] = []
+    for probe in probes:
+        inside: Sequence[Probe] = probe.probes if isinstance(probe, ProbeArray) else ()
+        found += [(f"{probe.name}.{one.name}", one) for one in inside] if inside else [(probe.name, probe)]
+    return found

@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from parisph.base.arrays import Floats
+from parisph.case.absorb import Absorber, AnyZone
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.model import Model
 from parisph.case.motion import AtRest, Frame, Rotation
@@ -23,11 +24,17 @@ class Scene(Model):
     gravity: tuple[Union[float, str], ...] = Field(
         description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
     frame: Frame = AtRest()
+    absorb: tuple[AnyZone, ...] = ()
     numerics: Numerics
     output: Output = Output()
     probes: tuple[AnyProbe, ...] = ()
     end_time: float = Field(gt=0, description="end of the run [s]")
     asked: Optional[Numerics] = Field(None, description="the numerics as they were asked for, in a stored case")
+
+    @field_validator("absorb", mode="before")
+    @classmethod
+    def _one_or_more(cls, zones: object) -> object:
+        return (zones,) if isinstance(zones, (Model, dict)) else zones
 
     @field_validator("probes", mode="before")
     @classmethod
@@ -52,11 +59,21 @@ class Scene(Model):
 
     @property
     def driven(self) -> bool:
-        """Whether the body force or the tank's motion may do work on the fluid and so change its energy.
+        """Whether the body force, the tank's motion or a zone may do work on the fluid and so change its energy.
 
         A uniform, constant force does not, because its potential energy is counted.
         """
-        return not isinstance(self.frame, AtRest) or uniform_field(self.gravity) is None
+        return bool(self.absorb) or not isinstance(self.frame, AtRest) or uniform_field(self.gravity) is None
+
+    @property
+    def absorber(self) -> Optional[Absorber]:
+        """What zones that absorb waves do to water, or None."""
+        if not self.absorb or self.walls is None:
+            return None
+        lower, upper = self.fluid.shape.bounds
+        ends, level = [float(corner[0]) for corner in self.walls.bounds], float(upper[-1])
+        g = float(np.linalg.norm(self.body_force(np.array([upper], dtype=float), 0.0)))
+        return Absorber(self.absorb, (ends[0], ends[1]), level, level - float(lower[-1]), g)
 
     def body_force(self, x: Floats, t: float) -> Floats:
         """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity and what its motion adds.

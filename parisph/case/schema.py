@@ -8,6 +8,7 @@ from pydantic import ValidationInfo, model_validator
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
 from parisph.case import checks
+from parisph.case.absorb import Relaxation, Sponge
 from parisph.case.faults import first_lines
 from parisph.case.methods import METHODS
 from parisph.case.model import Model
@@ -17,9 +18,13 @@ from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import (
     ColumnHeight,
     Energy,
+    Force,
     Momentum,
     PressureTap,
+    ProbeArray,
+    RunUp,
     SurfaceGauge,
+    VelocityPoint,
     VelocityProfile,
     Volume,
     WaterFront,
@@ -30,10 +35,11 @@ from parisph.case.truths import PeakBand, Truth, WaveTruth
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
 __all__ = [
-    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Heave",
-    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "PeakBand", "Polygon", "PressureTap", "Roll", "Series",
-    "Sloshing", "SolitaryWave", "StandingWave", "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated",
-    "Tank", "Truth", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
+    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Force", "Heave",
+    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "PeakBand", "Polygon", "PressureTap", "ProbeArray",
+    "Relaxation", "Roll", "RunUp", "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave", "Stokes",
+    "StreamFunction", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint", "VelocityProfile",
+    "Volume", "WaterFront", "WaveTruth",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at
@@ -51,6 +57,7 @@ class Case(Scene):
     walls : Tank, or None
     gravity : components of the body force [m/s2], numbers or expressions of x, y and t
     frame : motion of the tank, in whose frame the flow is computed
+    absorb : a Sponge or Relaxation zone, or several
     numerics, output : Numerics, Output
     probes : what is watched
     end_time : [s]

@@ -255,6 +255,7 @@ class _Run:
     def _snapshot(self) -> None:
         s = self.simulation
         self._note_options()
+        s.complete(self.case.output.fields)
         self.store.snapshot(s.particles, s.time, s.steps)
 
     def _save(self) -> None:

@@ -15,6 +15,7 @@ from parisph.io import snapshot
 from parisph.io.files import on_first
 from parisph.io.layout import BEFORE, PEAKS
 from parisph.io.store import Store
+from parisph.methods.written import WRITTEN
 from parisph.parallel.particles import Particles
 from parisph.watch.sampling import Sampler
 
@@ -54,6 +55,7 @@ class Peaks:
                  state: Mapping[str, Any] | None = None) -> None:
         self.simulation, self.samplers = simulation, [sampler for sampler in samplers if sampler.probe.peak]
         self._fields = ("x", *snapshot.check_fields(fields))
+        self._computed = [name for name in fields if name in WRITTEN]
         names = {sampler.name for sampler in self.samplers}
         self._seen = {name: dict(seen) for name, seen in (state or {}).items() if name in names}
         self._held: dict[str, Copied] = {}    # probe -> the flow at its greatest value, not yet written
@@ -64,6 +66,7 @@ class Peaks:
         s = self.simulation
         # all ranks write together or not at all: one of them says what the sums of all are, to the last bit
         values = s.comm.bcast([found[sampler.name][0] for sampler in self.samplers]) if self.samplers else ()
+        computed = not self._computed
         for sampler, value in zip(self.samplers, values):
             if not np.isfinite(value):
                 continue
@@ -71,6 +74,9 @@ class Peaks:
             seen["least"] = min(seen["least"], value)
             if value > seen["greatest"]:
                 seen.update(greatest=value, time=s.time, step=s.steps)
+                if not computed:
+                    s.complete(self._computed)
+                    computed = True
                 self._held[sampler.name] = _copied(s.particles, self._fields)
             seen["now"] = value
 

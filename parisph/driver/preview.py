@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from parisph.base import memory
+from parisph.base import memory, vocabulary
 from parisph.case import geometry, scales, size
 from parisph.case.checks import sound_speed
 from parisph.case.methods import METHODS
-from parisph.case.numerics import Numerics
+from parisph.case.numerics import WORDS, Numerics
 from parisph.case.schema import Case
 from parisph.driver import cost
 from parisph.kernels import viscous, weakly
@@ -45,7 +45,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
     ]
     lines += [("warning", text) for text in _warnings(case, count)]
     if parameters:
-        lines.append(("--set", ", ".join(f"{name}={_text(value)}" for name, value in parameters.items())))
+        lines.append(("--set", ", ".join(f"{name}={_text(name, value)}" for name, value in parameters.items())))
     return "\n".join(f"{name:<12}{text}" for name, text in lines)
 
 
@@ -69,16 +69,18 @@ def _memory(particles: int) -> str:
 
 def stages(case: Case) -> list[str]:
     """Return the names of the stages that a step of this case has, in order."""
-    parts = catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity, case.turns)
+    parts = catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity, case.turns, bool(case.absorb))
     names: list[str] = parts.stages(case.closed)
     return names
 
 
-def _text(value: Any) -> str:
-    """Return a value in the form that --set accepts."""
+def _text(name: str, value: Any) -> str:
+    """Return the value of a parameter in the form that --set accepts."""
     if isinstance(value, (tuple, list)):
-        return ",".join(map(_text, value))
-    return "none" if value is None else f"{value:.15g}" if isinstance(value, float) else str(value)
+        return ",".join(_text(name, item) for item in value)
+    if value is None:    # "none" is a word where it is one
+        return "" if name in WORDS and "none" in vocabulary.known(WORDS[name]) else "none"
+    return f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
 def estimated_steps(case: Case, numerics: Numerics, expected: scales.Scales) -> int:

@@ -1,6 +1,6 @@
 """A scene in memory: particles, domain, solver and method, advanced step by step."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import wraps
@@ -21,6 +21,7 @@ from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
+from parisph.methods import written
 from parisph.methods.budget import Budget
 from parisph.methods.catalogue import CompressibleParts, Parts, parts_of
 from parisph.methods.compressible import Compressible
@@ -119,7 +120,8 @@ class Simulation:
                              SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.closed)
         self._made.append(self.domain)
         flow = Flow(self.numerics, case.fluid.density, self._force, self.particles, self.domain, self.timers,
-                    closed=case.closed, budget=_budget(case, parts), viscosity=case.fluid.viscosity, spin=case.spin)
+                    closed=case.closed, budget=_budget(case, parts), viscosity=case.fluid.viscosity, spin=case.spin,
+                    absorb=case.absorber)
         self.method = _method(case, flow, parts, petsc_options)
         self._made.append(self.method)
         if start is not None:
@@ -192,6 +194,16 @@ class Simulation:
     def finished(self) -> bool:
         """Return whether the end time is reached, to within half a fixed step."""
         return finished(self.case, self.time)
+
+    @_collective
+    def complete(self, names: Iterable[str]) -> None:
+        """Compute those of the fields `names` that no step needs, such as "vorticity", for the particles as they are.
+
+        The case has to ask for them: Output(fields=("vorticity", ...)).
+        """
+        if not self.domain.n_lists:    # before the first step
+            self.domain.refresh()
+        written.compute(self.method.flow, [name for name in names if name in self.particles.fields])
 
     @_collective
     def gather(self, *names: str) -> dict[str, Array] | None:
@@ -302,10 +314,11 @@ def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | Non
 
 def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts: Parts | CompressibleParts = parts_of(case.numerics, case.fluid.viscosity, case.turns)
+    parts: Parts | CompressibleParts = parts_of(case.numerics, case.fluid.viscosity, case.turns, bool(case.absorb))
     error = None
     try:
         parts.check(case.dim)
+        written.check(case.output.fields, case.dim)
     except CaseError as problem:
         error = problem
     agree(comm, error)

@@ -21,7 +21,7 @@ from parisph.io.files import on_first
 from parisph.io.store import Store
 from parisph.methods import catalogue
 from parisph.methods.reports import StepReport
-from parisph.truth import verdict
+from parisph.truth import arrivals, verdict
 
 FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, that are not worth a word
 BODY = 0.05             # share of isolated particles, later, that is more than spray
@@ -135,7 +135,7 @@ class Account:
         }
         found = on_first(comm, f"read {store.folder}", lambda: _from_files(s.case, store))
         if found is not None:
-            content["iterations"], content["errors"] = found
+            content["iterations"], content["errors"], content["arrivals"] = found
         everywhere: dict[str, Any] = comm.bcast(content)
         return everywhere
 
@@ -154,8 +154,8 @@ def _sums(before: Mapping[str, float], now: Mapping[str, float]) -> dict[str, fl
             for name in (*before, *(n for n in now if n not in before))}
 
 
-def _from_files(case: Case, store: Store) -> tuple[dict[str, float] | None, dict[str, Any]]:
-    """Return (iterations, errors) of the whole run from its files, including earlier parts."""
+def _from_files(case: Case, store: Store) -> tuple[dict[str, float] | None, dict[str, Any], dict[str, float | None]]:
+    """Return (iterations, errors, arrivals) of the whole run from its files, including earlier parts."""
     try:
         run = reader.open_run(store.folder)
         iterations, steps = None, run.steps
@@ -163,9 +163,9 @@ def _from_files(case: Case, store: Store) -> tuple[dict[str, float] | None, dict
         if len(counts):
             iterations = {"median": float(np.median(counts)), "p99": float(np.percentile(counts, 99)),
                           "max": int(counts.max())}
-        return iterations, verdict.errors(case, run)
+        return iterations, verdict.errors(case, run), arrivals.arrivals(case, run)
     except ParisphError as error:
-        return None, {"unavailable": str(error)}
+        return None, {"unavailable": str(error)}, {}
 
 
 def _peak_memory() -> float:

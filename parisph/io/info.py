@@ -92,6 +92,8 @@ def _entries(summary):
     # where work is done on the fluid a change of its energy is no error
     yield "energy change" if get("driven") else "energy drift", _drift(get("energy_drift"), get("energy_range"))
     yield "in motion", _motion(get("energy_in_motion"))
+    for probe, time in (get("arrivals") or {}).items():
+        yield f"arrival at {probe}", "not in this run" if time is None else f"{time:.6g} s"
     for probe, error in (get("errors") or {}).items():
         if isinstance(error, dict) and error.get("relative_l2") is None:
             yield f"error of {probe}", f"not judged: {error.get('reason', 'no reason is known')}"

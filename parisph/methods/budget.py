@@ -40,6 +40,11 @@ class Budget:
         self._gains[self.causes.index(cause)] += now - self._last
         self._last = now
 
+    def move(self, cause: str, other: str, gain: float) -> None:
+        """Attribute a gain [J, in 2D J/m] to another cause than it was attributed to. Not collective."""
+        self._gains[self.causes.index(cause)] -= gain
+        self._gains[self.causes.index(other)] += gain
+
     def works(self, comm: MPI.Comm) -> dict[str, float]:
         """Return {"work_" + cause: energy gained in the step [J, in 2D J/m]}, the same on all ranks. Collective."""
         gains = self._gains.copy()
@@ -61,6 +66,9 @@ class NoBudget:
         """Do nothing."""
 
     def mark(self, particles: Particles, cause: str) -> None:
+        """Do nothing."""
+
+    def move(self, cause: str, other: str, gain: float) -> None:
         """Do nothing."""
 
     def works(self, comm: MPI.Comm) -> None:

@@ -10,6 +10,7 @@ from parisph.base.fields import FieldSet
 from parisph.case.methods import METHODS
 from parisph.case.numerics import Numerics
 from parisph.methods import (  # noqa: F401 (they register)
+    absorbing,
     forces,
     further_shifts,
     lengths,
@@ -61,16 +62,18 @@ class Parts:
     regularisers: tuple[Regulariser, ...]
 
     @classmethod
-    def of(cls, numerics: Numerics, viscosity: float = 0.0, turning: bool = False) -> "Parts":
+    def of(cls, numerics: Numerics, viscosity: float = 0.0, turning: bool = False, absorbs: bool = False) -> "Parts":
         """Return the parts of a scene. Not collective.
 
-        numerics : resolved; viscosity : of the fluid [m^2/s]; turning : whether the tank turns
+        numerics : resolved; viscosity : of the fluid [m^2/s]; turning : whether the tank turns; absorbs : whether
+            it has zones that absorb waves
         """
         n, viscous = numerics, viscosity > 0.0 or numerics.smagorinsky > 0.0
         return cls(n, LAPLACIANS[n.laplacian], DIVERGENCES[n.divergence], WALL_ROWS[n.wall_rows], GRADIENTS[n.gradient],
                    SURFACE_GRADIENTS[n.surface_gradient], SURFACES[n.surface_rule], SOURCES[n.source],
                    tuple(part for part in (FORCES[name] for name in n.forces)
-                         if part.wanted(n) and (viscous or not part.viscous) and (turning or not part.turning)),
+                         if part.wanted(n) and (viscous or not part.viscous) and (turning or not part.turning)
+                         and (absorbs or not part.absorbing)),
                    tuple(part for part in (REGULARISERS[name] for name in n.regularisers) if part.wanted(n)))
 
     def __iter__(self) -> Iterator[Part]:
@@ -106,7 +109,8 @@ class Parts:
     @property
     def causes(self) -> tuple[str, ...]:
         """What can change the energy of the fluid in a step: columns of the budget."""
-        return tuple(dict.fromkeys(("pressure", *(part.cause for part in self.regularisers))))
+        working = (part.cause for part in self.forces if part.cause)
+        return tuple(dict.fromkeys(("pressure", *working, *(part.cause for part in self.regularisers))))
 
     def stages(self, closed: bool) -> list[str]:
         """Return the names of the stages of a step, in order. closed : whether the fluid fills a closed tank."""
@@ -161,11 +165,11 @@ class CompressibleParts:
                             "or choose a projection method")
 
 
-def parts_of(numerics: Numerics, viscosity: float = 0.0, turning: bool = False) -> Any:
+def parts_of(numerics: Numerics, viscosity: float = 0.0, turning: bool = False, absorbs: bool = False) -> Any:
     """Return the parts of a method: Parts of a projection, or CompressibleParts. Not collective. See Parts.of."""
     if METHODS[numerics.method].step == "compressible":
         return CompressibleParts(numerics)
-    return Parts.of(numerics, viscosity, turning)
+    return Parts.of(numerics, viscosity, turning, absorbs)
 
 
 def warning(numerics: Numerics) -> str:

@@ -27,6 +27,7 @@ class Flow:
     particles, domain, timers : of this run
     closed : whether the fluid fills a closed tank: no free surface
     spin : callable t -> angular velocity of the tank [rad/s], or None
+    absorb : callable (x (n, dim), t) -> 1/tau (n,) [1/s] and u_t/tau (n, dim) [m/s^2] of zones (case.absorb), or None
     budget : measures the energy that the fluid gains by each part of a step, or None
 
     Attributes
@@ -34,6 +35,7 @@ class Flow:
     full : lattice value of the density ratio's sum
     dt : length of the step that begins [s], 0 for a look at an instant
     force : (n_all, dim) [m/s^2], of this step
+    absorbed : (n_owned, dim) the part of force by such zones
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
     strained, doubt, rapid : (n_owned,) or None, of methods.straining in this step
     top_acceleration : of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
@@ -47,14 +49,15 @@ class Flow:
 
     def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, timers: Any,
                  closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
-                 spin: Callable[[float], float] | None = None) -> None:
+                 spin: Callable[[float], float] | None = None, absorb: Any = None) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.timers = particles, domain, timers
         self.closed, self.budget, self.spin, self.dt = closed, budget or NoBudget(), spin, 0.0
+        self.absorb = absorb
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
-        self.force = np.zeros((0, particles.dim))
+        self.force = self.absorbed = np.zeros((0, particles.dim))
         self.by_pressure: Any = 0.0
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None

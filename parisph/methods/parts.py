@@ -139,16 +139,27 @@ class Force(Part):
 
     viscous : whether only viscous fluid feels it
     turning : whether only fluid in a tank that turns feels it
+    absorbing : whether only fluid of a scene with zones that absorb waves feels it
+    cause : column of the energy budget, or "" if pressure works against it within a step
     words : what `parisph check` calls it, or "" for what every scene has
     """
 
     viscous: ClassVar[bool] = False
     turning: ClassVar[bool] = False
+    absorbing: ClassVar[bool] = False
+    cause: ClassVar[str] = ""
     words: ClassVar[str] = ""
 
     @abstractmethod
     def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
         """Add the acceleration at a time [s] to out (n_all, dim) [m/s^2]. Collective."""
+
+    def work(self, flow: "Flow", start: np.ndarray) -> float:
+        """Return what owned fluid has gained by it in the step [J, in 2D J/m], for a part with a cause. Not collective.
+
+        start : (n_owned, dim) velocity before the step [m/s]
+        """
+        return 0.0
 
 
 class Regulariser(Part):

@@ -88,6 +88,9 @@ class Projection:
             start = p.u.copy()
             self._correct_velocity(dt)
             budget.mark(p, "pressure")
+            for force in parts.forces:
+                if force.cause:
+                    budget.move("pressure", force.cause, force.work(flow, start))
             self._regularise_velocity(dt)
             self._move(start, dt)
             budget.mark(p, "pressure")

@@ -26,11 +26,12 @@ Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
 KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
     "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum",
-    "velocity_profile": "velocity and pressure",
+    "velocity_profile": "velocity and pressure", "velocity_point": "velocity and pressure",
+    "run_up": "highest contact", "force": "force",
 }
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
-COLUMNS = {("volume", "count"): "cells counted"}  # where one column is something else
-UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity"}
+COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment"}  # where one column is something else
+UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force"}
 TALL = 4        # panels below each other; more of them stand two a row
 BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside
 HIGH = 12       # lines in a column of such a legend: as many as a panel is high
@@ -268,7 +269,7 @@ def _value_label(curves, series, unit, shown, scaled):
     what = UNITS.get(unit, "")
     if len(kinds) == 1:
         kind = kinds.pop()
-        what = COLUMNS.get((kind, series[0][1]), KINDS.get(kind, ""))
+        what = COLUMNS.get((kind, series[0][1]), KINDS.get(kind, what))
     elif kinds:
         what = FAMILIES.get(kinds.pop(), what)
     if curves[0].label and len({probe for probe, _ in series}) == 1:    # the legend names the runs only

@@ -48,6 +48,7 @@ QUANTITIES = {
     "speed": Quantity("u", lambda u: np.linalg.norm(u, axis=1), r"speed $|\mathbf{u}|$", "m/s", "plasma", "speed"),
     "velocity_x": Quantity("u", lambda u: u[:, 0], "velocity $u$", "m/s", "RdBu_r", "speed", 0.0),
     "velocity_y": Quantity("u", lambda u: u[:, 1], "velocity $v$", "m/s", "RdBu_r", "speed", 0.0),
+    "vorticity": Quantity("vorticity", lambda omega: omega, r"vorticity $\omega$", "1/s", "RdBu_r", "", 0.0),
     "density_ratio": Quantity("alpha", lambda a: a, r"kernel-sum density $\alpha$", "", "RdBu_r", "", 1.0),
     "role": Quantity("role", lambda r: r, "role", "", "", ""),
 }

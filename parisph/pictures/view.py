@@ -28,7 +28,7 @@ class Look:
 
     Attributes
     ----------
-    field : "pressure", "speed", "velocity_x", "velocity_y", "density_ratio" or "role"
+    field : "pressure", "speed", "velocity_x", "velocity_y", "vorticity", "density_ratio" or "role"
     surface : whether particles on the free surface, and ballistic ones, are marked with rings
     normalise : divide lengths by H, pressures by rho g H, velocities by sqrt(g H)
     limits : (lowest, highest) of the colours, in the picture's unit; None to fit the values

@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 from typing import Any
 
+from parisph.base import vocabulary
 from parisph.base.errors import CaseError
 from parisph.base.text import named
 from parisph.case.expressions import number
+from parisph.case.numerics import WORDS
 
 INSIDE = "numerics."    # before the name of a field of Numerics
 
@@ -24,8 +26,13 @@ def read(words: Sequence[str]) -> dict[str, str]:
 
 
 def value(name: str, text: str) -> Any:
-    """Return what a text means for a field of numerics: None, True, False, a number, or the text itself."""
-    words = {"none": None, "true": True, "false": False}
+    """Return what a text means for a field of numerics: None, True, False, a number, or the text itself.
+
+    No text is None everywhere; "none" is, except where it is a word, as for surface_rule.
+    """
+    if name in WORDS and text.lower() in vocabulary.known(WORDS[name]):
+        return text.lower()
+    words = {"": None, "none": None, "true": True, "false": False}
     if text.lower() in words:
         return words[text.lower()]
     try:

@@ -10,29 +10,21 @@ import numpy as np
 
 from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, agree
-from parisph.base.fields import INNER, SURFACE, WET
 from parisph.case import probes
 from parisph.case.schema import Case
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
-from parisph.watch.elevation import COLUMN, bodies, surface_height
-from parisph.watch.sampling import WIDTH, Sampler, Scene, View, sample_all
+from parisph.watch.gauges import ColumnHeight, SurfaceGauge, WaterFront
+from parisph.watch.points import VelocityPoint, VelocityProfile
+from parisph.watch.run_up import run_up
+from parisph.watch.sampling import Sampler, Scene, Several, View, sample_all
+from parisph.watch.wall_pressure import Force, pressure_tap
 
 __all__ = ["SAMPLERS", "build", "sample_all"]
 
 # Lengths in spacings.
-GAUGE_GAP = 1.5     # air under a gauge: more than this between one particle and the next above it
-COLUMN_GAP = 2.1    # air in a column: falling water stretches, to 1.6 in the dam break
-BED = 2.0           # water on the bed is as near to it as this
-BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradients do
-FACE = 3.0          # radius of the face of a pressure tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
-NODES = 4.0         # surface particles that may serve a gauge
-INSIDE = 2.1        # cells inside the fluid are farther from the surface
-PROFILE = 2.6       # neighbours that serve a point of a velocity profile
-CELL = 2.6          # neighbours that bound the cell of a particle; the lists of every method have them
-
-ROUNDING = 1.0 + 1e-9
-HEIGHT, BODY = 0.0, 1.0  # what a row is: a surface particle (x, y), or a body (lower end, upper end, particles)
+INSIDE = 2.1    # cells inside the fluid are farther from the surface
+CELL = 2.6      # neighbours that bound the cell of a particle; the lists of every method have them
 
 
 def build(case: Case, comm: Communicator) -> list[Sampler]:
@@ -45,150 +37,19 @@ def build(case: Case, comm: Communicator) -> list[Sampler]:
     error, samplers = None, []
     try:
         scene = Scene.of(case)
-        samplers = [SAMPLERS[probe.kind](probe, scene) for probe in case.probes]
+        samplers = [_sampler(probe, scene) for probe in case.probes]
     except CaseError as problem:
         error = problem
     agree(comm, error)
     return samplers
 
 
-class _Column(Sampler):
-    """Bodies of water in the column at x = `at`."""
-
-    columns = {"y": "m"}
-    gap = GAUGE_GAP
-
-    def rows(self, view):
-        x, y = view.body
-        chosen = np.abs(x - self.probe.at) <= COLUMN * self.scene.spacing * ROUNDING
-        return _body_rows(bodies(y[chosen], self.gap * self.scene.spacing))
-
-    def top(self, rows):
-        """Return the height of the water that stands on the bed, or of the largest body without a bed [m].
-
-        The bed itself where it is dry; nan where there is no water and no bed.
-        """
-        found, bed = _bodies_of_all(rows, self.gap * self.scene.spacing), self.scene.bed
-        if bed is not None:
-            return found[0, 1] if len(found) and found[0, 0] <= bed + BED_GAP * self.scene.spacing else bed
-        return found[np.argmax(found[:, 2]), 1] if len(found) else np.nan
+def _sampler(probe: probes.AnyProbe, scene: Scene) -> Sampler:
+    return SAMPLERS[probe.kind](probe, scene)
 
 
-class ColumnHeight(_Column):
-    """Height of the topmost particle of the water that stands on the bed within 1.5 spacings of x = `at`.
-
-    Surface particles of the lattice lie on the surface: nothing is added to their height. Air of
-    more than 2.1 spacings ends the column. A dry bed gives the height of the bed.
-    """
-
-    gap = COLUMN_GAP
-
-    def __init__(self, probe: probes.ColumnHeight, scene: Scene) -> None:
-        super().__init__(probe, scene)
-        self.title = f"Height of the water column at x = {probe.at:g} m"
-
-    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
-        return (self.top(rows),)
-
-
-class SurfaceGauge(_Column):
-    """Height of the free surface above x = `at`: a smooth fit if the surface is smooth.
-
-    See surface.surface_height. Where the surface breaks, the value is that of ColumnHeight; on a dry
-    bed it is the height of the bed.
-    """
-
-    dims = (2,)
-
-    def __init__(self, probe: probes.SurfaceGauge, scene: Scene) -> None:
-        super().__init__(probe, scene)
-        self.title = f"Height of the free surface above x = {probe.at:g} m"
-        reach = NODES * scene.spacing
-        sides = (scene.lower[0], scene.upper[0]) if scene.tank else ()
-        self.mirrors = [side for side in sides if abs(side - probe.at) < reach]
-
-    def rows(self, view: View) -> np.ndarray:
-        x, y = view.surface
-        chosen = np.abs(x - self.probe.at) <= NODES * self.scene.spacing
-        heights = np.zeros((np.count_nonzero(chosen), WIDTH - 1))
-        heights[:, 0], heights[:, 1], heights[:, 2] = HEIGHT, x[chosen], y[chosen]
-        return np.concatenate([heights, super().rows(view)])
-
-    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
-        height = rows[:, 0] == HEIGHT
-        top = self.top(rows[~height])
-        if not height.any() or not top > (self.scene.bed if self.scene.tank else -np.inf):
-            return (top,)
-        return (surface_height(self.probe.at, rows[height, 1], rows[height, 2], top, self.scene.spacing, self.mirrors),)
-
-
-class WaterFront(Sampler):
-    """Foremost x of the water on the bed that is connected to its main body.
-
-    On the bed: within 2 spacings of it. The main body is the largest that has no gap of more than
-    2.1 spacings along x, so that a droplet ahead is not the front. Without a tank the same of all
-    the fluid.
-    """
-
-    columns = {"x": "m"}
-
-    def __init__(self, probe: probes.WaterFront, scene: Scene) -> None:
-        super().__init__(probe, scene)
-        self.title = ("Position of the water's foremost particle along the bed" if scene.tank
-                      else "Foremost position of the fluid")
-
-    def rows(self, view: View) -> np.ndarray:
-        x, y = view.body
-        if self.scene.tank:
-            x = x[y <= self.scene.bed + BED * self.scene.spacing * ROUNDING]
-        return _body_rows(bodies(x, BED_GAP * self.scene.spacing))
-
-    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
-        found = _bodies_of_all(rows, BED_GAP * self.scene.spacing)
-        return (found[np.argmax(found[:, 2]), 1] if len(found) else np.nan,)
-
-
-def _body_rows(found):
-    rows = np.empty((len(found), WIDTH - 1))
-    rows[:, 0], rows[:, 1:] = BODY, found
-    return rows
-
-
-def _bodies_of_all(rows, gap):
-    return bodies(rows[:, 1], gap, counts=rows[:, 3], ends=rows[:, 2])
-
-
-class PressureTap(Sampler):
-    """Pressure on a wall, by least squares of a linear pressure on the wall particles within the radius.
-
-    The weight is (1 - r^2/radius^2)^2. A dry wall has p = 0. Only the wall of the tap counts; in a corner, only
-    the particles of both walls.
-    """
-
-    columns = {"pressure": "Pa"}
-
-    def __init__(self, probe: probes.PressureTap, scene: Scene) -> None:
-        super().__init__(probe, scene)
-        self.title = f"Pressure on the wall at ({', '.join(f'{a:g}' for a in probe.at)}) m"
-        self.at = np.array(probe.at)
-        self.radius = max(scene.spacing, probe.radius or FACE * scene.spacing)
-        tolerance = 1e-6 * np.max(scene.upper - scene.lower)
-        self.across = (np.abs(self.at - scene.lower) <= tolerance) | (np.abs(self.at - scene.upper) <= tolerance)
-
-    def sums(self, view: View) -> np.ndarray:
-        x, p = view.walls
-        d = (x - self.at) / self.radius
-        same_wall = (np.abs(x - self.at) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
-        weight = same_wall * np.clip(1.0 - (d[:, ~self.across] ** 2).sum(axis=1), 0.0, None) ** 2
-        basis = np.column_stack([np.ones(len(x)), d[:, ~self.across]])
-        return np.append((basis.T * weight) @ basis, (basis.T * weight) @ p)
-
-    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
-        n = 1 + np.count_nonzero(~self.across)
-        moments, right = np.reshape(sums[:n * n], (n, n)), sums[n * n:]
-        if np.isfinite(moments).all() and np.linalg.matrix_rank(moments) == n:
-            return (np.linalg.solve(moments, right)[0],)
-        return (right[0] / moments[0, 0] if moments[0, 0] > 0.0 else np.nan,)
+def _array(probe: probes.ProbeArray, scene: Scene) -> Several:
+    return Several(probe, scene, [_sampler(one, scene) for one in probe.probes])
 
 
 class Energy(Sampler):
@@ -281,58 +142,9 @@ class Volume(Sampler):
         return (sums[0] / (sums[1] * self.scene.spacing**2) if sums[1] else np.nan), sums[1]
 
 
-class VelocityProfile(Sampler):
-    """Velocity and pressure at points along a line, by least squares of a quadratic polynomial.
-
-    The weight is (1 - r^2/radius^2)^2, the radius PROFILE spacings. Walls count with their own velocity, as far as they
-    are wet. Where particles do not determine the polynomial, the value is nan.
-    """
-
-    def __init__(self, probe: probes.VelocityProfile, scene: Scene) -> None:
-        super().__init__(probe, scene)
-        self.places, self.radius = probe.places, PROFILE * scene.spacing
-        names = [*"uvw"[:scene.dim], "p"]
-        self.columns = {f"{name}_{k}": "Pa" if name == "p" else "m/s" for k in range(len(self.places))
-                        for name in names}
-        self.title = (f"Velocity and pressure at {len(self.places)} points from "
-                      f"({', '.join(f'{a:g}' for a in probe.start)}) to ({', '.join(f'{a:g}' for a in probe.end)}) m")
-
-    def sums(self, view: View) -> np.ndarray:
-        p = view.particles
-        use = np.isin(p.role, (INNER, SURFACE, WET))
-        x, values = p.x[use], np.column_stack([p.u[use], p.p[use]])
-        found = []
-        for place in self.places:
-            d = (x - place) / self.radius
-            weight = np.clip(1.0 - (d**2).sum(axis=1), 0.0, None) ** 2
-            near = weight > 0.0
-            basis = _quadratic(d[near])
-            weighted = basis * weight[near, None]
-            found += [(weighted.T @ basis).ravel(), (weighted.T @ values[near]).ravel()]
-        return np.concatenate(found)
-
-    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
-        n, quantities = _quadratic(np.zeros((1, self.scene.dim))).shape[1], self.scene.dim + 1
-        table = np.reshape(sums, (len(self.places), n * (n + quantities)))
-        return tuple(value for line in table
-                     for value in _at_centre(line[:n * n].reshape(n, n), line[n * n:].reshape(n, quantities)))
-
-
-def _quadratic(d):
-    """Return the polynomials up to degree 2 at d (n, dim): (n, 6), in 3D (n, 10); the first is 1."""
-    dim = d.shape[1]
-    return np.column_stack([np.ones(len(d)), d, *(d[:, a] * d[:, b] for a in range(dim) for b in range(a, dim))])
-
-
-def _at_centre(moments, right):
-    """Return the fitted values at the centre, nan if the moments do not determine them."""
-    if not np.isfinite(moments).all() or np.linalg.matrix_rank(moments) < len(moments):
-        return np.full(right.shape[1], np.nan)
-    return np.linalg.solve(moments, right)[0]
-
-
 SAMPLERS = {
-    "surface_gauge": SurfaceGauge, "pressure_tap": PressureTap, "water_front": WaterFront,
+    "surface_gauge": SurfaceGauge, "pressure_tap": pressure_tap, "water_front": WaterFront,
     "column_height": ColumnHeight, "energy": Energy, "momentum": Momentum, "volume": Volume,
-    "velocity_profile": VelocityProfile,
+    "velocity_profile": VelocityProfile, "velocity_point": VelocityPoint, "run_up": run_up, "force": Force,
+    "probe_array": _array,
 }

@@ -13,9 +13,9 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError
-from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL
 from parisph.case import expressions, geometry
-from parisph.case.probes import AnyProbe
+from parisph.case.probes import AnyProbe, ProbeArray
 from parisph.case.schema import Case
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
@@ -39,12 +39,14 @@ def sample_all(samplers: "Sequence[Sampler]", particles: Particles, domain: Doma
     if stale:
         domain.update(*stale)
     view = View(particles, domain)
-    parts = [np.asarray(sampler.sums(view), float) for sampler in samplers]
-    rows = [_numbered(number, sampler.rows(view)) for number, sampler in enumerate(samplers)]
+    members = [member for sampler in samplers for member in sampler.members]
+    parts = [np.asarray(member.sums(view), float) for member in members]
+    rows = [_numbered(number, member.rows(view)) for number, member in enumerate(members)]
     sums, rows = _together(particles.comm, np.concatenate(parts), np.concatenate(rows))
     split = np.split(sums, np.cumsum([len(part) for part in parts])[:-1])
-    return {sampler.name: tuple(float(v) for v in sampler.values(own, rows[rows[:, 0] == number, 1:]))
-            for number, (sampler, own) in enumerate(zip(samplers, split))}
+    found = iter([tuple(float(v) for v in member.values(own, rows[rows[:, 0] == number, 1:]))
+                  for number, (member, own) in enumerate(zip(members, split))])
+    return {sampler.name: sum((next(found) for _ in sampler.members), ()) for sampler in samplers}
 
 
 def _numbered(number, rows):
@@ -136,6 +138,12 @@ class View:
         return p.x[chosen, 0], p.x[chosen, -1]
 
     @cached_property
+    def inside(self) -> np.ndarray:
+        """Whether a particle of `body` is inside the fluid: bool (n,)."""
+        p = self.particles
+        return p.role[self.fluid & (p.role != BALLISTIC)] == INNER
+
+    @cached_property
     def surface(self) -> tuple[np.ndarray, np.ndarray]:
         """x and the vertical coordinate of fluid particles on the free surface, (n,) each [m]."""
         p = self.particles
@@ -171,6 +179,11 @@ class Sampler:
                             f"leave it out of a scene in {scene.dim}D")
         self.name, self.probe, self.scene = probe.name, probe, scene
 
+    @property
+    def members(self) -> "Sequence[Sampler]":
+        """The samplers of which its columns are: itself, but for an array of probes."""
+        return (self,)
+
     def sample(self, particles: Particles, domain: Domain, time: float) -> tuple[float, ...]:
         """Return the values, a tuple of floats in the order of `columns`. Collective; as sample_all."""
         return sample_all([self], particles, domain, time)[self.name]
@@ -186,3 +199,20 @@ class Sampler:
     def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float] | np.ndarray:
         """Return the values from the sums and the rows of all ranks. Not collective."""
         raise NotImplementedError
+
+
+class Several(Sampler):
+    """An array of probes: its columns are those of all of them, one after the other."""
+
+    def __init__(self, probe: ProbeArray, scene: Scene, members: Sequence[Sampler]) -> None:
+        super().__init__(probe, scene)
+        self._members = tuple(members)
+        self.columns = {member.name if len(member.columns) == 1 else f"{member.name}_{column}": unit
+                        for member in members for column, unit in member.columns.items()}
+        self.ghosts = tuple(sorted({name for member in members for name in member.ghosts}))
+        self.title = "; ".join(f"{member.name}: {member.title}" for member in members)
+
+    @property
+    def members(self) -> Sequence[Sampler]:
+        """See Sampler."""
+        return self._members

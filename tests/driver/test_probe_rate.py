@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import CaseError, Output
+from parisph import CaseError, Force, Output, ProbeArray, RunUp, VelocityPoint
 from parisph.driver import run
 from parisph.driver.probing import Watch, _between
 from parisph.io import reader, series
@@ -12,12 +12,14 @@ from tests.driver.test_restart import BODY
 from tests.scenes import on_ranks, scene
 
 UNIT = (1.0 / 9.81) ** 0.5
+SEVERAL = ProbeArray("several", [RunUp("up", side="left"), Force("load"), VelocityPoint("u", at=(0.2, 0.2))])
 
 
 def fall(folder, **output):
     """Run the first moments of a dam break in adaptive steps."""
     case = scene("dam_break", {"rtol": 1e-13}, spacing=0.1, end_time=0.6,
-                 time_step="none").changed(output=Output(**output))
+                 time_step="none")
+    case = case.changed(probes=[*case.probes, SEVERAL], output=Output(**output))
     run(case, MPI.COMM_SELF, folder, progress=False)
     return reader.open_run(folder)
 

@@ -12,9 +12,13 @@ from parisph.case.schema import (
     ColumnHeight,
     Disc,
     Energy,
+    Force,
     Momentum,
     PressureTap,
+    ProbeArray,
+    RunUp,
     SurfaceGauge,
+    VelocityPoint,
     VelocityProfile,
     Volume,
     WaterFront,
@@ -31,6 +35,10 @@ ALL = [
     WaterFront(name="front"), ColumnHeight(name="left", at=0.0), ColumnHeight(name="middle", at=0.52),
     Energy(name="energy", current=True), Volume(name="volume"), Momentum(name="momentum"),
     VelocityProfile(name="line", start=(0.1, 0.3), end=(0.9, 0.2), points=9),
+    VelocityPoint(name="point", at=(0.4, 0.3)), RunUp(name="left_side", side="left"),
+    Force(name="load", about=(0.3, 0.1)),
+    RunUp(name="up", points=[(1.0, 0.0), (1.0, 1.0)]), PressureTap(name="disc", at=(0.45, 0.0), diameter=0.3),
+    ProbeArray(name="several", probes=[SurfaceGauge(name="a", at=0.3), Force(name="b", side="bed"), Volume(name="c")]),
 ]
 WAVE = {"spacing": 0.025, "elevation": "0.04*cos(3*pi*x)", "velocity": ("sin(pi*x)", "y"), "jitter": 0.5}
 

@@ -109,7 +109,7 @@ def numerics(**changes):
     (lambda: numerics(time_step=-0.1), "Numerics.time_step = -0.1: must be greater than 0"),
     (lambda: numerics(zeta=1.0, zeta_time=0.1), "give only one of them"),
     (lambda: numerics(time_step=0.1, max_time_step=0.1), "limits an adaptive step only"),
-    (lambda: Output(fields=("u", "vorticity")), "Output.fields: unknown field 'vorticity'; known are .*u, volume, p"),
+    (lambda: Output(fields=("u", "swirl")), "Output.fields: unknown field 'swirl'; known are .*u, volume, p"),
     (lambda: Output(every=0.0), "Output.every = 0.0: must be greater than 0"),
     (lambda: Output(probe_every=0), "Output.probe_every = 0: must be greater than or equal to 1"),
     (lambda: Output(times=(-1.0,)), r"Output.times\[0\] = -1.0: must be greater than or equal to 0"),

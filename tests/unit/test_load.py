@@ -7,6 +7,7 @@ import pytest
 from parisph import CaseError, load
 from parisph.base.text import is_plain
 from parisph.case.load import arguments, parameters
+from parisph.study import set_words
 
 TEMPLATE = '''"""A case."""
 from parisph import Box, Case, Fluid, Numerics, SurfaceGauge, Tank, Truth
@@ -51,6 +52,15 @@ def test_values_take_the_type_of_the_parameter(write, kind, text, value, future)
     source = future + "from typing import Optional\n" + TEMPLATE.format(
         parameters=f"spacing: float = 0.1, a: {kind} = 0", body="pass", title="repr(a)", probes="()")
     assert load(write(text=source), [f"a={text}"]).title == repr(value)
+
+
+@pytest.mark.parametrize("text, rule", [("none", "none"), ("None", "none"), ("gap", "gap"), ("", None)])
+def test_none_is_a_word_where_it_is_one(write, text, rule):
+    """No text gives what the preset has."""
+    file = write(parameters="spacing: float = 0.1, surface_rule: str | None = 'gap'", title="repr(surface_rule)")
+    assert load(file, [f"surface_rule={text}"]).title == repr(rule)
+    assert set_words.value("surface_rule", text) == rule
+    assert set_words.value("kappa", "none") is None
 
 
 def test_without_annotation_the_default_tells_the_type(write):

@@ -15,9 +15,14 @@ from parisph.case.schema import (
     ColumnHeight,
     Disc,
     Energy,
+    Force,
     Momentum,
     PressureTap,
+    ProbeArray,
+    RunUp,
+    SolitaryWave,
     SurfaceGauge,
+    VelocityPoint,
     VelocityProfile,
     Volume,
     WaterFront,
@@ -95,6 +100,15 @@ def test_spray_and_cavities_do_not_touch_a_smooth_surface(x, role):
     clean = value(probe, elevation="0.02*sin(pi*x)")
     assert clean == pytest.approx(0.5 + 0.02 * np.sin(np.pi * 0.51), abs=1e-5)
     assert value(probe, lambda arrays: add_fluid(arrays, x, role), elevation="0.02*sin(pi*x)") == clean
+
+
+@pytest.mark.parametrize("height", [0.3, 0.6, 0.7])
+def test_the_gauge_finds_the_crest_of_a_steep_wave_whose_columns_are_stretched(height):
+    """Under it particles lie apart by as much as droplets above a calm surface do."""
+    wave = SolitaryWave(height=0.5 * height, depth=0.5, at=1.5)
+    for at in (1.47, 1.5, 1.6):
+        found = value(SurfaceGauge(name="g", at=at), width=3.0, tank=(3.0, 1.0), wave=wave)
+        assert found - 0.5 == pytest.approx(wave.elevation(at, 0.0), abs=2e-3 * height)
 
 
 def test_at_a_vertical_front_the_gauge_gives_the_top_of_the_column():
@@ -425,7 +439,10 @@ def test_a_velocity_profile_ignores_what_has_no_pressure_equation():
 
 ALL = [SurfaceGauge(name="gauge", at=0.42), PressureTap(name="tap", at=(0.0, 0.2)), WaterFront(name="front"),
        ColumnHeight(name="column", at=0.3), Energy(name="energy"), Volume(name="volume"), Momentum(name="momentum"),
-       VelocityProfile(name="line", start=(0.5, 0.1), end=(0.5, 0.4), points=3)]
+       VelocityProfile(name="line", start=(0.5, 0.1), end=(0.5, 0.4), points=3), VelocityPoint("point", at=(0.4, 0.2)),
+       RunUp("side", side="left"), RunUp("wall", points=[(1.0, 0.0), (1.0, 1.0)]), Force("load", side="left"),
+       PressureTap("disc", at=(0.0, 0.3), diameter=0.2),
+       ProbeArray("several", [SurfaceGauge("g", at=0.3), PressureTap("t", at=(0.0, 0.2)), Force("f"), Volume("v")])]
 
 
 def test_every_probe_that_a_case_can_have_can_be_sampled():

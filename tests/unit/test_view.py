@@ -250,6 +250,7 @@ def test_truths_named_in_the_case_are_read(run, tmp_path):
 
 
 @pytest.mark.parametrize("what, message", [
+    ({"field": "vorticity"}, "'vorticity' was not written"),
     ({"field": "density_ratio"}, "'alpha' was not written"), ({"which": 7}, "3 snapshots"),
     ({"path": "/no/such/folder/a.png"}, "cannot write the picture"), ({"path": "a.xyz"}, "cannot write the picture"),
 ])
@@ -259,8 +260,8 @@ def test_what_cannot_be_drawn_is_said(run, what, message):
 
 
 def test_what_is_misnamed_is_an_error_of_usage(run, tmp_path):
-    with pytest.raises(CaseError, match="no quantity 'vorticity' to show .there are: pressure"):
-        view.plot_field(run, field="vorticity")
+    with pytest.raises(CaseError, match="no quantity 'enstrophy' to show .there are: pressure"):
+        view.plot_field(run, field="enstrophy")
     with pytest.raises(CaseError, match="no probe 'P9'"):
         curves.plot_probe(run, "P9")
     with pytest.raises(CaseError, match="ends in .gif or .mp4"):

@@ -1,0 +1,90 @@
+"""Checks of the places of probes in a scene. Each yields one line per problem, with field, value, limit and remedy."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from parisph.case.probes import (
+    ColumnHeight,
+    Force,
+    PressureTap,
+    RunUp,
+    SurfaceGauge,
+    VelocityPoint,
+    VelocityProfile,
+    singles,
+)
+from parisph.case.scene import Scene
+
+
+def problems(case: Scene) -> Iterator[str]:
+    """Yield the problems of all probes of a case."""
+    for name, probe in singles(case.probes):
+        what = f"probe {name!r}"
+        if isinstance(probe, PressureTap):
+            yield from _tap(case, probe, what)
+        elif isinstance(probe, VelocityProfile):
+            yield from _profile(case, probe, what)
+        elif isinstance(probe, VelocityPoint):
+            yield from _components(case, what, at=probe.at)
+        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.walls is not None:
+            low, high = case.walls.bounds
+            if not low[0] <= probe.at <= high[0]:
+                yield f"{what}: at = {probe.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
+        elif isinstance(probe, (RunUp, Force)):
+            yield from _on_body(case, probe, what)
+
+
+def _components(case: Scene, what: str, **points: Sequence[float]) -> Iterator[str]:
+    for name, point in points.items():
+        if len(point) != case.dim:
+            yield f"{what}: {name} = {point} must have {case.dim} components"
+
+
+def _profile(case: Scene, probe: VelocityProfile, what: str) -> Iterator[str]:
+    found = list(_components(case, what, start=probe.start, end=probe.end))
+    yield from found
+    if not found and probe.start == probe.end:
+        yield f"{what}: start and end = {probe.start}: must be two points"
+
+
+def _tap(case: Scene, probe: PressureTap, what: str) -> Iterator[str]:
+    if case.walls is None:
+        yield f"{what}: a pressure tap needs a wall; give walls=Tank(...) or leave the tap out"
+        return
+    if len(probe.at) != case.dim:
+        yield f"{what}: at = {probe.at} must have {case.dim} components"
+        return
+    at, (low, high) = np.array(probe.at), case.walls.bounds
+    tolerance = 1e-6 * float(np.max(high - low))
+    walls = [abs(at - low) <= tolerance, abs(at - high) <= tolerance]
+    walls[1][-1] &= case.walls.closed
+    if np.any(at < low - tolerance) or np.any(at > high + tolerance) or not np.any(walls):
+        which = "left, right, lower or upper" if case.walls.closed else "left, right or lower"
+        yield (
+            f"{what}: at = {probe.at} is not on a wall; give a point of the {which} wall of the tank "
+            f"from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g})"
+        )
+    elif probe.diameter is not None:
+        free = ~(walls[0] | walls[1])
+        out = np.minimum(at - low, high - at)[free] < 0.5 * probe.diameter - tolerance
+        if np.any(out) or not np.any(free):
+            yield (f"{what}: a disc of diameter = {probe.diameter:g} around {probe.at} does not lie on one wall; "
+                   "move it away from the corner, or give a smaller one")
+
+
+def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
+    """The line or the walls of a probe must exist. So far the tank is the only body that has a name."""
+    points = probe.points if isinstance(probe, RunUp) else (probe.about,)
+    for point in points or ():
+        yield from _components(case, what, point=point)
+    if isinstance(probe, RunUp) and probe.points is not None:
+        if any(one == other for one, other in zip(probe.points, probe.points[1:])):
+            yield f"{what}: points: two that follow each other must be two points"
+        return
+    if probe.on != "tank":
+        yield f"{what}: on = {probe.on!r}: there is no body of this name; there is 'tank'"
+    elif case.walls is None:
+        yield f"{what}: there is no tank; give walls=Tank(...) or leave the probe out"
+    elif probe.side == "lid" and not case.walls.closed:
+        yield f"{what}: side = 'lid': the tank has none; give it one, or choose another side"

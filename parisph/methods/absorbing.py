@@ -1,0 +1,35 @@
+"""The force of zones that absorb or make waves (case.absorb)."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parisph.methods.parts import FORCES, Force
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
+
+
+class Absorption(Force):
+    """(u_t - u)/(tau + dt): alone it takes u to (u + dt/tau u_t)/(1 + dt/tau) in a step, for any dt without overshoot.
+
+    Gravity is not divided by 1 + dt/tau with the velocity: pressure balances gravity, not the zone, and water at rest
+    in a zone of uneven tau would begin to flow.
+    """
+
+    name, absorbing, words, cause = "absorb", True, "absorb", "absorb"
+
+    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
+        rate, pull = flow.absorb(flow.particles.x_all, time)
+        own = (pull - rate[:, None] * flow.particles.u_all) / (1.0 + flow.dt * rate)[:, None]
+        flow.absorbed = own[:flow.particles.n_owned]
+        out += own
+
+    def work(self, flow: "Flow", start: np.ndarray) -> float:
+        """The force times the mean of the velocities before and after: the part of the kinetic energy's change."""
+        p = flow.particles
+        power = np.einsum("ia,ia->i", flow.absorbed, 0.5 * (start + p.u))
+        return flow.density * flow.dt * float(p.volume @ power)
+
+
+FORCES.register(Absorption())

@@ -1,0 +1,40 @@
+"""Fields that no step needs: they are computed when they are written, for a scene that asks for them."""
+
+from collections.abc import Callable, Iterable
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parisph.base.errors import CaseError
+from parisph.kernels import strain
+from parisph.methods import lengths, straining
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
+
+
+def compute(flow: "Flow", names: Iterable[str]) -> None:
+    """Write those of the fields `names` that are computed here, of owned particles. Collective."""
+    for name in names:
+        if name in WRITTEN:
+            WRITTEN[name](flow)
+
+
+def check(names: Iterable[str], dim: int) -> None:
+    """Raise CaseError for a field that a scene of so many dimensions cannot have."""
+    if dim != 2 and "vorticity" in names:
+        raise CaseError(f"output.fields: 'vorticity' exists in 2D only, and this scene has {dim} dimensions")
+
+
+def _vorticity(flow):
+    """That of the velocity gradient by least squares (kernels.strain): exact for a linear velocity."""
+    p, d = flow.particles, flow.domain
+    d.update("x", "u", "role")
+    gradient, rate = np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned)
+    strain.velocity_gradient(gradient, rate, p.u_all, p.x_all, p.kind_all, p.role_all, lengths.MLS * flow.spacing,
+                             straining.SPAN, d.indptr, d.indices, flow.axes)
+    p.vorticity[:] = gradient[:, 1, 0] - gradient[:, 0, 1]
+
+
+WRITTEN: MappingProxyType[str, Callable[["Flow"], None]] = MappingProxyType({"vorticity": _vorticity})

@@ -1,0 +1,145 @@
+"""Probes of where the water is: surface gauges, columns, the front and the run-up."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from parisph.case import probes
+from parisph.watch.elevation import COLUMN, bodies, surface_height
+from parisph.watch.sampling import WIDTH, Sampler, Scene, View
+
+# Lengths in spacings.
+GAUGE_GAP = 1.5     # air under a gauge: more than this between one particle and the next above it
+STRETCH = 1.25      # more than that above a particle inside the fluid: under the crest of a steep wave they lie apart
+COLUMN_GAP = 2.1    # air in a column: falling water stretches, to 1.6 in the dam break
+BED = 2.0           # water on the bed is as near to it as this
+BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradients do
+NODES = 4.0         # surface particles that may serve a gauge
+
+ROUNDING = 1.0 + 1e-9
+# what a row is: a surface particle (x, y), a body (lower end, upper end, particles), or the top of a body (y)
+HEIGHT, BODY, TOP = 0.0, 1.0, 2.0
+
+
+class _Column(Sampler):
+    """Bodies of water in the column at x = `at`.
+
+    Above a particle inside the fluid is water: there a body may have gaps that are longer by `stretch`.
+    """
+
+    columns = {"y": "m"}
+    gap, stretch = GAUGE_GAP, STRETCH
+
+    def __init__(self, probe, scene, at):
+        super().__init__(probe, scene)
+        self.at = at
+
+    def rows(self, view):
+        (x, y), s = view.body, self.scene.spacing
+        chosen = np.abs(x - self.at) <= COLUMN * s * ROUNDING
+        y, inside = y[chosen], view.inside[chosen]
+        ends = y + self.stretch * s * inside
+        found = bodies(y, self.gap * s, counts=np.ones(len(y)), ends=ends)
+        tops = np.zeros((len(found), WIDTH - 1))
+        tops[:, 0], tops[:, 1] = TOP, [y[(y >= low) & (y <= end)].max() for low, end, _ in found]
+        return np.concatenate([body_rows(found), tops])
+
+    def top(self, rows):
+        """Return the height of the water that stands on the bed, or of the largest body without a bed [m].
+
+        The bed itself where it is dry; nan where there is no water and no bed.
+        """
+        found, bed = bodies_of_all(rows[rows[:, 0] == BODY], self.gap * self.scene.spacing), self.scene.bed
+        if bed is not None and not (len(found) and found[0, 0] <= bed + BED_GAP * self.scene.spacing):
+            return bed
+        if not len(found):
+            return np.nan
+        low, end, _ = found[0] if bed is not None else found[np.argmax(found[:, 2])]
+        tops = rows[rows[:, 0] == TOP, 1]
+        return tops[(tops >= low) & (tops <= end)].max()
+
+
+class ColumnHeight(_Column):
+    """Height of the topmost particle of the water that stands on the bed within 1.5 spacings of x = `at`.
+
+    Surface particles of the lattice lie on the surface: nothing is added to their height. Air of
+    more than 2.1 spacings ends the column. A dry bed gives the height of the bed.
+    """
+
+    gap, stretch = COLUMN_GAP, 0.0
+
+    def __init__(self, probe: probes.ColumnHeight, scene: Scene) -> None:
+        super().__init__(probe, scene, probe.at)
+        self.title = f"Height of the water column at x = {probe.at:g} m"
+
+    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
+        return (self.top(rows),)
+
+
+class SurfaceGauge(_Column):
+    """Height of the free surface above x = `at`: a smooth fit if the surface is smooth.
+
+    See surface.surface_height. Where the surface breaks, the value is that of ColumnHeight; on a dry
+    bed it is the height of the bed.
+    """
+
+    dims = (2,)
+
+    def __init__(self, probe: probes.SurfaceGauge | probes.RunUp, scene: Scene, at: float | None = None) -> None:
+        super().__init__(probe, scene, probe.at if at is None else at)
+        self.title = f"Height of the free surface above x = {self.at:g} m"
+        reach = NODES * scene.spacing
+        sides = (scene.lower[0], scene.upper[0]) if scene.tank else ()
+        self.mirrors = [side for side in sides if abs(side - self.at) < reach]
+
+    def rows(self, view: View) -> np.ndarray:
+        x, y = view.surface
+        chosen = np.abs(x - self.at) <= NODES * self.scene.spacing
+        heights = np.zeros((np.count_nonzero(chosen), WIDTH - 1))
+        heights[:, 0], heights[:, 1], heights[:, 2] = HEIGHT, x[chosen], y[chosen]
+        return np.concatenate([heights, super().rows(view)])
+
+    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
+        height = rows[:, 0] == HEIGHT
+        top = self.top(rows[~height])
+        if not height.any() or not top > (self.scene.bed if self.scene.tank else -np.inf):
+            return (top,)
+        return (surface_height(self.at, rows[height, 1], rows[height, 2], top, self.scene.spacing, self.mirrors),)
+
+
+class WaterFront(Sampler):
+    """Foremost x of the water on the bed that is connected to its main body.
+
+    On the bed: within 2 spacings of it. The main body is the largest that has no gap of more than
+    2.1 spacings along x, so that a droplet ahead is not the front. Without a tank the same of all
+    the fluid.
+    """
+
+    columns = {"x": "m"}
+
+    def __init__(self, probe: probes.WaterFront, scene: Scene) -> None:
+        super().__init__(probe, scene)
+        self.title = ("Position of the water's foremost particle along the bed" if scene.tank
+                      else "Foremost position of the fluid")
+
+    def rows(self, view: View) -> np.ndarray:
+        x, y = view.body
+        if self.scene.tank:
+            x = x[y <= self.scene.bed + BED * self.scene.spacing * ROUNDING]
+        return body_rows(bodies(x, BED_GAP * self.scene.spacing))
+
+    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
+        found = bodies_of_all(rows, BED_GAP * self.scene.spacing)
+        return (found[np.argmax(found[:, 2]), 1] if len(found) else np.nan,)
+
+
+def body_rows(found: np.ndarray) -> np.ndarray:
+    """Return bodies (n, 3) of this rank as rows for all."""
+    rows = np.empty((len(found), WIDTH - 1))
+    rows[:, 0], rows[:, 1:] = BODY, found
+    return rows
+
+
+def bodies_of_all(rows: np.ndarray, gap: float) -> np.ndarray:
+    """Return the bodies (n, 3) that those of all ranks are together."""
+    return bodies(rows[:, 1], gap, counts=rows[:, 3], ends=rows[:, 2])

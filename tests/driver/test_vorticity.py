@@ -1,0 +1,57 @@
+"""Vorticity in snapshots: exact where velocity is linear, and of nobody's concern who does not ask for it."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph import Box, Case, Fluid, Numerics, Output, PressureTap, Simulation
+from parisph.base.fields import FLUID
+from parisph.driver import run
+from parisph.io import reader
+from parisph.kernels import strain
+from tests.scenes import scene
+
+ASKED = ("u", "p", "role", "vorticity")
+
+
+def shear():
+    return Case(title="shear", fluid=Fluid(Box(1.0, 1.0), density=1000.0, velocity=("3*y", "-2*x")), gravity=(0.0, 0.0),
+                numerics=Numerics(spacing=0.1, jitter=0.4), output=Output(fields=ASKED), end_time=0.1)
+
+
+def test_it_is_exact_for_a_linear_velocity():
+    simulation = Simulation(shear(), MPI.COMM_SELF)
+    simulation.complete(ASKED)
+    p = simulation.particles
+    np.testing.assert_allclose(p.vorticity[p.kind == FLUID], -5.0, rtol=1e-11)
+    simulation.destroy()
+
+
+def test_a_run_writes_it_and_computes_it_for_that_alone(tmp_path, monkeypatch):
+    calls, gradient = [], strain.velocity_gradient
+    monkeypatch.setattr(strain, "velocity_gradient", lambda *given: calls.append(1) or gradient(*given))
+    gentle = {"preset": "gentle", "time_step": 0.01}
+    case = scene("dam_break", gentle, spacing=0.25).changed(end_time=0.05, probes=[], output=Output(fields=ASKED))
+    run(case, MPI.COMM_SELF, tmp_path / "asked", progress=False)
+    assert len(calls) == 2    # at the start and at the end; the gentle preset measures no strain
+    found = reader.open_run(tmp_path / "asked").snapshot()
+    assert np.abs(found["vorticity"][found["kind"] == FLUID]).max() > 0.0
+    assert not found["vorticity"][found["kind"] != FLUID].any()
+    run(case.changed(output=Output()), MPI.COMM_SELF, tmp_path / "not", progress=False)
+    assert len(calls) == 2 and "vorticity" not in reader.open_run(tmp_path / "not").snapshot()
+
+
+def test_the_flow_at_a_peak_has_it_too(tmp_path):
+    case = scene("dam_break", spacing=0.25).changed(
+        end_time=0.3, probes=[PressureTap("tap", at=(0.0, 0.2), peak=True)], output=Output(fields=ASKED))
+    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    peak = reader.open_run(tmp_path / "run").peak("tap")
+    assert peak["step"] > 0 and np.abs(peak["vorticity"]).max() > 0.0
+
+
+def test_who_has_no_such_field_computes_nothing():
+    simulation = Simulation(shear().changed(output=Output()), MPI.COMM_SELF)
+    simulation.complete(ASKED)
+    with pytest.raises(AttributeError):
+        simulation.particles.vorticity    # noqa: B018
+    simulation.destroy()
