@@ -10,7 +10,9 @@ from parisph.case.numerics import Numerics
 from parisph.kernels import surface
 from parisph.kernels.jit import axes_of
 from parisph.methods import lengths
+from parisph.methods.boundary import Boundary
 from parisph.methods.budget import Budget, NoBudget
+from parisph.methods.wall_images import WallImages
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.rows import Cloud
@@ -28,6 +30,7 @@ class Flow:
     closed : whether the fluid fills a closed tank: no free surface
     spin : callable t -> angular velocity of the tank [rad/s], or None
     budget : measures the energy that the fluid gains by each part of a step, or None
+    walls : Boundary; default WallImages
 
     Attributes
     ----------
@@ -47,10 +50,11 @@ class Flow:
 
     def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, timers: Any,
                  closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
-                 spin: Callable[[float], float] | None = None) -> None:
+                 spin: Callable[[float], float] | None = None, walls: Boundary | None = None) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.timers = particles, domain, timers
         self.closed, self.budget, self.spin, self.dt = closed, budget or NoBudget(), spin, 0.0
+        self.walls: Boundary = walls or WallImages()
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
@@ -72,7 +76,7 @@ class Flow:
     def cloud(self) -> Cloud:
         """The particles as kernels need them, now."""
         p, d = self.particles, self.domain
-        return Cloud(p.x_all, p.kind_all, p.role_all, p.volume_all, p.normal_all, p.corner_all, d.indptr, d.indices,
+        return Cloud(p.x_all, p.kind_all, p.role_all, self.walls.cells(self), p.normal_all, p.corner_all, d.indptr, d.indices,
                      self.spacing, self.axes)
 
     def fresh(self, *names: str) -> None:
@@ -91,11 +95,6 @@ class Flow:
             return p.kind_all
         return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
 
-    def density_ratio(self, seen: np.ndarray) -> None:
-        """Write the field alpha of owned fluid. seen : (n_all,) kind, ABSENT for what does not count.
-
-        Not collective.
-        """
-        p, d = self.particles, self.domain
-        surface.density_ratio(p.alpha, p.x_all, seen, p.corner_all, p.normal_all, lengths.DENSITY * self.spacing,
-                              self.full, d.indptr, d.indices, self.axes)
+    def density_ratio(self, least: int) -> None:
+        """Write the field alpha of owned fluid, with walls whose `closing` is at least so much. Not collective."""
+        self.walls.density_ratio(self.particles.alpha, self, least)

@@ -141,7 +141,7 @@ class Projection:
         flow.domain.update("p")
         role = p.role.copy()
         self._sum_forces(time)
-        found = flow.force[:p.n_owned] - self.pressure_gradient(p.p_all) / flow.density
+        found = flow.force[:p.n_owned] - self.pressure_gradient(p.p_all, flow.density * flow.force) / flow.density
         p.role[:] = role
         found[p.kind != FLUID] = 0.0
         return found
@@ -270,7 +270,7 @@ class Projection:
         """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
         flow = self.flow
         p = flow.particles
-        grad = self.pressure_gradient(p.p_all)
+        grad = self.pressure_gradient(p.p_all, flow.density * flow.force)
         fluid = p.kind == FLUID
         acceleration = flow.force[:p.n_owned][fluid] - grad[fluid] / flow.density
         flow.by_pressure = np.linalg.norm(grad, axis=1) / flow.density
@@ -320,13 +320,14 @@ class Projection:
         p.p[solved] = earlier[solved] + share * (p.p[solved] - earlier[solved])
         self.flow.domain.update("p")
 
-    def pressure_gradient(self, f: np.ndarray) -> np.ndarray:
+    def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.
 
-        A particle with too few neighbours has a zero gradient, and becomes ballistic.
+        slope : (n_all, dim), what the gradient is across walls; default 0. A particle with too few neighbours has a zero gradient, and becomes ballistic.
         """
         out = np.empty_like(self.flow.particles.u)
         self.parts.gradient.write(out, f, self.flow)
+        self.flow.walls.mend_gradient(out, f, slope, self.flow, self.parts.gradient)
         self.parts.surface_gradient.write(out, f, self.flow)
         self.flow.stale.add("role")
         return out
