@@ -8,7 +8,8 @@ __version__ = "0.1.0"
 # What `from parisph import ...` offers, and where it lives. Loaded when first asked for, so that
 # `import parisph` costs nothing, and describing a case needs neither MPI nor PETSc.
 _SCHEMA = (
-    "Case Fluid Box Disc Polygon Tank Lid Numerics Output Truth AtRest Sway Heave Roll Moved Series Tabulated "
+    "Case Fluid StillWater Box Disc Polygon Tank Lid Profile Obstacle Plate Piston Flap Numerics Output Truth "
+    "AtRest Sway Heave Roll Moved Series Tabulated PistonStroke FlapStroke "
     "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityProfile "
     "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction WaveTruth"
 )

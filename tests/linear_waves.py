@@ -13,9 +13,9 @@ from mpi4py import MPI
 
 from parisph.base.fields import FLUID, INNER, SURFACE, WET
 from parisph.base.log import Timers
-from parisph.case import geometry
 from parisph.case.load import load
 from parisph.case.waves import angular_frequency
+from parisph.geometry import build as geometry
 from parisph.kernels import collisions
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths

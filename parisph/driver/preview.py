@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from parisph.base import memory
-from parisph.case import geometry, scales, size
+from parisph.case import scales, size
 from parisph.case.checks import sound_speed
 from parisph.case.methods import METHODS
 from parisph.case.numerics import Numerics
 from parisph.case.schema import Case
 from parisph.driver import cost
+from parisph.geometry import build, plain
 from parisph.kernels import viscous, weakly
 from parisph.methods import catalogue, lengths
 
@@ -25,7 +26,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
     parameters : {name: value} of the case file (case.load.arguments), which --set can change
     """
     numerics = case.numerics.resolved()
-    count = size.counts(case)
+    count = build.counts(case)
     expected = scales.expected(case)
     steps = estimated_steps(case, numerics, expected)
     seconds, basis = cost.seconds_per_step(numerics, count["all"])
@@ -53,7 +54,7 @@ def _warnings(case: Case, count: Mapping[str, int]) -> Iterator[str]:
     """Warn of a method's limits, and of water without a free surface, which the initial lattice already shows."""
     if catalogue.warning(case.numerics):
         yield f"method {case.numerics.method}: {catalogue.warning(case.numerics)}"
-    if not case.closed and count["exact"] and not geometry.lattice(case).has_surface():
+    if not case.closed and count["exact"] and case.plain and not plain.lattice(case).has_surface():
         yield (f"none of the {count['fluid']} fluid particles is on a free surface, "
                "so p = 0 is set only at the highest one; leave a spacing of air, "
                "or fill the tank with a Box of its size, without elevation")
@@ -69,7 +70,7 @@ def _memory(particles: int) -> str:
 
 def stages(case: Case) -> list[str]:
     """Return the names of the stages that a step of this case has, in order."""
-    parts = catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity, case.turns)
+    parts = catalogue.parts_of(case.complete_numerics(), case.viscosity, case.turns)
     names: list[str] = parts.stages(case.closed)
     return names
 
@@ -105,7 +106,7 @@ def stable_step(case: Case) -> float:
     n, s = case.numerics, case.numerics.spacing
     if METHODS[n.method].step == "compressible":
         return weakly.longest_step(lengths.SPH * s, sound_speed(case), 0.0, n.artificial_viscosity, 0.0)
-    return viscous.STABLE * s * s / case.fluid.viscosity if case.fluid.viscosity else math.inf
+    return viscous.STABLE * s * s / case.viscosity if case.viscosity else math.inf
 
 
 def _longest_step(case: Case, n: Numerics) -> float:
@@ -126,11 +127,11 @@ def _steps(case: Case, n: Numerics, steps: int) -> str:
 def _resolution(case: Case, expected: scales.Scales) -> str:
     """Return the lengths of the scene in spacings, as text."""
     s = case.numerics.spacing
-    lower, upper = case.fluid.shape.bounds
+    lower, upper = case.fluid_bounds
     width, depth = (upper - lower)[[0, -1]]
     found = [f"fluid {width / s:.3g} x {depth / s:.3g} spacings"]
-    if case.walls is not None and case.walls.width != width:
-        found.append(f"tank {case.walls.width / s:.3g} wide")
+    if case.tank is not None and case.tank.width != width:
+        found.append(f"tank {case.tank.width / s:.3g} wide")
     if expected.wave is not None:
         found.append(f"wave amplitude {expected.wave / s:.2g} spacings (about {expected.wave:.2g} m by linear theory)")
     return ", ".join(found)

@@ -53,7 +53,7 @@ class OpenTank:
     @classmethod
     def of(cls, case: Case, domain: Domain, state: Mapping[str, Any] | None = None) -> "OpenTank | None":
         """Return the open tank of a case, None if it has none. state : the Left of a checkpoint, as a dict."""
-        if case.walls is None or case.walls.closed:
+        if case.walls is None or case.lidded:
             return None
         return cls(domain.lower, domain.upper, case.numerics.spacing, domain.radius, Scene.of(case),
                    Left(**(state or {})))

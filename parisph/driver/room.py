@@ -6,6 +6,7 @@ from parisph.base import memory
 from parisph.base.errors import CaseError
 from parisph.case import size
 from parisph.case.schema import Case
+from parisph.geometry import build
 
 
 def check(case: Case, comm: MPI.Comm) -> None:
@@ -15,7 +16,7 @@ def check(case: Case, comm: MPI.Comm) -> None:
     describe a case for a cluster. The memory that other programs use is ignored, because it changes.
     """
     there = _memory(comm)
-    count = size.counts(case)["all"]
+    count = build.counts(case)["all"]
     need = size.memory(count, comm.size)
     if there is not None and need > there:
         raise CaseError(

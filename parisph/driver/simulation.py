@@ -12,13 +12,14 @@ from mpi4py import MPI
 from parisph.base.arrays import Array, Floats
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
-from parisph.case import geometry, scales
+from parisph.case import scales
 from parisph.case.checks import sound_speed, stable_time_step
 from parisph.case.schema import Case
 from parisph.driver import room, warmup
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
+from parisph.geometry import build
 from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
 from parisph.methods.budget import Budget
@@ -114,12 +115,12 @@ class Simulation:
         self.steps = 0 if start is None else start.step
         self.dt: float | None = None if start is None else start.dt or None
         s = self.numerics.spacing
-        lower, upper = geometry.domain(case)
+        lower, upper = build.domain(case)
         self.domain = Domain(self.particles, lower, upper, parts.reach * s,
-                             SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.closed)
+                             SKIN * s, LIST_SKIN * s, closed=case.lidded)
         self._made.append(self.domain)
-        flow = Flow(self.numerics, case.fluid.density, self._force, self.particles, self.domain, self.timers,
-                    closed=case.closed, budget=_budget(case, parts), viscosity=case.fluid.viscosity, spin=case.spin)
+        flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain, self.timers,
+                    closed=case.closed, budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin)
         self.method = _method(case, flow, parts, petsc_options)
         self._made.append(self.method)
         if start is not None:
@@ -302,7 +303,7 @@ def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | Non
 
 def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts: Parts | CompressibleParts = parts_of(case.numerics, case.fluid.viscosity, case.turns)
+    parts: Parts | CompressibleParts = parts_of(case.numerics, case.viscosity, case.turns)
     error = None
     try:
         parts.check(case.dim)
@@ -323,7 +324,7 @@ def _method(case: Case, flow: Flow, parts: Parts | CompressibleParts,
 
 def _budget(case: Case, parts: Parts | CompressibleParts) -> Budget | None:
     """Return the Budget of the case, None if it has none."""
-    return Budget(case.fluid.density, Scene.of(case).gravity, parts.causes) if case.output.budget else None
+    return Budget(case.density, Scene.of(case).gravity, parts.causes) if case.output.budget else None
 
 
 def _arrays(case: Case, comm: MPI.Comm) -> dict[str, Array]:
@@ -331,7 +332,7 @@ def _arrays(case: Case, comm: MPI.Comm) -> dict[str, Array]:
     arrays: dict[str, Array] = {}
     error = None
     try:
-        arrays = geometry.build(case, comm.rank, comm.size)
+        arrays = build.build(case, comm.rank, comm.size)
     except Exception as problem:
         error = CaseError(str(problem))
     agree(comm, error)

@@ -14,9 +14,10 @@ from mpi4py import MPI
 
 from parisph.base.errors import CaseError
 from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
-from parisph.case import expressions, geometry
+from parisph.case import expressions
 from parisph.case.probes import AnyProbe
 from parisph.case.schema import Case
+from parisph.geometry import build
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 
@@ -92,9 +93,8 @@ class Scene:
     def of(cls, case: Case) -> "Scene":
         """Return the Scene of a Case."""
         s = case.numerics.spacing
-        return cls(case.dim, s, geometry.lattice(case).step, case.fluid.density,
-                   *geometry.domain(case), case.walls is not None, _uniform(case),
-                   case.walls is not None and case.walls.closed)
+        return cls(case.dim, s, build.lattice_step(case), case.density,
+                   *build.domain(case), case.tank is not None, _uniform(case), case.lidded)
 
     @property
     def walls(self) -> tuple[np.ndarray, np.ndarray]:

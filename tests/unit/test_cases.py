@@ -8,11 +8,12 @@ import pytest
 
 from parisph import load
 from parisph.base.fields import CONTACT, SURFACE, WET
-from parisph.case import geometry, size, waves
+from parisph.case import size, waves
 from parisph.case.checks import stable_time_step
 from parisph.case.load import parameters
 from parisph.case.probes import read_truth
 from parisph.case.schema import Case
+from parisph.geometry import build as geometry
 
 CASES = Path(__file__).parents[2] / "cases"
 FILES = sorted(CASES.glob("*.py"))
