@@ -22,6 +22,7 @@ from parisph.methods import lengths
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
+from parisph.methods.wall_images import WallImages
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 
@@ -51,7 +52,8 @@ class StillTank:
         reach = parts.reach * self.numerics.spacing
         self.domain = Domain(p, *geometry.domain(case), reach, 0.1 * self.numerics.spacing)
         self.domain.refresh()
-        self.flow = Flow(self.numerics.model_copy(update={"rtol": 1e-13}), 1.0, self._force, p, self.domain, Timers())
+        self.flow = Flow(self.numerics.model_copy(update={"rtol": 1e-13}), 1.0, self._force, p, self.domain,
+                         WallImages(), Timers())
         self.method = Projection(self.flow, parts)
         self.n = p.n_owned
         self.x, self._ids = p.x.copy(), p.id.copy()

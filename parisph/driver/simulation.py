@@ -15,7 +15,7 @@ from parisph.base.fields import FLUID, FieldSet
 from parisph.case import scales
 from parisph.case.checks import sound_speed, stable_time_step
 from parisph.case.schema import Case
-from parisph.driver import room, warmup
+from parisph.driver import room, solid_walls, warmup
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
@@ -108,7 +108,8 @@ class Simulation:
         agree(self.comm, _wrong_code())
         self.timers = PhaseTimers()
         parts = _parts(case, self.comm)
-        self.particles = Particles(self.comm, case.dim, FieldSet((*parts.fields, *case.output.fields)))
+        self.particles = Particles(self.comm, case.dim,
+                                   FieldSet((*parts.fields, *solid_walls.fields(case), *case.output.fields)))
         arrays = _arrays(case, self.comm) if start is None else start.arrays
         self.particles.assign({name: values for name, values in arrays.items() if name in self.particles.fields})
         self.time = 0.0 if start is None else start.time
@@ -116,11 +117,15 @@ class Simulation:
         self.dt: float | None = None if start is None else start.dt or None
         s = self.numerics.spacing
         lower, upper = build.domain(case)
+        elements = solid_walls.elements_of(case, self.particles)
         self.domain = Domain(self.particles, lower, upper, parts.reach * s,
-                             SKIN * s, LIST_SKIN * s, closed=case.lidded)
+                             SKIN * s, LIST_SKIN * s, closed=case.lidded, elements=elements)
         self._made.append(self.domain)
-        flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain, self.timers,
-                    closed=case.closed, budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin)
+        flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
+                    solid_walls.boundary_of(case, elements), self.timers, closed=case.closed,
+                    budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin)
+        if start is None and not case.plain:
+            solid_walls.fill(case, flow)
         self.method = _method(case, flow, parts, petsc_options)
         self._made.append(self.method)
         if start is not None:
@@ -306,7 +311,7 @@ def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     parts: Parts | CompressibleParts = parts_of(case.numerics, case.viscosity, case.turns)
     error = None
     try:
-        parts.check(case.dim)
+        parts.check(case.dim, case.plain)
     except CaseError as problem:
         error = problem
     agree(comm, error)

@@ -237,7 +237,8 @@ def _roles(case, walls, fills, x, normal, edge):
     for axis in range(x.shape[1]):
         for side in (-1.0, 1.0):
             beside = before + side * BESIDE * s * np.eye(x.shape[1])[axis]
-            free |= ~held(beside) & in_fluid(outlines, beside)
+            in_front = side * normal[:, axis] > -LIFT    # not on the other side of a plate
+            free |= ~held(beside) & in_fluid(outlines, beside) & in_front
     role = np.where(wet, np.where(free, CONTACT, WET), DRY)
     return np.where(edge == CONVEX, DRY, role).astype(np.int8)
 

@@ -143,14 +143,14 @@ def gradient_at_walls(out: np.ndarray, f: np.ndarray, normal_slope: np.ndarray, 
     Without it a particle at a contact line, in a wedge of water, may fall freely and stir everything. Exact for f with
     this slope at the wall. Particles that become a slope by it are no longer BALLISTIC but SURFACE.
 
-    normal_slope : (n_all, dim), what the gradient of f at a wall is along the normal, as at the particle; role :
-        (n_all,), changed; near_wall : [m], from an element at which its datum counts; others as there
+    normal_slope : (n_all, dim), whose normal part the gradient of f has at a wall near particles; role : (n_all,),
+        changed; near_wall : [m], from an element at which its datum counts; others as there
     """
     dim, room = len(axes), room_for(indptr)
     near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
     member = np.empty(room, np.int32)
     m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
-    place, foot, n, best = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
+    place, foot, best = np.empty(dim), np.empty(dim), np.empty(dim)
     for i in range(len(indptr) - 1):
         if element_indptr[i] == element_indptr[i + 1] or role[i] not in (INNER, SURFACE, BALLISTIC):
             continue

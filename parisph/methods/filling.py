@@ -7,6 +7,7 @@ from mpi4py import MPI
 
 from parisph.base.fields import FLUID, SURFACE
 from parisph.kernels import packing
+from parisph.kernels.solids import keep_off_solids
 from parisph.methods.flow import Flow
 from parisph.methods.wall_solids import WallSolids
 
@@ -44,3 +45,14 @@ def weigh(flow: Flow, samples: Iterable[tuple[np.ndarray, np.ndarray]]) -> float
         flow.domain.update("half")
     flow.domain.update("volume")
     return float(p.comm.allreduce(p.volume[own].sum(), op=MPI.SUM))
+
+
+def scatter(flow: Flow, move: np.ndarray) -> None:
+    """Displace the fluid by move (n_owned, dim) [m], but no nearer to walls than packing does. Collective."""
+    p, d, walls = flow.particles, flow.domain, flow.walls
+    if isinstance(walls, WallSolids):
+        e = walls.elements
+        keep_off_solids(move, p.x_all, p.kind_all, e.corners, packing.GUARD * flow.spacing, e.indptr, e.indices,
+                        flow.axes)
+    p.x[:] += move
+    d.refresh()

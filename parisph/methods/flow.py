@@ -10,9 +10,7 @@ from parisph.case.numerics import Numerics
 from parisph.kernels import surface
 from parisph.kernels.jit import axes_of
 from parisph.methods import lengths
-from parisph.methods.boundary import Boundary
 from parisph.methods.budget import Budget, NoBudget
-from parisph.methods.wall_images import WallImages
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.rows import Cloud
@@ -26,11 +24,10 @@ class Flow:
     numerics : resolved Numerics
     density : [kg/m^3]; viscosity : kinematic [m^2/s]
     body : callable (x (n, dim), t) -> (n, dim), the body force per unit mass in the tank's frame [m/s^2]
-    particles, domain, timers : of this run
+    particles, domain, walls, timers : of this run; walls are a methods.boundary.Boundary
     closed : whether the fluid fills a closed tank: no free surface
     spin : callable t -> angular velocity of the tank [rad/s], or None
     budget : measures the energy that the fluid gains by each part of a step, or None
-    walls : Boundary; default WallImages
 
     Attributes
     ----------
@@ -48,13 +45,12 @@ class Flow:
     position_solve : SolveRecord of the position projection in this step, or None
     """
 
-    def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, timers: Any,
-                 closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
-                 spin: Callable[[float], float] | None = None, walls: Boundary | None = None) -> None:
+    def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, walls: Any,
+                 timers: Any, closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
+                 spin: Callable[[float], float] | None = None) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
-        self.particles, self.domain, self.timers = particles, domain, timers
+        self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
         self.closed, self.budget, self.spin, self.dt = closed, budget or NoBudget(), spin, 0.0
-        self.walls: Boundary = walls or WallImages()
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
@@ -76,8 +72,8 @@ class Flow:
     def cloud(self) -> Cloud:
         """The particles as kernels need them, now."""
         p, d = self.particles, self.domain
-        return Cloud(p.x_all, p.kind_all, p.role_all, self.walls.cells(self), p.normal_all, p.corner_all, d.indptr, d.indices,
-                     self.spacing, self.axes)
+        return Cloud(p.x_all, p.kind_all, p.role_all, self.walls.cells(self), p.normal_all, p.corner_all, d.indptr,
+                     d.indices, self.spacing, self.axes)
 
     def fresh(self, *names: str) -> None:
         """Send the fields that have changed to the ghosts, in one message, if any of `names` is among them. Collective.

@@ -323,7 +323,9 @@ class Projection:
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.
 
-        slope : (n_all, dim), what the gradient is across walls; default 0. A particle with too few neighbours has a zero gradient, and becomes ballistic.
+        slope : (n_all, dim), what the gradient is across walls; default 0
+
+        A particle with too few neighbours has a zero gradient, and becomes ballistic.
         """
         out = np.empty_like(self.flow.particles.u)
         self.parts.gradient.write(out, f, self.flow)

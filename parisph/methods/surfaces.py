@@ -96,7 +96,7 @@ class Auxiliary(Surface):
     """
 
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
-    dims = (2,)
+    dims, shapes = (2,), False
 
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p, d = flow.particles, flow.domain
@@ -127,6 +127,7 @@ class PositionDivergence(Surface):
 
     name, source, fields = "divergence", "Lee et al. 2008", ("closing",)
     limits = {2: 1.5, 3: 2.4}
+    shapes = False
 
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing

@@ -38,7 +38,7 @@ class WallSolids(Boundary):
         return ("covered",)
 
     def counted(self, flow: "Flow", least: int) -> np.ndarray:
-        """Return the part of each particle (n_all,) that counts: of walls what is covered, of those that are `least`."""
+        """Return the part of each particle (n_all,) that counts: of walls `least` what is covered."""
         p = flow.particles
         if "closing" not in p.fields:    # a full closed tank
             return np.ones(p.n_all)
