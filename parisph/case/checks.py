@@ -139,15 +139,23 @@ def _lengths(case: Scene) -> Iterator[tuple[str, float]]:
 
 
 def _inside(case: Scene) -> Iterator[str]:
-    if case.tank is None:
+    if case.wall_bounds is None:
         return
-    (lower, upper), (low, high) = case.fluid_bounds, case.tank.bounds
+    what = "the tank" if case.plain else "the walls"
     tolerance = FIT * case.numerics.spacing
+    for name, fluid in _named(case):
+        yield from _within(case, f"{name}.shape", case.bounds_of(fluid), what, tolerance)
+
+
+def _within(case: Scene, name: str, box: tuple[Floats, Floats], what: str, tolerance: float) -> Iterator[str]:
+    """Say where a box reaches out of the walls; without a tank these are open above."""
+    (lower, upper), (low, high) = box, case.wall_bounds or box
     for axis in range(case.dim):
-        if lower[axis] < low[axis] - tolerance or upper[axis] > high[axis] + tolerance:
+        above = upper[axis] > high[axis] + tolerance and (axis < case.dim - 1 or case.tank is not None)
+        if lower[axis] < low[axis] - tolerance or above:
             yield (
-                f"fluid.shape reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie in the tank, "
-                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge the tank"
+                f"{name} reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie in {what}, "
+                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge {what}"
             )
 
 
@@ -342,10 +350,15 @@ def _time_steps(case: Scene) -> Iterator[tuple[float, str]]:
         return
     limit, reason = stable_time_step(case)
     yield limit, f"gravity, fluid.velocity and numerics.spacing: a step that {reason}"
-    yield frame.longest_step, f"frame: {1 / SHARE:.0f} steps in a period of {frame.longest_step / SHARE:.2g} s"
+    longest = scenery.longest_step(case)
+    yield longest, (f"{'frame' if longest == frame.longest_step else 'walls'}: {1 / SHARE:.0f} steps in a period of "
+                    f"{longest / SHARE:.2g} s")
     speed = frame.top_speed(*case.wall_bounds) if case.wall_bounds is not None else 0.0
     if speed > 0.0 and n.cfl is not None:
         yield n.cfl * n.spacing / speed, f"frame: a tank that moves at {speed:.2g} m/s"
+    wall = scenery.wall_speed(case)
+    if wall > 0.0 and n.cfl is not None:
+        yield n.cfl * n.spacing / wall, f"walls: one that moves at {wall:.2g} m/s"
     if n.max_time_step is not None:
         yield n.max_time_step, f"numerics.max_time_step = {n.max_time_step:g} s"
 

@@ -8,13 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.base.arrays import Floats
+from parisph.case.bodies import StillWater
 from parisph.case.expressions import uniform_field, vector_field
+from parisph.case.motion import AtRest
+from parisph.case.scenery import wall_speed
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
 from parisph.case.waves import angular_frequency
 
 SAMPLES = 400        # points, or times, at which a field of the case is looked at
 PER_PERIOD = 40      # steps of the oscillator in one period of the first mode
+RUN_UP = 2.0         # speed of waves at a wall or a beach over that of the wall that makes them, or of the start
 MOST_STEPS = 20_000  # of the oscillator; a longer run is judged by its beginning
 
 
@@ -45,8 +49,9 @@ def expected(case: Case) -> Scales:
     initial elevation, and the first mode, an oscillator driven by the horizontal body force (which
     includes the motion of the tank). Because waves break, their amplitude is at most the depth, and
     their speed that of a fall from this height. All other fluid gains the energy of a fall from its
-    top to the tank's bed (Z14 Sec. 3.1.2). The acceleration of level water is the frequency of its motion times
-    the speed, that of other fluid the body force. Fluid without a surface or a force is accelerated by its own flow.
+    top to the tank's bed (Z14 Sec. 3.1.2), but for still water between other walls, which moves as its wave or its
+    wavemaker. The acceleration of level water is the frequency of its motion times the speed, that of other fluid
+    the body force. Fluid without a surface or a force is accelerated by its own flow.
     """
     times = np.linspace(0.0, case.end_time, SAMPLES)
     force, down = _gravity(case)
@@ -57,13 +62,22 @@ def expected(case: Case) -> Scales:
     if case.closed or force == 0.0:
         return Scales(wave, times, speeds, accelerations, force)
     level = _level(case, down)
-    if level is not None:
+    if _calm(case):
+        speeds = np.full(SAMPLES, RUN_UP * (_start_speed(case) + wall_speed(case)))
+        lower, upper = case.fluid_bounds
+        accelerations = np.minimum(force, np.sqrt(force / float((upper - lower)[-1])) * speeds)
+    elif level is not None:
         wave, moving, accelerations = _waves(case, level, force, times, speeds)
         speeds += moving
     else:
         accelerations = np.full(SAMPLES, force)
         speeds = np.hypot(speeds, np.minimum(force * times, np.sqrt(2.0 * force * _fall(case, down))))
     return Scales(wave, times, speeds, accelerations, force)
+
+
+def _calm(case: Case) -> bool:
+    """Return whether all fluid is still water with at most a wave on it, in walls of which only wavemakers may move."""
+    return isinstance(case.frame, AtRest) and all(isinstance(fluid.shape, StillWater) for fluid in case.fluids)
 
 
 def fall_time(case: Case) -> float:

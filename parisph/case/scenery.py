@@ -17,6 +17,19 @@ def body_names(bodies: tuple[Body, ...]) -> list[str]:
     return [body.name or body.kind + (f"-{number}" if number else "") for number, body in enumerate(bodies)]
 
 
+def wall_speed(case: Scene) -> float:
+    """Return the greatest speed [m/s] of a wall in the frame of the scene, 0 if none moves."""
+    bounds = case.wall_bounds
+    if bounds is None:
+        return 0.0
+    return max((motion_of(body).top_speed(*bounds) for body in case.bodies), default=0.0)
+
+
+def longest_step(case: Scene) -> float:
+    """Return the longest time step [s] that resolves the motions of frame and walls, infinite without any."""
+    return min([case.frame.longest_step, *(motion_of(body).longest_step for body in case.bodies)])
+
+
 def problems(case: Scene) -> list[str]:
     """Return the problems of a case that come from its bodies, one line each."""
     return [*_bodies(case), *_fluids(case), *_method(case)]

@@ -8,12 +8,16 @@ import numpy as np
 
 from parisph.base import memory
 from parisph.case import scales, size
+from parisph.case.bodies import motion_of
 from parisph.case.checks import sound_speed
 from parisph.case.methods import METHODS
+from parisph.case.motion import AtRest
 from parisph.case.numerics import Numerics
+from parisph.case.scenery import body_names, longest_step, wall_speed
 from parisph.case.schema import Case
 from parisph.driver import cost
-from parisph.geometry import build, plain
+from parisph.driver.sketch import sketch
+from parisph.geometry import build, plain, scene_checks
 from parisph.kernels import viscous, weakly
 from parisph.methods import catalogue, lengths
 
@@ -25,6 +29,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
 
     parameters : {name: value} of the case file (case.load.arguments), which --set can change
     """
+    scene_checks.check(case)
     numerics = case.numerics.resolved()
     count = build.counts(case)
     expected = scales.expected(case)
@@ -36,6 +41,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
         ("particles", f"{'' if count['exact'] else 'about '}{count['all']} ({count['fluid']} fluid, "
                       f"{count['wall']} wall), spacing {numerics.spacing:g} m"),
         ("resolution", _resolution(case, expected)),
+        *_geometry(case),
         ("stages", ", ".join(stages(case))),
         ("end time", f"{case.end_time:g} s"),
         ("steps", _steps(case, numerics, steps)),
@@ -47,13 +53,34 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
     lines += [("warning", text) for text in _warnings(case, count)]
     if parameters:
         lines.append(("--set", ", ".join(f"{name}={_text(value)}" for name, value in parameters.items())))
-    return "\n".join(f"{name:<12}{text}" for name, text in lines)
+    text = "\n".join(f"{name:<12}{text}" for name, text in lines)
+    return text if case.plain else f"{text}\n\n{sketch(case)}"
+
+
+def _geometry(case: Case) -> Iterator[tuple[str, str]]:
+    """Yield what there is to say about walls and filling of a scene that is not plain."""
+    if case.plain:
+        return
+    moving = {name: type(motion_of(body)).__name__ for name, body in zip(body_names(case.bodies), case.bodies)
+              if not isinstance(motion_of(body), AtRest)}
+    known = scene_checks.facts(case)
+    if known is None:
+        return
+    names = [f"{name} ({moving[name]})" if name in moving else name for name in body_names(case.bodies)]
+    yield "walls", f"{', '.join(names)}: {known.elements} elements"
+    s = case.numerics.spacing
+    gap = (f"thinnest gap {known.gap:.3g} m, {known.gap / s:.3g} spacings, between {' and '.join(known.between)}"
+           if math.isfinite(known.gap) else "no wall faces another")
+    yield "gaps", gap + (f"; sharpest wedge {known.wedge:.3g} degrees" if known.wedge < 180.0 else "")
+    yield "volume", (f"{known.volume:.6g} m2 exactly; the lattice has {known.lattice:.6g} "
+                     f"({100.0 * (known.lattice / known.volume - 1.0):+.1f} %) before its particles get their own")
 
 
 def _warnings(case: Case, count: Mapping[str, int]) -> Iterator[str]:
     """Warn of a method's limits, and of water without a free surface, which the initial lattice already shows."""
     if catalogue.warning(case.numerics):
         yield f"method {case.numerics.method}: {catalogue.warning(case.numerics)}"
+    yield from scene_checks.warnings(case)
     if not case.closed and count["exact"] and case.plain and not plain.lattice(case).has_surface():
         yield (f"none of the {count['fluid']} fluid particles is on a free surface, "
                "so p = 0 is set only at the highest one; leave a spacing of air, "
@@ -111,7 +138,8 @@ def stable_step(case: Case) -> float:
 
 def _longest_step(case: Case, n: Numerics) -> float:
     """Return the longest step [s] that the case allows, whatever the flow."""
-    return min(case.frame.longest_step, n.max_time_step or math.inf, stable_step(case))
+    by_walls = n.cfl * n.spacing / wall_speed(case) if n.cfl and wall_speed(case) > 0.0 else math.inf
+    return min(longest_step(case), by_walls, n.max_time_step or math.inf, stable_step(case))
 
 
 def _steps(case: Case, n: Numerics, steps: int) -> str:

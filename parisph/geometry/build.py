@@ -30,7 +30,6 @@ from parisph.geometry.standing import standing
 BESIDE = 0.5    # spacings: a wall node this near to the surface is at the contact line
 LIFT = 0.1      # spacings: so far in front of a node its fluid is looked for
 SWEPT = 400     # times at which the places of moving walls are looked at
-FREE = -1       # the body of fluid
 
 
 def is_plain(case: Scene) -> bool:
@@ -72,7 +71,7 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     give that which it stands for. It is not jittered: see `jitter`. If it has walls, there are in addition, as
     kernels.density takes them: weight (n,), 1 for fluid, of a node the part of a cell s^dim inside the fluid, area *
     share / s^(dim-1); area (n, dim), its vector area over s^(dim-1), 0 for fluid; edge (n,) int8 (geometry.mesh); body
-    (n,) int16, the number of the body in the mesh, FREE for fluid.
+    (n,) int16, the number of the body in the mesh, 0 for fluid.
 
     Raises
     ------
@@ -192,7 +191,7 @@ def _fluid(case: Case, fluid: Fluid, fill: Filling, fills: Sequence[Filling], me
         "role": np.where(surface, SURFACE, INNER).astype(np.int8), "x": x, "u": fluid.start_velocity(x),
         "volume": factor * fill.step.prod(), "normal": np.zeros((n, dim)), "no_slip": np.zeros(n, dtype=np.int8),
         "wall_u": np.zeros((n, dim)), "weight": np.ones(n), "area": np.zeros((n, dim)),
-        "edge": np.zeros(n, dtype=np.int8), "body": np.full(n, FREE, dtype=np.int16)})
+        "edge": np.zeros(n, dtype=np.int8), "body": np.zeros(n, dtype=np.int16)})
 
 
 def _with_area(mesh, arrays):

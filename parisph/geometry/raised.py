@@ -5,7 +5,7 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.case.bodies import StillWater
 from parisph.case.fluids import Fluid
-from parisph.geometry.columns import crossings
+from parisph.geometry.columns import beds
 from parisph.geometry.mesh import WallMesh
 
 MOST = 0.5    # of the depth: where water is shallower, as at a shore, it is raised by no more
@@ -22,8 +22,8 @@ def raised(fluid: Fluid, mesh: WallMesh | None, bounds: tuple[Floats, Floats], x
     top = fluid.top
     bottom = np.full(len(columns), bounds[0][-1])
     if mesh is not None:
-        bottom = np.maximum(bottom, _bed(mesh, columns, top)) if not isinstance(fluid.shape, StillWater) else _bed(
-            mesh, columns, top)
+        bed = beds(mesh.corners(), columns, top)
+        bottom = bed if isinstance(fluid.shape, StillWater) else np.maximum(bottom, bed)
     depth = np.maximum(top - bottom, 1e-300)
     share = np.clip(fluid.rise(columns) / depth, -MOST, MOST)
     bottom, share = bottom[which.reshape(-1)], share[which.reshape(-1)]
@@ -31,14 +31,3 @@ def raised(fluid: Fluid, mesh: WallMesh | None, bounds: tuple[Floats, Floats], x
     moved = x.copy()
     moved[stretched, 1] = (bottom + (x[:, 1] - bottom) * (1.0 + share))[stretched]
     return moved, np.where(stretched, 1.0 + share, 1.0)
-
-
-def _bed(mesh, columns, top):
-    """Return the height (n,) [m] of the highest wall below the surface with fluid above it, on lines x = columns."""
-    corners = mesh.corners()
-    up = corners[corners[:, 0, 0] < corners[:, 1, 0]]
-    bed = np.full(len(columns), -np.inf)
-    line, height = crossings(up[:, 0], up[:, 1], columns)
-    below = height < top
-    np.maximum.at(bed, line[below], height[below])
-    return np.where(np.isfinite(bed), bed, mesh.x0[:, 1].min())

@@ -13,6 +13,8 @@ from parisph.base.errors import CaseError, agree
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.case import probes
 from parisph.case.schema import Case
+from parisph.geometry.distance import nearest
+from parisph.geometry.mesh import area_vectors
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
 from parisph.watch.elevation import COLUMN, bodies, surface_height
@@ -58,6 +60,11 @@ class _Column(Sampler):
     columns = {"y": "m"}
     gap = GAUGE_GAP
 
+    def __init__(self, probe, scene):
+        super().__init__(probe, scene)
+        bed = scene.bed_at(np.array([float(probe.at)]))
+        self.bed = None if bed is None else float(bed[0])
+
     def rows(self, view):
         x, y = view.body
         chosen = np.abs(x - self.probe.at) <= COLUMN * self.scene.spacing * ROUNDING
@@ -68,7 +75,7 @@ class _Column(Sampler):
 
         The bed itself where it is dry; nan where there is no water and no bed.
         """
-        found, bed = _bodies_of_all(rows, self.gap * self.scene.spacing), self.scene.bed
+        found, bed = _bodies_of_all(rows, self.gap * self.scene.spacing), self.bed
         if bed is not None:
             return found[0, 1] if len(found) and found[0, 0] <= bed + BED_GAP * self.scene.spacing else bed
         return found[np.argmax(found[:, 2]), 1] if len(found) else np.nan
@@ -117,7 +124,7 @@ class SurfaceGauge(_Column):
     def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         height = rows[:, 0] == HEIGHT
         top = self.top(rows[~height])
-        if not height.any() or not top > (self.scene.bed if self.scene.tank else -np.inf):
+        if not height.any() or not top > (-np.inf if self.bed is None else self.bed):
             return (top,)
         return (surface_height(self.probe.at, rows[height, 1], rows[height, 2], top, self.scene.spacing, self.mirrors),)
 
@@ -134,13 +141,14 @@ class WaterFront(Sampler):
 
     def __init__(self, probe: probes.WaterFront, scene: Scene) -> None:
         super().__init__(probe, scene)
-        self.title = ("Position of the water's foremost particle along the bed" if scene.tank
+        self.title = ("Position of the water's foremost particle along the bed" if scene.tank or scene.mesh is not None
                       else "Foremost position of the fluid")
 
     def rows(self, view: View) -> np.ndarray:
         x, y = view.body
-        if self.scene.tank:
-            x = x[y <= self.scene.bed + BED * self.scene.spacing * ROUNDING]
+        bed = self.scene.bed_at(x)
+        if bed is not None:
+            x = x[y <= bed + BED * self.scene.spacing * ROUNDING]
         return _body_rows(bodies(x, BED_GAP * self.scene.spacing))
 
     def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
@@ -174,11 +182,16 @@ class PressureTap(Sampler):
         self.radius = max(scene.spacing, probe.radius or FACE * scene.spacing)
         tolerance = 1e-6 * np.max(scene.upper - scene.lower)
         self.across = (np.abs(self.at - scene.lower) <= tolerance) | (np.abs(self.at - scene.upper) <= tolerance)
+        self.axes = np.eye(scene.dim)    # the first across the wall
+        if scene.mesh is not None:
+            self.axes = _axes_on(scene.mesh, self.at)
+            self.across = np.arange(scene.dim) == 0
 
     def sums(self, view: View) -> np.ndarray:
         x, p = view.walls
-        d = (x - self.at) / self.radius
-        same_wall = (np.abs(x - self.at) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
+        away = (x - self.at) @ self.axes.T
+        d = away / self.radius
+        same_wall = (np.abs(away) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
         weight = same_wall * np.clip(1.0 - (d[:, ~self.across] ** 2).sum(axis=1), 0.0, None) ** 2
         basis = np.column_stack([np.ones(len(x)), d[:, ~self.across]])
         return np.append((basis.T * weight) @ basis, (basis.T * weight) @ p)
@@ -189,6 +202,14 @@ class PressureTap(Sampler):
         if np.isfinite(moments).all() and np.linalg.matrix_rank(moments) == n:
             return (np.linalg.solve(moments, right)[0],)
         return (right[0] / moments[0, 0] if moments[0, 0] > 0.0 else np.nan,)
+
+
+def _axes_on(mesh, at):
+    """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows."""
+    element = nearest(at[None], mesh.corners())[1][0]
+    normal = area_vectors(mesh.corners()[[element]])[0]
+    normal /= np.linalg.norm(normal)
+    return np.array([normal, [-normal[1], normal[0]]])
 
 
 class Energy(Sampler):
