@@ -234,6 +234,7 @@ class Simulation:
         dt = min(dt, self.method.longest_step())
         if self.numerics.time_step is not None:
             return dt
+        dt = min(dt, self.method.flow.walls.longest_step(self.method.flow, self.time))
         dt = min(dt, self.case.frame.longest_step)    # a small force between two turns says nothing of what comes
         return dt if self.dt is not None else self._first(dt)
 

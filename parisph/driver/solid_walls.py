@@ -16,7 +16,10 @@ from parisph.parallel.wall_elements import WallElements
 
 def fields(case: Case) -> tuple[str, ...]:
     """Return the names of the fields that particles need beside such walls."""
-    return () if case.plain or case.walls is None else WallSolids.fields
+    if case.plain or case.walls is None:
+        return ()
+    moving = len(build.scene_motions(case)) > 1
+    return (*WallSolids.fields, "wall_u") if moving else WallSolids.fields
 
 
 def elements_of(case: Case, particles: Particles) -> WallElements | None:
@@ -28,7 +31,7 @@ def elements_of(case: Case, particles: Particles) -> WallElements | None:
     if mesh is None:
         return None
     last = max(particles.comm.allgather(int(particles.id.max(initial=-1))))
-    return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing)
+    return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, build.scene_motions(case))
 
 
 def boundary_of(case: Case, elements: WallElements | None) -> Boundary:

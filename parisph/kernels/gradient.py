@@ -133,8 +133,8 @@ def harmonic_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.nd
 
 
 @kernel
-def gradient_at_walls(out: np.ndarray, f: np.ndarray, normal_slope: np.ndarray, x: np.ndarray, role: np.ndarray,
-                      radius: float, power: int, floor: float, near_wall: float, corners: np.ndarray,
+def gradient_at_walls(out: np.ndarray, f: np.ndarray, slope_here: np.ndarray, less: np.ndarray, x: np.ndarray,
+                      role: np.ndarray, radius: float, power: int, floor: float, near_wall: float, corners: np.ndarray,
                       element_indptr: np.ndarray, element_indices: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
                       axes: tuple[int, ...]) -> None:
     """Repeat `least_squares_gradient` where neighbours are too few, with the slope at the nearest wall for a datum.
@@ -143,8 +143,9 @@ def gradient_at_walls(out: np.ndarray, f: np.ndarray, normal_slope: np.ndarray, 
     Without it a particle at a contact line, in a wedge of water, may fall freely and stir everything. Exact for f with
     this slope at the wall. Particles that become a slope by it are no longer BALLISTIC but SURFACE.
 
-    normal_slope : (n_all, dim), whose normal part the gradient of f has at a wall near particles; role : (n_all,),
-        changed; near_wall : [m], from an element at which its datum counts; others as there
+    slope_here : (n_all, dim), and less : (M, dim), of elements: the gradient of f at a wall has the normal part of
+        their difference; role : (n_all,), changed
+    near_wall : [m], from an element at which its datum counts; others as there
     """
     dim, room = len(axes), room_for(indptr)
     near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
@@ -159,8 +160,7 @@ def gradient_at_walls(out: np.ndarray, f: np.ndarray, normal_slope: np.ndarray, 
         quality = support(m, inverse, weighted, near, power, count, columns, axes)
         if quality >= floor:
             continue
-        least = near_wall * near_wall
-        found = False
+        least, nearest = near_wall * near_wall, -1
         for k in range(element_indptr[i], element_indptr[i + 1]):
             e = element_indices[k]
             for a in range(dim):
@@ -170,14 +170,14 @@ def gradient_at_walls(out: np.ndarray, f: np.ndarray, normal_slope: np.ndarray, 
             for a in range(dim):
                 r2 += (place[a] - foot[a]) ** 2
             if r2 < least:
-                least, found = r2, True
+                least, nearest = r2, e
                 element_normal(best, e, corners, axes)
-        if not found:
+        if nearest < 0:
             continue
         trace, slope = 0.0, 0.0
         for a in range(dim):
             trace += m[a, a]
-            slope += best[a] * normal_slope[i, a]
+            slope += best[a] * (slope_here[i, a] - less[nearest, a])
         for a in range(dim):
             for b in range(dim):
                 m[a, b] += trace * best[a] * best[b]

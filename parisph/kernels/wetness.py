@@ -6,6 +6,7 @@ import numpy as np
 
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.jit import kernel
+from parisph.kernels.solids import element_normal, nearest_point
 
 # Lengths in spacings.
 TOUCH = 0.55    # fluid as near to a wall as this is in contact; the wall guard stops it at half a spacing
@@ -95,6 +96,36 @@ def covered_walls(covered: np.ndarray, x: np.ndarray, kind: np.ndarray, normal: 
             if 0.0 < away < FAR * spacing and along < 1.0:
                 total += (1.0 - along) * min((FAR - away / spacing) / (FAR - COVER), 1.0)
         covered[i] = min(total, 1.0)
+
+
+@kernel
+def before_moving_walls(apart: np.ndarray, x: np.ndarray, kind: np.ndarray, own: np.ndarray, corners: np.ndarray,
+                        motion: np.ndarray, element_indptr: np.ndarray, element_indices: np.ndarray,
+                        axes: tuple[int, ...]) -> None:
+    """Write how far wall particles are from elements of walls of a later number of motion, 0 behind them [m].
+
+    A wall that moves passes over the nodes of others, as a piston over those of the bed.
+
+    apart : (n_owned,), changed where there are any; own : (n_owned,) number of the motion of a particle; motion : (M,)
+    """
+    dim = len(axes)
+    place, foot, n = np.empty(dim), np.empty(dim), np.empty(dim)
+    for i in range(len(element_indptr) - 1):
+        if kind[i] != WALL:
+            continue
+        for k in range(element_indptr[i], element_indptr[i + 1]):
+            e = element_indices[k]
+            if motion[e] <= own[i]:
+                continue
+            for a in range(dim):
+                place[a] = x[i, a]
+            nearest_point(foot, place, e, corners, axes)
+            element_normal(n, e, corners, axes)
+            r2, height = 0.0, 0.0
+            for a in range(dim):
+                r2 += (place[a] - foot[a]) ** 2
+                height += (place[a] - foot[a]) * n[a]
+            apart[i] = min(apart[i], math.sqrt(r2) if height > 0.0 else 0.0)
 
 
 @kernel

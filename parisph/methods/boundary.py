@@ -73,9 +73,21 @@ class Boundary(ABC):
     def leave_out(self, flow: "Flow") -> None:
         """Write the role of wall particles that are never in a stencil."""
 
+    def move(self, flow: "Flow", at: float, start: float, stop: float) -> None:
+        """Put walls where they are at a time [s], in a step from start to stop [s]."""
+
+    def acceleration(self, flow: "Flow") -> np.ndarray | None:
+        """Return the acceleration of owned wall particles in the step, (n_owned, dim) [m/s^2], 0 for fluid; None if all
+        walls rest."""
+        return None
+
+    def longest_step(self, flow: "Flow", time: float) -> float:
+        """Return the longest step [s] after a time [s] that resolves the motion of walls, infinite if none moves."""
+        return np.inf
+
     def mend_gradient(self, out: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
                       part: Gradient) -> None:
         """Repeat a gradient out (n_owned, dim) of f (n_all,) where neighbours are too few but a wall is near.
 
-        slope : (n_all, dim), what the gradient is across walls, None for 0; part : which wrote it
+        slope : (n_all, dim), what the gradient is across walls at rest, None for 0; part : which wrote it
         """

@@ -16,6 +16,7 @@ from parisph.parallel.wall_elements import WallElements
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
+BESIDE = 0.4    # spacings in front of a wall that moves, within which the nodes of others are dry
 DATUM = 1.0     # spacings from a wall within which its datum helps out a gradient with too few neighbours
 
 
@@ -35,7 +36,18 @@ class WallSolids(Boundary):
         p, d = flow.particles, flow.domain
         wetness.covered_walls(p.covered, p.x_all, p.kind_all, p.normal_all, flow.spacing, d.indptr, d.indices,
                               flow.axes)
+        if self.elements.moving:
+            p.covered *= np.clip(0.5 + self._before_moving(flow) / flow.spacing, 0.0, 1.0)
         return ("covered",)
+
+    def _before_moving(self, flow):
+        """Return how far wall particles (n_owned,) are from walls that move against theirs [m], 0 behind these."""
+        p, e = flow.particles, self.elements
+        found, own = np.full(p.n_owned, np.inf), np.zeros(p.n_owned, np.int64)
+        walls = p.kind == WALL
+        own[walls] = e.node_motion[p.id[walls] - e.first]
+        wetness.before_moving_walls(found, p.x, p.kind, own, e.corners, e.motion, e.indptr, e.indices, flow.axes)
+        return found
 
     def counted(self, flow: "Flow", least: int) -> np.ndarray:
         """Return the part of each particle (n_all,) that counts: of walls `least` what is covered."""
@@ -85,11 +97,28 @@ class WallSolids(Boundary):
     def leave_out(self, flow: "Flow") -> None:
         p = flow.particles
         p.role[(p.kind == WALL) & (p.edge == CONVEX)] = DRY
+        if self.elements.moving:
+            p.role[self._before_moving(flow) < BESIDE * flow.spacing] = DRY
+
+    def move(self, flow: "Flow", at: float, start: float, stop: float) -> None:
+        if self.elements.moving:
+            self.elements.place(at, start, stop)
+            self.elements.put(flow.particles)
+
+    def acceleration(self, flow: "Flow") -> np.ndarray | None:
+        e = self.elements
+        return e.of_particles(e.a, flow.particles) if e.moving else None
+
+    def longest_step(self, flow: "Flow", time: float) -> float:
+        return self.elements.longest_step(time, flow.numerics.cfl)
 
     def mend_gradient(self, out: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
                       part: Gradient) -> None:
         p, d, e = flow.particles, flow.domain, self.elements
         if isinstance(part, LeastSquares):
-            gradient.gradient_at_walls(out, f, np.zeros_like(p.x_all) if slope is None else slope, p.x_all, p.role_all,
-                                       *part.form(flow.spacing), DATUM * flow.spacing, e.corners, e.indptr, e.indices,
-                                       d.indptr, d.indices, flow.axes)
+            along, less = np.zeros_like(p.x_all), np.zeros_like(e.acceleration)
+            if slope is not None:
+                along, less = slope, flow.density * e.acceleration
+            gradient.gradient_at_walls(out, f, along, less, p.x_all, p.role_all, *part.form(flow.spacing),
+                                       DATUM * flow.spacing, e.corners, e.indptr, e.indices, d.indptr, d.indices,
+                                       flow.axes)
