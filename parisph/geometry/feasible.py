@@ -24,7 +24,7 @@ def findings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacin
     walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
     """
     found = faults(walls, fluids, spacing)
-    return found if not walls or _nothing_touched(walls, spacing) else [*found, *warnings(walls, spacing)]
+    return found if not walls or _nothing_touched(walls, spacing) else [*found, *warnings(walls, fluids, spacing)]
 
 
 def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
@@ -40,11 +40,12 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
     return [*found, *_filled(walls, fluids, mesh, spacing)]
 
 
-def warnings(walls: Sequence[Wall], spacing: float) -> list[str]:
+def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
     """Return what will be computed less well than the rest, one sentence each; see `findings`."""
     chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
     names = [body.name for body in mesh.bodies]
-    return [*_wedges(chains, names), *_narrow(*resting(mesh, chains), names, spacing), *_short(mesh, names, spacing)]
+    return [*_wedges(chains, names), *_beaches(mesh, names, fluids), *_narrow(*resting(mesh, chains), names, spacing),
+            *_short(mesh, names, spacing)]
 
 
 def _nothing_touched(walls, spacing):
@@ -149,6 +150,29 @@ def _wedges(chains, names) -> Iterator[str]:
             body = names[chain.body[min(k, len(chain.body) - 1)]]
             yield (f"{body}: at {_at(chain.points[k])} the fluid ends in a wedge of "
                    f"{np.degrees(chain.angle[k]):.1f} degrees; below {WEDGE:g} its tip is not resolved at any spacing")
+
+
+def shores(mesh: WallMesh, levels: Sequence[float]) -> list[tuple[float, np.ndarray, int]]:
+    """Return where walls with fluid above them cross levels [m]: the angle of the fluid below the level, between it and
+    the wall [degrees], the place (2,) [m], and the body."""
+    corners, found = mesh.corners(), []
+    normal = area_vectors(corners)
+    for level in levels:
+        low, high = corners[:, :, 1].min(axis=1), corners[:, :, 1].max(axis=1)
+        for k in np.flatnonzero((low < level) & (high >= level) & (normal[:, 1] > 0.0)):
+            a, b = corners[k]
+            t = (level - a[1]) / (b[1] - a[1])
+            found.append((float(np.degrees(np.arctan2(abs(b[1] - a[1]), abs(b[0] - a[0])))), a + t * (b - a),
+                          int(mesh.element_body[k])))
+    return found
+
+
+def _beaches(mesh, names, fluids) -> Iterator[str]:
+    levels = [fluid.level for fluid in fluids if isinstance(fluid, StillWater)]
+    for angle, at, body in shores(mesh, levels):
+        if angle < WEDGE:
+            yield (f"{names[body]}: at {_at(at)} the water ends in a wedge of {angle:.1f} degrees; below {WEDGE:g} its "
+                   "tip is not resolved at any spacing")
 
 
 def _narrow(mesh, chains, names, spacing) -> Iterator[str]:

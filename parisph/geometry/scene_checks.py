@@ -16,6 +16,7 @@ from parisph.geometry.build import domain, fillings, samples
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh, chains_of, wall_mesh
 from parisph.geometry.outline import Wall, in_fluid, outline_of
+from parisph.geometry.raised import raised
 from parisph.geometry.standing import standing
 
 TAP = 0.25      # spacings: a pressure tap this near to a wall is on it, as discs have flat elements
@@ -65,8 +66,9 @@ def warnings(case: Case) -> list[str]:
     """Return what a scene that is not plain will be computed less well for, and advice on its spacing."""
     if case.plain:
         return []
-    walls = standing(case)
-    return [*(feasible.warnings(walls, case.numerics.spacing) if walls else ()), *_airless(case), *_advice(case)]
+    walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
+    own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
+    return [*own, *_airless(case), *_advice(case)]
 
 
 def facts(case: Case) -> Facts | None:
@@ -81,8 +83,11 @@ def facts(case: Case) -> Facts | None:
     box = domain(case)
     far = float(np.ptp(box)) + 1.0
     volume = sum(float(part.sum()) for _, part in samples(case, box[0] - far, box[1] + far))
-    lattice = sum(fill.count * float(fill.step.prod()) for fill in fills)
-    wedge = min(float(np.degrees(chain.angle.min())) for chain in chains)
+    lattice = sum(float(np.sum(raised(fluid, mesh, case.bounds_of(fluid), fill.position(fill.indices()))[1]))
+                  * float(fill.step.prod()) if fluid.raised else fill.count * float(fill.step.prod())
+                  for fluid, fill in zip(case.fluids, fills))
+    shores = [angle for angle, _, _ in feasible.shores(mesh, [fluid.top for fluid in case.fluids])]
+    wedge = min([float(np.degrees(chain.angle.min())) for chain in chains] + shores)
     return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume, lattice)
 
 
@@ -133,4 +138,5 @@ def _tap(case: Case, probe: PressureTap, mesh: WallMesh) -> Iterator[str]:
 def _has_room(case: Case, walls: tuple[Wall, ...], x: float) -> bool:
     lower, upper = domain(case)
     y = np.linspace(lower[1], max(upper[1], case.fluid_bounds[1][1]), HEIGHTS)
-    return bool(in_fluid([outline_of(wall) for wall in walls], np.stack([np.full(HEIGHTS, x), y], axis=1)).any())
+    outlines, beside = [outline_of(wall) for wall in walls], 0.01 * case.numerics.spacing    # it may be at a wall
+    return any(in_fluid(outlines, np.stack([np.full(HEIGHTS, at), y], axis=1)).any() for at in (x - beside, x + beside))
