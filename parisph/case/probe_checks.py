@@ -27,8 +27,8 @@ def problems(case: Scene) -> Iterator[str]:
             yield from _profile(case, probe, what)
         elif isinstance(probe, VelocityPoint):
             yield from _components(case, what, at=probe.at)
-        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.walls is not None:
-            low, high = case.walls.bounds
+        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.wall_bounds is not None:
+            low, high = case.wall_bounds
             if not low[0] <= probe.at <= high[0]:
                 yield f"{what}: at = {probe.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
         elif isinstance(probe, (RunUp, Force)):
@@ -55,12 +55,14 @@ def _tap(case: Scene, probe: PressureTap, what: str) -> Iterator[str]:
     if len(probe.at) != case.dim:
         yield f"{what}: at = {probe.at} must have {case.dim} components"
         return
-    at, (low, high) = np.array(probe.at), case.walls.bounds
+    if not case.plain or case.tank is None:
+        return    # whether it lies on a wall of such a scene is for geometry.scene_checks
+    at, (low, high) = np.array(probe.at), case.tank.bounds
     tolerance = 1e-6 * float(np.max(high - low))
     walls = [abs(at - low) <= tolerance, abs(at - high) <= tolerance]
-    walls[1][-1] &= case.walls.closed
+    walls[1][-1] &= case.tank.closed
     if np.any(at < low - tolerance) or np.any(at > high + tolerance) or not np.any(walls):
-        which = "left, right, lower or upper" if case.walls.closed else "left, right or lower"
+        which = "left, right, lower or upper" if case.tank.closed else "left, right or lower"
         yield (
             f"{what}: at = {probe.at} is not on a wall; give a point of the {which} wall of the tank "
             f"from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g})"
@@ -84,7 +86,7 @@ def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
         return
     if probe.on != "tank":
         yield f"{what}: on = {probe.on!r}: there is no body of this name; there is 'tank'"
-    elif case.walls is None:
+    elif case.tank is None:
         yield f"{what}: there is no tank; give walls=Tank(...) or leave the probe out"
-    elif probe.side == "lid" and not case.walls.closed:
+    elif probe.side == "lid" and not case.tank.closed:
         yield f"{what}: side = 'lid': the tank has none; give it one, or choose another side"

@@ -53,7 +53,7 @@ class Viscous(Force):
     them."""
 
     name, source, reach, viscous, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, True, "viscous force"
-    fields = ("no_slip", "wall_u", "nu", "viscous")
+    fields, shapes = ("no_slip", "wall_u", "nu", "viscous"), False
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
         open_ones = ("touched",) if SURFACES[numerics.surface_rule].open else ()

@@ -12,6 +12,8 @@ from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, agree
 from parisph.case import probes
 from parisph.case.schema import Case
+from parisph.geometry.distance import nearest
+from parisph.geometry.mesh import area_vectors
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
 from parisph.watch.gauges import ColumnHeight, SurfaceGauge, WaterFront
@@ -50,6 +52,14 @@ def _sampler(probe: probes.AnyProbe, scene: Scene) -> Sampler:
 
 def _array(probe: probes.ProbeArray, scene: Scene) -> Several:
     return Several(probe, scene, [_sampler(one, scene) for one in probe.probes])
+
+
+def _axes_on(mesh, at):
+    """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows."""
+    element = nearest(at[None], mesh.corners())[1][0]
+    normal = area_vectors(mesh.corners()[[element]])[0]
+    normal /= np.linalg.norm(normal)
+    return np.array([normal, [-normal[1], normal[0]]])
 
 
 class Energy(Sampler):

@@ -5,6 +5,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from parisph.case import probes
+from parisph.geometry.distance import nearest
+from parisph.geometry.mesh import area_vectors
 from parisph.watch.sampling import WIDTH, Sampler, Scene, View
 
 FACE = 3.0    # radius [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
@@ -26,11 +28,16 @@ class PressureTap(Sampler):
         self.radius = max(scene.spacing, probe.radius or FACE * scene.spacing)
         tolerance = 1e-6 * np.max(scene.upper - scene.lower)
         self.across = (np.abs(self.at - scene.lower) <= tolerance) | (np.abs(self.at - scene.upper) <= tolerance)
+        self.axes = np.eye(scene.dim)    # the first across the wall
+        if scene.mesh is not None:
+            self.axes = _axes_on(scene.mesh, self.at)
+            self.across = np.arange(scene.dim) == 0
 
     def sums(self, view: View) -> np.ndarray:
         x, p = view.walls
-        d = (x - self.at) / self.radius
-        same_wall = (np.abs(x - self.at) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
+        away = (x - self.at) @ self.axes.T
+        d = away / self.radius
+        same_wall = (np.abs(away) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
         weight = same_wall * np.clip(1.0 - (d[:, ~self.across] ** 2).sum(axis=1), 0.0, None) ** 2
         basis = np.column_stack([np.ones(len(x)), d[:, ~self.across]])
         return np.append((basis.T * weight) @ basis, (basis.T * weight) @ p)
@@ -41,6 +48,14 @@ class PressureTap(Sampler):
         if np.isfinite(moments).all() and np.linalg.matrix_rank(moments) == n:
             return (np.linalg.solve(moments, right)[0],)
         return (right[0] / moments[0, 0] if moments[0, 0] > 0.0 else np.nan,)
+
+
+def _axes_on(mesh, at):
+    """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows."""
+    element = nearest(at[None], mesh.corners())[1][0]
+    normal = area_vectors(mesh.corners()[[element]])[0]
+    normal /= np.linalg.norm(normal)
+    return np.array([normal, [-normal[1], normal[0]]])
 
 
 class DiscTap(PressureTap):
@@ -61,7 +76,7 @@ class DiscTap(PressureTap):
 
     def rows(self, view: View) -> np.ndarray:
         x, p = view.walls
-        d = x - self.at
+        d = (x - self.at) @ self.axes.T
         near = (np.abs(d) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
         near &= (np.abs(d) < self.radius + 1.5 * self.scene.step)[:, ~self.across].all(axis=1)
         rows = np.zeros((np.count_nonzero(near), WIDTH - 1))

@@ -150,7 +150,8 @@ def by_gap(pool):
     if pool.dim == 3:
         return pool.role
     role, was = pool.role.copy(), (P[: pool.n] > 0.0).astype(np.int8)
-    surface.surface_by_gap(role, was, *pool.walls, np.ones(pool.n), 2.0 * S, 2.3, 1.4, 0.55, *pool.csr)
+    surface.surface_by_gap(role, was, *pool.walls, np.ones(pool.n), 2.0 * S, 2.3, 1.4, 0.55, *pool.mirrors,
+                           *pool.csr)
     return role
 
 
