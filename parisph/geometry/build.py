@@ -215,11 +215,17 @@ def _walls(case: Case, walls: Sequence, mesh: WallMesh, fills: Sequence[Filling]
             no_slip[own] = body.slip == "none"
     scale = s ** (mesh.dim - 1)
     return {
-        "kind": np.full(n, WALL, dtype=np.int8), "corner": (mesh.edge[nodes] == CONCAVE).astype(np.int8),
+        "kind": np.full(n, WALL, dtype=np.int8), "corner": _in_corner(mesh)[nodes],
         "role": _roles(case, walls, fills, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
         "volume": np.zeros(n), "normal": mesh.normal0[nodes], "no_slip": no_slip, "wall_u": wall_u,
         "weight": mesh.area[nodes] * mesh.share[nodes] / scale, "area": mesh.vector_area[nodes] / scale,
         "edge": mesh.edge[nodes], "body": mesh.body[nodes].astype(np.int16)}
+
+
+def _in_corner(mesh):
+    """Return 1 for nodes in a concave corner, and at the end of an open line, as at the foot of a piston, (N,) int8."""
+    ends = (np.bincount(mesh.elements.ravel(), minlength=len(mesh.x0)) == 1) & (mesh.dim == 2)
+    return ((mesh.edge == CONCAVE) | ends).astype(np.int8)
 
 
 def _roles(case, walls, fills, x, normal, edge):
