@@ -36,6 +36,15 @@ class Fluid(Model):
         wave's depth is that at the deepest place
     viscosity : kinematic [m2/s], 0 for none
     holes : shapes inside this one without fluid
+
+    Examples
+    --------
+    >>> water = Fluid(Box(width=1.0, height=0.4), density=1000.0, velocity=("0.1*cos(pi*x)", 0.0))
+    >>> Fluid(Box(width=1.0, height=0.4), density=1000.0, elevation="0.02*cos(pi*x)").raised
+    True
+    >>> wave = SolitaryWave(height=0.05, depth=0.25, at=2.0)
+    >>> moving = Fluid(Box(width=8.0, height=0.25), density=1000.0, viscosity=1e-6, wave=wave)
+    >>> ring = Fluid(Disc(radius=0.5), density=1000.0, holes=(Disc(radius=0.2),))
     """
 
     shape: FluidShape
