@@ -105,7 +105,9 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
 def fillings(case: Scene, walls: Sequence, mesh: WallMesh | None) -> list[Filling]:
     """Return the Filling of each body of fluid. Still water keeps off all other fluid."""
     s = case.numerics.spacing
-    return [Filling(fluid.shape, walls, mesh, s, fluid.holes, _others(case, fluid)) for fluid in case.fluids]
+    return [Filling(fluid.shape, walls, mesh, s, fluid.holes, _others(case, fluid),
+                    fluid.rise if fluid.raised and isinstance(fluid.shape, StillWater) else None)
+            for fluid in case.fluids]
 
 
 def _others(case: Scene, fluid: Fluid) -> list[Shape]:
@@ -184,7 +186,9 @@ def _fluid(case: Case, fluid: Fluid, fill: Filling, fills: Sequence[Filling], me
     """Return points number start to stop of one body of fluid."""
     index = fill.indices(start, stop)
     surface = fill.is_surface(index, [other for other in fills if other is not fill])
-    x, factor = raised(fluid, mesh, case.bounds_of(fluid), fill.position(index))
+    x, factor = fill.position(index), np.ones(len(index))
+    if not isinstance(fluid.shape, StillWater):
+        x, factor = raised(fluid, mesh, case.bounds_of(fluid), x)
     n, dim = x.shape
     return _with_area(mesh, {
         "kind": np.full(n, FLUID, dtype=np.int8), "corner": np.zeros(n, dtype=np.int8),
