@@ -135,9 +135,10 @@ class Piston(Model):
 
     Examples
     --------
-    >>> wave = SolitaryWave(height=0.05, depth=0.25)
-    >>> Piston(at=0.0, wave=wave).fluid_on_left
+    >>> Piston(at=0.0, wave=SolitaryWave(height=0.05, depth=0.25)).fluid_on_left
     False
+    >>> Piston(at=4.0, motion=Sway(amplitude=0.5, frequency=2.0), side="left").moved.top_rate
+    1.0
     """
 
     kind: Literal["piston"] = "piston"
@@ -182,8 +183,8 @@ class Flap(Model):
 
     Examples
     --------
-    >>> Flap(hinge=(0.0, 0.0), wave=Airy(height=0.02, period=1.2, depth=0.3)).fluid_on_left
-    False
+    >>> Flap(hinge=(0.0, 0.0), wave=Airy(height=0.02, period=1.5, depth=0.5)).moved.kind
+    'flap_stroke'
     """
 
     kind: Literal["flap"] = "flap"

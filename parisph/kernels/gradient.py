@@ -221,16 +221,18 @@ def symmetric_gradient(out: np.ndarray, p: np.ndarray, x: np.ndarray, role: np.n
 
 @kernel
 def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
-                  role: np.ndarray, wall_u: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
-                  axes: tuple[int, ...]) -> None:
+                  role: np.ndarray, wall_u: np.ndarray, shear: np.ndarray, radius: float, indptr: np.ndarray,
+                  indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Velocity of wall particles: normal part from the wall, tangential part from the fluid.
 
     The tangential part is the value at the wall of a linear fit through the fluid within the
     radius. The slope is damped by adding radius^2/10 to the variance of the distances, because a
-    plain linear fit through one or two layers of particles amplifies their disorder. Corners move
+    plain linear fit through one or two layers of particles amplifies their disorder; what is known of
+    the slope, the shear of irrotational flow beside a wall that turns, is not damped. Corners move
     with the wall.
 
-    u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]
+    u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]; shear : (n_owned, dim) [1/s], the
+        change of the tangential part per distance from the wall
     """
     dim = len(axes)
     radius2 = radius * radius
@@ -241,11 +243,11 @@ def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.nda
             u[i, a] = wall_u[i, a]
         if corner[i] or outside(role[i]):
             continue
-        _extrapolate(u, i, x, kind, normal, wall_u, radius2, indptr, indices, axes)
+        _extrapolate(u, i, x, kind, normal, wall_u, shear, radius2, indptr, indices, axes)
 
 
 @kernel
-def _extrapolate(u, i, x, kind, normal, wall_u, radius2, indptr, indices, axes):
+def _extrapolate(u, i, x, kind, normal, wall_u, shear, radius2, indptr, indices, axes):
     """Fit u against the distance from the wall, and set the tangential value at the wall."""
     dim = len(axes)
     s0, s1, s2 = 0.0, 0.0, 0.0
@@ -265,12 +267,13 @@ def _extrapolate(u, i, x, kind, normal, wall_u, radius2, indptr, indices, axes):
             continue
         w, _ = pair_weight(i, j, x, radius2, 0, axes)
         mean = s1 / s0
-        share = w / s0 * (1.0 - mean * (_height(i, j, x, normal, axes) - mean) / variance)
+        y = _height(i, j, x, normal, axes)
+        share = w / s0 * (1.0 - mean * (y - mean) / variance)
         slip = 0.0
         for a in range(dim):
             slip += (u[j, a] - wall_u[i, a]) * normal[i, a]
         for a in range(dim):
-            u[i, a] += share * (u[j, a] - wall_u[i, a] - slip * normal[i, a])
+            u[i, a] += share * (u[j, a] - wall_u[i, a] - slip * normal[i, a] - y * shear[i, a])
 
 
 @kernel

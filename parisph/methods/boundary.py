@@ -81,6 +81,17 @@ class Boundary(ABC):
         walls rest."""
         return None
 
+    def normal_acceleration(self, flow: "Flow") -> np.ndarray | None:
+        """Return that of fluid which slides along walls, at owned particles (n_owned,) [m/s^2]; None if all walls rest.
+
+        n . a of the wall, and what turns the fluid with it: - 2 dn/dt . (u - u_w), as Coriolis' force in its frame.
+        """
+        return None
+
+    def shear(self, flow: "Flow") -> np.ndarray:
+        """Return what Flow.wall_shear is by the motion of walls: (n_owned, dim) [1/s]."""
+        return np.zeros_like(flow.particles.x)
+
     def longest_step(self, flow: "Flow", time: float) -> float:
         """Return the longest step [s] after a time [s] that resolves the motion of walls, infinite if none moves."""
         return np.inf

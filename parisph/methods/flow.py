@@ -33,7 +33,7 @@ class Flow:
     Attributes
     ----------
     full : lattice value of the density ratio's sum
-    dt : length of the step that begins [s], 0 for a look at an instant
+    time : of the operators of the step that begins [s]; dt : its length [s], 0 for a look at an instant
     force : (n_all, dim) [m/s^2], of this step
     absorbed : (n_owned, dim) the part of force by such zones
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
@@ -52,7 +52,8 @@ class Flow:
                  spin: Callable[[float], float] | None = None, absorb: Any = None) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
-        self.closed, self.budget, self.spin, self.dt = closed, budget or NoBudget(), spin, 0.0
+        self.closed, self.budget, self.spin = closed, budget or NoBudget(), spin
+        self.time = self.dt = 0.0
         self.absorb = absorb
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
@@ -93,6 +94,19 @@ class Flow:
         if "closing" not in p.fields:    # a full closed tank, all of whose walls are wet
             return p.kind_all
         return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
+
+    def wall_shear(self) -> np.ndarray:
+        """Return how the velocity of irrotational flow along a wall changes with the distance from it: (n_owned, dim)
+        [1/s].
+
+        The wall's normal turns, in its own frame with the frame's spin W against the water: - dn/dt - 2 W x n.
+        """
+        p = self.particles
+        shear = self.walls.shear(self)
+        spin = self.spin(self.time) if self.spin is not None else 0.0
+        if spin:
+            shear += 2.0 * spin * np.stack([p.normal[:, 1], -p.normal[:, 0]], axis=1)
+        return shear
 
     def density_ratio(self, least: int) -> None:
         """Write the field alpha of owned fluid, with walls whose `closing` is at least so much. Not collective."""

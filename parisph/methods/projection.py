@@ -199,7 +199,7 @@ class Projection:
     def _sum_forces(self, time, dt=0.0):
         """Add up flow.force (n_all, dim) [m/s^2] at a time [s], in the middle of a step of dt [s]."""
         flow = self.flow
-        flow.dt = dt
+        flow.time, flow.dt = time, dt
         flow.force = np.zeros_like(flow.particles.x_all)
         for force in self.parts.forces:
             force.add(flow.force, flow, time)
@@ -208,7 +208,7 @@ class Projection:
         p, d, flow = self.flow.particles, self.flow.domain, self.flow
         own = p.wall_u if "wall_u" in p.fields else np.zeros_like(p.u)
         gradients.wall_velocity(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, own,
-                                lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+                                flow.wall_shear(), lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
         if "no_slip" in p.fields:
             sticky = (p.kind == WALL) & (p.no_slip == 1)
             p.u[sticky] = p.wall_u[sticky]
@@ -222,8 +222,8 @@ class Projection:
     def _equation(self, target):
         """Return (CSR matrix, right-hand side, isolated) for lap p = target (n_owned,) [Pa/m^2]. Collective.
 
-        At wet walls n . grad p = rho n . (force - a), with the acceleration a of the wall in the step, and the target
-        is ignored: this equals Z14 Eq 26.
+        At wet walls n . grad p = rho n . (force - a), with the acceleration a of fluid that slides along the wall in
+        the step, and the target is ignored.
         """
         p, force = self.flow.particles, self.flow.force
         if not self.parts.laplacian.linear:
@@ -231,9 +231,10 @@ class Projection:
             balance.add_linear_part(target, force, self.flow.density, rows.count, rows.columns, rows.values,
                                     rows.measure, p.x_all, p.role_all, cloud.indptr, cloud.axes)
         walls = p.role == WET
-        moved, push = self.flow.walls.acceleration(self.flow), force[:p.n_owned][walls]
-        push = push if moved is None else push - moved[walls]
-        target[walls] = self.flow.density * np.einsum("ia,ia->i", p.normal[walls], push)
+        target[walls] = self.flow.density * np.einsum("ia,ia->i", p.normal[walls], force[:p.n_owned][walls])
+        moved = self.flow.walls.normal_acceleration(self.flow)
+        if moved is not None:
+            target[walls] -= self.flow.density * moved[walls]
         right = self.rows.right_hand_side(target)
         matrix, isolated = self._matrix()
         right[(p.role != INNER) & (p.role != WET)] = 0.0

@@ -109,6 +109,16 @@ class WallSolids(Boundary):
         e = self.elements
         return e.of_particles(e.a, flow.particles) if e.moving else None
 
+    def normal_acceleration(self, flow: "Flow") -> np.ndarray | None:
+        p, e = flow.particles, self.elements
+        if not e.moving:
+            return None
+        along = np.einsum("ia,ia->i", p.normal, e.of_particles(e.a, p))
+        return along - 2.0 * np.einsum("ia,ia->i", e.of_particles(e.turn, p), p.u - p.wall_u)
+
+    def shear(self, flow: "Flow") -> np.ndarray:
+        return -self.elements.of_particles(self.elements.turn, flow.particles)
+
     def longest_step(self, flow: "Flow", time: float) -> float:
         return self.elements.longest_step(time, flow.numerics.cfl)
 

@@ -25,7 +25,8 @@ class WallElements:
 
     Attributes
     ----------
-    x, normal, u, a : (N, dim), place [m], normal, velocity [m/s] and acceleration [m/s^2] of all nodes, as given last
+    x, normal, u, a, turn : (N, dim), of all nodes place [m], normal, velocity [m/s], acceleration [m/s^2], and the rate
+        at which the normal turns [1/s]
     moves : (N,) bool, nodes of walls that move
     corners : (M, dim, dim) [m], of the elements near this rank's particles; velocity, acceleration : (M, dim); motion :
         (M,) int, the number of the motion of each
@@ -36,7 +37,7 @@ class WallElements:
     def __init__(self, mesh: WallMesh, first: int, spacing: float, motions: Sequence[Motion] = ()) -> None:
         self.mesh, self.first, self.spacing = mesh, first, spacing
         self.x, self.normal, self._vectors = mesh.x0.copy(), mesh.normal0.copy(), mesh.vector_area.copy()
-        self.u, self.a = np.zeros_like(mesh.x0), np.zeros_like(mesh.x0)
+        self.u, self.a, self.turn = np.zeros_like(mesh.x0), np.zeros_like(mesh.x0), np.zeros_like(mesh.x0)
         self.node_motion = np.array([body.motion for body in mesh.bodies], np.int64)[mesh.body]
         self.moves = self.node_motion > 0
         self._moving = {number: (motions[number], np.flatnonzero(self.node_motion == number))
@@ -68,6 +69,8 @@ class WallElements:
             self.normal[own] = motion.turned(self.mesh.normal0[own], at)
             self._vectors[own] = motion.turned(self.mesh.vector_area[own], at)
             self.u[own] = motion.velocity_at(before, start)
+            tip = before + motion.turned(self.mesh.normal0[own], start)
+            self.turn[own] = motion.velocity_at(tip, start) - self.u[own]
             if stop > start:
                 self.a[own] = (motion.velocity_at(after, stop) - self.u[own]) / (stop - start)
                 mean[own] = (after - before) / (stop - start)

@@ -35,7 +35,8 @@ def symmetric(pool):
 
 def wall_velocity(pool):
     u = U[: pool.n, : pool.dim].copy()
-    gradient.wall_velocity(u, pool.x, pool.kind, pool.corner, pool.normal, pool.role, np.zeros_like(u), 2.6 * S,
+    rest = np.zeros_like(u)
+    gradient.wall_velocity(u, pool.x, pool.kind, pool.corner, pool.normal, pool.role, rest, rest, 2.6 * S,
                            *pool.csr)
     return u
 
