@@ -76,6 +76,13 @@ class Truth(Model):
             raise ValueError(f"window = {self.window}: must end after its start")
         return self
 
+    @model_validator(mode="after")
+    def _others_have_names(self) -> "Truth":
+        names = [other.name for other in self.others]
+        if len({"", *names}) <= len(names):
+            raise ValueError(f"others have the names {shown(names)}: give each one of its own")
+        return self
+
 
 class WaveTruth(Model):
     """A wave as the truth of a surface gauge, whose error is that of the wave part.
