@@ -19,12 +19,14 @@ class PeakBand(Model):
     """Where repeated experiments have their greatest value within an interval of time.
 
     start, end : of the interval [s]; low, high : of the band, in the probe's unit
+    smooth : width [s] of a moving mean of the run, where single steps have spikes; None for none
     """
 
     start: float = Field(description="start of the interval of time [s]")
     end: float = Field(description="end of the interval of time [s]")
     low: float = Field(description="lower end of the band [unit of the probe]")
     high: float = Field(description="upper end of the band [unit of the probe]")
+    smooth: Optional[float] = Field(None, gt=0, description="width of the moving mean of the run [s]")
 
     @model_validator(mode="after")
     def _in_order(self) -> "PeakBand":

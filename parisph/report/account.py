@@ -16,7 +16,8 @@ ALIGNMENT = (
 )
 ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", "to [s]", "both smoothed over [s]",
               "samples", "best published", "best shift [s]", "error if so shifted")
-PEAK_HEAD = ("probe", "from [s]", "to [s]", "greatest value", "at [s]", "band from", "to", "beyond the band by")
+PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
+             "band from", "to", "beyond the band by")
 Probes = Sequence[AnyProbe]
 AnyTruth = Truth | WaveTruth
 Content = Mapping[str, Any]    # of a JSON file
@@ -118,8 +119,8 @@ def best_published(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
 
 def peaks(probes: Probes, summary: Content) -> Table:
     """Return the greatest values in intervals of time beside the bands in which experiments have them."""
-    columns = (("start", ".4g"), ("end", ".4g"), ("found", ".4g"), ("time", ".4g"), ("low", ".4g"), ("high", ".4g"),
-               ("beyond", "+.0%"))
+    columns = (("start", ".4g"), ("end", ".4g"), ("smooth", ".3g"), ("found", ".4g"), ("time", ".4g"),
+               ("low", ".4g"), ("high", ".4g"), ("beyond", "+.0%"))
     return Table(PEAK_HEAD, tuple(
         (Cell(probe.name), *(number(summary, SUMMARY, ["errors", probe.name, "peaks", k, name], form)
                              for name, form in columns))
