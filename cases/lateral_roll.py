@@ -73,8 +73,8 @@ def case(
             PressureTap("sensor", at=(0.0, depth), radius=0.5 * face, peak=True, truth=_pressure(data)),
             PressureTap("wide", at=(0.0, depth), truth=_pressure(data)),    # a face of six spacings
             PressureTap("bottom", at=(0.0, 0.5 * depth)),
-            SurfaceGauge("left", at=0.0),
-            SurfaceGauge("right", at=width),
+            SurfaceGauge("left", at=0.1 * width),
+            SurfaceGauge("right", at=0.9 * width),
             Energy("energy"),
             Volume("volume"),
         ],
