@@ -25,10 +25,10 @@ Content = Mapping[str, Any]    # of a JSON file
 
 def conditions(case: Content, summary: Content) -> Table:
     """Return what was run: method, resolution, steps, ranks and versions."""
-    rows = [("status", number(summary, SUMMARY, ["status"])), ("method", number(summary, SUMMARY, ["method"])),
-            ("preset", number(summary, SUMMARY, ["preset"])),
+    rows = [("status", number(summary, SUMMARY, ["status"])), ("method", number(case, CASE, ["numerics", "method"])),
+            ("preset", number(case, CASE, ["numerics", "preset"])),
             ("particles", number(summary, SUMMARY, ["particles"], "d")),
-            ("spacing", number(summary, SUMMARY, ["spacing"], ".6g", "m")),
+            ("spacing", number(case, CASE, ["numerics", "spacing"], ".6g", "m")),
             ("steps", number(summary, SUMMARY, ["steps"], "d")),
             ("time step", number(case, CASE, ["numerics", "time_step"], ".6g", "s")),
             ("time reached", number(summary, SUMMARY, ["time"], ".6g", "s")),
