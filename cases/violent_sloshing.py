@@ -42,8 +42,8 @@ def case(
         probes=[
             PressureTap("P_upper", at=(0.0, L / 6.0), peak=True),
             PressureTap("P_lower", at=(0.0, L / 12.0)),
-            SurfaceGauge("left", at=0.0),
-            SurfaceGauge("right", at=L),
+            SurfaceGauge("left", at=0.1 * L),
+            SurfaceGauge("right", at=0.9 * L),
             Energy("energy"),
             Volume("volume"),
         ],

@@ -19,6 +19,7 @@ class PeakBand(Model):
     """Where repeated experiments have their greatest value within an interval of time.
 
     start, end : of the interval [s]; low, high : of the band, in the probe's unit
+    smooth : width [s] of a moving mean of the run, where single steps have spikes; None for none
 
     Examples
     --------
@@ -30,6 +31,7 @@ class PeakBand(Model):
     end: float = Field(description="end of the interval of time [s]")
     low: float = Field(description="lower end of the band [unit of the probe]")
     high: float = Field(description="upper end of the band [unit of the probe]")
+    smooth: Optional[float] = Field(None, gt=0, description="width of the moving mean of the run [s]")
 
     @model_validator(mode="after")
     def _in_order(self) -> "PeakBand":
@@ -85,6 +87,13 @@ class Truth(Model):
     def _window_is_one(self) -> "Truth":
         if self.window is not None and not self.window[0] < self.window[1]:
             raise ValueError(f"window = {self.window}: must end after its start")
+        return self
+
+    @model_validator(mode="after")
+    def _others_have_names(self) -> "Truth":
+        names = [other.name for other in self.others]
+        if len({"", *names}) <= len(names):
+            raise ValueError(f"others have the names {shown(names)}: give each one of its own")
         return self
 
 

@@ -16,7 +16,8 @@ ALIGNMENT = (
 )
 ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", "to [s]", "both smoothed over [s]",
               "samples", "best published", "best shift [s]", "error if so shifted")
-PEAK_HEAD = ("probe", "from [s]", "to [s]", "greatest value", "at [s]", "band from", "to", "beyond the band by")
+PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
+             "band from", "to", "beyond the band by")
 Probes = Sequence[AnyProbe]
 AnyTruth = Truth | WaveTruth
 Content = Mapping[str, Any]    # of a JSON file
@@ -24,10 +25,10 @@ Content = Mapping[str, Any]    # of a JSON file
 
 def conditions(case: Content, summary: Content) -> Table:
     """Return what was run: method, resolution, steps, ranks and versions."""
-    rows = [("status", number(summary, SUMMARY, ["status"])), ("method", number(summary, SUMMARY, ["method"])),
-            ("preset", number(summary, SUMMARY, ["preset"])),
+    rows = [("status", number(summary, SUMMARY, ["status"])), ("method", number(case, CASE, ["numerics", "method"])),
+            ("preset", number(case, CASE, ["numerics", "preset"])),
             ("particles", number(summary, SUMMARY, ["particles"], "d")),
-            ("spacing", number(summary, SUMMARY, ["spacing"], ".6g", "m")),
+            ("spacing", number(case, CASE, ["numerics", "spacing"], ".6g", "m")),
             ("steps", number(summary, SUMMARY, ["steps"], "d")),
             ("time step", number(case, CASE, ["numerics", "time_step"], ".6g", "s")),
             ("time reached", number(summary, SUMMARY, ["time"], ".6g", "s")),
@@ -118,8 +119,8 @@ def best_published(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
 
 def peaks(probes: Probes, summary: Content) -> Table:
     """Return the greatest values in intervals of time beside the bands in which experiments have them."""
-    columns = (("start", ".4g"), ("end", ".4g"), ("found", ".4g"), ("time", ".4g"), ("low", ".4g"), ("high", ".4g"),
-               ("beyond", "+.0%"))
+    columns = (("start", ".4g"), ("end", ".4g"), ("smooth", ".3g"), ("found", ".4g"), ("time", ".4g"),
+               ("low", ".4g"), ("high", ".4g"), ("beyond", "+.0%"))
     return Table(PEAK_HEAD, tuple(
         (Cell(probe.name), *(number(summary, SUMMARY, ["errors", probe.name, "peaks", k, name], form)
                              for name, form in columns))

@@ -29,7 +29,7 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     paper_2017 : for waves, that of Zheng et al. (2017), Eq 35 (which decreases with the number of samples)
     points : number of compared samples of the truth, or of the run if the truth is too coarse (norms.on_reference)
     start, end : of what was compared [s]
-    peaks : for each band of Truth.peaks: start, end [s], low, high, the greatest value `found`, its `time`
+    peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, the greatest value `found`, its `time`
         [s], and by which share of the nearer end it is `beyond` the band, 0 inside
     others : {name: the same, without peaks} of the further references
     best_shift, shifted_l2 : the shift [s] of the run's time with the least error, and this error; None if it is not
@@ -119,6 +119,8 @@ def _shifted(run, reference, level, error):
 def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray) -> dict[str, float | None]:
     """Return a band and the greatest value of the series in its interval; None if the run ends before it does."""
     found: dict[str, float | None] = {**band.model_dump(), "found": None, "time": None, "beyond": None}
+    if band.smooth is not None:
+        values = norms.moving_mean(time, values, band.smooth)
     inside = np.flatnonzero((time >= band.start) & (time <= band.end)) if time[-1] >= band.end else ()
     if len(inside):
         k = inside[np.argmax(values[inside])]

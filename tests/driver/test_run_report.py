@@ -89,13 +89,16 @@ def test_the_page_is_one_file_with_its_pictures(made, text):
     assert not re.search('(src|href)="(?!data:)', text), "nothing is fetched"
 
 
-def test_a_truth_that_is_gone_is_said(made, tmp_path):
-    file = made.parent / "measured.csv"
-    file.rename(tmp_path / "gone.csv")
+def test_a_truth_that_is_gone_and_a_run_that_goes_on_are_said(made, tmp_path):
+    away = [made.parent / "measured.csv", made / "summary.json"]
+    for file in away:
+        file.rename(tmp_path / file.name)
     try:
         text = page.write(made, tmp_path / "page").read_text(encoding="utf-8")
     finally:
-        (tmp_path / "gone.csv").rename(file)
+        for file in away:
+            (tmp_path / file.name).rename(file)
+    assert "There is no summary.json: the run goes on, or was killed." in text and ">gentle</td>" in text
     assert "tap is shown without its reference" in text and (tmp_path / "page" / "report" / "probes.png").exists()
 
 

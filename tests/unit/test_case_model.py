@@ -155,6 +155,8 @@ def test_a_truth_takes_the_rows_of_its_own_series(tmp_path):
 @pytest.mark.parametrize(("wrong", "message"), [
     (lambda: Truth("a.csv", time="t", value="p", window=(2.0, 1.0)), "must end after its start"),
     (lambda: Truth("a.csv", time="t", value="p", smooth=0.0), "smooth"),
+    (lambda: Truth("a.csv", "t", "p", others=(Truth("b.csv", "t", "p"),)), "others have the names \\[''\\]: give each"),
+    (lambda: Truth("a.csv", "t", "p", others=[Truth("b.csv", "t", "p", name="b")] * 2), "give each one of its own"),
     (lambda: PeakBand(start=1.0, end=0.5, low=1.0, high=2.0), "start must be before end"),
     (lambda: PeakBand(start=0.0, end=0.5, low=3.0, high=2.0), "low above 0 and below high"),
 ])

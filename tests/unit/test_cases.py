@@ -161,5 +161,5 @@ def test_truths_of_measured_data_where_it_lies(monkeypatch):
     assert len(truths["P2"].others) == 3 and truths["S1"].published
     band = truths["S2"].peaks[0]
     assert 1.5 < band.low / (997.0 * 9.81 * 0.3) < 1.871 < band.high / (997.0 * 9.81 * 0.3) < 2.04
-    assert [round(band.low) for band in truths["sensor"].peaks] == [2606, 3096, 2692, 2956], "of 04d, in Pa"
+    assert [round(band.low) for band in truths["sensor"].peaks[:4]] == [2606, 3096, 2692, 2956], "of 04d, in Pa"
     assert roll.frame.law(8.0)[0] == pytest.approx(np.interp(8.0, roll.frame.angle.times, roll.frame.angle.values))

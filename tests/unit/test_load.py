@@ -261,7 +261,7 @@ def test_truth_files_are_found_beside_the_case_and_checked(write, tmp_path):
             load(file)
     data.write_text("# made up\nt,eta\n0,1\n1,2\n", encoding="utf-8")
     assert load(file).probes[0].truth.file == str(data)
-    both = "Truth('eta.csv', time='t', value='eta', others=(Truth('other.csv', time='t', value='eta'),))"
+    both = "Truth('eta.csv', time='t', value='eta', others=(Truth('other.csv', 't', 'eta', name='other'),))"
     file = write(probes=f"[SurfaceGauge('g', 0.5, {both})]")
     with pytest.raises(CaseError, match="other.csv.*cannot be read"):
         load(file)

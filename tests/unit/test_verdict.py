@@ -77,7 +77,8 @@ def test_series_are_smoothed_and_cut_shifts_are_separate_and_peaks_have_bands(tm
     file.write_text("of,t,p\n" + "".join(lines))
     first, other = (Truth(str(file), time="t", value="p", time_scale=2.0, rows={"of": of}, window=(0.5, 1.5),
                           smooth=0.1, name=of) for of in ("a", "b"))
-    bands = (PeakBand(start=0.2, end=1.0, low=0.9, high=1.1), PeakBand(start=1.5, end=2.5, low=0.1, high=1.0))
+    bands = (PeakBand(start=0.2, end=1.0, low=0.9, high=1.1), PeakBand(start=1.5, end=2.5, low=0.1, high=1.0),
+             PeakBand(start=0.2, end=1.0, low=0.9, high=1.1, smooth=0.1))
     watched = [WaterFront(name="late", truth=first.model_copy(update={"peaks": bands, "others": (other,)}))]
     # 0.02 s late, with a ripple as long as the mean is wide
     of = {"late": ({"x": "m"}, lambda t: (np.sin(3.0 * (t - 0.02)) + 0.3 * np.sin(20.0 * np.pi * t),))}
@@ -90,7 +91,8 @@ def test_series_are_smoothed_and_cut_shifts_are_separate_and_peaks_have_bands(tm
     assert found["best_shift"] == pytest.approx(-0.02, abs=1e-3)
     assert found["shifted_l2"] < 0.1 * found["relative_l2"]
     assert found["others"]["b"]["relative_l2"] > 0.5
-    first, last = found["peaks"]
+    first, last, mean = found["peaks"]
+    assert mean["found"] == pytest.approx(1.0, abs=0.02), "without the ripple"
     assert 1.0 < first["found"] < 1.31 and first["high"] == 1.1
     assert first["beyond"] == pytest.approx(max(0.0, first["found"] / 1.1 - 1.0))
     assert last["found"] is None, "the run ends within it"
