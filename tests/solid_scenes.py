@@ -1,0 +1,37 @@
+"""Scenes of water between walls of any shape, as cases. The water is 1 m deep."""
+
+import numpy as np
+
+from parisph import Box, Case, Fluid, Numerics, Obstacle, Plate, Polygon, Profile, StillWater, Tank
+
+G, DENSITY = 9.81, 1000.0
+
+
+def beach(degrees):
+    end = 1.2 / np.tan(np.radians(degrees))
+    return (Profile([(0.0, 1.3), (0.0, 0.0), (1.5, 0.0), (1.5 + end, 1.2)]),)
+
+
+WALLS = {
+    "slope 15": beach(15.0), "slope 30": beach(30.0), "slope 60": beach(60.0),
+    "sill": (Tank(4.0, 1.3), Obstacle(Polygon([(1.0, 0.0), (1.4, 0.4), (2.0, 0.4), (2.4, 0.0)]))),
+    "box": (Tank(3.0, 1.3), Obstacle(Box(width=0.5, height=0.5, at=(1.2, 0.0)))),
+    "plate": (Tank(2.0, 1.3), Plate([(1.0, 0.0), (1.0, 1.2)])),
+    "basin": (Profile([(0.0, 1.3), (0.2, 0.5), (0.7, 0.1), (1.2, 0.0), (1.9, 0.2), (2.1, 0.8), (2.2, 1.3)]),),
+}
+
+
+def still(name, preset, spacing=0.1, **numerics):
+    """Return the Case of water at rest in one of these scenes; behind the plate it is half as deep."""
+    water = (Fluid(StillWater(1.0), density=DENSITY),)
+    if name == "plate":
+        water = (Fluid(Box(width=1.0, height=1.0), density=DENSITY),
+                 Fluid(Box(width=1.0, height=0.5, at=(1.0, 0.0)), density=DENSITY))
+    step = 0.01 if preset == "gentle" else 0.008
+    return Case(title=name, fluid=water, walls=WALLS[name], gravity=(0.0, -G), end_time=100.0, numerics=Numerics(
+        spacing=spacing, preset=preset, rtol=1e-12, time_step=step / np.sqrt(G), **numerics))
+
+
+def level(name, x, normal):
+    """Return the level [m] of the water at x (n, 2) [m], with the normals (n, 2) of wall particles there."""
+    return np.where((name == "plate") & (x[:, 0] + 1e-3 * normal[:, 0] > 1.0), 0.5, 1.0)

@@ -1,0 +1,164 @@
+"""Walls as elements in a step: where they are, what fluid covers of them, and what they do for gradients and gaps."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph import Box, Obstacle, Profile, Roll, StillWater, Sway, Tank
+from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, FieldSet
+from parisph.geometry.mesh import motions_of, wall_mesh
+from parisph.kernels import density, gradient, surface, wetness
+from parisph.kernels.jit import axes_of
+from parisph.methods.wall_solids import WallSolids
+from parisph.parallel.particles import Particles
+from parisph.parallel.wall_elements import WallElements
+from tests.wall_scenes import filled
+
+S = 0.05
+ROLL = Roll(angle=0.4, frequency=2.0, centre=(0.3, 0.2))
+
+
+def turning():
+    """Return the elements of a tank at rest with a block that turns, and its nodes as particles after two of fluid."""
+    walls = [Tank(1.0, 1.0, name="tank"), Obstacle(Box(width=0.2, height=0.2, at=(0.4, 0.4)), motion=ROLL)]
+    mesh = wall_mesh(walls, S)
+    elements = WallElements(mesh, 2, S, motions_of(walls))
+    n = len(mesh.x0) + 2
+    p = Particles(MPI.COMM_SELF, 2, FieldSet((*WallSolids.fields, "wall_u")))
+    p.assign({"id": np.arange(n)[::-1], "kind": np.repeat(np.array([WALL, FLUID], np.int8), [n - 2, 2]),
+              "x": np.concatenate([mesh.x0[::-1], np.full((2, 2), 0.1)])})
+    elements.settle(p, 10.0)
+    return elements, p, mesh
+
+
+def test_walls_are_placed_by_their_motions():
+    elements, p, mesh = turning()
+    elements.place(0.25, 0.2, 0.3)
+    elements.put(p)
+    moves = elements.moves
+    assert 0 < moves.sum() < len(moves)
+    np.testing.assert_array_equal(elements.x[~moves], mesh.x0[~moves])
+    np.testing.assert_allclose(elements.x[moves], ROLL.placed(mesh.x0[moves], 0.25), rtol=1e-14)
+    np.testing.assert_allclose(p.x[p.kind == WALL][::-1], elements.x, rtol=1e-14)
+    np.testing.assert_allclose(p.normal[p.kind == WALL][::-1][moves], ROLL.turned(mesh.normal0[moves], 0.25))
+    np.testing.assert_allclose(elements.corners[:, 0], elements.x[mesh.elements[:, 0]], rtol=1e-14)
+    # the velocity at the start, and what it changes by, and the mean velocity of elements
+    at = [ROLL.velocity_at(ROLL.placed(mesh.x0[moves], t), t) for t in (0.2, 0.3)]
+    np.testing.assert_allclose(elements.u[moves], at[0])
+    np.testing.assert_allclose(elements.a[moves], (at[1] - at[0]) / 0.1)
+    np.testing.assert_allclose(p.wall_u[p.kind == WALL][::-1], elements.u)
+    way = (ROLL.placed(mesh.x0, 0.3) - ROLL.placed(mesh.x0, 0.2)) / 0.1
+    turns = elements.motion > 0
+    np.testing.assert_allclose(elements.velocity[turns], way[mesh.elements[turns]].mean(axis=1))
+    assert turns.any() and not elements.velocity[~turns].any()
+
+
+def test_turn_is_the_rate_of_the_normal():
+    elements, _, mesh = turning()
+    elements.place(0.2, 0.2, 0.2)
+    step = 1e-6
+    rate = (ROLL.turned(mesh.normal0, 0.2 + step) - ROLL.turned(mesh.normal0, 0.2 - step)) / (2.0 * step)
+    np.testing.assert_allclose(elements.turn[elements.moves], rate[elements.moves], atol=1e-8)
+    assert not elements.turn[~elements.moves].any()
+    np.testing.assert_allclose(elements.a[elements.moves],
+                               ROLL.acceleration_at(ROLL.placed(mesh.x0, 0.2), 0.2)[elements.moves])
+
+
+def test_step_is_limited_by_speed_and_acceleration():
+    walls = [Tank(1.0, 1.0), Obstacle(Box(width=0.2, height=0.2, at=(0.4, 0.4)), motion=Sway(0.1, frequency=3.0))]
+    elements = WallElements(wall_mesh(walls, S), 0, S, motions_of(walls))
+    assert elements.longest_step(0.0, 0.3) == pytest.approx(min(0.3 * S / 0.3, 2.0 * np.pi / 3.0 / 50.0), rel=1e-6)
+    assert WallElements(wall_mesh(walls[:1], S), 0, S).longest_step(0.0, 0.3) == np.inf
+
+
+def test_nodes_that_are_not_here_do_not_count():
+    elements, p, mesh = turning()
+    values = np.arange(p.n_all, dtype=float)
+    elements.nodes[0, 1] = -1
+    assert elements.mean_of_nodes(values)[0] == values[elements.nodes[0, 0]]
+    assert elements.mean_of_nodes(values)[1] == values[elements.nodes[1]].mean()
+
+
+def test_water_covers_walls_up_to_its_level():
+    scene = filled(StillWater(0.5), [Tank(1.0, 1.0)], S)
+    covered = np.empty(len(scene.x))
+    indptr, indices, *_ = scene.lists()
+    wetness.covered_walls(covered, scene.x, scene.kind, scene.normal, S, indptr, indices, scene.axes)
+    side = (scene.kind == WALL) & (scene.x[:, 1] > 0.1)
+    np.testing.assert_allclose(covered[side & (scene.x[:, 1] < 0.51)], 1.0)
+    np.testing.assert_allclose(covered[side & (scene.x[:, 1] > 0.54)], 0.0, atol=1e-12)
+    assert (covered[scene.kind == FLUID] == 1.0).all()
+
+
+def test_sums_over_nodes_are_what_they_add():
+    scene = filled(StillWater(0.5), [Tank(1.0, 1.0)], S)
+    n, weight, area = scene.n, scene.weight.copy(), scene.area.copy()
+    alpha, slope = scene.alpha(), scene.gradient()
+    indptr, indices, element_indptr, _ = scene.lists()
+    ratio, added = np.empty(len(scene.x)), np.empty(scene.x.shape)
+    density.node_sums(ratio, added, scene.x, scene.kind, 0.3 * weight, 0.6 * area, scene.table.values, scene.table.h,
+                      scene.table.full, element_indptr, indptr, indices, scene.axes)
+    walls = scene.kind == WALL
+    scene.weight[walls], scene.area[walls] = 0.7 * weight[walls], 0.4 * area[walls]
+    np.testing.assert_allclose(alpha - scene.alpha(), ratio[:n], atol=1e-12)
+    np.testing.assert_allclose(slope - scene.gradient(), added[:n], atol=1e-10)
+    assert ratio[:n].max() > 0.01
+
+
+def lone(x, corners):
+    """Return arguments of kernels for points of fluid x (n, 2) before elements: element lists and neighbour lists."""
+    n, m = len(x), len(corners)
+    element_indptr = np.arange(n + 1, dtype=np.int32) * m
+    indptr = np.arange(n + 1, dtype=np.int32) * (n - 1)
+    indices = np.array([j for i in range(n) for j in range(n) if j != i], np.int32)
+    return element_indptr, np.tile(np.arange(m, dtype=np.int32), n), indptr, indices
+
+
+def test_one_neighbour_and_a_wall_make_a_gradient():
+    """Two particles in the tip of a wedge: f is linear, and its slope is known at the wall."""
+    x, slope = np.array([[0.0, 0.5 * S], [S, 0.6 * S]]), np.array([3.0, -2.0])
+    bed = np.array([[[-5.0 * S, 0.0], [5.0 * S, 0.0]]])
+    role = np.array([BALLISTIC, BALLISTIC], np.int8)
+    out, less = np.zeros((2, 2)), np.array([[0.0, 1.0]])
+    lists = lone(x, bed)
+
+    def run(near_wall):
+        gradient.gradient_at_walls(out, x @ slope, np.tile(slope + less[0], (2, 1)), less, x, role, 2.6 * S, 0, 0.05,
+                                   near_wall, bed, *lists, axes_of(2))
+    run(0.3 * S)
+    assert not out.any() and (role == BALLISTIC).all()
+    run(S)
+    np.testing.assert_allclose(out, np.tile(slope, (2, 1)), rtol=1e-12)
+    assert (role == SURFACE).all()
+
+
+def test_a_wall_between_its_nodes_closes_a_gap():
+    """A particle half a spacing above a bed that fluid surrounds on all other sides."""
+    ring = np.linspace(-0.1, np.pi + 0.1, 9)
+    x = np.concatenate([[[0.0, 0.5 * S]], [0.0, 0.5 * S] + 0.9 * S * np.stack([np.cos(ring), np.sin(ring)], axis=1)])
+    bed = np.array([[[-S, 0.0], [S, 0.0]]])
+    kind = np.full(len(x), FLUID, np.int8)
+    lists = lone(x, bed)
+
+    def found(present):
+        role = np.full(len(x), SURFACE, np.int8)
+        surface.surface_by_gap(role, role.copy(), x, kind, np.zeros_like(kind), np.zeros_like(x), np.ones(len(x)),
+                               2.0 * S, 2.3, 1.55, 0.55, False, bed, np.array([present]), *lists, axes_of(2))
+        return role[0]
+    assert found(0.0) == SURFACE and found(1.0) == INNER
+
+
+def test_bed_before_a_piston_and_behind_it():
+    bed = Profile([(0.0, 0.0), (1.0, 0.0)])
+    face = np.array([[[0.52, S], [0.52, 0.0]]])    # faces right
+    mesh = wall_mesh([bed], S)
+    x, n = mesh.x0, len(mesh.x0)
+    apart = np.full(n, np.inf)
+    lists = lone(x, face)
+    wetness.before_moving_walls(apart, x, np.full(n, WALL, np.int8), np.zeros(n, np.int64), face, np.array([1]),
+                                *lists[:2], axes_of(2))
+    np.testing.assert_allclose(apart, np.maximum(x[:, 0] - 0.52, 0.0), atol=1e-12)
+    rest = np.full(n, np.inf)
+    wetness.before_moving_walls(rest, x, np.full(n, WALL, np.int8), np.ones(n, np.int64), face, np.array([1]),
+                                *lists[:2], axes_of(2))
+    assert np.isinf(rest).all()
