@@ -159,6 +159,8 @@ FIELDS = {
         Field("nu", "scalar", np.float64, "m^2/s", "kinematic viscosity, that of eddies included", exchanged=False,
               migrates=False),
         Field("viscous", "vector", np.float64, "m/s^2", "acceleration by viscosity", exchanged=False, migrates=False),
+        Field("surface_pressure", "scalar", np.float64, "Pa",
+              "pressure that balances the viscous stress normal to a free surface", exchanged=False, migrates=False),
         Field("acceleration", "vector", np.float64, "m/s^2", "of fluid in the last step", exchanged=False,
               written=False),
         Field("halfway", "vector", np.float64, "m/s", "velocity half way through the step, as known before it",

@@ -64,8 +64,8 @@ def corrected(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kin
     """Viscous acceleration of owned fluid by a quadratic fit (generalised finite differences).
 
     The Laplacian is exact for quadratic velocities on any set of particles, also beside walls. Where the
-    neighbours do not span the quadratics, and at particles that are not INNER, it is the form of `morris`: a free
-    surface has no shear, and a one-sided fit would have no condition there.
+    neighbours do not span the quadratics, and at particles that are not INNER, it is the form of `morris`, because a
+    one-sided fit has no condition there. `surface_stress.stress_free` gives surface particles one.
 
     role : (n_all,); radius : of the quartic weight of the fit [m]; the others as in `morris`
     """
@@ -104,6 +104,26 @@ def _morris_sum(out, i, near, du, n, h, volume, axes):
 
 
 @kernel
+def factor_quadratics(work: np.ndarray, basis: np.ndarray, weight: np.ndarray, near: np.ndarray, n: int,
+                      axes: tuple[int, ...]) -> bool:
+    """Write the basis and weight of n neighbours, and the factor of M = sum_k w_k b_k b_k^T; False if degenerate.
+
+    basis : X_a, then STRETCH X_a X_b in the order 00, 10, 11, 20, 21, 22, (size, columns)
+    near : (dim, columns), in units of the radius of the weight; weight : (columns,); work : (size, size)
+    """
+    size = len(work)
+    for k in range(n):
+        _fill_basis(basis, near, weight, k, axes)
+    for r in range(size):
+        for c in range(r + 1):
+            total = 0.0
+            for k in range(n):
+                total += weight[k] * basis[r, k] * basis[c, k]
+            work[r, c] = total
+    return n >= size and cholesky(work, size)
+
+
+@kernel
 def _fit_laplacian(out, i, near, du, weight, basis, work, pick, n, radius, axes):
     """Add the Laplacian of the weighted quadratic fit through 0 at i; near in units of the radius.
 
@@ -111,19 +131,10 @@ def _fit_laplacian(out, i, near, du, weight, basis, work, pick, n, radius, axes)
     squares: one system M y = pick gives the coefficients w_j b_j . y of all components. Returns False,
     with nothing added, if M is degenerate.
     """
-    dim = len(axes)
-    size = dim + dim * (dim + 1) // 2
-    for k in range(n):
-        _fill_basis(basis, near, weight, k, axes)
-    for r in range(size):
-        pick[r] = 0.0
-        for c in range(r + 1):
-            total = 0.0
-            for k in range(n):
-                total += weight[k] * basis[r, k] * basis[c, k]
-            work[r, c] = total
-    if n < size or not cholesky(work, size):
+    dim, size = len(axes), len(work)
+    if not factor_quadratics(work, basis, weight, near, n, axes):
         return False
+    pick[:] = 0.0
     row = dim
     for a in range(dim):
         row += a

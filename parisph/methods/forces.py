@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.base.fields import ABSENT, FLUID, WALL
 from parisph.case.numerics import Numerics
-from parisph.kernels import gradient, turbulence, viscous, wetness
+from parisph.kernels import gradient, surface_stress, turbulence, viscous, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import FORCES, SURFACES, Force
 
@@ -51,13 +51,18 @@ class Coriolis(Force):
 
 class Viscous(Force):
     """nu lap u by a quadratic fit, exact for quadratic velocities; at walls its normal part is that of the fluid before
-    them."""
+    them.
+
+    On a free surface there is no stress: no shear, and the pressure is that of `surface_pressure`. A particle that has
+    just come to the surface has p = 0 in its first step there.
+    """
 
     name, source, reach, viscous, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, True, "viscous force"
     fields, shapes = ("no_slip", "wall_u", "nu", "viscous"), False
+    open_fields: tuple[str, ...] = ("touched", "surface_pressure")    # beside them, with a free surface
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
-        open_ones = ("touched",) if SURFACES[numerics.surface_rule].open else ()
+        open_ones = self.open_fields if SURFACES[numerics.surface_rule].open else ()
         return (*self.fields, *open_ones, *(straining.FIELDS if numerics.smagorinsky else ()))
 
     def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
@@ -66,20 +71,25 @@ class Viscous(Force):
         p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
         self._write_viscosity(flow)
         self.laplacian(p.viscous, flow, self._update(flow))
-        d.update("viscous")
+        d.update(*(name for name in ("viscous", "surface_pressure") if name in p.fields))
         viscous.continue_to_walls(p.viscous_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, lengths.WALL * s,
                                   d.indptr, d.indices, flow.axes)
         d.update("viscous")
         out += p.viscous_all
 
     def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray) -> None:
-        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2].
+        """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2], and surface_pressure if there is this field.
 
         seen : (n_all,) kind, ABSENT for walls behind air
         """
         p, d, s = flow.particles, flow.domain, flow.spacing
         viscous.corrected(out, p.u_all, p.nu_all, p.x_all, seen, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
                           lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
+        if "surface_pressure" in p.fields:
+            surface_stress.stress_free(out, p.surface_pressure, p.u_all, p.nu_all, p.x_all, seen, p.corner_all,
+                                       p.normal_all, p.role_all, p.no_slip_all, lengths.VISCOUS * s, d.indptr,
+                                       d.indices, flow.axes)
+            p.surface_pressure *= flow.density
 
     def longest_step(self, flow: "Flow") -> float:
         p = flow.particles
@@ -112,9 +122,10 @@ class Viscous(Force):
 
 
 class MorrisViscous(Viscous):
-    """nu lap u by the form of Morris, which conserves momentum."""
+    """nu lap u by the form of Morris, which conserves momentum; on a free surface n . grad u = 0 and p = 0."""
 
     name, source, words = "viscous_morris", "Morris et al. 1997, Eq 22", "viscous force of Morris"
+    open_fields = ("touched",)
 
     def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing

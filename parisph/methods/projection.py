@@ -238,6 +238,8 @@ class Projection:
         right = self.rows.right_hand_side(target)
         matrix, isolated = self._matrix()
         right[(p.role != INNER) & (p.role != WET)] = 0.0
+        if "surface_pressure" in p.fields:
+            self.rows.add_surface_values(right, p.surface_pressure_all, p.role_all)
         return matrix, right, isolated
 
     def _matrix(self):

@@ -137,6 +137,14 @@ class PressureRows:
         """Return -measure * target, (n_owned,)."""
         return -self.rows.measure[:len(target)] * target
 
+    def add_surface_values(self, right: np.ndarray, p: np.ndarray, role: np.ndarray) -> None:
+        """Add to the right-hand side (n_owned,) what makes p (n_all,) [Pa] the pressure on the surface, in place of 0.
+
+        Where surface particles lie below the surface, p is that above them. role : (n_all,)
+        """
+        rows = self.rows
+        add_surface_values(right, p, role, rows.count, rows.columns, rows.values, self.offset > 0.0, self.cloud.indptr)
+
     def divergence(self, out: np.ndarray, u: np.ndarray, role: np.ndarray) -> None:
         """Write the flux divergence of u (n_all, dim) at inner particles to out (n_owned,) [1/s]."""
         rankine.divergence(out, u, role, *self._stencils())
@@ -152,6 +160,26 @@ class PressureRows:
     def _stencils(self):
         flux, cloud = self.flux, self.cloud
         return flux.count, flux.columns, flux.flux, cloud.indptr, cloud.axes
+
+
+@kernel
+def add_surface_values(right: np.ndarray, p: np.ndarray, role: np.ndarray, count: np.ndarray, columns: np.ndarray,
+                       values: np.ndarray, solved: bool, indptr: np.ndarray) -> None:
+    """Add the terms of `PressureRows.add_surface_values`.
+
+    solved : whether surface particles have rows of their own, p_I - p_s = sum_J values_J (p_J - p_s)
+    """
+    for i in range(len(right)):
+        if role[i] == SURFACE:
+            share = 1.0
+            if solved:
+                for k in range(indptr[i], indptr[i] + count[i]):
+                    share -= values[k]
+            right[i] += share * p[i]
+        elif not solved and (role[i] == INNER or role[i] == WET):
+            for k in range(indptr[i], indptr[i] + count[i]):
+                if role[columns[k]] == SURFACE:
+                    right[i] += values[k] * p[columns[k]]
 
 
 @kernel

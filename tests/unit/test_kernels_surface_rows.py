@@ -5,6 +5,7 @@ import pytest
 
 from parisph.base.fields import INNER, SURFACE
 from parisph.kernels.surface_rows import surface_rows
+from parisph.pressure.rows import add_surface_values
 from tests.pools import block, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -71,3 +72,22 @@ def test_beside_a_wall_a_particle_stands_for_half_a_spacing_more():
     assert rows(pool, share=0.75)[0][first] == 0     # 3/2 spacings wide, 1/2 high
     middle = np.flatnonzero(surface)[np.count_nonzero(surface) // 2]
     assert rows(pool, share=0.75)[0][middle] > 0
+
+
+@dims
+@pytest.mark.parametrize("offset", [0.0, 0.5])
+def test_the_same_pressure_all_along_the_surface_is_that_of_the_fluid(dim, offset):
+    """Rows whose weights sum to one, with p = 0 on the surface: 7 Pa there are 7 Pa everywhere."""
+    pool, _ = flat_surface(dim)
+    count, columns, values = rows(pool, offset=offset) if offset else rows(pool, share=0.5)
+    inner = np.flatnonzero(pool.role == INNER)
+    for i in inner:
+        start, end = pool.indptr[i], pool.indptr[i + 1]
+        count[i], columns[start:end], values[start:end] = end - start, pool.indices[start:end], 1.0 / (end - start)
+    given = np.where(pool.role == SURFACE, 7.0, np.nan)
+    right = np.zeros(pool.n)
+    add_surface_values(right, given, pool.role, count, columns, values, offset > 0.0, pool.indptr)
+    for i in range(pool.n):
+        own = slice(pool.indptr[i], pool.indptr[i] + count[i])
+        unknown = np.ones(count[i], bool) if offset else pool.role[columns[own]] == INNER
+        assert 7.0 - 7.0 * values[own][unknown].sum() == pytest.approx(right[i], rel=1e-12, abs=1e-12)
