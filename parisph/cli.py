@@ -208,6 +208,8 @@ def _add_running(verbs):
     _add_progress(verb)
     verb = _verb(verbs, "check", _check, "Check a case, and estimate the time and memory of a run")
     _add_case(verb)
+    verb.add_argument("--plot", type=arguments.path, metavar="FILE",
+                      help="Draw the scene at the start to this file, with the names of walls and probes")
     _add_study(verbs)
 
 
@@ -370,6 +372,11 @@ def _check(args):
     from parisph.case.load import arguments
 
     print(driver.describe(case, arguments(args.case, args.set)))
+    if args.plot is not None:
+        from parisph.pictures.bodies_view import plot_scene
+
+        plot_scene(case, args.plot)
+        print(args.plot)
 
 
 def _study(args):

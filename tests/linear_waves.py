@@ -13,15 +13,16 @@ from mpi4py import MPI
 
 from parisph.base.fields import FLUID, INNER, SURFACE, WET
 from parisph.base.log import Timers
-from parisph.case import geometry
 from parisph.case.load import load
 from parisph.case.waves import angular_frequency
+from parisph.geometry import build as geometry
 from parisph.kernels import collisions
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
+from parisph.methods.wall_images import WallImages
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 
@@ -51,7 +52,8 @@ class StillTank:
         reach = parts.reach * self.numerics.spacing
         self.domain = Domain(p, *geometry.domain(case), reach, 0.1 * self.numerics.spacing)
         self.domain.refresh()
-        self.flow = Flow(self.numerics.model_copy(update={"rtol": 1e-13}), 1.0, self._force, p, self.domain, Timers())
+        self.flow = Flow(self.numerics.model_copy(update={"rtol": 1e-13}), 1.0, self._force, p, self.domain,
+                         WallImages(), Timers())
         self.method = Projection(self.flow, parts)
         self.n = p.n_owned
         self.x, self._ids = p.x.copy(), p.id.copy()
@@ -102,7 +104,8 @@ class StillTank:
         """Return u with the velocity that wall particles take from it."""
         p, d, u = self.particles, self.domain, u.copy()
         gradients.wall_velocity(u, p.x, p.kind, p.corner, p.normal, p.role, np.zeros((self.n, 2)),
-                                lengths.WALL * self.numerics.spacing, d.indptr, d.indices, self.flow.axes)
+                                np.zeros((self.n, 2)), lengths.WALL * self.numerics.spacing, d.indptr, d.indices,
+                                self.flow.axes)
         return u
 
     def _pressure_rows(self):

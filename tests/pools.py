@@ -60,6 +60,11 @@ class Pool:
     def csr(self):
         return self.indptr, self.indices, self.axes
 
+    @property
+    def mirrors(self):
+        """The arguments by which kernels.surface.surface_by_gap knows walls as mirrors, and no elements."""
+        return True, np.empty((0, 2, 2)), np.empty(0), np.zeros(self.n + 1, np.int32), np.empty(0, np.int32)
+
     def quality(self, radius, power):
         """Return det/(trace/dim)^dim of the moment of each particle's neighbours, as least squares weigh them: (n,)."""
         m, found = np.empty((self.dim, self.dim)), np.empty(self.n)

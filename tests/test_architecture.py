@@ -162,7 +162,7 @@ def loaded_by(statement, libraries=("mpi4py", "petsc4py", "numba", "h5py")):
 @pytest.mark.parametrize("statement", [
     "import parisph",
     "from parisph import Case, Fluid, PressureTap, CaseError",
-    "import parisph.case.load, parisph.case.geometry",
+    "import parisph.case.load, parisph.geometry.build",
     "import parisph.cli, parisph.__main__, parisph.doctor",
 ])
 def test_describing_a_case_loads_no_engine(statement):

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from parisph.case import geometry
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
+from parisph.geometry import build as geometry
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.watch import instruments

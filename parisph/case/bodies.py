@@ -1,18 +1,21 @@
-"""Bodies of a scene beside the tank: beds, obstacles and plates, and the still water that lies between them."""
+"""Bodies of a scene beside the tank: beds, obstacles, plates and wavemakers, and the still water between them."""
 
-from collections.abc import Sequence
-from typing import Annotated, Literal, Optional, Union
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, Literal, Optional, Union
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from parisph.base.arrays import Floats
 from parisph.base.text import shown
 from parisph.case.model import Model
-from parisph.case.shapes import Shape
+from parisph.case.motion import AnyMotion, AtRest, FlapStroke, Motion, PistonStroke, Rotation
+from parisph.case.shapes import Name, Shape, Tank
+from parisph.case.waves import Airy, Jonswap, SolitaryWave, Stokes, StreamFunction
 
-Name = Annotated[str, Field(max_length=60, pattern=r"^([A-Za-z][A-Za-z0-9_-]*)?$",
-                            description="a name that begins with a letter, of letters, digits, _ and -")]
+PistonWave = Annotated[Union[SolitaryWave, Airy, Stokes, StreamFunction, Jonswap],
+                       Field(discriminator="kind", description="a wave")]
+FlapWave = Annotated[Union[Airy, Stokes, StreamFunction, Jonswap], Field(discriminator="kind", description="a wave")]
 Slip = Annotated[Literal["free", "none"], Field(description='"free", or "none" where viscous fluid sticks')]
 Line = Annotated[tuple[tuple[float, float], ...],
                  Field(min_length=2, max_length=1000, description="points ((x, y), ...) in order [m]")]
@@ -31,6 +34,7 @@ class Profile(Model):
     slip: Slip = "free"
     side: Optional[Literal["left", "right"]] = Field(
         None, description="side of the way from the first to the last point on which the fluid is, None for above")
+    motion: AnyMotion = AtRest()
 
     @model_validator(mode="after")
     def _one_line(self) -> "Profile":
@@ -45,6 +49,11 @@ class Profile(Model):
         """Whether the fluid is on the left of the way along the points."""
         return self.points[0][0] < self.points[-1][0] if self.side is None else self.side == "left"
 
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Lower and upper corner of the box around it, (dim,) each [m]."""
+        return _box(self.points)
+
 
 class Obstacle(Model):
     """A solid with fluid around it: a Box, Disc or Polygon, which may stand on a bed or overlap other bodies."""
@@ -53,12 +62,18 @@ class Obstacle(Model):
     shape: Shape
     name: Name = ""
     slip: Slip = "free"
+    motion: AnyMotion = AtRest()
 
     @model_validator(mode="after")
     def _one_outline(self) -> "Obstacle":
         if self.shape.kind == "polygon":
             _check_line(self.shape.points, closed=True)
         return self
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Lower and upper corner of the box around it, (dim,) each [m]."""
+        return self.shape.bounds
 
 
 class Plate(Model):
@@ -68,22 +83,151 @@ class Plate(Model):
     points: Line
     name: Name = ""
     slip: Slip = "free"
+    motion: AnyMotion = AtRest()
 
     @model_validator(mode="after")
     def _one_line(self) -> "Plate":
         _check_line(self.points, closed=False)
         return self
 
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Lower and upper corner of the box around it, (dim,) each [m]."""
+        return _box(self.points)
+
 
 class StillWater(Model):
-    """Water at rest that fills what the walls enclose, up to a level [m]."""
+    """Water at rest that fills what the walls enclose up to a level [m], but for what other fluid is given."""
 
     kind: Literal["still_water"] = "still_water"
     level: float = Field(description="height of the water surface [m]")
 
 
-Body = Annotated[Union[Profile, Obstacle, Plate],
-                 Field(discriminator="kind", description="a Profile, Obstacle or Plate")]
+class Piston(Model):
+    """An upright wall at x = `at` [m] that moves along x, with the fluid on one side: it makes a `wave`, or has a
+    `motion`.
+
+    It stands on the bed below it, over which it slides, and is as high as the other walls, unless `bottom` and `top`
+    say otherwise. Walls behind it are dry. A wave that runs to the left has the fluid on the left.
+    """
+
+    kind: Literal["piston"] = "piston"
+    at: float = Field(description="position x of the wall at rest [m]")
+    wave: Optional[PistonWave] = Field(None, description="wave that the piston makes")
+    motion: Optional[AnyMotion] = Field(None, description="motion, in place of a wave")
+    side: Optional[Literal["left", "right"]] = Field(None, description="side of the fluid, None for that of the wave")
+    bottom: Optional[float] = Field(None, description="height of its lower end [m], None for that of the bed")
+    top: Optional[float] = Field(None, description="height of its upper end [m], None for that of the other walls")
+    name: Name = ""
+    slip: Slip = "free"
+
+    @model_validator(mode="after")
+    def _one_motion(self) -> "Piston":
+        _check_drive(self.wave, self.motion, self.side)
+        return self
+
+    @property
+    def moved(self) -> Motion:
+        """Its motion."""
+        if self.motion is not None:
+            return self.motion
+        assert self.wave is not None
+        return PistonStroke(wave=self.wave, place=self.at)
+
+    @property
+    def place(self) -> float:
+        """Position x of the wall at rest [m]."""
+        return self.at
+
+    @property
+    def fluid_on_left(self) -> bool:
+        """Whether the fluid is at smaller x."""
+        return _leftward(self.wave, self.side)
+
+
+class Flap(Model):
+    """An upright wall that turns about a `hinge` (x, y) [m] at its lower end, with the fluid on one side.
+
+    It makes a `wave`, by a motion of first order, or has a `motion`, a rotation about the hinge. The hinge lies on a
+    bed or on an obstacle. As of a Piston: `top`, and the side of the fluid.
+    """
+
+    kind: Literal["flap"] = "flap"
+    hinge: Annotated[tuple[float, float], Field(description="hinge (x, y) [m]")]
+    wave: Optional[FlapWave] = Field(None, description="wave that the flap makes")
+    motion: Optional[AnyMotion] = Field(None, description="motion, in place of a wave")
+    side: Optional[Literal["left", "right"]] = Field(None, description="side of the fluid, None for that of the wave")
+    bed: Optional[float] = Field(None, description="height of the bed under the waves [m], None for that of the hinge")
+    top: Optional[float] = Field(None, description="height of its upper end [m], None for that of the other walls")
+    name: Name = ""
+    slip: Slip = "free"
+
+    @model_validator(mode="after")
+    def _one_motion(self) -> "Flap":
+        _check_drive(self.wave, self.motion, self.side)
+        self.moved    # says what is wrong with the hinge
+        if isinstance(self.motion, Rotation) and tuple(self.motion.centre) != self.hinge:
+            raise ValueError(f"motion.centre = {self.motion.centre}: must be the hinge, {self.hinge}")
+        return self
+
+    @property
+    def moved(self) -> Motion:
+        """Its motion."""
+        if self.motion is not None:
+            return self.motion
+        assert self.wave is not None
+        return FlapStroke(wave=self.wave, centre=self.hinge, bed=self.hinge[1] if self.bed is None else self.bed)
+
+    @property
+    def place(self) -> float:
+        """Position x of the wall at rest [m]."""
+        return self.hinge[0]
+
+    @property
+    def fluid_on_left(self) -> bool:
+        """Whether the fluid is at smaller x."""
+        return _leftward(self.wave, self.side)
+
+
+def _leftward(wave: Any, side: Optional[str]) -> bool:
+    return side == "left" if side is not None else wave is not None and wave.leftward
+
+
+def _check_drive(wave: Any, motion: Optional[Motion], side: Optional[str]) -> None:
+    """Raise ValueError unless either a wave or a motion is given, and the wave runs into the fluid."""
+    if (wave is None) == (motion is None):
+        raise ValueError("give either a wave or a motion")
+    if wave is not None and side is not None and (side == "left") != wave.leftward:
+        raise ValueError(f"side = {side}: the wave runs to the {'left' if wave.leftward else 'right'}, which must be "
+                         "the side of the fluid; leave side out")
+
+
+def motion_of(body: "Body") -> Motion:
+    """Return how a body moves in the frame of the scene."""
+    return body.moved if isinstance(body, (Piston, Flap)) else body.motion
+
+
+def _kind_of(walls: Any) -> str:
+    """Return which member of Walls a value is. A Tank stored by an earlier release has no kind."""
+    if isinstance(walls, (list, tuple)):
+        return "several"
+    return str(walls.get("kind", "tank") if isinstance(walls, Mapping) else getattr(walls, "kind", "tank"))
+
+
+Body = Annotated[
+    Union[Annotated[Tank, Tag("tank")], Annotated[Profile, Tag("profile")], Annotated[Obstacle, Tag("obstacle")],
+          Annotated[Plate, Tag("plate")], Annotated[Piston, Tag("piston")], Annotated[Flap, Tag("flap")]],
+    Discriminator(_kind_of)]
+Walls = Annotated[
+    Union[Annotated[Tank, Tag("tank")], Annotated[Profile, Tag("profile")], Annotated[Obstacle, Tag("obstacle")],
+          Annotated[Plate, Tag("plate")], Annotated[Piston, Tag("piston")], Annotated[Flap, Tag("flap")],
+          Annotated[tuple[Body, ...], Tag("several")]],
+    Discriminator(_kind_of)]
+
+
+def _box(points: Sequence[Sequence[float]]) -> tuple[Floats, Floats]:
+    p = np.array(points, dtype=float)
+    return p.min(axis=0), p.max(axis=0)
 
 
 def _check_line(points: Sequence[Sequence[float]], closed: bool) -> None:

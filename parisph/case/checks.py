@@ -12,13 +12,15 @@ from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
-from parisph.case import absorb, probe_checks, size
+from parisph.case import absorb, probe_checks, scenery, size
+from parisph.case.bodies import StillWater
 from parisph.case.expressions import uniform_field, vector_field
+from parisph.case.fluids import Fluid, check_components
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.methods import METHODS
 from parisph.case.motion import SHARE, Translation
 from parisph.case.scene import Scene
-from parisph.case.shapes import Box, check_components
+from parisph.case.shapes import Box
 from parisph.case.values import LARGEST
 
 SOUND = 10.0    # speed of sound of weakly compressible fluid, over the fastest speed to expect
@@ -35,7 +37,9 @@ def problems(case: Scene) -> list[str]:
     """Return the list of problems of a case, each one line; empty for a case that can run."""
     found = list(_dimensions(case))
     if not found:
-        found += [*_spacing(case), *_inside(case), *_size(case)]
+        found += scenery.problems(case)
+    if not found:
+        found += [*(_spacing(case) if case.plain else ()), *_inside(case), *_size(case)]
     if not found:
         found += [*_turning(case), *_absorbing(case), *_surface(case), *_wave(case), *_elevation(case), *_finite(case),
                   *_probes(case)]
@@ -45,7 +49,7 @@ def problems(case: Scene) -> list[str]:
 
 
 def _dimensions(case: Scene) -> Iterator[str]:
-    dim = case.fluid.dim
+    dim = case.dim
     try:
         check_components("gravity", case.gravity, dim, with_time=True)
     except ValueError as error:
@@ -69,10 +73,10 @@ def _turning(case: Scene) -> Iterator[str]:
 def _absorbing(case: Scene) -> Iterator[str]:
     if not case.absorb:
         return
-    if case.walls is None:
+    if case.wall_bounds is None:
         yield "absorb: there is no tank; give walls=Tank(...) or leave the zones out"
         return
-    low, high = case.walls.bounds
+    low, high = case.wall_bounds
     yield from absorb.problems(case.absorb, (float(low[0]), float(high[0])))
     if METHODS[case.numerics.method].step == "compressible":
         yield "absorb: weakly compressible SPH has no zones; choose a projection method, or leave them out"
@@ -135,7 +139,7 @@ def _fraction(length: float) -> str:
 
 
 def _lengths(case: Scene) -> Iterator[tuple[str, float]]:
-    shape, tank = case.fluid.shape, case.walls
+    shape, tank = case.fluids[0].shape, case.tank
     if isinstance(shape, Box):
         yield "fluid.shape.width", shape.width
         yield "fluid.shape.height", shape.height
@@ -149,22 +153,33 @@ def _lengths(case: Scene) -> Iterator[tuple[str, float]]:
 
 
 def _inside(case: Scene) -> Iterator[str]:
-    if case.walls is None:
+    if case.wall_bounds is None:
         return
-    (lower, upper), (low, high) = case.fluid.shape.bounds, case.walls.bounds
+    what = "the tank" if case.plain else "the walls"
     tolerance = FIT * case.numerics.spacing
+    for name, fluid in _named(case):
+        if not isinstance(fluid.shape, StillWater):    # which is where the walls are
+            yield from _within(case, f"{name}.shape", fluid.shape.bounds, what, tolerance)
+
+
+def _within(case: Scene, name: str, box: tuple[Floats, Floats], what: str, tolerance: float) -> Iterator[str]:
+    """Say where a box reaches out of the walls; without a tank these are open above."""
+    (lower, upper), (low, high) = box, case.wall_bounds or box
     for axis in range(case.dim):
-        if lower[axis] < low[axis] - tolerance or upper[axis] > high[axis] + tolerance:
+        above = upper[axis] > high[axis] + tolerance and (axis < case.dim - 1 or case.tank is not None)
+        if lower[axis] < low[axis] - tolerance or above:
             yield (
-                f"fluid.shape reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie in the tank, "
-                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge the tank"
+                f"{name} reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie in {what}, "
+                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge {what}"
             )
 
 
 def _size(case: Scene) -> Iterator[str]:
     s = case.numerics.spacing
     n = size.counts(case)
-    if n["all"] > size.MOST:
+    if not case.plain and n["all"] <= size.MOST:
+        yield from _far(case)
+    elif n["all"] > size.MOST:
         yield (
             f"numerics.spacing = {s:g}: makes about {n['all']:.3g} particles, {n['wall']:.3g} of them on walls, "
             f"which take about {amount(size.memory(n['all']))} of memory; at most {size.MOST:.2g} can be numbered; "
@@ -192,8 +207,8 @@ def _size(case: Scene) -> Iterator[str]:
 
 def _far(case: Scene) -> Iterator[str]:
     s = case.numerics.spacing
-    for name, part in (("walls", case.walls), ("fluid.shape", case.fluid.shape)):
-        far = 0.0 if part is None else float(np.max(np.abs(part.bounds)))
+    for name, bounds in (("walls", case.wall_bounds), ("fluid.shape", case.fluid_bounds)):
+        far = 0.0 if bounds is None else float(np.max(np.abs(bounds)))
         if far > FAR * s:
             yield (
                 f"{name}: reaches {far:.3g} m from the origin, at most {FAR:g} spacings, here {FAR * s:.3g} m, "
@@ -202,60 +217,66 @@ def _far(case: Scene) -> Iterator[str]:
             return
 
 
+def _named(case: Scene) -> Iterator[tuple[str, Fluid]]:
+    """Yield the bodies of fluid with their names in messages: fluid, or fluid[0], fluid[1], ... of several."""
+    for number, fluid in enumerate(case.fluids):
+        yield (f"fluid[{number}]" if isinstance(case.fluid, tuple) else "fluid"), fluid
+
+
 def _elevation(case: Scene) -> Iterator[str]:
-    fluid, shape = case.fluid, case.fluid.shape
-    if not fluid.raised or not isinstance(shape, Box):
-        return
-    lower, upper = shape.bounds
-    x = np.linspace(lower[0], upper[0], 8 * SAMPLES)
-    eta = fluid.rise(x)
-    height = float(shape.size[-1])
-    wave = fluid.wave
-    what = f"fluid.elevation = {shown(fluid.elevation)}" if wave is None else f"fluid.wave = {wave.kind}"
-    if not np.all(np.isfinite(eta)):
-        yield f"{what}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
-    elif eta.min() < -0.5 * height or eta.max() > height:
-        yield (
-            f"{what}: reaches from {eta.min():g} to {eta.max():g}, must stay between "
-            f"{-0.5 * height:g} and {height:g}, or the columns are stretched too far"
-        )
-    elif case.walls is not None and upper[-1] + eta.max() > case.walls.bounds[1][-1]:
-        yield (
-            f"{what}: raises the surface to {upper[-1] + eta.max():g}, "
-            f"above the tank's top at {case.walls.bounds[1][-1]:g}; lower it, or make the tank higher"
-        )
+    for name, fluid in _named(case):
+        if not fluid.raised:
+            continue
+        lower, upper = case.bounds_of(fluid)
+        x = np.linspace(lower[0], upper[0], 8 * SAMPLES)
+        eta, height, wave = fluid.rise(x), float((upper - lower)[-1]), fluid.wave
+        what = f"{name}.elevation = {shown(fluid.elevation)}" if wave is None else f"{name}.wave = {wave.kind}"
+        if not np.all(np.isfinite(eta)):
+            yield f"{what}: is not a finite number at x = {x[~np.isfinite(eta)][0]:g}"
+        elif eta.min() < -0.5 * height or eta.max() > height:
+            yield (
+                f"{what}: reaches from {eta.min():g} to {eta.max():g}, must stay between "
+                f"{-0.5 * height:g} and {height:g}, or the columns are stretched too far"
+            )
+        elif case.tank is not None and upper[-1] + eta.max() > case.tank.bounds[1][-1]:
+            yield (
+                f"{what}: raises the surface to {upper[-1] + eta.max():g}, "
+                f"above the tank's top at {case.tank.bounds[1][-1]:g}; lower it, or make the tank higher"
+            )
 
 
 def _wave(case: Scene) -> Iterator[str]:
-    """A wave starts well only under its own gravity."""
-    wave, gravity = case.fluid.wave, uniform_field(case.gravity)
-    if wave is None:
-        return
-    own = np.array([*[0.0] * (case.dim - 1), -wave.g])
-    if gravity is None or np.abs(gravity - own).max() > 1e-6 * wave.g:
-        yield f"fluid.wave.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
+    """A wave starts well only under its own gravity, and in water as deep as its own."""
+    gravity = uniform_field(case.gravity)
+    for name, fluid in _named(case):
+        wave = fluid.wave
+        if wave is None:
+            continue
+        own = np.array([*[0.0] * (case.dim - 1), -wave.g])
+        if gravity is None or np.abs(gravity - own).max() > 1e-6 * wave.g:
+            yield f"{name}.wave.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
+        lower, upper = case.bounds_of(fluid)
+        if isinstance(fluid.shape, StillWater) and abs(wave.depth - (upper - lower)[-1]) > 1e-6 * wave.depth:
+            yield (f"{name}.wave.depth = {wave.depth:g}: the still water is {(upper - lower)[-1]:g} m deep where it is "
+                   "deepest; change one of them")
 
 
-def _sample(case: Scene) -> Floats:
-    """Return points (n, dim) [m] that cover the bounding box of the fluid."""
-    lower, upper = case.fluid.shape.bounds
-    many = 8 if case.fluid.wave is not None else 1    # a wave may be short in a long tank
-    axes = [np.linspace(a, b, SAMPLES * (1 if axis else many)) for axis, (a, b) in enumerate(zip(lower, upper))]
-    points: Floats = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
-    return points
+def _sample(case: Scene) -> list[Floats]:
+    """Return points (n, dim) [m] of each body of fluid, all over the box around it."""
+    many = 8 if any(fluid.wave is not None for fluid in case.fluids) else 1    # a wave may be short in a long tank
+    return case.points(SAMPLES * many, SAMPLES)
 
 
 def _finite(case: Scene) -> Iterator[str]:
     """Expressions must give finite numbers where there is fluid."""
     x = _sample(case)
-    x = x[case.fluid.shape.inside(x, 0.0)]
-    for name, components, with_time in (("fluid.velocity", case.fluid.velocity, False),
-                                        ("gravity", case.gravity, True)):
-        values = vector_field(components, with_time)(x)
+    asked = [(f"{name}.velocity", fluid.velocity, False, own) for (name, fluid), own in zip(_named(case), x)]
+    for name, components, with_time, places in (*asked, ("gravity", case.gravity, True, np.concatenate(x))):
+        values = vector_field(components, with_time)(places)
         for axis, component in enumerate(components):
             bad = ~(np.abs(values[:, axis]) <= LARGEST)
             if np.any(bad):
-                at, value = ", ".join(f"{value:g}" for value in x[bad][0]), values[bad, axis][0]
+                at, value = ", ".join(f"{value:g}" for value in places[bad][0]), values[bad, axis][0]
                 what = (f"is {value:.3g}, more than {LARGEST:g} in size," if np.isfinite(value)
                         else "is not a finite number")
                 yield f"{name}[{axis}] = {shown(component)}: {what} at ({at})"
@@ -305,10 +326,15 @@ def _time_steps(case: Scene) -> Iterator[tuple[float, str]]:
         return
     limit, reason = stable_time_step(case)
     yield limit, f"gravity, fluid.velocity and numerics.spacing: a step that {reason}"
-    yield frame.longest_step, f"frame: {1 / SHARE:.0f} steps in a period of {frame.longest_step / SHARE:.2g} s"
-    speed = frame.top_speed(*case.walls.bounds) if case.walls is not None else 0.0
+    longest = scenery.longest_step(case)
+    yield longest, (f"{'frame' if longest == frame.longest_step else 'walls'}: {1 / SHARE:.0f} steps in a period of "
+                    f"{longest / SHARE:.2g} s")
+    speed = frame.top_speed(*case.wall_bounds) if case.wall_bounds is not None else 0.0
     if speed > 0.0 and n.cfl is not None:
         yield n.cfl * n.spacing / speed, f"frame: a tank that moves at {speed:.2g} m/s"
+    wall = scenery.wall_speed(case)
+    if wall > 0.0 and n.cfl is not None:
+        yield n.cfl * n.spacing / wall, f"walls: one that moves at {wall:.2g} m/s"
     if n.max_time_step is not None:
         yield n.max_time_step, f"numerics.max_time_step = {n.max_time_step:g} s"
 
@@ -333,16 +359,21 @@ def sound_speed(case: Scene) -> float:
     return case.numerics.sound_speed or SOUND * fastest(case)
 
 
+def _start(case: Scene) -> tuple[float, float]:
+    """Return the largest speed of the fluid [m/s] and body force [m/s2] at the start."""
+    x = _sample(case)
+    u = [np.linalg.norm(fluid.start_velocity(own), axis=1).max(initial=0.0) for fluid, own in zip(case.fluids, x)]
+    force = np.linalg.norm(vector_field(case.gravity, True)(np.concatenate(x)), axis=1)
+    return float(max(u)), float(force.max(initial=0.0))
+
+
 def fastest(case: Scene) -> float:
     """Return the speed [m/s] to expect from the case alone: that of the start, and of a fall from the fluid's height.
 
     In waves that do not break, it is that of long waves.
     """
-    x = _sample(case)
-    x = x[case.fluid.shape.inside(x, 0.0)]
-    speed = float(np.linalg.norm(case.fluid.start_velocity(x), axis=1).max(initial=0.0))
-    g = float(np.linalg.norm(vector_field(case.gravity, True)(x), axis=1).max(initial=0.0))
-    lower, upper = case.fluid.shape.bounds
+    speed, g = _start(case)
+    lower, upper = case.fluid_bounds
     fall = 2.0 if case.numerics.preset == "violent" else 1.0
     return speed + float(np.sqrt(fall * g * (upper - lower)[-1]))
 
@@ -353,11 +384,8 @@ def stable_time_step(case: Scene) -> tuple[float, str]:
     For waves, sqrt(s/g), the time scale of the shortest waves on the lattice. For violent flows also
     cfl s/u with u = |u0| + sqrt(2 g H), the speed after a fall from the height of the fluid (Z14 Sec. 3.1.2).
     """
-    x, s = _sample(case), case.numerics.spacing
-    x = x[case.fluid.shape.inside(x, 0.0)]
-    speed = float(np.linalg.norm(case.fluid.start_velocity(x), axis=1).max(initial=0.0))
-    g = float(np.linalg.norm(vector_field(case.gravity, True)(x), axis=1).max(initial=0.0))
-    lower, upper = case.fluid.shape.bounds
+    s, (speed, g) = case.numerics.spacing, _start(case)
+    lower, upper = case.fluid_bounds
     if case.numerics.preset == "violent":
         speed += np.sqrt(2.0 * g * (upper - lower)[-1])
     by_waves = np.sqrt(s / g) if g > 0.0 else np.inf

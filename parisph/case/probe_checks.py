@@ -15,6 +15,8 @@ from parisph.case.probes import (
     singles,
 )
 from parisph.case.scene import Scene
+from parisph.case.scenery import body_names
+from parisph.case.shapes import Tank
 
 
 def problems(case: Scene) -> Iterator[str]:
@@ -27,8 +29,8 @@ def problems(case: Scene) -> Iterator[str]:
             yield from _profile(case, probe, what)
         elif isinstance(probe, VelocityPoint):
             yield from _components(case, what, at=probe.at)
-        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.walls is not None:
-            low, high = case.walls.bounds
+        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.wall_bounds is not None:
+            low, high = case.wall_bounds
             if not low[0] <= probe.at <= high[0]:
                 yield f"{what}: at = {probe.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
         elif isinstance(probe, (RunUp, Force)):
@@ -55,12 +57,14 @@ def _tap(case: Scene, probe: PressureTap, what: str) -> Iterator[str]:
     if len(probe.at) != case.dim:
         yield f"{what}: at = {probe.at} must have {case.dim} components"
         return
-    at, (low, high) = np.array(probe.at), case.walls.bounds
+    if not case.plain or case.tank is None:
+        return    # whether it lies on a wall of such a scene is for geometry.scene_checks
+    at, (low, high) = np.array(probe.at), case.tank.bounds
     tolerance = 1e-6 * float(np.max(high - low))
     walls = [abs(at - low) <= tolerance, abs(at - high) <= tolerance]
-    walls[1][-1] &= case.walls.closed
+    walls[1][-1] &= case.tank.closed
     if np.any(at < low - tolerance) or np.any(at > high + tolerance) or not np.any(walls):
-        which = "left, right, lower or upper" if case.walls.closed else "left, right or lower"
+        which = "left, right, lower or upper" if case.tank.closed else "left, right or lower"
         yield (
             f"{what}: at = {probe.at} is not on a wall; give a point of the {which} wall of the tank "
             f"from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g})"
@@ -74,7 +78,7 @@ def _tap(case: Scene, probe: PressureTap, what: str) -> Iterator[str]:
 
 
 def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
-    """The line or the walls of a probe must exist. So far the tank is the only body that has a name."""
+    """The line or the body of a probe must exist."""
     points = probe.points if isinstance(probe, RunUp) else (probe.about,)
     for point in points or ():
         yield from _components(case, what, point=point)
@@ -82,9 +86,15 @@ def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
         if any(one == other for one, other in zip(probe.points, probe.points[1:])):
             yield f"{what}: points: two that follow each other must be two points"
         return
-    if probe.on != "tank":
-        yield f"{what}: on = {probe.on!r}: there is no body of this name; there is 'tank'"
-    elif case.walls is None:
+    names = body_names(case.bodies)
+    if not names:
         yield f"{what}: there is no tank; give walls=Tank(...) or leave the probe out"
-    elif probe.side == "lid" and not case.walls.closed:
+    elif probe.on not in names:
+        yield f"{what}: on = {probe.on!r}: there is no body of this name; there is {', '.join(map(repr, names))}"
+    elif not isinstance(case.bodies[names.index(probe.on)], Tank):
+        if isinstance(probe, RunUp):
+            yield f"{what}: on = {probe.on!r}: give the points of the line along it, from below the water upwards"
+        elif probe.side is not None:
+            yield f"{what}: side = {probe.side!r}: only a tank has sides; leave it out"
+    elif probe.side == "lid" and not case.lidded:
         yield f"{what}: side = 'lid': the tank has none; give it one, or choose another side"

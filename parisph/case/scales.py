@@ -8,13 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.base.arrays import Floats
+from parisph.case.bodies import StillWater
 from parisph.case.expressions import uniform_field, vector_field
+from parisph.case.motion import AtRest
+from parisph.case.scenery import wall_speed
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
 from parisph.case.waves import angular_frequency
 
 SAMPLES = 400        # points, or times, at which a field of the case is looked at
 PER_PERIOD = 40      # steps of the oscillator in one period of the first mode
+RUN_UP = 2.0         # speed of waves at a wall or a beach over that of the wall that makes them, or of the start
 MOST_STEPS = 20_000  # of the oscillator; a longer run is judged by its beginning
 
 
@@ -45,19 +49,24 @@ def expected(case: Case) -> Scales:
     initial elevation, and the first mode, an oscillator driven by the horizontal body force (which
     includes the motion of the tank). Because waves break, their amplitude is at most the depth, and
     their speed that of a fall from this height. All other fluid gains the energy of a fall from its
-    top to the tank's bed (Z14 Sec. 3.1.2). The acceleration of level water is the frequency of its motion times
-    the speed, that of other fluid the body force. Fluid without a surface or a force is accelerated by its own flow.
+    top to the tank's bed (Z14 Sec. 3.1.2), but for still water between other walls, which moves as its wave or its
+    wavemaker. The acceleration of level water is the frequency of its motion times the speed, that of other fluid
+    the body force. Fluid without a surface or a force is accelerated by its own flow.
     """
     times = np.linspace(0.0, case.end_time, SAMPLES)
     force, down = _gravity(case)
     speeds = np.full(SAMPLES, _start_speed(case))
     wave = None
-    lower, upper = case.fluid.shape.bounds
+    lower, upper = case.fluid_bounds
     accelerations = np.pi / float(np.min(upper - lower)) * speeds**2    # of cells of flow as wide as the fluid
     if case.closed or force == 0.0:
         return Scales(wave, times, speeds, accelerations, force)
     level = _level(case, down)
-    if level is not None:
+    if _calm(case):
+        speeds = np.full(SAMPLES, RUN_UP * (_start_speed(case) + wall_speed(case)))
+        lower, upper = case.fluid_bounds
+        accelerations = np.minimum(force, np.sqrt(force / float((upper - lower)[-1])) * speeds)
+    elif level is not None:
         wave, moving, accelerations = _waves(case, level, force, times, speeds)
         speeds += moving
     else:
@@ -66,29 +75,31 @@ def expected(case: Case) -> Scales:
     return Scales(wave, times, speeds, accelerations, force)
 
 
+def _calm(case: Case) -> bool:
+    """Return whether all fluid is still water with at most a wave on it, in walls of which only wavemakers may move."""
+    return isinstance(case.frame, AtRest) and all(isinstance(fluid.shape, StillWater) for fluid in case.fluids)
+
+
 def fall_time(case: Case) -> float:
     """Return sqrt(depth/g) [s] of level water at rest without waves, 0 for all other fluid."""
     force, down = _gravity(case)
     level = _level(case, down)
     if force == 0.0 or uniform_field(case.gravity) is None or case.closed or level is None:
         return 0.0
-    if _start_speed(case) > 0.0 or case.fluid.raised:
+    if _start_speed(case) > 0.0 or case.fluids[0].raised:
         return 0.0
     return float(np.sqrt(level.size[-1] / force))
 
 
-def _sample(case: Case) -> Floats:
-    """Return points (n, dim) [m] of the fluid at the start, without its elevation."""
-    lower, upper = case.fluid.shape.bounds
+def _sample(case: Case) -> list[Floats]:
+    """Return points (n, dim) [m] of each body of fluid at the start, without its elevation."""
     count = max(3, round(SAMPLES ** (1.0 / case.dim)))
-    axes = [np.linspace(a, b, count) for a, b in zip(lower, upper)]
-    x: Floats = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, case.dim)
-    return x[case.fluid.shape.inside(x, 0.0)]
+    return case.points(count, count)
 
 
 def _gravity(case: Case) -> tuple[float, Floats]:
     """Return the largest body force of the start [m/s^2], and the unit vector of its mean (zero if there is none)."""
-    force = vector_field(case.gravity, with_time=True)(_sample(case))
+    force = vector_field(case.gravity, with_time=True)(np.concatenate(_sample(case)))
     mean = force.mean(axis=0)
     size = float(np.linalg.norm(mean))
     largest = float(np.linalg.norm(force, axis=1).max(initial=0.0))
@@ -96,15 +107,16 @@ def _gravity(case: Case) -> tuple[float, Floats]:
 
 
 def _start_speed(case: Case) -> float:
-    return float(np.linalg.norm(case.fluid.start_velocity(_sample(case)), axis=1).max(initial=0.0))
+    return max(float(np.linalg.norm(fluid.start_velocity(x), axis=1).max(initial=0.0))
+               for fluid, x in zip(case.fluids, _sample(case)))
 
 
 def _level(case: Case, down: Floats) -> Box | None:
     """Return the fluid if it is a Box between the tank's walls, on its bed, below -y; else None."""
-    box = case.fluid.shape
-    if case.walls is None or not isinstance(box, Box) or down[-1] > -0.99:
+    box = case.fluids[0].shape
+    if not case.plain or case.tank is None or not isinstance(box, Box) or down[-1] > -0.99:
         return None
-    (lower, upper), (low, high) = box.bounds, case.walls.bounds
+    (lower, upper), (low, high) = box.bounds, case.tank.bounds
     slack = 0.5 * case.numerics.spacing
     fills = np.all(np.abs(lower - low) < slack) and np.all(np.abs(upper - high)[:-1] < slack)
     return box if fills else None
@@ -113,10 +125,10 @@ def _level(case: Case, down: Floats) -> Box | None:
 def _fall(case: Case, down: Floats) -> float:
     """Return how far fluid can fall [m]: to the far side of the tank; without a tank, infinitely far, or
     to the centre of a central force."""
-    lower, upper = case.fluid.shape.bounds
-    if case.walls is None:
+    lower, upper = case.fluid_bounds
+    if case.wall_bounds is None:
         return np.inf if uniform_field(case.gravity) is not None else 0.25 * float(np.max(upper - lower))
-    low, high = case.walls.bounds
+    low, high = case.wall_bounds
     top = np.where(down > 0.0, lower, upper) @ -down
     return float(top - np.where(down > 0.0, high, low) @ -down)
 
@@ -131,12 +143,12 @@ def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tu
     eta, speed = _sloshing(case, g, np.pi / length, depth, times)
     acceleration = angular_frequency(np.pi / length, depth, g) * speed
     x = np.linspace(lower[0], upper[0], SAMPLES)
-    amplitude, k = _harmonic(x, case.fluid.rise(x))
+    amplitude, k = _harmonic(x, case.fluids[0].rise(x))
     omega = angular_frequency(k, depth, g)
     speed = speed + amplitude * omega / np.tanh(k * depth)
     acceleration = acceleration + amplitude * omega**2 / np.tanh(k * depth)
     surface = np.column_stack([x, np.full((SAMPLES, case.dim - 1), upper[1:])])
-    rise, k = _harmonic(x, case.fluid.start_velocity(surface)[:, -1])
+    rise, k = _harmonic(x, case.fluids[0].start_velocity(surface)[:, -1])
     acceleration = acceleration + angular_frequency(k, depth, g) * start
     amplitude = min(eta + np.hypot(amplitude, rise / angular_frequency(k, depth, g)), depth)
     return (amplitude if amplitude > 0.0 else None), np.minimum(speed, np.sqrt(2.0 * g * depth)), acceleration
@@ -150,7 +162,7 @@ def _sloshing(case: Case, g: float, k: float, depth: float, times: Floats) -> tu
     omega = float(angular_frequency(k, depth, g))
     count = int(np.clip(case.end_time * omega / (2.0 * np.pi) * PER_PERIOD, SAMPLES, MOST_STEPS))
     dt = min(case.end_time / count, 2.0 * np.pi / omega / PER_PERIOD)
-    centre = _sample(case).mean(axis=0, keepdims=True)
+    centre = np.concatenate(_sample(case)).mean(axis=0, keepdims=True)
     share = -4.0 * omega**2 / (g * np.pi * k)
     eta, rate, largest, size = 0.0, 0.0, 0.0, np.zeros(count)
     for step in range(count):

@@ -1,26 +1,37 @@
 """The fields of a case, each valid by itself, and what follows from them alone. Checks of the whole need no more."""
 
-from typing import Optional, Union
+from typing import Annotated, Any, Optional, Union
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Discriminator, Field, Tag, field_validator
 
 from parisph.base.arrays import Floats
 from parisph.case.absorb import Absorber, AnyZone
+from parisph.case.bodies import Body, Flap, Piston, StillWater, Walls, motion_of
 from parisph.case.expressions import uniform_field, vector_field
+from parisph.case.fluids import Fluid
 from parisph.case.model import Model
 from parisph.case.motion import AtRest, Frame, Rotation
 from parisph.case.numerics import Numerics, Output
 from parisph.case.probes import AnyProbe
-from parisph.case.shapes import Box, Fluid, Tank
+from parisph.case.shapes import Box, Tank
+
+
+def _how_many(value: Any) -> str:
+    return "several" if isinstance(value, (list, tuple)) else "one"
+
+
+Fluids = Annotated[
+    Union[Annotated[Fluid, Tag("one")],
+          Annotated[tuple[Fluid, ...], Field(min_length=1, max_length=100), Tag("several")]], Discriminator(_how_many)]
 
 
 class Scene(Model):
     """The fields of a Case, where they are described, and what follows from them."""
 
     title: str = Field(min_length=1, max_length=200, description="one line for people")
-    fluid: Fluid
-    walls: Optional[Tank] = None
+    fluid: Fluids = Field(description="a Fluid, or several")
+    walls: Optional[Walls] = Field(None, description="a Tank or another body, or several")
     gravity: tuple[Union[float, str], ...] = Field(
         description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
     frame: Frame = AtRest()
@@ -46,33 +57,114 @@ class Scene(Model):
     @property
     def dim(self) -> int:
         """Number of dimensions: 2, as scenes in 3D are refused so far."""
-        return self.fluid.dim
+        return self.fluids[0].dim
+
+    @property
+    def fluids(self) -> tuple[Fluid, ...]:
+        """All bodies of fluid."""
+        return self.fluid if isinstance(self.fluid, tuple) else (self.fluid,)
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """All walls: Tank, Profile, Obstacle, Plate, Piston and Flap."""
+        if self.walls is None:
+            return ()
+        return self.walls if isinstance(self.walls, tuple) else (self.walls,)
+
+    @property
+    def tank(self) -> Optional[Tank]:
+        """The first Tank, or None."""
+        return next((body for body in self.bodies if isinstance(body, Tank)), None)
+
+    @property
+    def plain(self) -> bool:
+        """Whether the scene is one tank at rest in its frame, or none, and one shape of fluid: all on one lattice."""
+        still = all(isinstance(body, Tank) and isinstance(body.motion, AtRest) for body in self.bodies)
+        one = len(self.fluids) == 1 and len(self.bodies) <= 1
+        return still and one and not isinstance(self.fluids[0].shape, StillWater) and not self.fluids[0].holes
+
+    @property
+    def lidded(self) -> bool:
+        """Whether the scene is a tank with a lid, from which nothing can leave."""
+        return self.tank is not None and self.tank.closed
+
+    @property
+    def density(self) -> float:
+        """Density of all fluid [kg/m3]."""
+        return self.fluids[0].density
+
+    @property
+    def viscosity(self) -> float:
+        """Kinematic viscosity of all fluid [m2/s]."""
+        return self.fluids[0].viscosity
+
+    @property
+    def wall_bounds(self) -> Optional[tuple[Floats, Floats]]:
+        """Lower and upper corner of the box around all walls but wavemakers, (dim,) each [m], or None."""
+        boxes = [body.bounds for body in self.bodies if not isinstance(body, (Piston, Flap))]
+        if not boxes:
+            return None
+        return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+
+    def bounds_of(self, fluid: Fluid) -> tuple[Floats, Floats]:
+        """Return the lower and upper corner of a box around a body of fluid at the start, (dim,) each [m].
+
+        Still water is as wide as the walls, but for what is behind a wavemaker.
+        """
+        if not isinstance(fluid.shape, StillWater):
+            return fluid.shape.bounds
+        lower, upper = (corner.copy() for corner in self.wall_bounds or (np.zeros(2), np.zeros(2)))
+        upper[-1] = fluid.shape.level
+        for body in self.bodies:
+            if isinstance(body, (Piston, Flap)):
+                side = upper if body.fluid_on_left else lower
+                side[0] = body.place
+        return lower, np.maximum(upper, lower)
+
+    @property
+    def fluid_bounds(self) -> tuple[Floats, Floats]:
+        """Lower and upper corner of a box around all fluid at the start, (dim,) each [m]."""
+        boxes = [self.bounds_of(fluid) for fluid in self.fluids]
+        return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+
+    def points(self, across: int, up: int) -> list[Floats]:
+        """Return points (n, dim) [m] all over the boxes around the bodies of fluid, those of them that lie in it."""
+        found = []
+        for fluid in self.fluids:
+            lower, upper = self.bounds_of(fluid)
+            many = [across] + [up] * (self.dim - 1)
+            axes = [np.linspace(a, b, count) for a, b, count in zip(lower, upper, many)]
+            x = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, self.dim)
+            found.append(x if isinstance(fluid.shape, StillWater) else x[fluid.shape.inside(x, 0.0)])
+        return found
 
     @property
     def closed(self) -> bool:
         """True for a tank with a lid that is full: no free surface, pressure up to a constant."""
-        shape, tank = self.fluid.shape, self.walls
-        if tank is None or not tank.closed or not isinstance(shape, Box) or self.fluid.raised:
+        shape, tank = self.fluids[0].shape, self.tank
+        if not self.plain or tank is None or not tank.closed or not isinstance(shape, Box) or self.fluids[0].raised:
             return False
         gaps = np.abs(np.array(shape.bounds) - np.array(tank.bounds))
         return bool(np.all(gaps < 0.5 * self.numerics.spacing))
 
     @property
     def driven(self) -> bool:
-        """Whether the body force, the tank's motion or a zone may do work on the fluid and so change its energy.
+        """Whether the body force, a motion of the tank or of walls, or a zone may do work on the fluid.
 
-        A uniform, constant force does not, because its potential energy is counted.
+        A uniform, constant force does not change its energy, because its potential energy is counted.
         """
-        return bool(self.absorb) or not isinstance(self.frame, AtRest) or uniform_field(self.gravity) is None
+        moving = any(not isinstance(motion_of(body), AtRest) for body in self.bodies)
+        still = isinstance(self.frame, AtRest) and uniform_field(self.gravity) is not None
+        return moving or bool(self.absorb) or not still
 
     @property
     def absorber(self) -> Optional[Absorber]:
         """What zones that absorb waves do to water, or None."""
-        if not self.absorb or self.walls is None:
+        if not self.absorb or self.wall_bounds is None:
             return None
-        lower, upper = self.fluid.shape.bounds
-        ends, level = [float(corner[0]) for corner in self.walls.bounds], float(upper[-1])
-        g = float(np.linalg.norm(self.body_force(np.array([upper], dtype=float), 0.0)))
+        lower, upper = self.fluid_bounds
+        ends, level = [float(corner[0]) for corner in self.wall_bounds], float(upper[-1])
+        g = float(np.linalg.norm(self.body_force(upper[None], 0.0)))
         return Absorber(self.absorb, (ends[0], ends[1]), level, level - float(lower[-1]), g)
 
     def body_force(self, x: Floats, t: float) -> Floats:

@@ -9,10 +9,12 @@ from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
 from parisph.case import checks
 from parisph.case.absorb import Relaxation, Sponge
+from parisph.case.bodies import Flap, Obstacle, Piston, Plate, Profile, StillWater
 from parisph.case.faults import first_lines
+from parisph.case.fluids import Fluid
 from parisph.case.methods import METHODS
 from parisph.case.model import Model
-from parisph.case.motion import AtRest, Heave, Moved, Roll, Series, Sway, Tabulated
+from parisph.case.motion import AtRest, FlapStroke, Heave, Moved, PistonStroke, Roll, Series, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
 from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import (
@@ -32,15 +34,15 @@ from parisph.case.probes import (
     WaveTruth,
 )
 from parisph.case.scene import Scene
-from parisph.case.shapes import Box, Disc, Fluid, Lid, Polygon, Tank
+from parisph.case.shapes import Box, Disc, Lid, Polygon, Tank
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
 __all__ = [
-    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Fluid", "Force", "Heave",
-    "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Output", "Polygon", "PressureTap", "ProbeArray", "Relaxation",
-    "Roll", "RunUp", "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave", "Stokes", "StreamFunction",
-    "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint", "VelocityProfile", "Volume", "WaterFront",
-    "WaveTruth",
+    "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Flap", "FlapStroke",
+    "Fluid", "Force", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Obstacle", "Output", "Piston",
+    "PistonStroke", "Plate", "Polygon", "PressureTap", "ProbeArray", "Profile", "Relaxation", "Roll", "RunUp", "Series",
+    "Sloshing", "SolitaryWave", "Sponge", "StandingWave", "StillWater", "Stokes", "StreamFunction", "SurfaceGauge",
+    "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint", "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at
@@ -54,8 +56,8 @@ class Case(Scene):
     Attributes
     ----------
     title : one line, shown in pictures and tables
-    fluid : Fluid
-    walls : Tank, or None
+    fluid : Fluid, or several of one density and viscosity, which do not overlap
+    walls : Tank, Profile, Obstacle, Plate, Piston or Flap, several of them, or None
     gravity : components of the body force [m/s2], numbers or expressions of x, y and t
     frame : motion of the tank, in whose frame the flow is computed
     absorb : a Sponge or Relaxation zone, or several

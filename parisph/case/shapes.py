@@ -1,15 +1,13 @@
-"""The shapes of a scene: bodies of fluid and the tank that holds them."""
+"""The shapes of a scene, and the tank."""
 
-from typing import Annotated, ClassVar, Literal, Optional, Union
+from typing import Annotated, ClassVar, Literal, Union
 
 import numpy as np
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator
 
 from parisph.base.arrays import Flags, Floats
-from parisph.base.text import shown
-from parisph.case.expressions import compile_expression, variable_names, vector_field
 from parisph.case.model import Model
-from parisph.case.waves import AnyWave
+from parisph.case.motion import AnyMotion, AtRest
 
 
 def _in_the_plane(point: tuple[float, ...]) -> tuple[float, ...]:
@@ -24,7 +22,8 @@ Point = Annotated[
     Field(min_length=2, max_length=3, description="a point (x, y) [m]"),
     AfterValidator(_in_the_plane),
 ]
-Number = Union[float, str]  # a number, or an expression of position
+Name = Annotated[str, Field(max_length=60, pattern=r"^([A-Za-z][A-Za-z0-9_-]*)?$",
+                            description="a name that begins with a letter, of letters, digits, _ and -")]
 
 
 class Box(Model):
@@ -154,12 +153,15 @@ class Tank(Model):
     it there. Viscous fluid sticks to the walls named in `no_slip`, and slips along the others.
     """
 
+    kind: Literal["tank"] = "tank"
     width: Length
     height: Length
     lid: Union[bool, Lid] = Field(False, description="whether the tank has a lid, or a Lid that moves")
     at: Point = (0.0, 0.0)
     no_slip: Union[bool, tuple[Literal["left", "right", "bottom", "top"], ...]] = Field(
         False, description="whether fluid sticks to all walls, or the names of those to which it sticks")
+    name: Name = ""
+    motion: AnyMotion = AtRest()
 
     @property
     def closed(self) -> bool:
@@ -186,98 +188,3 @@ class Tank(Model):
 
 
 Shape = Annotated[Union[Box, Disc, Polygon], Field(discriminator="kind", description="a Box, Disc or Polygon")]
-
-
-class Fluid(Model):
-    """A body of one fluid and how it starts.
-
-    Attributes
-    ----------
-    shape : Box, Disc or Polygon
-    density : [kg/m3]
-    velocity : components [m/s], numbers or expressions of x, y
-    elevation : None, or the height of the free surface above the top of a Box [m], a number or
-        an expression of x; the columns of particles are stretched linearly to reach it
-    wave : None, or a wave (parisph.case.waves) that gives velocity and elevation at t = 0, in place of these two; the
-        top of the Box is its still surface, and the Box is as high as the wave's water is deep
-    viscosity : kinematic [m2/s], 0 for none
-    """
-
-    shape: Shape
-    density: float = Field(gt=0, description="density [kg/m3]")
-    velocity: tuple[Number, ...] = Field((0.0, 0.0),
-                                         description="start velocity (u, v) [m/s], numbers or expressions of x, y")
-    elevation: Union[float, str, None] = Field(
-        None, description="surface elevation above a Box [m], a number or an expression of x"
-    )
-    viscosity: float = Field(0.0, ge=0, description="kinematic viscosity [m2/s]")
-    wave: Optional[AnyWave] = Field(None, description="wave that gives velocity and elevation at the start")
-
-    @property
-    def dim(self) -> int:
-        """Number of dimensions: 2, as scenes in 3D are refused so far."""
-        return len(self.shape.bounds[0])
-
-    @property
-    def raised(self) -> bool:
-        """Whether the surface has an elevation at the start."""
-        return self.elevation is not None or self.wave is not None
-
-    def rise(self, x: Floats) -> Floats:
-        """Return the elevation (n,) [m] of the surface at the start above the top of the shape, at x (n,) [m]."""
-        if self.wave is not None:
-            columns, which = np.unique(x, return_inverse=True)
-            return self.wave.elevation(columns, 0.0)[which]
-        if self.elevation is None:
-            return np.zeros(len(x))
-        return compile_expression(str(self.elevation), ("x",))(x=x)
-
-    def start_velocity(self, x: Floats) -> Floats:
-        """Return the velocity (n, dim) [m/s] at the start, at x (n, dim) [m]."""
-        if self.wave is None:
-            return vector_field(self.velocity, with_time=False)(x)
-        bed = self.shape.bounds[1][-1] - self.wave.depth
-        return np.stack(self.wave.velocity(x[:, 0], x[:, -1] - bed, 0.0), axis=1)
-
-    @model_validator(mode="after")
-    def _wave_fits(self) -> "Fluid":
-        wave = self.wave
-        if wave is None:
-            return self
-        if not isinstance(self.shape, Box):
-            kind = type(self.shape).__name__
-            raise ValueError(f"wave = {wave.kind}: only a Box has a top to raise; leave it out for a {kind}")
-        if self.elevation is not None or tuple(self.velocity) != (0.0,) * self.dim:
-            raise ValueError(f"wave = {wave.kind}: it gives velocity and elevation; leave these two out")
-        if abs(wave.depth - self.shape.height) > 1e-6 * wave.depth:
-            raise ValueError(
-                f"wave.depth = {wave.depth:g}: must be the height of the Box, {self.shape.height:g}; change one of them"
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _consistent(self) -> "Fluid":
-        dim = self.dim
-        check_components("velocity", self.velocity, dim, with_time=False)
-        if self.elevation is not None:
-            if not isinstance(self.shape, Box):
-                raise ValueError(
-                    f"elevation = {shown(self.elevation)}: only a Box has a top to raise; "
-                    f"leave it out for a {type(self.shape).__name__}"
-                )
-            try:
-                compile_expression(str(self.elevation), variable_names(dim - 1, with_time=False))
-            except ValueError as error:
-                raise ValueError(f"elevation: {error}") from None
-        return self
-
-
-def check_components(field: str, components: tuple[Number, ...], dim: int, with_time: bool) -> None:
-    """Raise ValueError unless `components` are dim numbers or expressions that compile."""
-    if len(components) != dim:
-        raise ValueError(f"{field} = {shown(components)}: must have {dim} components, as the fluid's shape has")
-    for component in components:
-        try:
-            compile_expression(str(component), variable_names(dim, with_time))
-        except ValueError as error:
-            raise ValueError(f"{field}: {error}") from None

@@ -181,13 +181,13 @@ def _rest(case: Case, scene: Scene) -> Callable[[float], float] | None:
     those on the surface 1/2. This applies if the water is as wide as the tank; water that flows into another
     shape comes to rest off the lattice. Without a force there is no potential energy.
     """
-    g, density = scene.gravity, case.fluid.density
+    g, density = scene.gravity, case.density
     if not case.driven and not g.any():
         return lambda volume: 0.0
-    if not scene.tank or np.abs(g[:-1]).max(initial=0.0) > 1e-12 * abs(g[-1]) or not g[-1] < 0.0:
+    if not (scene.tank and case.plain) or np.abs(g[:-1]).max(initial=0.0) > 1e-12 * abs(g[-1]) or not g[-1] < 0.0:
         return None
     width = float(np.prod((scene.upper - scene.lower)[:-1]))
-    shape = case.fluid.shape
+    shape = case.fluids[0].shape
     spans = (isinstance(shape, Box) and not case.closed
              and np.allclose(shape.size[:-1], (scene.upper - scene.lower)[:-1]))
     extra = width * scene.step[-1] ** 2 if spans else 0.0

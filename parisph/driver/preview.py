@@ -7,12 +7,17 @@ from typing import Any
 import numpy as np
 
 from parisph.base import memory, vocabulary
-from parisph.case import geometry, scales, size
+from parisph.case import scales, size
+from parisph.case.bodies import motion_of
 from parisph.case.checks import sound_speed
 from parisph.case.methods import METHODS
+from parisph.case.motion import AtRest
 from parisph.case.numerics import WORDS, Numerics
+from parisph.case.scenery import body_names, longest_step, wall_speed
 from parisph.case.schema import Case
 from parisph.driver import cost
+from parisph.driver.sketch import sketch
+from parisph.geometry import build, plain, scene_checks
 from parisph.kernels import viscous, weakly
 from parisph.methods import catalogue, lengths
 
@@ -24,8 +29,9 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
 
     parameters : {name: value} of the case file (case.load.arguments), which --set can change
     """
+    scene_checks.check(case)
     numerics = case.numerics.resolved()
-    count = size.counts(case)
+    count = build.counts(case)
     expected = scales.expected(case)
     steps = estimated_steps(case, numerics, expected)
     seconds, basis = cost.seconds_per_step(numerics, count["all"])
@@ -35,6 +41,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
         ("particles", f"{'' if count['exact'] else 'about '}{count['all']} ({count['fluid']} fluid, "
                       f"{count['wall']} wall), spacing {numerics.spacing:g} m"),
         ("resolution", _resolution(case, expected)),
+        *_geometry(case),
         ("stages", ", ".join(stages(case))),
         ("end time", f"{case.end_time:g} s"),
         ("steps", _steps(case, numerics, steps)),
@@ -46,14 +53,35 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
     lines += [("warning", text) for text in _warnings(case, count)]
     if parameters:
         lines.append(("--set", ", ".join(f"{name}={_text(name, value)}" for name, value in parameters.items())))
-    return "\n".join(f"{name:<12}{text}" for name, text in lines)
+    text = "\n".join(f"{name:<12}{text}" for name, text in lines)
+    return text if case.plain else f"{text}\n\n{sketch(case)}"
+
+
+def _geometry(case: Case) -> Iterator[tuple[str, str]]:
+    """Yield what there is to say about walls and filling of a scene that is not plain."""
+    if case.plain:
+        return
+    moving = {name: type(motion_of(body)).__name__ for name, body in zip(body_names(case.bodies), case.bodies)
+              if not isinstance(motion_of(body), AtRest)}
+    known = scene_checks.facts(case)
+    if known is None:
+        return
+    names = [f"{name} ({moving[name]})" if name in moving else name for name in body_names(case.bodies)]
+    yield "walls", f"{', '.join(names)}: {known.elements} elements"
+    s = case.numerics.spacing
+    gap = (f"thinnest gap {known.gap:.3g} m, {known.gap / s:.3g} spacings, between {' and '.join(known.between)}"
+           if math.isfinite(known.gap) else "no wall faces another")
+    yield "gaps", gap + (f"; sharpest wedge {known.wedge:.3g} degrees" if known.wedge < 180.0 else "")
+    yield "volume", (f"{known.volume:.6g} m2 exactly; the lattice has {known.lattice:.6g} "
+                     f"({100.0 * (known.lattice / known.volume - 1.0):+.1f} %) before its particles get their own")
 
 
 def _warnings(case: Case, count: Mapping[str, int]) -> Iterator[str]:
     """Warn of a method's limits, and of water without a free surface, which the initial lattice already shows."""
     if catalogue.warning(case.numerics):
         yield f"method {case.numerics.method}: {catalogue.warning(case.numerics)}"
-    if not case.closed and count["exact"] and not geometry.lattice(case).has_surface():
+    yield from scene_checks.warnings(case)
+    if not case.closed and count["exact"] and case.plain and not plain.lattice(case).has_surface():
         yield (f"none of the {count['fluid']} fluid particles is on a free surface, "
                "so p = 0 is set only at the highest one; leave a spacing of air, "
                "or fill the tank with a Box of its size, without elevation")
@@ -69,7 +97,7 @@ def _memory(particles: int) -> str:
 
 def stages(case: Case) -> list[str]:
     """Return the names of the stages that a step of this case has, in order."""
-    parts = catalogue.parts_of(case.complete_numerics(), case.fluid.viscosity, case.turns, bool(case.absorb))
+    parts = catalogue.parts_of(case.complete_numerics(), case.viscosity, case.turns, bool(case.absorb))
     names: list[str] = parts.stages(case.closed)
     return names
 
@@ -107,12 +135,13 @@ def stable_step(case: Case) -> float:
     n, s = case.numerics, case.numerics.spacing
     if METHODS[n.method].step == "compressible":
         return weakly.longest_step(lengths.SPH * s, sound_speed(case), 0.0, n.artificial_viscosity, 0.0)
-    return viscous.STABLE * s * s / case.fluid.viscosity if case.fluid.viscosity else math.inf
+    return viscous.STABLE * s * s / case.viscosity if case.viscosity else math.inf
 
 
 def _longest_step(case: Case, n: Numerics) -> float:
     """Return the longest step [s] that the case allows, whatever the flow."""
-    return min(case.frame.longest_step, n.max_time_step or math.inf, stable_step(case))
+    by_walls = n.cfl * n.spacing / wall_speed(case) if n.cfl and wall_speed(case) > 0.0 else math.inf
+    return min(longest_step(case), by_walls, n.max_time_step or math.inf, stable_step(case))
 
 
 def _steps(case: Case, n: Numerics, steps: int) -> str:
@@ -128,11 +157,11 @@ def _steps(case: Case, n: Numerics, steps: int) -> str:
 def _resolution(case: Case, expected: scales.Scales) -> str:
     """Return the lengths of the scene in spacings, as text."""
     s = case.numerics.spacing
-    lower, upper = case.fluid.shape.bounds
+    lower, upper = case.fluid_bounds
     width, depth = (upper - lower)[[0, -1]]
     found = [f"fluid {width / s:.3g} x {depth / s:.3g} spacings"]
-    if case.walls is not None and case.walls.width != width:
-        found.append(f"tank {case.walls.width / s:.3g} wide")
+    if case.tank is not None and case.tank.width != width:
+        found.append(f"tank {case.tank.width / s:.3g} wide")
     if expected.wave is not None:
         found.append(f"wave amplitude {expected.wave / s:.2g} spacings (about {expected.wave:.2g} m by linear theory)")
     return ", ".join(found)

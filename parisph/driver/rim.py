@@ -1,4 +1,4 @@
-"""Water that leaves an open tank: over the rim it is removed and counted, through a wall it is an error."""
+"""Water that leaves an open tank or bed: over the rim it is removed and counted, through a wall it is an error."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,6 +11,7 @@ from parisph.base.errors import ParticleLost, agree
 from parisph.base.fields import FLUID
 from parisph.base.log import logger
 from parisph.case.schema import Case
+from parisph.geometry.build import scene_mesh
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.watch.sampling import Scene
@@ -33,11 +34,12 @@ class Left:
 
 @dataclass
 class OpenTank:
-    """The rim of a tank without a lid.
+    """The rim of walls without a lid.
 
     Attributes
     ----------
-    lower, upper : (dim,) corners [m]; `upper` is on the rim
+    lower, upper : (dim,) corners of the box around the walls [m]
+    rims : heights of the walls at its lower and its upper x [m]
     spacing, reach [m] : the second is how far behind a wall a particle is lost
     scene : for the energy
     left : Left
@@ -45,6 +47,7 @@ class OpenTank:
 
     lower: Floats
     upper: Floats
+    rims: tuple[float, float]
     spacing: float
     reach: float
     scene: Scene
@@ -53,10 +56,10 @@ class OpenTank:
     @classmethod
     def of(cls, case: Case, domain: Domain, state: Mapping[str, Any] | None = None) -> "OpenTank | None":
         """Return the open tank of a case, None if it has none. state : the Left of a checkpoint, as a dict."""
-        if case.walls is None or case.walls.closed:
+        if case.walls is None or case.lidded:
             return None
-        return cls(domain.lower, domain.upper, case.numerics.spacing, domain.radius, Scene.of(case),
-                   Left(**(state or {})))
+        return cls(domain.lower, domain.upper, _rims(case, domain), case.numerics.spacing, domain.radius,
+                   Scene.of(case), Left(**(state or {})))
 
     def let_leave(self, domain: Domain) -> None:
         """Remove the fluid that is out over the rim, and count it. Collective.
@@ -80,7 +83,7 @@ class OpenTank:
     def _gone_and_lost(self, p: Particles) -> tuple[Flags, Flags]:
         x, up = p.x, p.x[:, -1]
         beyond = np.maximum(self.lower[:-1] - x[:, :-1], x[:, :-1] - self.upper[:-1]).max(axis=1)
-        rim = self.upper[-1]
+        rim = np.where(x[:, 0] < 0.5 * (self.lower[0] + self.upper[0]), *self.rims)
         gone = np.where(up >= rim, beyond > OUTSIDE * self.spacing, (beyond > 0.0) & (up > rim - BELOW * self.spacing))
         gone &= p.kind == FLUID
         lost = ~gone & ((beyond > self.reach) | (up < self.lower[-1] - self.reach))
@@ -103,3 +106,14 @@ class OpenTank:
             logger.warning("water leaves the tank over its rim; it is removed and counted")
         self.left = Left(self.left.particles + int(particles), self.left.volume + float(volume),
                          self.left.energy + float(energy))
+
+
+def _rims(case: Case, domain: Domain) -> tuple[float, float]:
+    """Return the heights [m] at which walls end at the lower and at the upper x of the box around them."""
+    mesh = None if case.plain else scene_mesh(case)
+    if mesh is None:
+        return float(domain.upper[-1]), float(domain.upper[-1])
+    x = mesh.x0[:, 0]
+    left, right = x < domain.lower[0] + case.numerics.spacing, x > domain.upper[0] - case.numerics.spacing
+    ends = [float(mesh.x0[side, -1].max(initial=domain.lower[-1])) for side in (left, right)]
+    return ends[0], ends[1]

@@ -1,4 +1,4 @@
-"""A check that a case fits into the memory of the machines that run it, before anything is allocated."""
+"""A check that a case can be built, and fits into the memory of the machines that run it, before that is done."""
 
 from mpi4py import MPI
 
@@ -6,16 +6,18 @@ from parisph.base import memory
 from parisph.base.errors import CaseError
 from parisph.case import size
 from parisph.case.schema import Case
+from parisph.geometry import build, scene_checks
 
 
 def check(case: Case, comm: MPI.Comm) -> None:
-    """Raise CaseError on every rank if the particles need more memory than all machines have. Collective.
+    """Raise CaseError on every rank if the geometry is faulty, or needs more memory than all machines have. Collective.
 
     This is checked where a case runs, not when it is made, so that `parisph check` on a laptop can
     describe a case for a cluster. The memory that other programs use is ignored, because it changes.
     """
+    scene_checks.check(case)
     there = _memory(comm)
-    count = size.counts(case)["all"]
+    count = build.counts(case)["all"]
     need = size.memory(count, comm.size)
     if there is not None and need > there:
         raise CaseError(

@@ -12,13 +12,14 @@ from mpi4py import MPI
 from parisph.base.arrays import Array, Floats
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
-from parisph.case import geometry, scales
+from parisph.case import scales
 from parisph.case.checks import sound_speed, stable_time_step
 from parisph.case.schema import Case
-from parisph.driver import room, warmup
+from parisph.driver import room, solid_walls, warmup
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
+from parisph.geometry import build
 from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
 from parisph.methods import written
@@ -108,20 +109,24 @@ class Simulation:
         agree(self.comm, _wrong_code())
         self.timers = PhaseTimers()
         parts = _parts(case, self.comm)
-        self.particles = Particles(self.comm, case.dim, FieldSet((*parts.fields, *case.output.fields)))
+        self.particles = Particles(self.comm, case.dim,
+                                   FieldSet((*parts.fields, *solid_walls.fields(case), *case.output.fields)))
         arrays = _arrays(case, self.comm) if start is None else start.arrays
         self.particles.assign({name: values for name, values in arrays.items() if name in self.particles.fields})
         self.time = 0.0 if start is None else start.time
         self.steps = 0 if start is None else start.step
         self.dt: float | None = None if start is None else start.dt or None
         s = self.numerics.spacing
-        lower, upper = geometry.domain(case)
+        lower, upper = build.domain(case)
+        elements = solid_walls.elements_of(case, self.particles)
         self.domain = Domain(self.particles, lower, upper, parts.reach * s,
-                             SKIN * s, LIST_SKIN * s, closed=case.walls is not None and case.walls.closed)
+                             SKIN * s, LIST_SKIN * s, closed=case.lidded, elements=elements)
         self._made.append(self.domain)
-        flow = Flow(self.numerics, case.fluid.density, self._force, self.particles, self.domain, self.timers,
-                    closed=case.closed, budget=_budget(case, parts), viscosity=case.fluid.viscosity, spin=case.spin,
-                    absorb=case.absorber)
+        flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
+                    solid_walls.boundary_of(case, elements), self.timers, closed=case.closed,
+                    budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin, absorb=case.absorber)
+        if start is None and not case.plain:
+            solid_walls.fill(case, flow)
         self.method = _method(case, flow, parts, petsc_options)
         self._made.append(self.method)
         if start is not None:
@@ -240,6 +245,7 @@ class Simulation:
         dt = min(dt, self.method.longest_step())
         if self.numerics.time_step is not None:
             return dt
+        dt = min(dt, self.method.flow.walls.longest_step(self.method.flow, self.time))
         dt = min(dt, self.case.frame.longest_step)    # a small force between two turns says nothing of what comes
         return dt if self.dt is not None else self._first(dt)
 
@@ -314,10 +320,10 @@ def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | Non
 
 def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts: Parts | CompressibleParts = parts_of(case.numerics, case.fluid.viscosity, case.turns, bool(case.absorb))
+    parts: Parts | CompressibleParts = parts_of(case.numerics, case.viscosity, case.turns, bool(case.absorb))
     error = None
     try:
-        parts.check(case.dim)
+        parts.check(case.dim, case.plain)
         written.check(case.output.fields, case.dim)
     except CaseError as problem:
         error = problem
@@ -336,7 +342,7 @@ def _method(case: Case, flow: Flow, parts: Parts | CompressibleParts,
 
 def _budget(case: Case, parts: Parts | CompressibleParts) -> Budget | None:
     """Return the Budget of the case, None if it has none."""
-    return Budget(case.fluid.density, Scene.of(case).gravity, parts.causes) if case.output.budget else None
+    return Budget(case.density, Scene.of(case).gravity, parts.causes) if case.output.budget else None
 
 
 def _arrays(case: Case, comm: MPI.Comm) -> dict[str, Array]:
@@ -344,7 +350,7 @@ def _arrays(case: Case, comm: MPI.Comm) -> dict[str, Array]:
     arrays: dict[str, Array] = {}
     error = None
     try:
-        arrays = geometry.build(case, comm.rank, comm.size)
+        arrays = build.build(case, comm.rank, comm.size)
     except Exception as problem:
         error = CaseError(str(problem))
     agree(comm, error)

@@ -59,6 +59,19 @@ def between(line: np.ndarray, height: np.ndarray) -> Intervals:
     return line[:-1][same], height[:-1][same], height[1:][same]
 
 
+def beds(corners: np.ndarray, columns: np.ndarray, top: float) -> np.ndarray:
+    """Return the height (n,) [m] of the highest element below `top` with fluid above it, on lines x = columns (n,).
+
+    corners : (M, 2, 2) [m], with the fluid on the left. Where there is none it is that of the lowest element.
+    """
+    up = corners[corners[:, 0, 0] < corners[:, 1, 0]]
+    order = np.argsort(columns, kind="stable")
+    line, height = crossings(up[:, 0], up[:, 1], columns[order])
+    bed, below = np.full(len(columns), -np.inf), height < top
+    np.maximum.at(bed, order[line[below]], height[below])
+    return np.where(np.isfinite(bed), bed, corners[:, :, 1].min())
+
+
 def union(*parts: Intervals) -> Intervals:
     """Return disjoint intervals, in order, that cover the same as all parts together."""
     line, low, high = (np.concatenate([part[k] for part in parts]) for k in range(3))

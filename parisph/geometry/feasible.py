@@ -1,15 +1,16 @@
 """What in a scene's geometry will not work, or not as meant, in plain sentences for `parisph check` (2D)."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from parisph.case.bodies import StillWater
 from parisph.case.shapes import Shape
 from parisph.geometry.fill import Filling
-from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors, wall_mesh
+from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors, chains_of, motion_numbers, wall_mesh
 from parisph.geometry.outline import Wall, in_fluid, outline_of
-from parisph.geometry.polygons import Chain, joined
+from parisph.geometry.polygons import Chain
 
 GAP = 2.0        # spacings: fluid between walls that are nearer has no particle that is not beside both
 WEDGE = 15.0     # degrees: in a sharper corner particles see too little fluid
@@ -18,22 +19,45 @@ NEAR = 0.02      # spacings: so far in front of an element its fluid is looked f
 
 
 def findings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
-    """Return what is wrong with a scene, one sentence each, the same on all ranks.
+    """Return what is wrong with a scene: its faults and its warnings, the same on all ranks.
 
     walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
     """
-    outlines = [outline_of(wall) for wall in walls]
-    chains = joined(outlines, spacing) if walls else []
-    if walls and not chains:
+    found = faults(walls, fluids, spacing)
+    return found if not walls or _nothing_touched(walls, spacing) else [*found, *warnings(walls, fluids, spacing)]
+
+
+def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
+    """Return what makes a scene impossible to compute, one sentence each with a remedy; see `findings`."""
+    if walls and _nothing_touched(walls, spacing):
         return ["no wall touches fluid: each body lies inside another"]
-    found = []
+    found, mesh = [], None
     if walls:
-        mesh = wall_mesh(walls, spacing)
+        chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
         names = [body.name for body in mesh.bodies]
-        found += [*_hidden(chains, names), *_wrong_sides(mesh, outlines, names, spacing), *_wedges(chains, names),
-                  *_narrow(mesh, chains, names, spacing), *_short(mesh, names, spacing)]
-        found += _open_ends(chains, names, fluids, spacing)
-    return [*found, *_filled(walls, fluids, mesh if walls else None, spacing)]
+        found += [*_hidden(chains, names), *_wrong_sides(mesh, walls, names, spacing),
+                  *_open_ends(chains, mesh, walls, fluids, spacing)]
+    return [*found, *_filled(walls, fluids, mesh, spacing)]
+
+
+def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
+    """Return what will be computed less well than the rest, one sentence each; see `findings`."""
+    chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
+    names = [body.name for body in mesh.bodies]
+    return [*_wedges(chains, names), *_beaches(mesh, names, fluids), *_narrow(*resting(mesh, chains), names, spacing),
+            *_short(mesh, names, spacing)]
+
+
+def _nothing_touched(walls, spacing):
+    return not chains_of(walls, spacing)
+
+
+def resting(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[WallMesh, list[Chain]]:
+    """Return a mesh with the elements of bodies that do not move only, and the chains of these."""
+    rests = np.array([body.motion == 0 for body in mesh.bodies])
+    keep = rests[mesh.element_body]
+    return (replace(mesh, elements=mesh.elements[keep], element_body=mesh.element_body[keep]),
+            [chain for chain in chains if rests[chain.body].all()])
 
 
 def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[float, np.ndarray, int, int]:
@@ -42,6 +66,8 @@ def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[float, np.nda
     It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
     another.
     """
+    if not chains:
+        return np.inf, np.full(2, np.nan), -1, -1
     a, b, owner = _pieces(chains)
     normal = area_vectors(np.stack([a, b], axis=1))
     normal /= np.linalg.norm(normal, axis=1)[:, None]
@@ -90,16 +116,22 @@ def _hidden(chains, names) -> Iterator[str]:
             yield f"{name}: no fluid touches it, because it lies inside or behind another body; leave it out or move it"
 
 
-def _wrong_sides(mesh, outlines, names, spacing) -> Iterator[str]:
-    """Elements whose front is not fluid, or whose back is."""
+def _wrong_sides(mesh, walls, names, spacing) -> Iterator[str]:
+    """Elements whose front is not fluid, or whose back is, as far as bodies go that move alike."""
+    outlines = [outline_of(wall) for wall in walls]
     corners = mesh.corners()
     unit = area_vectors(corners)
     unit = unit / np.linalg.norm(unit, axis=1)[:, None]
     step = NEAR * spacing + 0.5 * _sagitta(mesh, spacing)
     thin = np.array([outlines[number].two_sided for number in mesh.element_body])
     middle = corners.mean(axis=1)
-    front = in_fluid(outlines, middle + step * unit)
-    back = in_fluid(outlines, middle - step * unit) & ~thin
+    motions = np.array([body.motion for body in mesh.bodies])
+    front, back = np.zeros(len(middle), dtype=bool), np.zeros(len(middle), dtype=bool)
+    for motion in np.unique(motions):
+        own = motions[mesh.element_body] == motion
+        members = [outline for outline, number in zip(outlines, motions) if number == motion]
+        front[own] = in_fluid(members, (middle + step * unit)[own])
+        back[own] = in_fluid(members, (middle - step * unit)[own]) & ~thin[own]
     for number, name in enumerate(names):
         wrong = (mesh.element_body == number) & (~front | back)
         if wrong.any():
@@ -118,6 +150,29 @@ def _wedges(chains, names) -> Iterator[str]:
             body = names[chain.body[min(k, len(chain.body) - 1)]]
             yield (f"{body}: at {_at(chain.points[k])} the fluid ends in a wedge of "
                    f"{np.degrees(chain.angle[k]):.1f} degrees; below {WEDGE:g} its tip is not resolved at any spacing")
+
+
+def shores(mesh: WallMesh, levels: Sequence[float]) -> list[tuple[float, np.ndarray, int]]:
+    """Return where walls with fluid above them cross levels [m]: the angle of the fluid below the level, between it and
+    the wall [degrees], the place (2,) [m], and the body."""
+    corners, found = mesh.corners(), []
+    normal = area_vectors(corners)
+    for level in levels:
+        low, high = corners[:, :, 1].min(axis=1), corners[:, :, 1].max(axis=1)
+        for k in np.flatnonzero((low < level) & (high >= level) & (normal[:, 1] > 0.0)):
+            a, b = corners[k]
+            t = (level - a[1]) / (b[1] - a[1])
+            found.append((float(np.degrees(np.arctan2(abs(b[1] - a[1]), abs(b[0] - a[0])))), a + t * (b - a),
+                          int(mesh.element_body[k])))
+    return found
+
+
+def _beaches(mesh, names, fluids) -> Iterator[str]:
+    levels = [fluid.level for fluid in fluids if isinstance(fluid, StillWater)]
+    for angle, at, body in shores(mesh, levels):
+        if angle < WEDGE:
+            yield (f"{names[body]}: at {_at(at)} the water ends in a wedge of {angle:.1f} degrees; below {WEDGE:g} its "
+                   "tip is not resolved at any spacing")
 
 
 def _narrow(mesh, chains, names, spacing) -> Iterator[str]:
@@ -143,19 +198,24 @@ def _short(mesh, names, spacing) -> Iterator[str]:
             yield f"{name}: it has nodes at its corners only; use a spacing of at most {0.5 * edge:.3g}"
 
 
-def _open_ends(chains, names, fluids, spacing) -> list[str]:
-    """Open ends of walls below the top of the fluid, through which it would leave."""
+def _open_ends(chains, mesh, walls, fluids, spacing) -> Iterator[str]:
+    """Open ends of walls below the top of the fluid, through which it would leave.
+
+    What moves may have gaps beside it; what is behind it has no fluid.
+    """
     tops = [fluid.level if isinstance(fluid, StillWater) else fluid.bounds[1][1] for fluid in fluids]
-    top, found = max(tops, default=-np.inf), []
+    top, outlines = max(tops, default=-np.inf), [outline_of(wall) for wall in walls]
+    moving = np.array(motion_numbers(walls)) != 0
+    movers = [outline for outline, moves in zip(outlines, moving) if moves]
     for chain in chains:
-        if not chain.closed:
-            for k, body in ((0, chain.body[0]), (-1, chain.body[-1])):
-                end = chain.points[k]
-                beside = any(_is_near(fluid, end, spacing) for fluid in fluids)
-                if end[1] < top - 1e-6 * spacing and beside:
-                    found.append(f"{names[body]}: it ends in the fluid at {_at(end)}, {top - end[1]:g} m below its "
-                                 "top; lead it on above the water, or let it end on another body")
-    return found
+        if chain.closed or moving[chain.body].any():
+            continue
+        for k, body in ((0, chain.body[0]), (-1, chain.body[-1])):
+            end = chain.points[k]
+            beside = any(_is_near(fluid, end, spacing) for fluid in fluids) and in_fluid(movers, end[None])[0]
+            if end[1] < top - 1e-6 * spacing and beside:
+                yield (f"{mesh.bodies[body].name}: it ends in the fluid at {_at(end)}, {top - end[1]:g} m below its "
+                       "top; lead it on above the water, or let it end on another body")
 
 
 def _is_near(fluid, x, spacing):
@@ -163,18 +223,20 @@ def _is_near(fluid, x, spacing):
 
 
 def _filled(walls, fluids, mesh, spacing) -> Iterator[str]:
-    """Bodies of fluid without particles, or with those of another."""
-    seen = []
+    """Bodies of fluid without particles, or with those of another. Still water gives way to other fluid."""
+    seen, shapes = [], [fluid for fluid in fluids if not isinstance(fluid, StillWater)]
     for number, fluid in enumerate(fluids):
-        if isinstance(fluid, StillWater) and mesh is None:
+        still = isinstance(fluid, StillWater)
+        if still and mesh is None:
             yield f"still water at level {fluid.level:g}: there are no walls to hold it"
             continue
-        fill = Filling(fluid, walls, mesh, spacing)
+        fill = Filling(fluid, walls, mesh, spacing, (), shapes if still else ())
         name = f"fluid {number + 1} ({fluid.kind})"
         if fill.count == 0:
-            yield f"{name}: it has no particles: it is thinner than a spacing, or behind the walls"
+            yield (f"{name}: it has no particles: it is thinner than a spacing, or behind the walls; use a smaller "
+                   "spacing, or move it")
         for other, kind in seen:
-            if _overlap(fluid, other, fill, spacing):
+            if still == isinstance(other, StillWater) and fill.count and _overlap(fluid, other, fill, spacing):
                 yield f"{name}: it overlaps fluid {kind}; make them disjoint"
         seen.append((fluid, f"{number + 1} ({fluid.kind})"))
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from parisph.case.bodies import StillWater
-from parisph.case.lattice import Lattice
+from parisph.case.lattice import FIT, Lattice
 from parisph.case.shapes import Box, Shape, Tank
 from parisph.geometry.columns import between, crossings, gaps, near_pieces, union
 from parisph.geometry.mesh import WallMesh
@@ -17,6 +17,7 @@ from parisph.geometry.outline import Wall, corners_of, in_fluid, outline_of
 
 CUT = 0.5        # spacings: fluid is no nearer to a wall
 EDGE = 0.01      # spacings: a point this near to the edge of a shape is in it
+THIN = 0.75      # spacings: a thinner box has no lattice of its own
 ROUNDING = 1e-6  # spacings: a point this much nearer to a wall than the cut still counts
 
 
@@ -30,6 +31,7 @@ class Filling:
     mesh : WallMesh of these walls, None without walls
     spacing : [m]
     holes : shapes without fluid inside this one
+    others : shapes of other fluid, from which this keeps half a spacing
 
     Attributes
     ----------
@@ -38,8 +40,8 @@ class Filling:
     """
 
     def __init__(self, shape: Shape | StillWater, walls: Sequence[Wall], mesh: WallMesh | None, spacing: float,
-                 holes: Sequence[Shape] = ()) -> None:
-        self.shape, self.holes, self.spacing = shape, tuple(holes), spacing
+                 holes: Sequence[Shape] = (), others: Sequence[Shape] = ()) -> None:
+        self.shape, self.holes, self.others, self.spacing = shape, tuple(holes), tuple(others), spacing
         self._outlines = [outline_of(wall) for wall in walls]
         tank = next((wall for wall in walls if isinstance(wall, Tank)), None)
         self.origin, self.step, first, last = self._frame(tank, mesh)
@@ -65,6 +67,8 @@ class Filling:
             step = np.array([s if tank is None else lattice.step[0], s])
             first = np.ceil((lower - origin) / step).astype(np.int64)
             return origin, step, first, np.array([np.floor((upper[0] - origin[0]) / step[0]), 0], dtype=np.int64)
+        if isinstance(self.shape, Box) and tank is not None and not _on_lattice(self.shape, tank, s):
+            tank = None    # its own lattice: points on its edges, and so a surface where the user has it
         lattice = Lattice(self.shape, tank, s)
         return lattice.origin, lattice.step, lattice.first, lattice.first + lattice.counts - 1
 
@@ -82,6 +86,7 @@ class Filling:
             corners = mesh.corners()
             taken.append(near_pieces(corners[:, 0], corners[:, 1], (CUT - ROUNDING) * self.spacing, lines))
         taken += [self._covered(hole, lines, -EDGE) for hole in self.holes]
+        taken += [self._covered(other, lines, CUT - ROUNDING) for other in self.others]
         if not isinstance(self.shape, (StillWater, Box)):    # a box is all between the least and the greatest index
             taken.append(gaps(self._covered(self.shape, lines, EDGE), len(lines), bottom, top))
         none = (np.empty(0, np.int64), np.empty(0), np.empty(0))
@@ -110,20 +115,22 @@ class Filling:
         run = np.searchsorted(self._before, number, side="right") - 1
         return np.stack([self._line[run] + self._first, self._begin[run] + number - self._before[run]], axis=1)
 
-    def is_surface(self, index: np.ndarray) -> np.ndarray:
+    def is_surface(self, index: np.ndarray, others: "Sequence[Filling]" = ()) -> np.ndarray:
         """Return which of the filled indices (n, 2) have a neighbour along an axis that is not in the shape, (n,) bool.
 
-        Walls that the shape reaches have no free surface before them.
+        Walls that the shape reaches have no free surface before them. others : further fluid, which may be there
         """
         free = np.zeros(len(index), dtype=bool)
         for axis in range(2):
             for side in (-1, 1):
                 beside = index.copy()
                 beside[:, axis] += side
-                free |= ~self._in_shape(self.position(beside))
+                x = self.position(beside)
+                free |= ~np.any([self.holds(x), *(other.holds(x) for other in others)], axis=0)
         return free
 
-    def _in_shape(self, x):
+    def holds(self, x: np.ndarray) -> np.ndarray:
+        """Return which points x (n, 2) [m] lie in the shape or on its edge, walls or not, (n,) bool."""
         edge = EDGE * self.spacing
         if isinstance(self.shape, StillWater):
             return x[:, 1] <= self.shape.level + edge
@@ -131,6 +138,15 @@ class Filling:
         for hole in self.holes:
             inside &= ~hole.inside(x, -edge) if not hasattr(hole, "points") else ~hole.inside(x, 0.0)
         return inside
+
+
+def _on_lattice(box, tank, spacing):
+    """Return whether the edges of a box lie on the lattice of its tank, or it is too thin for one of its own."""
+    if np.any(box.size < THIN * spacing):
+        return True
+    step = Lattice(box, tank, spacing).step
+    ends = (np.array(box.bounds) - tank.bounds[0]) / step
+    return bool(np.all(np.abs(ends - np.round(ends)) <= FIT))
 
 
 def share(fillings: Sequence[Filling], rank: int, size: int) -> list[tuple[int, int]]:

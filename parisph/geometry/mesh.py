@@ -6,12 +6,14 @@ elements (2D).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from parisph.base.errors import CaseError
 from parisph.case.lattice import Lattice
+from parisph.case.motion import AtRest, Motion
+from parisph.case.scenery import body_names
 from parisph.case.shapes import Box, Tank
 from parisph.geometry.outline import Wall, outline_of
 from parisph.geometry.polygons import Chain, joined
@@ -72,16 +74,17 @@ def area_vectors(corners: np.ndarray) -> np.ndarray:
 
 
 def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
-    """Return the mesh of the walls of a scene (2D).
+    """Return the mesh of the walls of a scene (2D), each in its own frame, as at t = 0.
 
-    walls : Tank, Profile, Obstacle and Plate, in one frame; spacing : [m]
+    walls : Tank, Profile, Obstacle and Plate; spacing : [m]. Bodies that move alike are joined where they touch.
 
     Raises
     ------
     CaseError : two bodies leave nothing of one another that touches fluid
     """
-    bodies = tuple(_body(wall, number) for number, wall in enumerate(walls))
-    chains = joined([outline_of(wall) for wall in walls], spacing)
+    bodies = tuple(Body(name, number, _slip(wall))
+                   for name, number, wall in zip(body_names(tuple(walls)), motion_numbers(walls), walls))
+    chains = chains_of(walls, spacing)
     if not chains:
         names = ", ".join(body.name for body in bodies)
         raise CaseError(f"walls: no fluid touches any of {names}: each lies inside another")
@@ -92,9 +95,30 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
     return _together(meshes, bodies)
 
 
-def _body(wall, number):
-    name = getattr(wall, "name", "") or (type(wall).__name__.lower() + (f"-{number}" if number else ""))
-    return Body(name, 0, getattr(wall, "slip", "free"))
+def chains_of(walls: Sequence[Wall], spacing: float) -> list[Chain]:
+    """Return the chains of all walls: those that move alike joined, in the order of their motions."""
+    numbers, chains = np.array(motion_numbers(walls), dtype=np.int64), []
+    for motion in np.unique(numbers):
+        members = np.flatnonzero(numbers == motion)
+        for chain in joined([outline_of(walls[k]) for k in members], spacing):
+            chains.append(replace(chain, body=members[chain.body]))
+    return chains
+
+
+def motions_of(walls: Sequence[Wall]) -> tuple[Motion, ...]:
+    """Return the motions of walls, number 0, 1, ... of which number 0 is rest."""
+    return AtRest(), *dict.fromkeys(wall.motion for wall in walls if not isinstance(wall.motion, AtRest))
+
+
+def motion_numbers(walls: Sequence[Wall]) -> list[int]:
+    """Return for each wall the number of its motion in `motions_of`."""
+    motions = motions_of(walls)
+    return [0 if isinstance(wall.motion, AtRest) else motions.index(wall.motion) for wall in walls]
+
+
+def _slip(wall):
+    """Return "none" for a wall to which viscous fluid sticks; a Tank may have such sides beside others."""
+    return ("none" if wall.sticky else "free") if isinstance(wall, Tank) else wall.slip
 
 
 def _lone_tank(walls, chains):

@@ -172,7 +172,7 @@ def completed_density(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, weight
     weight : (n_all,) 1 for fluid; of nodes, the part of a cell s^dim that is inside the fluid; 0 for those that do
         not count
     area : (n_all, dim) area vector of nodes over s^(dim-1), 0 for all others
-    corners : (M, dim, dim) [m]; present : (M,) bool, elements that count
+    corners : (M, dim, dim) [m]; present : (M,), 0 to 1, the part of each element that counts
     values, h, full, spacing : of the Table
     """
     dim = len(axes)
@@ -201,9 +201,9 @@ def completed_density(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, weight
                         before += (x[i, a] - x[j, a]) * area[j, a]
                     total += before * _entry(values, 1, math.sqrt(apart[k]), step)
             for k in range(element_indptr[i], element_indptr[i + 1]):
-                if present[element_indices[k]]:
-                    e = element_indices[k]
-                    total += _solid_behind(pull, n, i, x, e, corners, values, h, step, False, axes) / cell
+                e = element_indices[k]
+                if present[e] > 0.0:
+                    total += present[e] * _solid_behind(pull, n, i, x, e, corners, values, h, step, False, axes) / cell
         alpha[i] = total / full
 
 
@@ -331,10 +331,11 @@ def completed_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, weight:
         if element_indptr[i] < element_indptr[i + 1]:
             _add_nodes(mean, i, near, kind, area, values, step, indptr, indices, axes)
             for k in range(element_indptr[i], element_indptr[i + 1]):
-                if present[element_indices[k]]:
-                    _solid_behind(pull, n, i, x, element_indices[k], corners, values, h, step, True, axes)
+                e = element_indices[k]
+                if present[e] > 0.0:
+                    _solid_behind(pull, n, i, x, e, corners, values, h, step, True, axes)
                     for a in range(dim):
-                        mean[a] += pull[a] / cell
+                        mean[a] += present[e] * pull[a] / cell
         for a in range(dim):
             out[i, a] = mean[a] / full
 
@@ -353,3 +354,43 @@ def _add_nodes(mean, i, near, kind, area, values, step, indptr, indices, axes):
             slope, b = before * _entry(values, 2, r, step), _entry(values, 1, r, step)
             for a in range(len(axes)):
                 mean[a] += slope * near[a, k] + b * area[j, a]
+
+
+@kernel
+def node_sums(ratio: np.ndarray, gradient: np.ndarray, x: np.ndarray, kind: np.ndarray, weight: np.ndarray,
+              area: np.ndarray, values: np.ndarray, h: float, full: float, element_indptr: np.ndarray,
+              indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """What nodes of such weights and areas add to `completed_density` and `completed_gradient` of owned fluid.
+
+    ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs; other arguments as of those
+    """
+    dim, step = len(axes), 2.0 * h / (ENTRIES - 1)
+    away = np.empty(dim)
+    for i in range(len(indptr) - 1):
+        ratio[i] = 0.0
+        gradient[i, :] = 0.0
+        if kind[i] != FLUID or element_indptr[i] == element_indptr[i + 1]:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != WALL or weight[j] == 0.0 and not _any(area, j, axes):
+                continue
+            r2, before = 0.0, 0.0
+            for a in range(dim):
+                away[a] = x[i, a] - x[j, a]
+                r2 += away[a] ** 2
+                before += away[a] * area[j, a]
+            r = math.sqrt(r2)
+            b = _entry(values, 1, r, step)
+            ratio[i] += (weight[j] * cubic_spline(r, h, dim) + before * b) / full
+            slope = weight[j] * cubic_spline_slope(r, h, dim) + before * _entry(values, 2, r, step)
+            for a in range(dim):
+                gradient[i, a] += (slope * away[a] + b * area[j, a]) / full
+
+
+@inlined
+def _any(vectors, i, axes):
+    found = False
+    for a in range(len(axes)):
+        found = found or vectors[i, a] != 0.0
+    return found

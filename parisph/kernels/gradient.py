@@ -11,6 +11,7 @@ from parisph.kernels.moments import invert, pair_weight
 from parisph.kernels.near import dot, fill_up, gather, room_for, weigh
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline_slope
+from parisph.kernels.solids import element_normal, nearest_point
 
 TOO_FEW = -1.0      # the quality of a moment of fewer than dim + 1 neighbours
 SOFTENING = 0.25    # of the moment's mean, times what its quality lacks
@@ -132,6 +133,69 @@ def harmonic_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.nd
 
 
 @kernel
+def gradient_at_walls(out: np.ndarray, f: np.ndarray, slope_here: np.ndarray, less: np.ndarray, x: np.ndarray,
+                      role: np.ndarray, radius: float, power: int, floor: float, near_wall: float, corners: np.ndarray,
+                      element_indptr: np.ndarray, element_indices: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
+                      axes: tuple[int, ...]) -> None:
+    """Repeat `least_squares_gradient` where neighbours are too few, with the slope at the nearest wall for a datum.
+
+    M becomes M + w n n^T, and b becomes b + w n (n . slope), w = tr M, where n is the normal of the nearest element.
+    Without it a particle at a contact line, in a wedge of water, may fall freely and stir everything. Exact for f with
+    this slope at the wall. Particles that become a slope by it are no longer BALLISTIC but SURFACE.
+
+    slope_here : (n_all, dim), and less : (M, dim), of elements: the gradient of f at a wall has the normal part of
+        their difference; role : (n_all,), changed
+    near_wall : [m], from an element at which its datum counts; others as there
+    """
+    dim, room = len(axes), room_for(indptr)
+    near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
+    member = np.empty(room, np.int32)
+    m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
+    place, foot, best = np.empty(dim), np.empty(dim), np.empty(dim)
+    for i in range(len(indptr) - 1):
+        if element_indptr[i] == element_indptr[i + 1] or role[i] not in (INNER, SURFACE, BALLISTIC):
+            continue
+        count = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
+        columns = fill_up(near, count, axes)
+        quality = support(m, inverse, weighted, near, power, count, columns, axes)
+        if quality >= floor:
+            continue
+        least, nearest = near_wall * near_wall, -1
+        for k in range(element_indptr[i], element_indptr[i + 1]):
+            e = element_indices[k]
+            for a in range(dim):
+                place[a] = x[i, a]
+            nearest_point(foot, place, e, corners, axes)
+            r2 = 0.0
+            for a in range(dim):
+                r2 += (place[a] - foot[a]) ** 2
+            if r2 < least:
+                least, nearest = r2, e
+                element_normal(best, e, corners, axes)
+        if nearest < 0:
+            continue
+        trace, slope = 0.0, 0.0
+        for a in range(dim):
+            trace += m[a, a]
+            slope += best[a] * (slope_here[i, a] - less[nearest, a])
+        for a in range(dim):
+            for b in range(dim):
+                m[a, b] += trace * best[a] * best[b]
+        quality = invert(m, inverse, axes)
+        if not quality > 0.0 or (quality < floor and not _soften(m, inverse, floor - quality, axes)):
+            continue
+        for k in range(columns):
+            difference[0, k] = (f[member[k]] - f[i]) / radius if k < count else 0.0
+        out[i, :] = 0.0
+        for b in range(dim):
+            right = dot(weighted, 1 + b, difference, 0, columns) + trace * best[b] * slope
+            for a in range(dim):
+                out[i, a] += inverse[a, b] * right
+        if role[i] == BALLISTIC:
+            role[i] = SURFACE
+
+
+@kernel
 def symmetric_gradient(out: np.ndarray, p: np.ndarray, x: np.ndarray, role: np.ndarray, h: float, volume: float,
                        indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Momentum-conserving gradient (Zheng et al. 2017, Eq. 25, with the missing m_j).
@@ -157,16 +221,18 @@ def symmetric_gradient(out: np.ndarray, p: np.ndarray, x: np.ndarray, role: np.n
 
 @kernel
 def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
-                  role: np.ndarray, wall_u: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
-                  axes: tuple[int, ...]) -> None:
+                  role: np.ndarray, wall_u: np.ndarray, shear: np.ndarray, radius: float, indptr: np.ndarray,
+                  indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Velocity of wall particles: normal part from the wall, tangential part from the fluid.
 
     The tangential part is the value at the wall of a linear fit through the fluid within the
     radius. The slope is damped by adding radius^2/10 to the variance of the distances, because a
-    plain linear fit through one or two layers of particles amplifies their disorder. Corners move
+    plain linear fit through one or two layers of particles amplifies their disorder; what is known of
+    the slope, the shear of irrotational flow beside a wall that turns, is not damped. Corners move
     with the wall.
 
-    u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]
+    u : (n_all, dim), rows of owned walls are written; wall_u : (n_owned, dim) [m/s]; shear : (n_owned, dim) [1/s], the
+        change of the tangential part per distance from the wall
     """
     dim = len(axes)
     radius2 = radius * radius
@@ -177,11 +243,11 @@ def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.nda
             u[i, a] = wall_u[i, a]
         if corner[i] or outside(role[i]):
             continue
-        _extrapolate(u, i, x, kind, normal, wall_u, radius2, indptr, indices, axes)
+        _extrapolate(u, i, x, kind, normal, wall_u, shear, radius2, indptr, indices, axes)
 
 
 @kernel
-def _extrapolate(u, i, x, kind, normal, wall_u, radius2, indptr, indices, axes):
+def _extrapolate(u, i, x, kind, normal, wall_u, shear, radius2, indptr, indices, axes):
     """Fit u against the distance from the wall, and set the tangential value at the wall."""
     dim = len(axes)
     s0, s1, s2 = 0.0, 0.0, 0.0
@@ -201,12 +267,13 @@ def _extrapolate(u, i, x, kind, normal, wall_u, radius2, indptr, indices, axes):
             continue
         w, _ = pair_weight(i, j, x, radius2, 0, axes)
         mean = s1 / s0
-        share = w / s0 * (1.0 - mean * (_height(i, j, x, normal, axes) - mean) / variance)
+        y = _height(i, j, x, normal, axes)
+        share = w / s0 * (1.0 - mean * (y - mean) / variance)
         slip = 0.0
         for a in range(dim):
             slip += (u[j, a] - wall_u[i, a]) * normal[i, a]
         for a in range(dim):
-            u[i, a] += share * (u[j, a] - wall_u[i, a] - slip * normal[i, a])
+            u[i, a] += share * (u[j, a] - wall_u[i, a] - slip * normal[i, a] - y * shear[i, a])
 
 
 @kernel

@@ -14,6 +14,7 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mirrors import gather_around, near_planes, reflect
 from parisph.kernels.near import room_for
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
+from parisph.kernels.solids import nearest_point
 
 SECTORS = 16  # of the circle, in the quick test for a gap
 
@@ -93,7 +94,9 @@ def position_divergence(div: np.ndarray, x: np.ndarray, kind: np.ndarray, corner
 @kernel
 def surface_by_gap(role: np.ndarray, was: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
                    normal: np.ndarray, alpha: np.ndarray, radius: float, enter: float, leave: float, thin: float,
-                   indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+                   mirrors: bool, corners: np.ndarray, present: np.ndarray, element_indptr: np.ndarray,
+                   element_indices: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
+                   axes: tuple[int, ...]) -> None:
     """Mark fluid particles on the surface by the largest angle free of neighbours (2D).
 
     A particle joins the surface if the gap exceeds `enter` [rad], and stays on it while the gap exceeds
@@ -103,8 +106,11 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, x: np.ndarray, kind: np.nd
 
     role : output for owned fluid; was : role at the previous step (owned and ghost)
     kind : (n_all,), ABSENT for particles that are no neighbours
+    mirrors : whether images of fluid in walls count, too
+    corners, present : of elements, as of density.completed_density; that point of an element counts which is nearest
     """
     member, image = np.empty(2, np.int64), np.empty(2)
+    place, foot = np.empty(2), np.empty(2)
     angles = np.empty(1024)
     radius2 = radius * radius
     for i in range(len(indptr) - 1):
@@ -119,10 +125,18 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, x: np.ndarray, kind: np.nd
         if n >= 4 and bound < limit:
             continue  # most particles: no angle has to be known
         n, walls = _angles(angles, i, x, kind, radius2, indptr, indices)
-        if walls:
+        if walls and mirrors:
             planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
             n = _image_angles(angles, n, i, planes, member, image, x, kind, normal, radius2, indptr,
                               indices, axes)
+        for k in range(element_indptr[i], element_indptr[i + 1]):
+            e = element_indices[k]
+            place[0], place[1] = x[i, 0], x[i, 1]
+            nearest_point(foot, place, e, corners, axes)
+            dx, dy = foot[0] - x[i, 0], foot[1] - x[i, 1]
+            if present[e] > 0.0 and 0.0 < dx * dx + dy * dy < radius2 and n < len(angles):
+                angles[n] = math.atan2(dy, dx)
+                n += 1
         if n < 4 or _largest_gap(angles, n) > limit:
             role[i] = SURFACE
 

@@ -1,14 +1,18 @@
 """The wall particles that touch the fluid, in any dimension."""
 
+import math
+
 import numpy as np
 
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.jit import kernel
+from parisph.kernels.solids import element_normal, nearest_point
 
 # Lengths in spacings.
 TOUCH = 0.55    # fluid as near to a wall as this is in contact; the wall guard stops it at half a spacing
 MOVING = 1e-3   # what moves by less in a step rests
 BESIDE = 0.75   # along the wall, from a wall particle to the fluid in front of it
+COVER, FAR = 1.5, 2.5     # fluid as near in front of a wall particle covers it; as far away it does not
 FELT = 0.75     # fluid as near to a wall particle as this feels its friction, wet or not
 NEARBY = 1.6    # inner fluid behind a water line that moves on along the wall
 
@@ -64,6 +68,64 @@ def closing_walls(closing: np.ndarray, role: np.ndarray, x: np.ndarray, u: np.nd
         closing[i] = APART if facing else FREE
         if role[i] == WET or hit or (beside_wet and beside_inner):
             closing[i] = CLOSING
+
+
+@kernel
+def covered_walls(covered: np.ndarray, x: np.ndarray, kind: np.ndarray, normal: np.ndarray, spacing: float,
+                  indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Write which part of each owned wall particle has fluid in front of it, 0 to 1; fluid gets 1.
+
+    covered_i = min(1, sum_j (1 - t_ij/s) a_ij), with the distance t_ij < s along the wall, and a_ij = 1 of fluid up to
+    COVER in front of it, that falls to 0 at FAR. What is behind dry walls is then no solid that completes a sum of
+    kernels: above the water line there is neither fluid nor its continuation.
+    """
+    for i in range(len(indptr) - 1):
+        covered[i] = 1.0
+        if kind[i] != WALL:
+            continue
+        total = 0.0
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != FLUID:
+                continue
+            away, r2 = 0.0, 0.0
+            for a in range(len(axes)):
+                away += (x[j, a] - x[i, a]) * normal[i, a]
+                r2 += (x[j, a] - x[i, a]) ** 2
+            along = math.sqrt(max(r2 - away * away, 0.0)) / spacing
+            if 0.0 < away < FAR * spacing and along < 1.0:
+                total += (1.0 - along) * min((FAR - away / spacing) / (FAR - COVER), 1.0)
+        covered[i] = min(total, 1.0)
+
+
+@kernel
+def before_moving_walls(apart: np.ndarray, x: np.ndarray, kind: np.ndarray, own: np.ndarray, corners: np.ndarray,
+                        motion: np.ndarray, element_indptr: np.ndarray, element_indices: np.ndarray,
+                        axes: tuple[int, ...]) -> None:
+    """Write how far wall particles are from elements of walls of a later number of motion, 0 behind them [m].
+
+    A wall that moves passes over the nodes of others, as a piston over those of the bed.
+
+    apart : (n_owned,), changed where there are any; own : (n_owned,) number of the motion of a particle; motion : (M,)
+    """
+    dim = len(axes)
+    place, foot, n = np.empty(dim), np.empty(dim), np.empty(dim)
+    for i in range(len(element_indptr) - 1):
+        if kind[i] != WALL:
+            continue
+        for k in range(element_indptr[i], element_indptr[i + 1]):
+            e = element_indices[k]
+            if motion[e] <= own[i]:
+                continue
+            for a in range(dim):
+                place[a] = x[i, a]
+            nearest_point(foot, place, e, corners, axes)
+            element_normal(n, e, corners, axes)
+            r2, height = 0.0, 0.0
+            for a in range(dim):
+                r2 += (place[a] - foot[a]) ** 2
+                height += (place[a] - foot[a]) * n[a]
+            apart[i] = min(apart[i], math.sqrt(r2) if height > 0.0 else 0.0)
 
 
 @kernel

@@ -127,9 +127,15 @@ class Parts:
                 "solve" + (" (null space)" if closed else ""), f"correct ({self.gradient.name} gradient{surface})",
                 *(part.words for part in self.regularisers)]
 
-    def check(self, dim: int) -> None:
-        """Raise CaseError for a part that does not work in so many dimensions."""
+    def check(self, dim: int, plain: bool = True) -> None:
+        """Raise CaseError for a part that does not work in so many dimensions, or beside walls of any shape.
+
+        plain : whether the walls are those of a tank alone
+        """
         for part in self:
+            if not (plain or part.shapes):
+                raise CaseError(f"{part.name!r} works in a scene of one Tank with one Box, Disc or Polygon only: "
+                                "choose another part")
             if dim not in part.dims:
                 known = " and ".join(f"{n}D" for n in part.dims)
                 raise CaseError(f"{part.name!r} works in {known} only, and this scene has {dim} dimensions: "
@@ -156,7 +162,7 @@ class CompressibleParts:
                 f"equation of state ({n.equation_of_state})", "pressure of walls", f"pressure{viscosity}",
                 "half step of velocities"]
 
-    def check(self, dim: int) -> None:
+    def check(self, dim: int, plain: bool = True) -> None:
         """Raise CaseError for what weakly compressible SPH cannot do."""
         n = self.numerics
         if n.smagorinsky:

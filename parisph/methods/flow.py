@@ -24,7 +24,7 @@ class Flow:
     numerics : resolved Numerics
     density : [kg/m^3]; viscosity : kinematic [m^2/s]
     body : callable (x (n, dim), t) -> (n, dim), the body force per unit mass in the tank's frame [m/s^2]
-    particles, domain, timers : of this run
+    particles, domain, walls, timers : of this run; walls are a methods.boundary.Boundary
     closed : whether the fluid fills a closed tank: no free surface
     spin : callable t -> angular velocity of the tank [rad/s], or None
     absorb : callable (x (n, dim), t) -> 1/tau (n,) [1/s] and u_t/tau (n, dim) [m/s^2] of zones (case.absorb), or None
@@ -33,7 +33,7 @@ class Flow:
     Attributes
     ----------
     full : lattice value of the density ratio's sum
-    dt : length of the step that begins [s], 0 for a look at an instant
+    time : of the operators of the step that begins [s]; dt : its length [s], 0 for a look at an instant
     force : (n_all, dim) [m/s^2], of this step
     absorbed : (n_owned, dim) the part of force by such zones
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
@@ -47,13 +47,13 @@ class Flow:
     position_solve : SolveRecord of the position projection in this step, or None
     """
 
-    def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, timers: Any,
-                 closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
+    def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, walls: Any,
+                 timers: Any, closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
                  spin: Callable[[float], float] | None = None, absorb: Any = None) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
-        self.particles, self.domain, self.timers = particles, domain, timers
-        self.closed, self.budget, self.spin, self.dt = closed, budget or NoBudget(), spin, 0.0
-        self.absorb = absorb
+        self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
+        self.closed, self.budget, self.spin, self.absorb = closed, budget or NoBudget(), spin, absorb
+        self.time = self.dt = 0.0
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
@@ -75,8 +75,8 @@ class Flow:
     def cloud(self) -> Cloud:
         """The particles as kernels need them, now."""
         p, d = self.particles, self.domain
-        return Cloud(p.x_all, p.kind_all, p.role_all, p.volume_all, p.normal_all, p.corner_all, d.indptr, d.indices,
-                     self.spacing, self.axes)
+        return Cloud(p.x_all, p.kind_all, p.role_all, self.walls.cells(self), p.normal_all, p.corner_all, d.indptr,
+                     d.indices, self.spacing, self.axes)
 
     def fresh(self, *names: str) -> None:
         """Send the fields that have changed to the ghosts, in one message, if any of `names` is among them. Collective.
@@ -94,11 +94,19 @@ class Flow:
             return p.kind_all
         return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
 
-    def density_ratio(self, seen: np.ndarray) -> None:
-        """Write the field alpha of owned fluid. seen : (n_all,) kind, ABSENT for what does not count.
+    def wall_shear(self) -> np.ndarray:
+        """Return how the velocity of irrotational flow along a wall changes with the distance from it: (n_owned, dim)
+        [1/s].
 
-        Not collective.
+        The wall's normal turns, in its own frame with the frame's spin W against the water: - dn/dt - 2 W x n.
         """
-        p, d = self.particles, self.domain
-        surface.density_ratio(p.alpha, p.x_all, seen, p.corner_all, p.normal_all, lengths.DENSITY * self.spacing,
-                              self.full, d.indptr, d.indices, self.axes)
+        p = self.particles
+        shear = self.walls.shear(self)
+        spin = self.spin(self.time) if self.spin is not None else 0.0
+        if spin:
+            shear += 2.0 * spin * np.stack([p.normal[:, 1], -p.normal[:, 0]], axis=1)
+        return shear
+
+    def density_ratio(self, least: int) -> None:
+        """Write the field alpha of owned fluid, with walls whose `closing` is at least so much. Not collective."""
+        self.walls.density_ratio(self.particles.alpha, self, least)

@@ -41,7 +41,8 @@ class Coriolis(Force):
         p.halfway[:] = p.u + 0.5 * flow.dt * p.acceleration
         d.update("halfway", "role")
         gradient.wall_velocity(p.halfway_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all,
-                               np.zeros_like(p.u), lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+                               np.zeros_like(p.u), flow.wall_shear(), lengths.WALL * flow.spacing, d.indptr, d.indices,
+                               flow.axes)
         d.update("halfway")
         spin = flow.spin(time)
         out[:, 0] += 2.0 * spin * p.halfway_all[:, 1]
@@ -53,7 +54,7 @@ class Viscous(Force):
     them."""
 
     name, source, reach, viscous, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, True, "viscous force"
-    fields = ("no_slip", "wall_u", "nu", "viscous")
+    fields, shapes = ("no_slip", "wall_u", "nu", "viscous"), False
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
         open_ones = ("touched",) if SURFACES[numerics.surface_rule].open else ()

@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.base.fields import FLUID
 from parisph.case.numerics import Numerics
-from parisph.kernels import collisions, halves, pairs, shifting, wetness
+from parisph.kernels import pairs, shifting, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, SURFACES, Limiter, Regulariser
 
@@ -91,10 +91,8 @@ class FickShift(Regulariser):
         return (*self.fields, *strain)
 
     def prepare(self, flow: "Flow", dt: float) -> None:
-        p, d, n = flow.particles, flow.domain, flow.numerics
-        h = lengths.DENSITY * flow.spacing
-        shifting.concentration_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, h,
-                                        flow.full, d.indptr, d.indices, flow.axes)
+        p, n = flow.particles, flow.numerics
+        flow.walls.concentration_gradient(p.grad_alpha, flow, wetness.FREE)
         if n.shift_strain:
             push_off_less(flow, surplus(flow)[1])
         turns = TURNS if n.shift_strain and not flow.closed else 1.0
@@ -147,11 +145,10 @@ def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
 
     alpha : (n_owned,); gradient : (n_owned, dim)
     """
-    p, d = flow.particles, flow.domain
+    p = flow.particles
     ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
     if "share" in p.fields:
-        halves.surplus(ratio, gradient, p.x_all, flow.seen(wetness.FREE), p.share_all, p.corner_all, p.normal_all,
-                       lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+        flow.walls.surplus(ratio, gradient, flow)
     return ratio, gradient
 
 
@@ -183,7 +180,7 @@ def density_error(flow: "Flow") -> np.ndarray:
     error e' without the surplus. In calm fluid, which loses nothing to a slow move, the wall keeps its weight.
     """
     p = flow.particles
-    flow.density_ratio(flow.seen(wetness.FREE))
+    flow.density_ratio(wetness.FREE)
     e, more = compression(flow, p.alpha, flow.doubt), surplus(flow)[0]
     return less_pushed(e, compression(flow, p.alpha - more, flow.doubt), flow.rapid) if more.any() else e
 
@@ -202,10 +199,9 @@ def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray) -> np.ndarra
 
 def displace(flow: "Flow", move: np.ndarray) -> None:
     """Displace the owned fluid by move (n_owned, dim) [m], but not into a wall. Not collective."""
-    p, d, n = flow.particles, flow.domain, flow.numerics
-    if n.wall_guard > 0.0:
-        collisions.keep_off_walls(move, p.x_all, p.kind_all, p.corner_all, p.normal_all,
-                                  n.wall_guard * flow.spacing, d.indptr, d.indices, flow.axes)
+    p = flow.particles
+    if flow.numerics.wall_guard > 0.0:
+        flow.walls.keep_off(move, flow)
     fluid = p.kind == FLUID
     p.x[fluid] += move[fluid]
     flow.stale.add("x")

@@ -70,7 +70,7 @@ class Projection:
         p, domain, budget = flow.particles, flow.domain, flow.budget
         budget.begin(p)
         with timers("predict"):
-            self._predict(dt)
+            self._predict(time, dt)
         with timers("redistribute"):
             renumbered = domain.refresh("u")
         with timers("surface"):
@@ -92,7 +92,7 @@ class Projection:
                 if force.cause:
                     budget.move("pressure", force.cause, force.work(flow, start))
             self._regularise_velocity(dt)
-            self._move(start, dt)
+            self._move(start, time, dt)
             budget.mark(p, "pressure")
         if parts.position_regularisers:
             with timers("regularise"):
@@ -119,6 +119,7 @@ class Projection:
         """
         flow = self.flow
         p = flow.particles
+        flow.walls.move(flow, time, time, time)
         flow.domain.refresh()
         self._sum_forces(time)
         surfaces.classify(flow, self.parts.surface, 0.0)
@@ -140,11 +141,12 @@ class Projection:
         """
         flow = self.flow
         p = flow.particles
+        flow.walls.move(flow, time, time, time)
         flow.domain.refresh()
         flow.domain.update("p")
         role = p.role.copy()
         self._sum_forces(time)
-        found = flow.force[:p.n_owned] - self.pressure_gradient(p.p_all) / flow.density
+        found = flow.force[:p.n_owned] - self.pressure_gradient(p.p_all, flow.density * flow.force) / flow.density
         p.role[:] = role
         found[p.kind != FLUID] = 0.0
         return found
@@ -185,18 +187,19 @@ class Projection:
 
     # -- the parts of the step, in order ---------------------------------------------------
 
-    def _predict(self, dt):
-        """Move to the positions at which operators are evaluated."""
+    def _predict(self, time, dt):
+        """Move to the positions at which operators are evaluated, walls to where they are then."""
         p = self.flow.particles
         p.x0[:] = p.x
         if self.stepping.ahead:
             fluid = p.kind == FLUID
             p.x[fluid] += self.stepping.ahead * dt * p.u[fluid]
+        self.flow.walls.move(self.flow, time + self.stepping.ahead * dt, time, time + dt)
 
     def _sum_forces(self, time, dt=0.0):
         """Add up flow.force (n_all, dim) [m/s^2] at a time [s], in the middle of a step of dt [s]."""
         flow = self.flow
-        flow.dt = dt
+        flow.time, flow.dt = time, dt
         flow.force = np.zeros_like(flow.particles.x_all)
         for force in self.parts.forces:
             force.add(flow.force, flow, time)
@@ -205,7 +208,7 @@ class Projection:
         p, d, flow = self.flow.particles, self.flow.domain, self.flow
         own = p.wall_u if "wall_u" in p.fields else np.zeros_like(p.u)
         gradients.wall_velocity(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, own,
-                                lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+                                flow.wall_shear(), lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
         if "no_slip" in p.fields:
             sticky = (p.kind == WALL) & (p.no_slip == 1)
             p.u[sticky] = p.wall_u[sticky]
@@ -219,7 +222,8 @@ class Projection:
     def _equation(self, target):
         """Return (CSR matrix, right-hand side, isolated) for lap p = target (n_owned,) [Pa/m^2]. Collective.
 
-        At wet walls n . grad p = rho n . force, and the target is ignored.
+        At wet walls n . grad p = rho n . (force - a), with the acceleration a of fluid that slides along the wall in
+        the step, and the target is ignored.
         """
         p, force = self.flow.particles, self.flow.force
         if not self.parts.laplacian.linear:
@@ -228,6 +232,9 @@ class Projection:
                                     rows.measure, p.x_all, p.role_all, cloud.indptr, cloud.axes)
         walls = p.role == WET
         target[walls] = self.flow.density * np.einsum("ia,ia->i", p.normal[walls], force[:p.n_owned][walls])
+        moved = self.flow.walls.normal_acceleration(self.flow)
+        if moved is not None:
+            target[walls] -= self.flow.density * moved[walls]
         right = self.rows.right_hand_side(target)
         matrix, isolated = self._matrix()
         right[(p.role != INNER) & (p.role != WET)] = 0.0
@@ -273,11 +280,14 @@ class Projection:
         """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
         flow = self.flow
         p = flow.particles
-        grad = self.pressure_gradient(p.p_all)
+        grad = self.pressure_gradient(p.p_all, flow.density * flow.force)
         fluid = p.kind == FLUID
         acceleration = flow.force[:p.n_owned][fluid] - grad[fluid] / flow.density
         flow.by_pressure = np.linalg.norm(grad, axis=1) / flow.density
         p.u[fluid] += dt * acceleration
+        moved = flow.walls.acceleration(flow)
+        if moved is not None:
+            p.u += dt * moved
         if "acceleration" in p.fields:
             p.acceleration[fluid] = acceleration
         flow.stale.add("u")
@@ -323,23 +333,27 @@ class Projection:
         p.p[solved] = earlier[solved] + share * (p.p[solved] - earlier[solved])
         self.flow.domain.update("p")
 
-    def pressure_gradient(self, f: np.ndarray) -> np.ndarray:
+    def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.
+
+        slope : (n_all, dim), what the gradient is across walls; default 0
 
         A particle with too few neighbours has a zero gradient, and becomes ballistic.
         """
         out = np.empty_like(self.flow.particles.u)
         self.parts.gradient.write(out, f, self.flow)
+        self.flow.walls.mend_gradient(out, f, slope, self.flow, self.parts.gradient)
         self.parts.surface_gradient.write(out, f, self.flow)
         self.flow.stale.add("role")
         return out
 
-    def _move(self, start, dt):
-        """Move particles by the trapezoid of Eq. 16, or by the new velocity."""
+    def _move(self, start, time, dt):
+        """Move particles by the trapezoid of Eq. 16, or by the new velocity, and walls to where they are afterwards."""
         p = self.flow.particles
         fluid = p.kind == FLUID
         u = p.u if self.stepping.new else keep_in_tank(self.flow, 0.5 * (start + p.u), dt)
         p.x[fluid] = p.x0[fluid] + dt * u[fluid]
+        self.flow.walls.move(self.flow, time + dt, time, time + dt)
         self.flow.stale.add("x")
 
     def _report(self, dt, solve, isolated):

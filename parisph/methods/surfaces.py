@@ -32,15 +32,16 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     if "share" in p.fields:
         halves.wall_share(p.share, p.x_all, p.kind_all, p.volume_all, p.normal_all, flow.spacing,
                           d.indptr, d.indices, flow.axes)
-    d.update(*(name for name in ("closing", "share") if name in p.fields))
-    seen = flow.seen(wetness.CLOSING)
+    also = flow.walls.cover(flow)
+    d.update(*(name for name in ("closing", "share") if name in p.fields), *also)
     if "alpha" in p.fields:
-        flow.density_ratio(seen)
-    rule.find(flow, seen)
+        flow.density_ratio(wetness.CLOSING)
+    rule.find(flow, flow.seen(wetness.CLOSING))
     d.update("role")
     # also for a frozen surface: it falls and rises past the nodes of the walls
     wetness.wet_walls(p.role_all, p.closing_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, flow.spacing,
                       d.indptr, d.indices, flow.axes)
+    flow.walls.leave_out(flow)
 
 
 class Closed(Surface):
@@ -55,6 +56,7 @@ class Closed(Surface):
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p = flow.particles
         p.role[:] = np.where(p.kind == FLUID, INNER, WET)
+        flow.walls.leave_out(flow)
 
 
 class Frozen(Surface):
@@ -82,7 +84,8 @@ class AngularGap(Surface):
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p, d = flow.particles, flow.domain
         surface.surface_by_gap(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all, p.alpha,
-                               lengths.SURFACE_GAP * flow.spacing, 2.3, 1.4, 0.55, d.indptr, d.indices, flow.axes)
+                               lengths.SURFACE_GAP * flow.spacing, 2.3, 1.4, 0.55,
+                               *flow.walls.directions(flow, wetness.CLOSING), d.indptr, d.indices, flow.axes)
 
 
 class Auxiliary(Surface):
@@ -93,7 +96,7 @@ class Auxiliary(Surface):
     """
 
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
-    dims = (2,)
+    dims, shapes = (2,), False
 
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p, d = flow.particles, flow.domain
@@ -124,6 +127,7 @@ class PositionDivergence(Surface):
 
     name, source, fields = "divergence", "Lee et al. 2008", ("closing",)
     limits = {2: 1.5, 3: 2.4}
+    shapes = False
 
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing

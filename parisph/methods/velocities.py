@@ -72,9 +72,7 @@ class WallGuard(Limiter):
 
 def guard(flow: "Flow", u: np.ndarray, dt: float) -> None:
     """Limit velocities u (n_all, dim) of owned fluid, so that a step of dt [s] ends before a wall. Not collective."""
-    p, d = flow.particles, flow.domain
-    collisions.wall_guard(u, p.x_all, p.kind_all, p.corner_all, p.normal_all, flow.numerics.wall_guard * flow.spacing,
-                          dt, d.indptr, d.indices, flow.axes)
+    flow.walls.guard(u, flow, dt)
 
 
 def keep_in_tank(flow: "Flow", u: np.ndarray, dt: float) -> np.ndarray:

@@ -10,6 +10,7 @@ from parisph.parallel.migrate import migrate
 from parisph.parallel.particles import Particles
 from parisph.parallel.partition import Grid, Partition, imbalance, split
 from parisph.parallel.survey import survey
+from parisph.parallel.wall_elements import WallElements
 from parisph.parallel.work import work_of
 
 STRAY = 0.25  # of the grid's side: a particle farther outside makes a new grid necessary
@@ -35,6 +36,8 @@ class Domain:
     balance_every : int
         The imbalance is checked whenever particles change rank anyway, and otherwise once in this
         many calls of `redistribute`.
+    elements : WallElements or None
+        Walls as elements: what is behind one is no neighbour.
 
     Attributes
     ----------
@@ -51,8 +54,8 @@ class Domain:
 
     def __init__(self, particles: Particles, lower: np.ndarray, upper: np.ndarray, radius: float, skin: float,
                  list_skin: float = 0.0, closed: bool = False, tolerated: float = 1.03,
-                 balance_every: int = 100) -> None:
-        self.particles = particles
+                 balance_every: int = 100, elements: WallElements | None = None) -> None:
+        self.particles, self.elements = particles, elements
         self.lower, self.upper = np.array(lower, float), np.array(upper, float)
         self.radius, self.skin, self.list_skin, self.closed = radius, skin, list_skin, closed
         self.tolerated, self.balance_every = tolerated, balance_every
@@ -221,11 +224,16 @@ class Domain:
             self._halo = Halo(p, self._partition, grid.cells(keys[order]), self.width)
             rows = np.concatenate([rows, self._halo.rows])
         self.global_rows = rows.astype(np.int32 if p.n_global < 2**31 else np.int64)
+        if self.elements is not None:
+            self.elements.settle(p, self.width)
         self._plan_x, self._list_x = p.x.copy(), None
         self.n_plans += 1
 
     def _rebuild_lists(self):
-        p = self.particles
-        self.indptr, self.indices = neighbour_lists(p.x_all, p.n_owned, self.radius + 2.0 * self.list_skin)
+        p, radius = self.particles, self.radius + 2.0 * self.list_skin
+        self.indptr, self.indices = neighbour_lists(p.x_all, p.n_owned, radius)
+        if self.elements is not None:
+            self.elements.renew(p, radius)
+            self.indptr, self.indices = self.elements.visible(p, self.indptr, self.indices)
         self._list_x = p.x.copy()
         self.n_lists += 1

@@ -66,6 +66,7 @@ LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#332
 STYLES = ("-", (0, (6, 2)), (0, (6, 2, 1, 2)), (0, (2, 1.5)))  # full, dashed, dash-dotted, dotted
 LineLook = dict[str, Any]    # {"color", "linestyle"} of a line
 
+REST = {"kind": "at_rest"}    # of a tank stored by a release whose tanks had no motion of their own
 FEW = 6     # lines that differ in colour only; more of them also differ in line style
 
 
@@ -124,7 +125,7 @@ class Scales:
 def scales(case: Mapping[str, Any]) -> Scales:
     """Return the Scales of a case (dict, as in case.json)."""
     low, high = fluid_bounds(case)
-    height, density = high[-1] - low[-1], case["fluid"]["density"]
+    height, density = high[-1] - low[-1], fluids_of(case)[0]["density"]
     try:
         g = float(np.linalg.norm([float(component) for component in case["gravity"]]))
     except ValueError:  # an expression of place or time has no one g
@@ -135,13 +136,50 @@ def scales(case: Mapping[str, Any]) -> Scales:
 
 
 def fluid_bounds(case: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the lower and upper corner [m] of the fluid of a case (dict) at the start."""
-    shape = case["fluid"]["shape"]
-    if shape["kind"] == "polygon":
+    """Return the lower and upper corner [m] of all fluid of a case (dict) at the start."""
+    boxes = [_bounds(fluid["shape"], bodies_of(case)) for fluid in fluids_of(case)]
+    return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+
+
+def fluids_of(case: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the bodies of fluid of a case (dict), of which there may be one, or several in a list."""
+    fluid = case["fluid"]
+    return list(fluid) if isinstance(fluid, list) else [fluid]
+
+
+def bodies_of(case: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the walls of a case (dict), of which there may be none, one, or several in a list."""
+    walls = case.get("walls")
+    return list(walls) if isinstance(walls, list) else [walls] if walls else []
+
+
+def only_tank(case: Mapping[str, Any]) -> bool:
+    """Return whether the walls of a case (dict) are at most one tank at rest in its frame."""
+    bodies = bodies_of(case)
+    return len(bodies) <= 1 and all(body.get("kind", "tank") == "tank" and body.get("motion", REST)["kind"] == "at_rest"
+                                    for body in bodies)
+
+
+def _corners(body):
+    """Return points (n, 2) [m] around a body (dict), none for a wavemaker."""
+    if "points" in body:
+        return np.array(body["points"], dtype=float)
+    box = body.get("shape", body)
+    if box.get("kind") in ("piston", "flap"):
+        return np.empty((0, 2))
+    return np.array(_bounds(box, []))
+
+
+def _bounds(shape, bodies):
+    """Return the lower and upper corner [m] of a shape (dict), of still water from the walls (dicts) to its level."""
+    if shape.get("kind") == "still_water":
+        x = np.concatenate([_corners(body) for body in bodies])
+        return x.min(axis=0), np.array([x[:, 0].max(), shape["level"]])
+    if shape.get("kind") == "polygon":
         points = np.array(shape["points"], dtype=float)
         return points.min(axis=0), points.max(axis=0)
     at = np.array(shape["at"], dtype=float)
-    if shape["kind"] == "disc":
+    if shape.get("kind") == "disc":
         return at - shape["radius"], at + shape["radius"]
     return at, at + np.array([shape["width"], shape["height"]])
 

@@ -9,8 +9,10 @@ import numpy as np
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
 from parisph.base.paths import AnyPath
+from parisph.geometry.build import domain
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
+from parisph.pictures.bodies_view import draw_bodies, of_dict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 # Diameters in spacings: a drawn particle; and the ground below those inside, which closes the gaps that
 # discs leave between them, without making the surface thicker than half a particle.
 DISC, GROUND = 1.05, 1.8
+ABOVE = 1.5    # the order of particles: above solids, so that one that crosses a wall is seen
 
 
 @dataclass(frozen=True)
@@ -113,6 +116,7 @@ class FieldView:
             raise CaseError("this scene has no constant gravity: it has no sqrt(g H) to divide by")
         self.length = self.own.length if look.normalise else 1.0
         self.spacing = case["numerics"]["spacing"] / self.length
+        self.bodies = None if style.only_tank(case) else of_dict(case)
         self.window = self._window(snapshots)
 
     def size(self, width: float = 8.0) -> tuple[float, float]:
@@ -133,7 +137,8 @@ class FieldView:
         ground = (fluid & (snapshot["role"] == INNER)) | self._walls_to_fill(snapshot)
         layers = [(self._discs(axes, x[rows], size), values[rows]) for rows, size in ((ground, GROUND), (fluid, DISC))]
         # The ground is cut at the walls. Particles are not: one that crosses a wall is seen.
-        self._draw_walls(axes, cut=layers[0][0])
+        self._draw_walls(axes, layers[0][0], snapshot["time"])
+        layers[1][0].set_zorder(ABOVE)
         roles = self.quantity.needs == "role"
         for discs, colour in layers:
             if roles:
@@ -226,11 +231,10 @@ class FieldView:
         """((left, right), (low, high)) of the axes: as zoomed, or fluid of the snapshots and tank but its empty top."""
         x = np.concatenate([snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots])
         low, high = x.min(axis=0), x.max(axis=0)
-        tank = self.case.get("walls")
-        if tank:
-            left = np.array(tank["at"], dtype=float)
-            right = left + np.array([tank["width"], tank["height"]])
-            full = high[1] > left[1] + 0.7 * tank["height"]
+        box = self._walls_box()
+        if box is not None:
+            left, right = box
+            full = high[1] > left[1] + 0.7 * (right[1] - left[1])
             top = right[1] if full else min(right[1], left[1] + 1.2 * (high[1] - left[1]))
             low, high = np.minimum(low, left), np.maximum(high, (right[0], top))
         margin = 0.03 * np.max(high - low)
@@ -242,6 +246,16 @@ class FieldView:
             raise CaseError(f"--zoom {left:g} {right:g} {bottom:g} {top:g}: nothing is there; the scene reaches from "
                             f"x = {low[0]:.4g} to {high[0]:.4g} and from y = {low[1]:.4g} to {high[1]:.4g}")
         return (left, right), (bottom, top)
+
+    def _walls_box(self):
+        """The lower and upper corner [m] of the box around all walls, None without any."""
+        if self.bodies is not None:
+            return domain(self.bodies)
+        tank = next(iter(style.bodies_of(self.case)), None)
+        if tank is None:
+            return None
+        left = np.array(tank["at"], dtype=float)
+        return left, left + np.array([tank["width"], tank["height"]])
 
     def _walls_to_fill(self, snapshot):
         """Return the wet wall particles, which have the pressure on the wall and close the gap to it of s/2."""
@@ -267,12 +281,15 @@ class FieldView:
         axes.legend(handles=[Patch(facecolor=colour, label=name) for name, colour in present],
                     loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
 
-    def _draw_walls(self, axes, cut):
-        """Draw the tank as lines, and cut the discs `cut` to what is inside."""
+    def _draw_walls(self, axes, cut, time):
+        """Draw the tank as lines, and cut the discs `cut` to what is inside; draw other walls as they are at a time."""
         from matplotlib.patches import Rectangle
 
-        tank = self.case.get("walls")
-        if not tank:
+        if self.bodies is not None:
+            draw_bodies(axes, self.bodies, time, self.length, self.window[1][0] * self.length)
+            return
+        tank = next(iter(style.bodies_of(self.case)), None)
+        if tank is None:
             return
         left, low = np.array(tank["at"]) / self.length
         width, height = tank["width"] / self.length, tank["height"] / self.length

@@ -33,6 +33,8 @@ class _Column(Sampler):
     def __init__(self, probe, scene, at):
         super().__init__(probe, scene)
         self.at = at
+        bed = scene.bed_at(np.array([float(at)]))
+        self.bed = None if bed is None else float(bed[0])
 
     def rows(self, view):
         (x, y), s = view.body, self.scene.spacing
@@ -49,7 +51,7 @@ class _Column(Sampler):
 
         The bed itself where it is dry; nan where there is no water and no bed.
         """
-        found, bed = bodies_of_all(rows[rows[:, 0] == BODY], self.gap * self.scene.spacing), self.scene.bed
+        found, bed = bodies_of_all(rows[rows[:, 0] == BODY], self.gap * self.scene.spacing), self.bed
         if bed is not None and not (len(found) and found[0, 0] <= bed + BED_GAP * self.scene.spacing):
             return bed
         if not len(found):
@@ -102,7 +104,7 @@ class SurfaceGauge(_Column):
     def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         height = rows[:, 0] == HEIGHT
         top = self.top(rows[~height])
-        if not height.any() or not top > (self.scene.bed if self.scene.tank else -np.inf):
+        if not height.any() or not top > (-np.inf if self.bed is None else self.bed):
             return (top,)
         return (surface_height(self.at, rows[height, 1], rows[height, 2], top, self.scene.spacing, self.mirrors),)
 
@@ -119,13 +121,14 @@ class WaterFront(Sampler):
 
     def __init__(self, probe: probes.WaterFront, scene: Scene) -> None:
         super().__init__(probe, scene)
-        self.title = ("Position of the water's foremost particle along the bed" if scene.tank
+        self.title = ("Position of the water's foremost particle along the bed" if scene.tank or scene.mesh is not None
                       else "Foremost position of the fluid")
 
     def rows(self, view: View) -> np.ndarray:
         x, y = view.body
-        if self.scene.tank:
-            x = x[y <= self.scene.bed + BED * self.scene.spacing * ROUNDING]
+        bed = self.scene.bed_at(x)
+        if bed is not None:
+            x = x[y <= bed + BED * self.scene.spacing * ROUNDING]
         return body_rows(bodies(x, BED_GAP * self.scene.spacing))
 
     def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:

@@ -14,11 +14,12 @@ from parisph.case import probes
 from parisph.case.schema import Case
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
+from parisph.watch.body_force import force_on
 from parisph.watch.gauges import ColumnHeight, SurfaceGauge, WaterFront
 from parisph.watch.points import VelocityPoint, VelocityProfile
 from parisph.watch.run_up import run_up
 from parisph.watch.sampling import Sampler, Scene, Several, View, sample_all
-from parisph.watch.wall_pressure import Force, pressure_tap
+from parisph.watch.wall_pressure import pressure_tap
 
 __all__ = ["SAMPLERS", "build", "sample_all"]
 
@@ -145,6 +146,6 @@ class Volume(Sampler):
 SAMPLERS = {
     "surface_gauge": SurfaceGauge, "pressure_tap": pressure_tap, "water_front": WaterFront,
     "column_height": ColumnHeight, "energy": Energy, "momentum": Momentum, "volume": Volume,
-    "velocity_profile": VelocityProfile, "velocity_point": VelocityPoint, "run_up": run_up, "force": Force,
+    "velocity_profile": VelocityProfile, "velocity_point": VelocityPoint, "run_up": run_up, "force": force_on,
     "probe_array": _array,
 }

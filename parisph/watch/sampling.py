@@ -14,9 +14,12 @@ from mpi4py import MPI
 
 from parisph.base.errors import CaseError
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL
-from parisph.case import expressions, geometry
+from parisph.case import expressions
 from parisph.case.probes import AnyProbe, ProbeArray
 from parisph.case.schema import Case
+from parisph.geometry import build
+from parisph.geometry.columns import beds
+from parisph.geometry.mesh import CONVEX, WallMesh
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 
@@ -77,7 +80,8 @@ class Scene:
 
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
     the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2],
-    zero unless the body force is uniform and constant in the tank's frame; lid : whether the tank is closed above.
+    zero unless the body force is uniform and constant in the tank's frame; lid : whether the tank is closed above;
+    mesh : of the walls, None in a plain scene, whose walls are those of the tank.
     """
 
     dim: int
@@ -89,14 +93,15 @@ class Scene:
     tank: bool
     gravity: np.ndarray
     lid: bool = False
+    mesh: WallMesh | None = None
 
     @classmethod
     def of(cls, case: Case) -> "Scene":
         """Return the Scene of a Case."""
         s = case.numerics.spacing
-        return cls(case.dim, s, geometry.lattice(case).step, case.fluid.density,
-                   *geometry.domain(case), case.walls is not None, _uniform(case),
-                   case.walls is not None and case.walls.closed)
+        return cls(case.dim, s, build.lattice_step(case), case.density,
+                   *build.domain(case), case.tank is not None, _uniform(case), case.lidded,
+                   None if case.plain else build.scene_mesh(case))
 
     @property
     def walls(self) -> tuple[np.ndarray, np.ndarray]:
@@ -111,6 +116,16 @@ class Scene:
     def bed(self) -> float | None:
         """Height of the tank's bed [m], or None."""
         return self.lower[-1] if self.tank else None
+
+    def bed_at(self, x: np.ndarray) -> np.ndarray | None:
+        """Return the height (n,) [m] of the highest wall at rest at x (n,) with fluid above it, or None without walls.
+
+        Where there is none, as beyond the end of a bed, it is the lowest place of the scene.
+        """
+        if self.mesh is None:
+            return None if self.bed is None else np.full(len(x), self.bed)
+        rests = np.array([body.motion == 0 for body in self.mesh.bodies])
+        return beds(self.mesh.corners()[rests[self.mesh.element_body]], x, np.inf)
 
 
 def _uniform(case):
@@ -152,9 +167,13 @@ class View:
 
     @cached_property
     def walls(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions (n, dim) [m] and pressures (n,) [Pa] of the wall particles; dry ones have none."""
+        """Positions (n, dim) [m] and pressures (n,) [Pa] of the wall particles; dry ones have none.
+
+        Those on convex edges are left out: they carry no row, and so no pressure.
+        """
         p = self.particles
-        wall = np.flatnonzero(p.kind == WALL)
+        there = p.kind == WALL
+        wall = np.flatnonzero(there & (p.edge != CONVEX) if "edge" in p.fields else there)
         return p.x[wall], np.where(p.role[wall] == DRY, 0.0, p.p[wall])
 
 

@@ -5,7 +5,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from parisph.case import probes
+from parisph.geometry.distance import nearest
+from parisph.geometry.mesh import area_vectors
 from parisph.watch.sampling import WIDTH, Sampler, Scene, View
+
+# Sides of a tank: the axis across them, and the sign of the normal into the fluid.
+SIDES = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
 
 FACE = 3.0    # radius [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
 
@@ -26,11 +31,16 @@ class PressureTap(Sampler):
         self.radius = max(scene.spacing, probe.radius or FACE * scene.spacing)
         tolerance = 1e-6 * np.max(scene.upper - scene.lower)
         self.across = (np.abs(self.at - scene.lower) <= tolerance) | (np.abs(self.at - scene.upper) <= tolerance)
+        self.axes = np.eye(scene.dim)    # the first across the wall
+        if scene.mesh is not None:
+            self.axes = _axes_on(scene.mesh, self.at)
+            self.across = np.arange(scene.dim) == 0
 
     def sums(self, view: View) -> np.ndarray:
         x, p = view.walls
-        d = (x - self.at) / self.radius
-        same_wall = (np.abs(x - self.at) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
+        away = (x - self.at) @ self.axes.T
+        d = away / self.radius
+        same_wall = (np.abs(away) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
         weight = same_wall * np.clip(1.0 - (d[:, ~self.across] ** 2).sum(axis=1), 0.0, None) ** 2
         basis = np.column_stack([np.ones(len(x)), d[:, ~self.across]])
         return np.append((basis.T * weight) @ basis, (basis.T * weight) @ p)
@@ -61,7 +71,7 @@ class DiscTap(PressureTap):
 
     def rows(self, view: View) -> np.ndarray:
         x, p = view.walls
-        d = x - self.at
+        d = (x - self.at) @ self.axes.T
         near = (np.abs(d) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
         near &= (np.abs(d) < self.radius + 1.5 * self.scene.step)[:, ~self.across].all(axis=1)
         rows = np.zeros((np.count_nonzero(near), WIDTH - 1))
@@ -70,6 +80,14 @@ class DiscTap(PressureTap):
 
     def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         return (disc_mean(rows[:, 1], rows[:, 2], self.radius),)
+
+
+def _axes_on(mesh, at):
+    """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows."""
+    element = nearest(at[None], mesh.corners())[1][0]
+    normal = area_vectors(mesh.corners()[[element]])[0]
+    normal /= np.linalg.norm(normal)
+    return np.array([normal, [-normal[1], normal[0]]])
 
 
 def pressure_tap(probe: probes.PressureTap, scene: Scene) -> PressureTap:
@@ -100,7 +118,7 @@ def _chords(z, radius):
 
 
 class Force(Sampler):
-    """Force of the pressure on walls, -sum p n A, and its moment about a point (2D).
+    """Force of the pressure on the walls of a tank alone, -sum p n A, and its moment about a point (2D).
 
     Each wall particle stands for a spacing of wall, and at the ends of a side for half of one: this is the trapezoidal
     rule, exact for the force by a pressure that is linear between particles. Dry walls have p = 0. Friction is not in
@@ -113,10 +131,8 @@ class Force(Sampler):
     def __init__(self, probe: probes.Force, scene: Scene) -> None:
         super().__init__(probe, scene)
         self.about = np.array(probe.about)
-        sides = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
-        if not scene.lid:
-            del sides["lid"]
-        self._sides = list(sides.values()) if probe.side is None else [sides[probe.side]]
+        self._sides = [side for name, side in SIDES.items()
+                       if (probe.side in (None, name)) and (scene.lid or name != "lid")]
         self.title = (f"Force of the pressure on the {probe.side or 'whole'}{' of the' * bool(probe.side)} {probe.on}, "
                       f"and its moment about ({', '.join(f'{a:g}' for a in probe.about)}) m")
 
@@ -133,10 +149,7 @@ class Force(Sampler):
         return sums
 
     def _areas(self, x: np.ndarray) -> Iterator[np.ndarray]:
-        """Yield the area vectors (n, dim) [m], into the fluid, of wall particles at x (n, dim), for each of the sides.
-
-        A body with a name will have those of its own nodes.
-        """
+        """Yield the area vectors (n, dim) [m], into the fluid, of wall particles at x (n, dim), for each side."""
         s = self.scene
         for axis, inward in self._sides:
             along = 1 - axis

@@ -14,7 +14,7 @@ from mpi4py import MPI
 from parisph import Box, Case, Fluid, Numerics, PressureTap, Tank, Volume
 from parisph.__main__ import main
 from parisph.base import seal
-from parisph.case import geometry
+from parisph.geometry import build as geometry
 from parisph.io import info, reader
 from parisph.io.store import Store, provenance
 from parisph.parallel.particles import Particles

@@ -5,9 +5,9 @@ from functools import partial
 import numpy as np
 
 from parisph.base.fields import INNER
-from parisph.case.geometry import build
 from parisph.case.schema import Case, Disc, Fluid, Numerics, Polygon, Tank
 from parisph.case.waves import drop_half_axes
+from parisph.geometry.build import build
 from tests.hard.flow import Bench, History
 from tests.hard.scene import Scene
 from tests.hard.table import Line

@@ -4,8 +4,8 @@ import pytest
 from mpi4py import MPI
 
 from parisph import Box, Case, CaseError, Fluid, Numerics, ParisphError, Tank
-from parisph.case import geometry
 from parisph.driver import Simulation, simulation, warmup
+from parisph.geometry import build as geometry
 from parisph.parallel.guard import Guard
 from parisph.parallel.petsc import PETSc
 

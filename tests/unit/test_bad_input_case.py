@@ -92,7 +92,7 @@ def numerics(**changes):
     (lambda: fluid(velocity=("t", 0.0)), "velocity: unknown name 't'"),
     (lambda: fluid(velocity=(math.nan, 0.0)), r"Fluid.velocity\[0\] = nan: must be a finite number"),
     (lambda: fluid(elevation="y"), "elevation: unknown name 'y'"),
-    (lambda: fluid(shape=Disc(1.0), elevation=0.1), "only a Box has a top to raise"),
+    (lambda: fluid(shape=Disc(1.0), elevation=0.1), "only a Box or StillWater has a top to raise"),
     # numerics and output
     (lambda: numerics(spacing=0.0), "Numerics.spacing = 0.0: must be greater than 0"),
     (lambda: numerics(method="ISHP"), "Numerics.method: unknown method 'ISHP'; known are ISPH_R, ISPH"),

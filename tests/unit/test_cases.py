@@ -8,11 +8,13 @@ import pytest
 
 from parisph import load
 from parisph.base.fields import CONTACT, SURFACE, WET
-from parisph.case import geometry, size, waves
+from parisph.case import waves
 from parisph.case.checks import stable_time_step
 from parisph.case.load import parameters
 from parisph.case.probes import read_truth
 from parisph.case.schema import Case
+from parisph.geometry import build as geometry
+from parisph.geometry import scene_checks
 
 CASES = Path(__file__).parents[2] / "cases"
 FILES = sorted(CASES.glob("*.py"))
@@ -25,7 +27,7 @@ def test_loads_and_is_stored_without_its_script(file):
     known = parameters(file)
     assert {"spacing", "method", "end_time", "time_step", "jitter", "seed"} <= set(known)
     coarse = load(file, {"spacing": 2.0 * known["spacing"][0], "jitter": 0.4})
-    n, m = size.counts(case)["fluid"], size.counts(coarse)["fluid"]
+    n, m = geometry.counts(case)["fluid"], geometry.counts(coarse)["fluid"]
     assert 3.4 < n / m < 4.7
     assert coarse.numerics.time_step is None or coarse.numerics.time_step < 5.0 * stable_time_step(coarse)[0]
 
@@ -35,10 +37,20 @@ def test_readme_lists_it_with_its_size(file):
     row = re.search(rf"^\| `{file.name}`.*$", (CASES / "README.md").read_text(encoding="utf-8"), re.M).group()
     case = load(file)
     cells = [cell.strip() for cell in row.split("|")]
-    assert int(cells[3]) == size.counts(case)["fluid"]
+    assert int(cells[3]) == geometry.counts(case)["fluid"]
     if case.numerics.time_step is not None:
         steps = round(case.end_time / case.numerics.time_step)
         assert int(cells[4]) == steps, "a run ends within half a step of its end time"
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_geometry_has_no_faults_when_coarse(file):
+    case = load(file, {"spacing": 2.0 * parameters(file)["spacing"][0]})
+    scene_checks.check(case)
+    if not case.plain:
+        facts, part = scene_checks.facts(case), case.numerics.spacing
+        assert facts.volume == pytest.approx(facts.lattice, rel=0.02)
+        assert facts.gap > 2.0 * part
 
 
 def test_dam_break():
@@ -56,7 +68,7 @@ def test_dam_break():
 @pytest.mark.parametrize("spacing, count", [(0.1, 190), (0.05, 780), (0.025, 3160)])
 def test_small_sloshing(spacing, count):
     case = load(CASES / "small_sloshing.py", {"spacing": spacing})
-    assert size.counts(case)["fluid"] == count
+    assert geometry.counts(case)["fluid"] == count
     omega = 0.8 * waves.angular_frequency(np.pi, 0.5)
     assert case.frame.acceleration(0.0) == pytest.approx([0.0005 * omega**2, 0.0])
     t, eta = read_truth(case.probes[0].truth)

@@ -9,8 +9,8 @@ from parisph import Box, Case, Disc, Fluid, Numerics, Polygon, Tank
 from parisph.base.errors import CaseError
 from parisph.base.fields import WALL
 from parisph.case.bodies import Obstacle, Plate, Profile
-from parisph.case.geometry import build
 from parisph.case.lattice import Lattice
+from parisph.geometry.build import build
 from parisph.geometry.mesh import CONCAVE, CONVEX, FLAT, area_vectors, block_mesh, wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
 

@@ -121,7 +121,7 @@ def test_names():
 @pytest.mark.parametrize("where", columns.WHERE)
 @pytest.mark.parametrize("width", [1, 2, 3, 4])
 def test_columns_are_as_wide_as_they_say(width, where):
-    from parisph.case.geometry import build
+    from parisph.geometry.build import build
 
     built = build(columns.column(width, where))
     x = built["x"][built["kind"] == 0]

@@ -221,7 +221,7 @@ def test_symmetric_gradient_inside_a_lattice(dim):
 
 def moved_walls(pool, u, wall_u):
     u = u.copy()
-    gradient.wall_velocity(u, pool.x, pool.kind, pool.corner, pool.normal, pool.role, wall_u,
+    gradient.wall_velocity(u, pool.x, pool.kind, pool.corner, pool.normal, pool.role, wall_u, np.zeros_like(wall_u),
                            2.6 * pool.spacing, *pool.csr)
     return u
 

@@ -35,7 +35,8 @@ def symmetric(pool):
 
 def wall_velocity(pool):
     u = U[: pool.n, : pool.dim].copy()
-    gradient.wall_velocity(u, pool.x, pool.kind, pool.corner, pool.normal, pool.role, np.zeros_like(u), 2.6 * S,
+    rest = np.zeros_like(u)
+    gradient.wall_velocity(u, pool.x, pool.kind, pool.corner, pool.normal, pool.role, rest, rest, 2.6 * S,
                            *pool.csr)
     return u
 
@@ -150,7 +151,8 @@ def by_gap(pool):
     if pool.dim == 3:
         return pool.role
     role, was = pool.role.copy(), (P[: pool.n] > 0.0).astype(np.int8)
-    surface.surface_by_gap(role, was, *pool.walls, np.ones(pool.n), 2.0 * S, 2.3, 1.4, 0.55, *pool.csr)
+    surface.surface_by_gap(role, was, *pool.walls, np.ones(pool.n), 2.0 * S, 2.3, 1.4, 0.55, *pool.mirrors,
+                           *pool.csr)
     return role
 
 

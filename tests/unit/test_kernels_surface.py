@@ -25,7 +25,7 @@ def by_gap(pool, was=None, alpha=None, enter=ENTER, leave=LEAVE):
     role = pool.role.copy()
     was = np.where(pool.fluid, INNER, pool.role).astype(np.int8) if was is None else was
     surface.surface_by_gap(role, was, *pool.walls, ratio(pool) if alpha is None else alpha, GAP_RADIUS * pool.spacing,
-                           enter, leave, THIN, *pool.csr)
+                           enter, leave, THIN, *pool.mirrors, *pool.csr)
     return role
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from parisph import Box, Case, CaseError, Fluid, Lid, Numerics, Tank
 from parisph.base.fields import WALL
-from parisph.case import geometry
+from parisph.geometry import build as geometry
 
 S = 0.1
 

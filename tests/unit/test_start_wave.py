@@ -5,10 +5,10 @@ import pytest
 
 from parisph import Airy, Box, Case, CaseError, Disc, Fluid, Numerics, SolitaryWave, StandingWave, Tank
 from parisph.base.fields import SURFACE, WET
-from parisph.case import geometry
 from parisph.case.checks import stable_time_step
 from parisph.case.scales import expected
 from parisph.case.waves import standing_wave_start
+from parisph.geometry import build as geometry
 
 WAVE = SolitaryWave(height=0.06, depth=0.3, at=2.0)
 
@@ -69,7 +69,7 @@ def test_slices_json_and_estimates():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: scene(shape=Disc(0.3)), "wave = solitary: only a Box has a top to raise; leave it out for a Disc"),
+        (lambda: scene(shape=Disc(0.3)), "only a Box or StillWater has a top to raise; leave it out for a Disc"),
         (lambda: scene(elevation=0.01), "wave = solitary: it gives velocity and elevation; leave these two out"),
         (lambda: scene(velocity=(1.0, 0.0)), "wave = solitary: it gives velocity and elevation; leave these two out"),
         (

@@ -1,4 +1,7 @@
-"""The initial particles of a case, or any slice of them, and the walls as planes."""
+"""The particles at the start of a plain scene, one tank or none with one shape of fluid, or any slice of them.
+
+All lie on one lattice, and nobody looks at more of it than the own slice. build.py has all other scenes.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +18,8 @@ from parisph.case.shapes import Box, Lid, Tank
 
 def lattice(case: Case) -> Lattice:
     """Return the Lattice on which the case starts."""
-    return Lattice(case.fluid.shape, case.walls, case.numerics.spacing, METHODS[case.numerics.method].wall_layers)
+    shape = case.fluids[0].shape
+    return Lattice(shape, case.tank, case.numerics.spacing, METHODS[case.numerics.method].wall_layers)
 
 
 def still_pressure(case: Case, x: Floats) -> Floats:
@@ -24,15 +28,15 @@ def still_pressure(case: Case, x: Floats) -> Floats:
     Only water that fills a Box has a level top; with an elevation, it is that above x.
     """
     gravity = uniform_field(case.gravity)
-    if gravity is None or not isinstance(case.fluid.shape, Box):
+    if gravity is None or not isinstance(case.fluids[0].shape, Box):
         return np.zeros(len(x))
-    top = case.fluid.shape.bounds[1][-1] + case.fluid.rise(x[:, 0])
-    pressure: Floats = np.maximum(case.fluid.density * -gravity[-1] * (top - x[:, -1]), 0.0)
+    top = case.fluids[0].shape.bounds[1][-1] + case.fluids[0].rise(x[:, 0])
+    pressure: Floats = np.maximum(case.density * -gravity[-1] * (top - x[:, -1]), 0.0)
     return pressure
 
 
-def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
-    """Build this rank's slice of the particles at the start. Not collective, needs no MPI.
+def plain_particles(case: Case, rank: int, size: int) -> dict[str, Array]:
+    """Return this rank's slice of the particles of a plain scene at the start. Not collective, needs no MPI.
 
     Parameters
     ----------
@@ -66,32 +70,11 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     return arrays
 
 
-def planes(case: Case) -> tuple[Floats, Floats]:
-    """Return a point on and the inward unit normal of each wall, (n, dim) each; n = 0 without a tank."""
-    dim = case.dim
-    if case.walls is None:
-        return np.empty((0, dim)), np.empty((0, dim))
-    lower, upper = case.walls.bounds
-    unit = np.eye(dim)
-    points, normals = [lower] * dim, list(unit)
-    for axis in range(dim if case.walls.closed else dim - 1):
-        points.append(upper)
-        normals.append(0.0 - unit[axis])
-    return np.array(points), np.array(normals)
-
-
-def domain(case: Case) -> tuple[Floats, Floats]:
-    """Return the lower and the upper corner (dim,) [m] of the tank, or of the fluid without a tank."""
-    if case.walls is not None:
-        return case.walls.bounds
-    return case.fluid.shape.bounds
-
-
 def _stretched(case: Case, x: Floats) -> Floats:
     """Move points (n, dim) of the lattice up with the surface, linearly from the bottom of the Box."""
-    if not case.fluid.raised:
+    if not case.fluids[0].raised:
         return x
-    bottom = case.fluid.shape.bounds[0][-1]
+    bottom = case.fluids[0].shape.bounds[0][-1]
     x = x.copy()
     x[:, -1] = bottom + (x[:, -1] - bottom) * _stretch(case, x)
     return x
@@ -99,16 +82,16 @@ def _stretched(case: Case, x: Floats) -> Floats:
 
 def _stretch(case: Case, x: Floats) -> Floats:
     """Return the stretch factor of the columns at x (n, dim) [m], (n,)."""
-    if not case.fluid.raised or not isinstance(case.fluid.shape, Box):
+    if not case.fluids[0].raised or not isinstance(case.fluids[0].shape, Box):
         return np.ones(len(x))
-    return 1.0 + case.fluid.rise(x[:, 0]) / float(case.fluid.shape.size[-1])
+    return 1.0 + case.fluids[0].rise(x[:, 0]) / float(case.fluids[0].shape.size[-1])
 
 
 def _unstretched(case: Case, x: Floats) -> Floats:
     """Undo _stretched for points (n, dim) [m]."""
-    if not case.fluid.raised:
+    if not case.fluids[0].raised:
         return x
-    bottom = case.fluid.shape.bounds[0][-1]
+    bottom = case.fluids[0].shape.bounds[0][-1]
     x = x.copy()
     x[:, -1] = bottom + (x[:, -1] - bottom) / _stretch(case, x)
     return x
@@ -131,7 +114,7 @@ def _fluid(case: Case, points: Lattice, start: int, stop: int) -> dict[str, Arra
         "corner": np.zeros(n, dtype=np.int8),
         "role": np.where(surface, SURFACE, INNER).astype(np.int8),
         "x": x,
-        "u": case.fluid.start_velocity(x),
+        "u": case.fluids[0].start_velocity(x),
         "volume": volume,
         "normal": np.zeros((n, dim)),
         "no_slip": np.zeros(n, dtype=np.int8),
@@ -149,7 +132,7 @@ def _walls(case: Case, points: Lattice, index: Ints, inward: Ints) -> dict[str, 
     beside = points.index(_unstretched(case, x + inward * points.step))
     role = np.full(n, DRY, dtype=np.int8)
     there = points.is_fluid(beside)
-    wet = case.fluid.shape.inside(_unstretched(case, x[there]), points.tolerance) & ~points.is_surface(beside[there])
+    wet = points.shape.inside(_unstretched(case, x[there]), points.tolerance) & ~points.is_surface(beside[there])
     role[there] = np.where(wet, WET, CONTACT)
     length = np.linalg.norm(inward, axis=1)
     return {
@@ -160,8 +143,8 @@ def _walls(case: Case, points: Lattice, index: Ints, inward: Ints) -> dict[str, 
         "u": np.zeros_like(x),
         "volume": np.zeros(n),
         "normal": inward / length[:, None] if n else np.zeros_like(x),
-        "no_slip": _sticky(case.walls, inward),
-        "wall_u": _lid_velocity(case.walls, inward),
+        "no_slip": _sticky(case.tank, inward),
+        "wall_u": _lid_velocity(case.tank, inward),
     }
 
 

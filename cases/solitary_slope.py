@@ -1,0 +1,65 @@
+"""A solitary wave, made by a piston, runs up a slope of 60 degrees (Zheng et al. 2017, Sec. 6.1).
+
+a/d = 0.6 in a tank of 10 m with the slope at its end, 1 m high. The pressure on the slope has its peak near
+t sqrt(g/h) = 18.5, h = 1 m, and a second event, when the water runs down and overturns, near 22.5. Z17 does not print
+the height of its sensor: `tap`.
+
+parisph run cases/solitary_slope.py
+mpirun -n 2 parisph run cases/solitary_slope.py --set spacing=0.008     # as Z17
+"""
+
+from math import radians, tan
+
+from parisph import (
+    Case,
+    Energy,
+    Fluid,
+    Numerics,
+    Output,
+    Piston,
+    PressureTap,
+    Profile,
+    SolitaryWave,
+    StillWater,
+    SurfaceGauge,
+    Volume,
+)
+
+
+def case(
+    spacing: float = 0.025,             # [m]; 0.008 in Z17
+    method: str = "ISPH_R",
+    preset: str = "violent",
+    end_time: float = 9.0,              # [s]
+    time_step: float | None = None,     # [s]; none to adapt it
+    height: float = 0.15,               # of the wave [m]
+    angle: float = 60.0,                # of the slope [degrees]
+    tap: float = 0.1,                   # height of the tap on the slope [m]
+    jitter: float = 0.0,
+    seed: int = 0,
+    snapshot_every: float = 0.1,        # [s]
+) -> Case:
+    d, length, rise = 0.25, 10.0, 1.0   # depth, length of the tank, height of the slope [m]
+    cotangent = 1.0 / tan(radians(angle))
+    toe = length - rise * cotangent
+    return Case(
+        title=f"Solitary wave on a slope of {angle:g} degrees, a/d = {height / d:g}",
+        fluid=Fluid(StillWater(level=d), density=1000.0),
+        walls=(
+            Profile([(-0.5, 0.0), (toe, 0.0), (length, rise)], name="bed"),
+            Piston(at=0.0, wave=SolitaryWave(height=height, depth=d), name="piston"),
+        ),
+        gravity=(0.0, -9.81),
+        numerics=Numerics(
+            method=method, preset=preset, spacing=spacing, time_step=time_step, jitter=jitter, seed=seed,
+        ),
+        output=Output(every=snapshot_every, checkpoint_every=1.0),
+        probes=[
+            SurfaceGauge("middle", at=5.0),
+            SurfaceGauge("toe", at=toe),
+            PressureTap("p1", at=(toe + tap * cotangent, tap)),
+            Energy("energy"),
+            Volume("volume"),
+        ],
+        end_time=end_time,
+    )

@@ -1,0 +1,55 @@
+"""Dam break on a wet bed: SPHERIC test 5 (Janosi et al. 2004, Exp. Fluids 37, 219-229).
+
+A reservoir of 0.38 m x 0.15 m opens into a layer of 38 mm in a flume of 9.55 m. Surface profiles were photographed from
+0.156 s to 0.593 s after the gate began to rise. Here it is gone at t = 0: at first, the water of the photographs is
+held back, as the gate rises with 1.5 m/s. Until then the wave goes no farther than 2 m.
+
+parisph run cases/wet_bed.py
+"""
+
+from parisph import (
+    Box,
+    Case,
+    Energy,
+    Fluid,
+    Numerics,
+    Output,
+    StillWater,
+    SurfaceGauge,
+    Tank,
+    Volume,
+)
+
+
+def case(
+    spacing: float = 0.00475,           # [m]
+    method: str = "ISPH_R",
+    preset: str = "violent",
+    end_time: float = 0.6,              # [s]
+    time_step: float | None = None,     # [s]; none to adapt it
+    layer: float = 0.038,               # depth of the wet bed [m]; also measured with 0.018
+    length: float = 2.0,                # of the flume [m]; 9.55 in the experiment
+    jitter: float = 0.0,
+    seed: int = 0,
+) -> Case:
+    gate, depth = 0.38, 0.15            # [m]
+    times = (0.156, 0.219, 0.281, 0.343, 0.406, 0.468, 0.531, 0.593)    # of the photographs [s]
+    return Case(
+        title=f"Dam break on a wet bed of {1e3 * layer:g} mm (SPHERIC 5)",
+        fluid=(
+            Fluid(Box(width=gate, height=depth), density=1000.0),
+            Fluid(StillWater(level=layer), density=1000.0),
+        ),
+        walls=Tank(width=length, height=2.0 * depth),
+        gravity=(0.0, -9.81),
+        numerics=Numerics(
+            method=method, preset=preset, spacing=spacing, time_step=time_step, jitter=jitter, seed=seed,
+        ),
+        output=Output(times=tuple(t for t in times if t <= end_time), checkpoint_every=0.1),
+        probes=[
+            *(SurfaceGauge(f"x{100.0 * x:.0f}cm", at=x) for x in (0.2, 0.5, 0.75, 1.0)),
+            Energy("energy"),
+            Volume("volume"),
+        ],
+        end_time=end_time,
+    )

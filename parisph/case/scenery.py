@@ -1,0 +1,72 @@
+"""Checks of scenes of several bodies: what can be said of them without their geometry (geometry.scene_checks)."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+from parisph.base.text import shown
+from parisph.case.bodies import Body, Flap, Piston, motion_of
+from parisph.case.methods import METHODS
+from parisph.case.scene import Scene
+from parisph.case.shapes import Tank
+
+CLOSE = 1e-9    # [m], [rad]: a motion begins where the body is
+
+
+def body_names(bodies: tuple[Body, ...]) -> list[str]:
+    """Return the names of bodies: as given, or tank, obstacle-1, ... after their kinds and places in the list."""
+    return [body.name or body.kind + (f"-{number}" if number else "") for number, body in enumerate(bodies)]
+
+
+def wall_speed(case: Scene) -> float:
+    """Return the greatest speed [m/s] of a wall in the frame of the scene, 0 if none moves."""
+    bounds = case.wall_bounds
+    if bounds is None:
+        return 0.0
+    return max((motion_of(body).top_speed(*bounds) for body in case.bodies), default=0.0)
+
+
+def longest_step(case: Scene) -> float:
+    """Return the longest time step [s] that resolves the motions of frame and walls, infinite without any."""
+    return min([case.frame.longest_step, *(motion_of(body).longest_step for body in case.bodies)])
+
+
+def problems(case: Scene) -> list[str]:
+    """Return the problems of a case that come from its bodies, one line each."""
+    return [*_bodies(case), *_fluids(case), *_method(case)]
+
+
+def _bodies(case: Scene) -> Iterator[str]:
+    bodies = case.bodies
+    if case.walls is not None and not bodies:
+        yield "walls = (): names no body; leave walls out where there are none"
+    for name, count in sorted(Counter(body_names(bodies)).items()):
+        if count > 1:
+            yield f"walls: the name {name!r} is given {count} times; give each body a name of its own"
+    if sum(isinstance(body, Tank) for body in bodies) > 1:
+        yield "walls: more than one Tank: fluid cannot be in both; give one Tank or Profile, and Obstacles in it"
+    makers = [body for body in bodies if isinstance(body, (Piston, Flap))]
+    if makers and len(makers) == len(bodies):
+        yield f"walls: a {type(makers[0]).__name__} stands on a bed; give a Tank or a Profile with it"
+    for name, body in zip(body_names(bodies), bodies):
+        away = motion_of(body).law(0.0)[0]
+        if abs(away) > CLOSE:
+            yield (f"walls, {name}: its motion begins at {away:g}, must begin at 0; describe the body where it is at "
+                   "t = 0, and the motion from there")
+
+
+def _fluids(case: Scene) -> Iterator[str]:
+    first = case.fluids[0]
+    for number, fluid in enumerate(case.fluids[1:], 1):
+        for field in ("density", "viscosity"):
+            mine, other = getattr(fluid, field), getattr(first, field)
+            if mine != other:
+                yield (f"fluid[{number}].{field} = {shown(mine)}: must be that of fluid[0], {shown(other)}: "
+                       "all bodies are of one fluid")
+
+
+def _method(case: Scene) -> Iterator[str]:
+    """What needs a lattice to the walls cannot compute a scene of other walls."""
+    n = case.numerics
+    if not case.plain and METHODS[n.method].step == "compressible":
+        yield (f"numerics.method = {n.method}: its wall particles are a lattice behind the walls of one Tank with one "
+               "Box, Disc or Polygon; choose a projection method for this scene, such as ISPH_R")

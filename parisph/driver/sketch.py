@@ -1,0 +1,86 @@
+"""A drawing of a scene in characters, for `parisph check`."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from parisph.base.arrays import Floats
+from parisph.case.motion import AtRest
+from parisph.case.schema import Case
+from parisph.geometry.build import domain, fillings
+from parisph.geometry.mesh import wall_mesh
+from parisph.geometry.outline import in_fluid, outline_of
+from parisph.geometry.standing import standing
+
+Picture = NDArray[np.str_]
+
+ACROSS, MOST_UP, LEAST_UP = 96, 24, 6    # characters
+TALL = 2.0                               # height over width of a character
+WATER, AIR, SOLID, WALL = "~", " ", "#", "+"
+
+
+def sketch(case: Case) -> str:
+    """Return the scene at the start as lines of text: water ~, solid #, thin and moving walls +, probes 1, 2, ...
+
+    Lengths along x and y are drawn alike unless the scene is too long for that; the last line says so.
+    """
+    lower, upper = (corner.copy() for corner in domain(case))
+    upper[1] = max(upper[1], case.fluid_bounds[1][1])
+    wide, high = upper - lower
+    up = int(np.clip(round(ACROSS * high / (TALL * wide)), LEAST_UP, MOST_UP))
+    x = lower[0] + wide * (np.arange(ACROSS) + 0.5) / ACROSS
+    y = upper[1] - high * (np.arange(up) + 0.5) / up
+    picture = _filled(case, x, y)
+    _thin(case, picture, lower, upper)
+    marks = _probes(case, picture, lower, upper)
+    stretch = (high / up) / (TALL * wide / ACROSS)
+    scale = "" if abs(stretch - 1.0) < 0.15 else f", heights drawn {1.0 / stretch:.2g} times"
+    ends = f"x from {lower[0]:g} to {upper[0]:g} m, y from {lower[1]:g} to {upper[1]:g} m{scale}"
+    return "\n".join(["|" + "".join(row) + "|" for row in picture] + [ends, *marks])
+
+
+def _filled(case: Case, x: Floats, y: Floats) -> Picture:
+    """Return rows of characters for fluid, solid and air."""
+    places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    walls = standing(case)
+    free = in_fluid([outline_of(wall) for wall in walls if isinstance(wall.motion, AtRest)], places)
+    mesh = wall_mesh(walls, case.numerics.spacing) if walls else None
+    wet = in_fluid([outline_of(wall) for wall in walls], places)
+    wet &= np.any([fill.holds(places) for fill in fillings(case, walls, mesh)], axis=0)
+    return np.where(wet, WATER, np.where(free, AIR, SOLID)).reshape(len(y), len(x))
+
+
+def _cell(picture: Picture, lower: Floats, upper: Floats, at: Sequence[float] | Floats) -> tuple[int, int]:
+    """Return the row and the column of a place, those nearest to it if it is outside of the picture."""
+    up, across = picture.shape
+    row = math.floor((upper[1] - at[1]) / (upper[1] - lower[1]) * up)
+    column = math.floor((at[0] - lower[0]) / (upper[0] - lower[0]) * across)
+    row, column = min(max(row, 0), up - 1), min(max(column, 0), across - 1)
+    return row, column
+
+
+def _thin(case: Case, picture: Picture, lower: Floats, upper: Floats) -> None:
+    """Draw plates, and whatever moves."""
+    for wall in standing(case):
+        outline = outline_of(wall)
+        if outline.two_sided or not isinstance(wall.motion, AtRest):
+            for a, b in zip(outline.starts, outline.ends):
+                for part in np.linspace(0.0, 1.0, 4 * ACROSS):
+                    picture[_cell(picture, lower, upper, a + part * (b - a))] = WALL
+
+
+def _probes(case: Case, picture: Picture, lower: Floats, upper: Floats) -> list[str]:
+    """Draw the probes that have a place, and return what their numbers are."""
+    found: list[str] = []
+    for probe in case.probes:
+        at = getattr(probe, "at", None)
+        if at is None:
+            continue
+        number = len(found) + 1
+        mark = str(number) if number < 10 else chr(ord("a") + (number - 10) % 26)
+        place = (at, upper[1]) if isinstance(at, float) else at
+        picture[_cell(picture, lower, upper, place)] = mark
+        found.append(f"{mark} {probe.name}")
+    return [", ".join(found)] if found else []

@@ -1,0 +1,53 @@
+"""Walls of any shape in a simulation: their elements, and fluid that fills what they leave, before the first step."""
+
+import numpy as np
+
+from parisph.base.fields import FLUID, INNER
+from parisph.case.schema import Case
+from parisph.geometry import build
+from parisph.methods import filling
+from parisph.methods.boundary import Boundary
+from parisph.methods.flow import Flow
+from parisph.methods.wall_images import WallImages
+from parisph.methods.wall_solids import WallSolids
+from parisph.parallel.particles import Particles
+from parisph.parallel.wall_elements import WallElements
+
+
+def fields(case: Case) -> tuple[str, ...]:
+    """Return the names of the fields that particles need beside such walls."""
+    if case.plain or case.walls is None:
+        return ()
+    moving = len(build.scene_motions(case)) > 1
+    return (*WallSolids.fields, "wall_u") if moving else WallSolids.fields
+
+
+def elements_of(case: Case, particles: Particles) -> WallElements | None:
+    """Return the elements of the walls of a case, None in a tank alone. Collective.
+
+    particles : all that were built; the nodes of the walls are the last of them, as of every checkpoint
+    """
+    mesh = None if case.plain else build.scene_mesh(case)
+    if mesh is None:
+        return None
+    last = max(particles.comm.allgather(int(particles.id.max(initial=-1))))
+    return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, build.scene_motions(case))
+
+
+def boundary_of(case: Case, elements: WallElements | None) -> Boundary:
+    """Return what walls are to the parts of the method."""
+    return WallImages() if elements is None else WallSolids(elements, case.numerics.spacing)
+
+
+def fill(case: Case, flow: Flow) -> None:
+    """Pack the fluid of a scene of any walls, give it the volumes that it stands for, and jitter it. Collective."""
+    p, d, s = flow.particles, flow.domain, case.numerics.spacing
+    d.refresh()
+    filling.pack(flow)
+    near = p.x[p.kind == FLUID] if (p.kind == FLUID).any() else np.zeros((1, p.dim))
+    reach = d.radius + s
+    filling.weigh(flow, build.samples(case, near.min(axis=0) - reach, near.max(axis=0) + reach))
+    if case.numerics.jitter > 0.0:
+        move = build.jitter(case, p.id, p.role != INNER)
+        move[p.kind != FLUID] = 0.0
+        filling.scatter(flow, move)

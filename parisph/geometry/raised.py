@@ -1,0 +1,33 @@
+"""The raised surface of fluid at the start: columns stretched linearly from the bed to the elevation (2D)."""
+
+import numpy as np
+
+from parisph.base.arrays import Floats
+from parisph.case.bodies import StillWater
+from parisph.case.fluids import Fluid
+from parisph.geometry.columns import beds
+from parisph.geometry.mesh import WallMesh
+
+MOST = 0.5    # of the depth: where water is shallower, as at a shore, it is raised by no more
+
+
+def raised(fluid: Fluid, mesh: WallMesh | None, bounds: tuple[Floats, Floats], x: Floats) -> tuple[Floats, Floats]:
+    """Return where points x (n, 2) [m] of a body of fluid with a level surface go, and the stretch there, (n,).
+
+    bounds : the corners (2,) [m] of a box around the body. What lies below an overhang stays.
+    """
+    if not fluid.raised:
+        return x, np.ones(len(x))
+    columns, which = np.unique(x[:, 0], return_inverse=True)
+    top = fluid.top
+    bottom = np.full(len(columns), bounds[0][-1])
+    if mesh is not None:
+        bed = beds(mesh.corners(), columns, top)
+        bottom = bed if isinstance(fluid.shape, StillWater) else np.maximum(bottom, bed)
+    depth = np.maximum(top - bottom, 1e-300)
+    share = np.clip(fluid.rise(columns) / depth, -MOST, MOST)
+    bottom, share = bottom[which.reshape(-1)], share[which.reshape(-1)]
+    stretched = x[:, 1] > bottom
+    moved = x.copy()
+    moved[stretched, 1] = (bottom + (x[:, 1] - bottom) * (1.0 + share))[stretched]
+    return moved, np.where(stretched, 1.0 + share, 1.0)

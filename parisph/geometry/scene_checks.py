@@ -1,0 +1,142 @@
+"""Checks of a case that need its geometry: what makes it impossible to compute, and what to know before it is run."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from parisph.base.errors import CaseError
+from parisph.case.faults import first_lines
+from parisph.case.lattice import FIT, misfit
+from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
+from parisph.case.schema import Case
+from parisph.case.shapes import Box
+from parisph.geometry import feasible
+from parisph.geometry.build import domain, fillings, samples
+from parisph.geometry.distance import nearest
+from parisph.geometry.mesh import WallMesh, chains_of, wall_mesh
+from parisph.geometry.outline import Wall, in_fluid, outline_of
+from parisph.geometry.raised import raised
+from parisph.geometry.standing import standing
+
+TAP = 0.25      # spacings: a pressure tap this near to a wall is on it, as discs have flat elements
+STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
+HEIGHTS = 400   # places along an upright line at which fluid is looked for
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What `parisph check` says of the walls and the filling of a scene.
+
+    elements : number of wall elements; gap : the least distance across fluid [m], inf without one; between : its two
+    bodies; wedge : the sharpest corner of the fluid [degrees], 180 without one; volume : exact, of all fluid at the
+    start [m2]; lattice : the same by its particles' cells
+    """
+
+    elements: int
+    gap: float
+    between: tuple[str, str]
+    wedge: float
+    volume: float
+    lattice: float
+
+
+def check(case: Case) -> None:
+    """Raise CaseError if the geometry of a case cannot be computed, with one line for each fault. Not collective.
+
+    A plain scene has been checked when the case was made.
+    """
+    if not case.plain:
+        found = faults(case)
+        if found:
+            raise CaseError(first_lines(found))
+
+
+def faults(case: Case) -> list[str]:
+    """Return what makes a scene that is not plain impossible to compute, one line each with a remedy."""
+    try:
+        walls = standing(case)
+    except CaseError as error:
+        return [str(error)]
+    found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing)
+    return found or [*_probes(case, walls)]
+
+
+def warnings(case: Case) -> list[str]:
+    """Return what a scene that is not plain will be computed less well for, and advice on its spacing."""
+    if case.plain:
+        return []
+    walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
+    own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
+    return [*own, *_airless(case), *_advice(case)]
+
+
+def facts(case: Case) -> Facts | None:
+    """Return the Facts of a scene with walls that is not plain, None for others."""
+    walls, s = standing(case), case.numerics.spacing
+    if case.plain or not walls:
+        return None
+    mesh, chains = wall_mesh(walls, s), chains_of(walls, s)
+    gap, _, one, other = feasible.thinnest_gap(*feasible.resting(mesh, chains))
+    names = [body.name for body in mesh.bodies]
+    fills = fillings(case, walls, mesh)
+    box = domain(case)
+    far = float(np.ptp(box)) + 1.0
+    volume = sum(float(part.sum()) for _, part in samples(case, box[0] - far, box[1] + far))
+    lattice = sum(float(np.sum(raised(fluid, mesh, case.bounds_of(fluid), fill.position(fill.indices()))[1]))
+                  * float(fill.step.prod()) if fluid.raised else fill.count * float(fill.step.prod())
+                  for fluid, fill in zip(case.fluids, fills))
+    shores = [angle for angle, _, _ in feasible.shores(mesh, [fluid.top for fluid in case.fluids])]
+    wedge = min([float(np.degrees(chain.angle.min())) for chain in chains] + shores)
+    return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume, lattice)
+
+
+def _airless(case: Case) -> Iterator[str]:
+    """Fluid up to a lid, in a scene that is not known to be full."""
+    tank, s = case.tank, case.numerics.spacing
+    if tank is not None and tank.closed and case.fluid_bounds[1][1] > tank.bounds[1][1] - s:
+        yield "the fluid reaches the lid: leave a spacing of air, where its surface is to be"
+
+
+def _advice(case: Case) -> Iterator[str]:
+    """Boxes whose edges are not a whole number of spacings long, so that their lattice is stretched."""
+    s = case.numerics.spacing
+    for number, fluid in enumerate(case.fluids):
+        name = f"fluid[{number}]" if isinstance(case.fluid, tuple) else "fluid"
+        if not isinstance(fluid.shape, Box):
+            continue
+        for field, length in (("width", fluid.shape.width), ("height", fluid.shape.height)):
+            step = length / max(round(length / s), 1)
+            if misfit(length, s) > FIT and abs(step - s) > STRETCH * s:
+                yield (f"{name}.shape.{field} = {length:g} is {length / s:.3g} spacings: its particles start "
+                       f"{step:.3g} m apart, not {s:g}; a spacing of {step:.6g} divides it")
+
+
+def _probes(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Probes that are not on a wall, or in none of the space that fluid may fill."""
+    mesh = wall_mesh(walls, case.numerics.spacing) if walls else None
+    for probe in case.probes:
+        if isinstance(probe, PressureTap) and mesh is not None:
+            yield from _tap(case, probe, mesh)
+        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and not _has_room(case, walls, probe.at):
+            yield f"probe {probe.name!r}: at = {probe.at:g}: there is no room for fluid above or below it; move it"
+        elif isinstance(probe, VelocityProfile):
+            outlines = [outline_of(wall) for wall in walls]
+            if not in_fluid(outlines, probe.places).any():
+                yield (f"probe {probe.name!r}: no point from {probe.start} to {probe.end} is in front of the walls; "
+                       "move it")
+
+
+def _tap(case: Case, probe: PressureTap, mesh: WallMesh) -> Iterator[str]:
+    apart, element, foot = nearest(np.array([probe.at]), mesh.corners())
+    if apart[0] > TAP * case.numerics.spacing:
+        name = mesh.bodies[mesh.element_body[element[0]]].name
+        yield (f"probe {probe.name!r}: at = {probe.at} is not on a wall; the nearest place on one is "
+               f"({foot[0, 0]:.6g}, {foot[0, 1]:.6g}) on {name}")
+
+
+def _has_room(case: Case, walls: tuple[Wall, ...], x: float) -> bool:
+    lower, upper = domain(case)
+    y = np.linspace(lower[1], max(upper[1], case.fluid_bounds[1][1]), HEIGHTS)
+    outlines, beside = [outline_of(wall) for wall in walls], 0.01 * case.numerics.spacing    # it may be at a wall
+    return any(in_fluid(outlines, np.stack([np.full(HEIGHTS, at), y], axis=1)).any() for at in (x - beside, x + beside))

@@ -1,0 +1,57 @@
+"""The walls of a case as bodies with outlines: wavemakers become upright faces that stand on the bed (2D)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from parisph.base.errors import CaseError
+from parisph.case.bodies import Flap, Piston, Profile
+from parisph.case.motion import AtRest
+from parisph.case.scene import Scene
+from parisph.case.scenery import body_names
+from parisph.geometry.outline import Wall, outline_of
+
+ON = 1e-6    # of the height of a wavemaker: so near to a wall its hinge lies on it
+
+
+def standing(case: Scene) -> tuple[Wall, ...]:
+    """Return the walls of a case, named, in which a Piston or a Flap is the Profile of its face with its motion.
+
+    Raises CaseError for a piston without a bed below it, and for a flap whose hinge is not on a wall.
+    """
+    names = body_names(case.bodies)
+    fixed = [body for body in case.bodies if not isinstance(body, (Piston, Flap)) and isinstance(body.motion, AtRest)]
+    return tuple(_face(body, name, fixed) if isinstance(body, (Piston, Flap)) else body.model_copy(
+        update={"name": name}) for body, name in zip(case.bodies, names))
+
+
+def _face(maker: Piston | Flap, name: str, fixed: Sequence[Wall]) -> Profile:
+    """Return the face of a wavemaker, from its lower to its upper end or back, with the fluid on its left."""
+    top = max((float(body.bounds[1][-1]) for body in fixed), default=-np.inf) if maker.top is None else maker.top
+    bottom = maker.hinge[1] if isinstance(maker, Flap) else maker.bottom
+    beds = _beds(fixed, maker.place)
+    if bottom is None:
+        if not len(beds):
+            raise CaseError(f"walls, {name}: there is no bed below x = {maker.place:g}; lead a Profile or a Tank under "
+                            "it, or give its lower end: bottom=...")
+        bottom = float(beds.max())
+    if not top > bottom:
+        raise CaseError(f"walls, {name}: its upper end at y = {top:g} is not above the lower one at {bottom:g}; give "
+                        "top=...")
+    if isinstance(maker, Flap) and not np.any(np.abs(beds - bottom) < ON * (top - bottom)):
+        raise CaseError(f"walls, {name}: its hinge at ({maker.place:g}, {bottom:g}) is not on a wall; put it on the "
+                        "bed or on an Obstacle")
+    ends = (maker.place, bottom), (maker.place, top)
+    return Profile(points=ends if maker.fluid_on_left else ends[::-1], side="left", name=name, slip=maker.slip,
+                   motion=maker.moved)
+
+
+def _beds(fixed: Sequence[Wall], x: float) -> np.ndarray:
+    """Return the heights (n,) [m] of walls at x with fluid above them."""
+    found = []
+    for body in fixed:
+        outline = outline_of(body)
+        for a, b in zip(outline.starts, outline.ends):
+            if a[0] < b[0] and a[0] <= x <= b[0]:
+                found.append(a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1]))
+    return np.array(found)

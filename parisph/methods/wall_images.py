@@ -1,0 +1,46 @@
+"""Flat walls, in which fluid is mirrored."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parisph.kernels import collisions, halves, shifting, surface
+from parisph.kernels.wetness import FREE
+from parisph.methods import lengths
+from parisph.methods.boundary import Boundary, Directions
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
+
+
+class WallImages(Boundary):
+    """The walls of a tank alone: its particles know planes, and neighbours have images in them."""
+
+    def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:
+        p, d = flow.particles, flow.domain
+        surface.density_ratio(out, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
+                              lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+
+    def concentration_gradient(self, out: np.ndarray, flow: "Flow", least: int) -> None:
+        p, d = flow.particles, flow.domain
+        shifting.concentration_gradient(out, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
+                                        lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+
+    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
+        p, d = flow.particles, flow.domain
+        halves.surplus(ratio, gradient, p.x_all, flow.seen(FREE), p.share_all, p.corner_all, p.normal_all,
+                       lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+
+    def keep_off(self, move: np.ndarray, flow: "Flow") -> None:
+        p, d = flow.particles, flow.domain
+        collisions.keep_off_walls(move, p.x_all, p.kind_all, p.corner_all, p.normal_all,
+                                  flow.numerics.wall_guard * flow.spacing, d.indptr, d.indices, flow.axes)
+
+    def guard(self, u: np.ndarray, flow: "Flow", dt: float) -> None:
+        p, d = flow.particles, flow.domain
+        collisions.wall_guard(u, p.x_all, p.kind_all, p.corner_all, p.normal_all,
+                              flow.numerics.wall_guard * flow.spacing, dt, d.indptr, d.indices, flow.axes)
+
+    def directions(self, flow: "Flow", least: int) -> Directions:
+        dim, none = len(flow.axes), np.zeros(0, np.int32)
+        return Directions(True, np.empty((0, dim, dim)), np.empty(0), np.zeros(len(flow.domain.indptr), np.int32), none)

@@ -1,0 +1,134 @@
+"""Walls of any shape, as elements with solid behind them."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parisph.base.fields import DRY, WALL
+from parisph.geometry.mesh import CONVEX
+from parisph.kernels import density, gradient, solids, wetness
+from parisph.methods import lengths
+from parisph.methods.boundary import Boundary, Directions
+from parisph.methods.operators import LeastSquares
+from parisph.methods.parts import Gradient
+from parisph.parallel.wall_elements import WallElements
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
+
+BESIDE = 0.4    # spacings in front of a wall that moves, within which the nodes of others are dry
+DATUM = 1.0     # spacings from a wall within which its datum helps out a gradient with too few neighbours
+
+
+class WallSolids(Boundary):
+    """Walls of any shape. Fluid does not see through elements, and the solid behind them completes sums of kernels.
+
+    elements : those of the domain
+    """
+
+    fields, shapes = ("weight", "area", "edge", "body", "half", "covered"), True
+
+    def __init__(self, elements: WallElements, spacing: float) -> None:
+        self.elements = elements
+        self.table = density.table(spacing, lengths.DENSITY * spacing, elements.mesh.dim)
+
+    def cover(self, flow: "Flow") -> tuple[str, ...]:
+        p, d = flow.particles, flow.domain
+        wetness.covered_walls(p.covered, p.x_all, p.kind_all, p.normal_all, flow.spacing, d.indptr, d.indices,
+                              flow.axes)
+        if self.elements.moving:
+            p.covered *= np.clip(0.5 + self._before_moving(flow) / flow.spacing, 0.0, 1.0)
+        return ("covered",)
+
+    def _before_moving(self, flow):
+        """Return how far wall particles (n_owned,) are from walls that move against theirs [m], 0 behind these."""
+        p, e = flow.particles, self.elements
+        found, own = np.full(p.n_owned, np.inf), np.zeros(p.n_owned, np.int64)
+        walls = p.kind == WALL
+        own[walls] = e.node_motion[p.id[walls] - e.first]
+        wetness.before_moving_walls(found, p.x, p.kind, own, e.corners, e.motion, e.indptr, e.indices, flow.axes)
+        return found
+
+    def counted(self, flow: "Flow", least: int) -> np.ndarray:
+        """Return the part of each particle (n_all,) that counts: of walls `least` what is covered."""
+        p = flow.particles
+        if "closing" not in p.fields:    # a full closed tank
+            return np.ones(p.n_all)
+        return np.where((p.kind_all == WALL) & (p.closing_all < least), 0.0, p.covered_all)
+
+    def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:
+        self._complete(density.completed_density, out, flow, least)
+
+    def concentration_gradient(self, out: np.ndarray, flow: "Flow", least: int) -> None:
+        self._complete(density.completed_gradient, out, flow, least)
+
+    def _complete(self, kernel, out, flow, least):
+        p, d, e = flow.particles, flow.domain, self.elements
+        counted = self.counted(flow, least)
+        kernel(out, p.x_all, p.kind_all, p.weight_all * counted, p.area_all * counted[:, None], e.corners,
+               e.mean_of_nodes(counted), *self.table, e.indptr, e.indices, d.indptr, d.indices, flow.axes)
+
+    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
+        p, d, e = flow.particles, flow.domain, self.elements
+        counted = self.counted(flow, wetness.FREE)
+        weight, area = p.weight_all * counted, p.area_all * counted[:, None]
+        filled, lean = density.node_terms(weight, area, p.share_all)
+        density.node_sums(ratio, gradient, p.x_all, p.kind_all, weight - filled, area - lean, self.table.values,
+                          self.table.h, self.table.full, e.indptr, d.indptr, d.indices, flow.axes)
+
+    def keep_off(self, move: np.ndarray, flow: "Flow") -> None:
+        p, e = flow.particles, self.elements
+        solids.keep_off_solids(move, p.x_all, p.kind_all, e.corners, flow.numerics.wall_guard * flow.spacing,
+                               e.indptr, e.indices, flow.axes)
+
+    def guard(self, u: np.ndarray, flow: "Flow", dt: float) -> None:
+        p, e = flow.particles, self.elements
+        solids.guard_solids(u, p.x_all, p.kind_all, e.corners, e.velocity, flow.numerics.wall_guard * flow.spacing, dt,
+                            e.indptr, e.indices, flow.axes)
+
+    def directions(self, flow: "Flow", least: int) -> Directions:
+        e = self.elements
+        return Directions(False, e.corners, e.mean_of_nodes(self.counted(flow, least)), e.indptr, e.indices)
+
+    def cells(self, flow: "Flow") -> np.ndarray:
+        p = flow.particles
+        return np.where(p.half_all == 1, 0.5 * flow.spacing**p.dim, p.volume_all)
+
+    def leave_out(self, flow: "Flow") -> None:
+        p = flow.particles
+        p.role[(p.kind == WALL) & (p.edge == CONVEX)] = DRY
+        if self.elements.moving:
+            p.role[self._before_moving(flow) < BESIDE * flow.spacing] = DRY
+
+    def move(self, flow: "Flow", at: float, start: float, stop: float) -> None:
+        if self.elements.moving:
+            self.elements.place(at, start, stop)
+            self.elements.put(flow.particles)
+
+    def acceleration(self, flow: "Flow") -> np.ndarray | None:
+        e = self.elements
+        return e.of_particles(e.a, flow.particles) if e.moving else None
+
+    def normal_acceleration(self, flow: "Flow") -> np.ndarray | None:
+        p, e = flow.particles, self.elements
+        if not e.moving:
+            return None
+        along = np.einsum("ia,ia->i", p.normal, e.of_particles(e.a, p))
+        return along - 2.0 * np.einsum("ia,ia->i", e.of_particles(e.turn, p), p.u - p.wall_u)
+
+    def shear(self, flow: "Flow") -> np.ndarray:
+        return -self.elements.of_particles(self.elements.turn, flow.particles)
+
+    def longest_step(self, flow: "Flow", time: float) -> float:
+        return self.elements.longest_step(time, flow.numerics.cfl)
+
+    def mend_gradient(self, out: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
+                      part: Gradient) -> None:
+        p, d, e = flow.particles, flow.domain, self.elements
+        if isinstance(part, LeastSquares):
+            along, less = np.zeros_like(p.x_all), np.zeros_like(e.acceleration)
+            if slope is not None:
+                along, less = slope, flow.density * e.acceleration
+            gradient.gradient_at_walls(out, f, along, less, p.x_all, p.role_all, *part.form(flow.spacing),
+                                       DATUM * flow.spacing, e.corners, e.indptr, e.indices, d.indptr, d.indices,
+                                       flow.axes)

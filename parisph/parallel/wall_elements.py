@@ -1,0 +1,154 @@
+"""The walls of a scene as elements on one rank: where they are now, and which of them each particle sees."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from parisph.base.fields import WALL
+from parisph.case.motion import Motion
+from parisph.geometry.mesh import WallMesh
+from parisph.kernels import solids
+from parisph.parallel.particles import Particles
+
+
+class WallElements:
+    """The elements near the particles of this rank. Nothing here is collective.
+
+    Every rank knows the whole mesh of the walls, which are rigid: it needs no messages to know where they are.
+
+    Parameters
+    ----------
+    mesh : WallMesh
+    first : id of the particle that is the mesh's first node; the others follow in its order
+    spacing : [m]
+    motions : those of the bodies, by number; number 0 is rest
+
+    Attributes
+    ----------
+    x, normal, u, a, turn : (N, dim), of all nodes place [m], normal, velocity [m/s], acceleration [m/s^2], and the rate
+        at which the normal turns [1/s]
+    moves : (N,) bool, nodes of walls that move
+    corners : (M, dim, dim) [m], of the elements near this rank's particles; velocity, acceleration : (M, dim); motion :
+        (M,) int, the number of the motion of each
+    nodes : (M, dim) int32, the local particles at their corners, -1 for those of other ranks that are no ghosts here
+    indptr, indices : (n_owned + 1,), (nnz,) int32, the elements that each owned particle sees
+    """
+
+    def __init__(self, mesh: WallMesh, first: int, spacing: float, motions: Sequence[Motion] = ()) -> None:
+        self.mesh, self.first, self.spacing = mesh, first, spacing
+        self.x, self.normal, self._vectors = mesh.x0.copy(), mesh.normal0.copy(), mesh.vector_area.copy()
+        self.u, self.a, self.turn = np.zeros_like(mesh.x0), np.zeros_like(mesh.x0), np.zeros_like(mesh.x0)
+        self.node_motion = np.array([body.motion for body in mesh.bodies], np.int64)[mesh.body]
+        self.moves = self.node_motion > 0
+        self._moving = {number: (motions[number], np.flatnonzero(self.node_motion == number))
+                        for number in np.unique(self.node_motion[self.moves])}
+        self._near = np.zeros(0, np.int64)
+        self.nodes = np.zeros((0, mesh.dim), np.int32)
+        self.indptr, self.indices = np.zeros(1, np.int32), np.zeros(0, np.int32)
+        self._mean = self.u
+        self._place()
+
+    @property
+    def moving(self) -> bool:
+        """Whether any wall moves."""
+        return bool(self._moving)
+
+    # -- where they are --------------------------------------------------------------------
+
+    def place(self, at: float, start: float, stop: float) -> None:
+        """Put walls where they are at a time [s], in a step from start to stop [s], which may be the same instant.
+
+        The velocity of nodes is that at the start, that of elements the mean of the step; the acceleration is that
+        which changes the velocity by its change in the step.
+        """
+        mean = self.u.copy()
+        for motion, own in self._moving.values():
+            x0 = self.mesh.x0[own]
+            before, after = motion.placed(x0, start), motion.placed(x0, stop)
+            self.x[own] = motion.placed(x0, at)
+            self.normal[own] = motion.turned(self.mesh.normal0[own], at)
+            self._vectors[own] = motion.turned(self.mesh.vector_area[own], at)
+            self.u[own] = motion.velocity_at(before, start)
+            tip = before + motion.turned(self.mesh.normal0[own], start)
+            self.turn[own] = motion.velocity_at(tip, start) - self.u[own]
+            if stop > start:
+                self.a[own] = (motion.velocity_at(after, stop) - self.u[own]) / (stop - start)
+                mean[own] = (after - before) / (stop - start)
+            else:
+                self.a[own], mean[own] = motion.acceleration_at(before, start), self.u[own]
+        self._mean = mean
+        self._place()
+
+    def put(self, particles: Particles) -> None:
+        """Write place, normal and area of the wall particles of this rank, ghosts included, and their own velocity."""
+        p = particles
+        here, node = self._here(p.kind_all, p.id_all)
+        p.x_all[here], p.normal_all[here] = self.x[node], self.normal[node]
+        p.area_all[here] = self._vectors[node] / self.spacing ** (p.dim - 1)
+        here, node = self._here(p.kind, p.id)
+        p.wall_u[here] = self.u[node]
+
+    def of_particles(self, values: np.ndarray, particles: Particles) -> np.ndarray:
+        """Return values (N, dim) of nodes at the owned particles that are nodes of moving walls, 0 at others."""
+        found = np.zeros_like(particles.x)
+        here, node = self._here(particles.kind, particles.id)
+        found[here] = values[node]
+        return found
+
+    def _here(self, kind, number):
+        """Return which particles are nodes of moving walls, and which nodes these are."""
+        here = np.flatnonzero(kind == WALL)
+        node = number[here] - self.first
+        return here[self.moves[node]], node[self.moves[node]]
+
+    def longest_step(self, time: float, cfl: float) -> float:
+        """Return the longest step [s] after a time [s] in which no wall moves by more than cfl spacings."""
+        found, room = np.inf, cfl * self.spacing
+        for motion, own in self._moving.values():
+            x = motion.placed(self.mesh.x0[own], time)
+            speed = np.linalg.norm(motion.velocity_at(x, time), axis=1).max()
+            push = np.linalg.norm(motion.acceleration_at(x, time), axis=1).max()
+            found = min(found, motion.longest_step, room / max(speed, 1e-300), np.sqrt(2.0 * room / max(push, 1e-300)))
+        return float(found)
+
+    # -- which are near --------------------------------------------------------------------
+
+    def settle(self, particles: Particles, width: float) -> None:
+        """Choose the elements within the width [m] of owned particles, after these have changed ranks or order."""
+        p, corners = particles, self.mesh.corners(self.x)
+        self._near = np.zeros(0, np.int64)
+        if p.n_owned:
+            lower, upper = p.x.min(axis=0) - width, p.x.max(axis=0) + width
+            near = (corners.min(axis=1) <= upper).all(axis=1) & (corners.max(axis=1) >= lower).all(axis=1)
+            self._near = np.flatnonzero(near)
+        local = np.full(len(self.x), -1, np.int32)
+        walls = np.flatnonzero(p.kind_all == WALL)
+        local[p.id_all[walls] - self.first] = walls
+        self.nodes = local[self.mesh.elements[self._near]]
+        self._place()
+
+    def _place(self):
+        elements = self.mesh.elements[self._near]
+        self.corners = np.ascontiguousarray(self.x[elements])
+        self.velocity, self.acceleration = self._mean[elements].mean(axis=1), self.a[elements].mean(axis=1)
+        self.motion = self.node_motion[elements[:, 0]]
+
+    def renew(self, particles: Particles, radius: float) -> None:
+        """Make the lists of the elements within the radius [m] of owned particles."""
+        p = particles
+        self.indptr, self.indices = solids.element_lists(p.x, self.corners, p.normal, radius, self.spacing)
+
+    def visible(self, particles: Particles, indptr: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return neighbour lists without what is behind a wall; those given are used up."""
+        p = particles
+        return solids.visible_lists(p.x_all, p.normal_all, self.corners, self.spacing, self.indptr, self.indices,
+                                    indptr, indices)
+
+    def mean_of_nodes(self, values: np.ndarray) -> np.ndarray:
+        """Return the mean over the corners of each element (M,) of values (n_all,) of particles.
+
+        Corners at which there is no particle here do not count: their elements are far from all owned particles.
+        """
+        here = self.nodes >= 0
+        total = np.where(here, values[self.nodes], 0.0).sum(axis=1)
+        return total / np.maximum(here.sum(axis=1), 1)
