@@ -93,7 +93,8 @@ def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
         yield f"{what}: on = {probe.on!r}: there is no body of this name; there is {', '.join(map(repr, names))}"
     elif not isinstance(case.bodies[names.index(probe.on)], Tank):
         if isinstance(probe, RunUp):
-            yield f"{what}: on = {probe.on!r}: give the points of the line along it, from below the water upwards"
+            if case.bodies[names.index(probe.on)].kind != "profile":
+                yield f"{what}: on = {probe.on!r}: give the points of the line along it, from below the water upwards"
         elif probe.side is not None:
             yield f"{what}: side = {probe.side!r}: only a tank has sides; leave it out"
     elif probe.side == "lid" and not case.lidded:

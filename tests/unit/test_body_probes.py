@@ -1,4 +1,4 @@
-"""Force and moment on bodies of any shape: Archimedes, at corners too."""
+"""Force, moment and run-up on bodies of any shape: Archimedes, at corners too."""
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from parisph import (
     Numerics,
     Obstacle,
     Polygon,
+    Profile,
     RunUp,
     Simulation,
     StillWater,
@@ -65,6 +66,21 @@ def test_bodies_and_sides_of_the_tank_add_up_to_the_weight_of_the_water():
     assert found["buoy"][1] == pytest.approx(np.pi * 0.15**2 * weight, rel=0.02)    # of a polygon of 19 sides
     assert found["tank"][1] == pytest.approx(-0.9 * LEVEL * weight, rel=1e-9)
     assert found["right"][0] == pytest.approx(0.5 * LEVEL**2 * weight, rel=1e-9)
+
+
+@pytest.mark.parametrize("side, x", [("right", 1.7), ("left", 0.3)])
+def test_run_up_on_a_profile_goes_from_its_lowest_point_to_one_of_its_ends(side, x):
+    """A basin with two slopes of 45 degrees, a flat bed between them, and a sill on it."""
+    basin = Profile([(0.0, 0.6), (0.6, 0.0), (1.4, 0.0), (2.0, 0.6)], name="basin")
+    case = Case(title="basin", fluid=Fluid(StillWater(0.3), density=DENSITY), gravity=(0.0, -G), end_time=1.0,
+                walls=(basin, Obstacle(Box(0.2, 0.1, at=(0.9, 0.0)))), numerics=Numerics(spacing=0.025),
+                probes=[RunUp("up", on="basin", side=side)])
+    assert Watch(case, MPI.COMM_SELF).sample()["up"] == (pytest.approx(0.3, abs=1e-9), pytest.approx(x, abs=1e-9))
+    with pytest.raises(CaseError, match="'up': on = 'obstacle-1': give the points"):
+        case.changed(probes=[RunUp("up", on="obstacle-1", side=side)])
+    hill = Profile([(0.0, 0.0), (2.0, 0.6)], name="hill")
+    with pytest.raises(CaseError, match="side = 'left': hill is lowest at this end"):
+        Watch(case.changed(walls=(hill,), probes=[RunUp("up", on="hill", side="left")]), MPI.COMM_SELF)
 
 
 @pytest.mark.parametrize("probe, message", [
