@@ -27,7 +27,7 @@ from parisph import (
 def case(
     spacing: float = 0.025,             # [m]
     method: str = "ISPH_R",
-    preset: str = "gentle",
+    preset: str = "violent",
     end_time: float = 40.0,             # [s]
     time_step: float | None = None,     # [s]; none to adapt it
     height: float = 0.02,               # of the waves [m]

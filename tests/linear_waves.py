@@ -103,9 +103,9 @@ class StillTank:
     def _with_walls(self, u):
         """Return u with the velocity that wall particles take from it."""
         p, d, u = self.particles, self.domain, u.copy()
-        gradients.wall_velocity(u, p.x, p.kind, p.corner, p.normal, p.role, np.zeros((self.n, 2)),
-                                np.zeros((self.n, 2)), lengths.WALL * self.numerics.spacing, d.indptr, d.indices,
-                                self.flow.axes)
+        rest = np.zeros((self.n, 2))
+        gradients.wall_velocity(u, p.x, p.kind, p.corner, p.normal, p.role, rest, rest,
+                                lengths.WALL * self.numerics.spacing, d.indptr, d.indices, self.flow.axes)
         return u
 
     def _pressure_rows(self):

@@ -109,6 +109,13 @@ class Piston(Model):
 
     It stands on the bed below it, over which it slides, and is as high as the other walls, unless `bottom` and `top`
     say otherwise. Walls behind it are dry. A wave that runs to the left has the fluid on the left.
+
+    Examples
+    --------
+    >>> Piston(at=0.0, wave=SolitaryWave(height=0.05, depth=0.25)).fluid_on_left
+    False
+    >>> Piston(at=4.0, motion=Sway(amplitude=0.5, frequency=2.0), side="left").moved.top_rate
+    1.0
     """
 
     kind: Literal["piston"] = "piston"
@@ -150,6 +157,11 @@ class Flap(Model):
 
     It makes a `wave`, by a motion of first order, or has a `motion`, a rotation about the hinge. The hinge lies on a
     bed or on an obstacle. As of a Piston: `top`, and the side of the fluid.
+
+    Examples
+    --------
+    >>> Flap(hinge=(0.0, 0.0), wave=Airy(height=0.02, period=1.5, depth=0.5)).moved.kind
+    'flap_stroke'
     """
 
     kind: Literal["flap"] = "flap"

@@ -29,12 +29,22 @@ class Fluid(Model):
     density : [kg/m3]
     velocity : components [m/s], numbers or expressions of x, y
     elevation : None, or the height of the free surface above the top of a Box or the level of StillWater [m], a
-        number or an expression of x; the columns of particles are stretched linearly to reach it
+        number or an expression of x; the columns of particles are stretched linearly to reach it, those of
+        StillWater are moved up
     wave : None, or a wave (parisph.case.waves) that gives velocity and elevation at t = 0, in place of these two; the
         top of the Box is its still surface, and the Box is as high as the wave's water is deep. Of StillWater, the
         wave's depth is that at the deepest place
     viscosity : kinematic [m2/s], 0 for none
     holes : shapes inside this one without fluid
+
+    Examples
+    --------
+    >>> water = Fluid(Box(width=1.0, height=0.4), density=1000.0, velocity=("0.1*cos(pi*x)", 0.0))
+    >>> Fluid(Box(width=1.0, height=0.4), density=1000.0, elevation="0.02*cos(pi*x)").raised
+    True
+    >>> wave = SolitaryWave(height=0.05, depth=0.25, at=2.0)
+    >>> moving = Fluid(Box(width=8.0, height=0.25), density=1000.0, viscosity=1e-6, wave=wave)
+    >>> ring = Fluid(Disc(radius=0.5), density=1000.0, holes=(Disc(radius=0.2),))
     """
 
     shape: FluidShape

@@ -21,6 +21,7 @@ from parisph.geometry import build, plain, scene_checks
 from parisph.kernels import viscous, weakly
 from parisph.methods import catalogue, lengths
 
+DRAWN = 10**7    # particles: larger scenes are not drawn, which takes memory for all their walls
 BRISK = 1.5    # as methods.timestep.BRISK, whose module needs MPI
 
 
@@ -51,10 +52,11 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
         ("probes", ", ".join(probe.name for probe in case.probes) or "none"),
     ]
     lines += [("warning", text) for text in _warnings(case, count)]
+    if count["all"] <= DRAWN:
+        lines.append(("scene", sketch(case).replace("\n", f"\n{'':<12}")))
     if parameters:
         lines.append(("--set", ", ".join(f"{name}={_text(name, value)}" for name, value in parameters.items())))
-    text = "\n".join(f"{name:<12}{text}" for name, text in lines)
-    return text if case.plain else f"{text}\n\n{sketch(case)}"
+    return "\n".join(f"{name:<12}{text}" for name, text in lines)
 
 
 def _geometry(case: Case) -> Iterator[tuple[str, str]]:

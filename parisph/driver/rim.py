@@ -109,11 +109,10 @@ class OpenTank:
 
 
 def _rims(case: Case, domain: Domain) -> tuple[float, float]:
-    """Return the heights [m] at which walls end at the lower and at the upper x of the box around them."""
+    """Return the heights [m] at which walls end at the lower and at the upper x of the box around them at the start."""
     mesh = None if case.plain else scene_mesh(case)
     if mesh is None:
         return float(domain.upper[-1]), float(domain.upper[-1])
-    x = mesh.x0[:, 0]
-    left, right = x < domain.lower[0] + case.numerics.spacing, x > domain.upper[0] - case.numerics.spacing
-    ends = [float(mesh.x0[side, -1].max(initial=domain.lower[-1])) for side in (left, right)]
-    return ends[0], ends[1]
+    x, s = mesh.x0[:, 0], case.numerics.spacing
+    left, right = (float(mesh.x0[side, -1].max()) for side in (x < x.min() + s, x > x.max() - s))
+    return left, right

@@ -4,6 +4,7 @@ from mpi4py import MPI
 
 from parisph.base import memory
 from parisph.base.errors import CaseError
+from parisph.base.log import logger
 from parisph.case import size
 from parisph.case.schema import Case
 from parisph.geometry import build, scene_checks
@@ -16,6 +17,8 @@ def check(case: Case, comm: MPI.Comm) -> None:
     describe a case for a cluster. The memory that other programs use is ignored, because it changes.
     """
     scene_checks.check(case)
+    for text in scene_checks.warnings(case) if comm.rank == 0 else ():
+        logger.warning(text)
     there = _memory(comm)
     count = build.counts(case)["all"]
     need = size.memory(count, comm.size)

@@ -16,7 +16,7 @@ from parisph.geometry.standing import standing
 
 Picture = NDArray[np.str_]
 
-ACROSS, MOST_UP, LEAST_UP = 96, 24, 6    # characters
+ACROSS, MOST_UP, LEAST_UP = 84, 20, 6    # characters
 TALL = 2.0                               # height over width of a character
 WATER, AIR, SOLID, WALL = "~", " ", "#", "+"
 
@@ -29,13 +29,14 @@ def sketch(case: Case) -> str:
     lower, upper = (corner.copy() for corner in domain(case))
     upper[1] = max(upper[1], case.fluid_bounds[1][1])
     wide, high = upper - lower
-    up = int(np.clip(round(ACROSS * high / (TALL * wide)), LEAST_UP, MOST_UP))
-    x = lower[0] + wide * (np.arange(ACROSS) + 0.5) / ACROSS
+    across = int(np.clip(round(MOST_UP * TALL * wide / high), LEAST_UP, ACROSS))
+    up = int(np.clip(round(across * high / (TALL * wide)), LEAST_UP, MOST_UP))
+    x = lower[0] + wide * (np.arange(across) + 0.5) / across
     y = upper[1] - high * (np.arange(up) + 0.5) / up
     picture = _filled(case, x, y)
     _thin(case, picture, lower, upper)
     marks = _probes(case, picture, lower, upper)
-    stretch = (high / up) / (TALL * wide / ACROSS)
+    stretch = (high / up) / (TALL * wide / across)
     scale = "" if abs(stretch - 1.0) < 0.15 else f", heights drawn {1.0 / stretch:.2g} times"
     ends = f"x from {lower[0]:g} to {upper[0]:g} m, y from {lower[1]:g} to {upper[1]:g} m{scale}"
     return "\n".join(["|" + "".join(row) + "|" for row in picture] + [ends, *marks])

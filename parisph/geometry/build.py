@@ -105,7 +105,9 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
 def fillings(case: Scene, walls: Sequence, mesh: WallMesh | None) -> list[Filling]:
     """Return the Filling of each body of fluid. Still water keeps off all other fluid."""
     s = case.numerics.spacing
-    return [Filling(fluid.shape, walls, mesh, s, fluid.holes, _others(case, fluid)) for fluid in case.fluids]
+    return [Filling(fluid.shape, walls, mesh, s, fluid.holes, _others(case, fluid),
+                    fluid.rise if fluid.raised and isinstance(fluid.shape, StillWater) else None)
+            for fluid in case.fluids]
 
 
 def _others(case: Scene, fluid: Fluid) -> list[Shape]:
@@ -184,7 +186,9 @@ def _fluid(case: Case, fluid: Fluid, fill: Filling, fills: Sequence[Filling], me
     """Return points number start to stop of one body of fluid."""
     index = fill.indices(start, stop)
     surface = fill.is_surface(index, [other for other in fills if other is not fill])
-    x, factor = raised(fluid, mesh, case.bounds_of(fluid), fill.position(index))
+    x, factor = fill.position(index), np.ones(len(index))
+    if not isinstance(fluid.shape, StillWater):
+        x, factor = raised(fluid, mesh, case.bounds_of(fluid), x)
     n, dim = x.shape
     return _with_area(mesh, {
         "kind": np.full(n, FLUID, dtype=np.int8), "corner": np.zeros(n, dtype=np.int8),
@@ -215,11 +219,17 @@ def _walls(case: Case, walls: Sequence, mesh: WallMesh, fills: Sequence[Filling]
             no_slip[own] = body.slip == "none"
     scale = s ** (mesh.dim - 1)
     return {
-        "kind": np.full(n, WALL, dtype=np.int8), "corner": (mesh.edge[nodes] == CONCAVE).astype(np.int8),
+        "kind": np.full(n, WALL, dtype=np.int8), "corner": _in_corner(mesh)[nodes],
         "role": _roles(case, walls, fills, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
         "volume": np.zeros(n), "normal": mesh.normal0[nodes], "no_slip": no_slip, "wall_u": wall_u,
         "weight": mesh.area[nodes] * mesh.share[nodes] / scale, "area": mesh.vector_area[nodes] / scale,
         "edge": mesh.edge[nodes], "body": mesh.body[nodes].astype(np.int16)}
+
+
+def _in_corner(mesh):
+    """Return 1 for nodes in a concave corner, and at the end of an open line, as at the foot of a piston, (N,) int8."""
+    ends = (np.bincount(mesh.elements.ravel(), minlength=len(mesh.x0)) == 1) & (mesh.dim == 2)
+    return ((mesh.edge == CONCAVE) | ends).astype(np.int8)
 
 
 def _roles(case, walls, fills, x, normal, edge):

@@ -4,7 +4,7 @@ The points are counted by runs along upright lines of the lattice, whose ends fo
 So each rank makes its own points only, and their numbers do not depend on the number of ranks.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -32,6 +32,8 @@ class Filling:
     spacing : [m]
     holes : shapes without fluid inside this one
     others : shapes of other fluid, from which this keeps half a spacing
+    rise : None, or a function of x (n,) [m] that gives the elevation (n,) [m] of the surface of still water. Its
+        columns are moved up with it, not stretched: so the fluid is as dense everywhere.
 
     Attributes
     ----------
@@ -40,15 +42,19 @@ class Filling:
     """
 
     def __init__(self, shape: Shape | StillWater, walls: Sequence[Wall], mesh: WallMesh | None, spacing: float,
-                 holes: Sequence[Shape] = (), others: Sequence[Shape] = ()) -> None:
+                 holes: Sequence[Shape] = (), others: Sequence[Shape] = (),
+                 rise: Callable[[np.ndarray], np.ndarray] | None = None) -> None:
+        self._rise = rise
         self.shape, self.holes, self.others, self.spacing = shape, tuple(holes), tuple(others), spacing
         self._outlines = [outline_of(wall) for wall in walls]
         tank = next((wall for wall in walls if isinstance(wall, Tank)), None)
         self.origin, self.step, first, last = self._frame(tank, mesh)
         self._first = first[0]
         lines = self.origin[0] + np.arange(first[0], last[0] + 1) * self.step[0]
-        line, low, high = self._free(lines, mesh, first[1], last[1])
-        begin, end = self._rows(low, high)
+        lift = self._lift(lines)
+        line, low, high = self._free(lines, mesh, first[1], last[1], lift)
+        begin, end = self._rows(low - lift[line], high - lift[line])
+        end = np.minimum(end, last[1])
         kept = end >= begin
         line, begin, end = line[kept], begin[kept], end[kept]
         middle = np.stack([line + first[0], (begin + end) // 2], axis=1)
@@ -72,15 +78,19 @@ class Filling:
         lattice = Lattice(self.shape, tank, s)
         return lattice.origin, lattice.step, lattice.first, lattice.first + lattice.counts - 1
 
+    def _lift(self, x):
+        return np.zeros(len(x)) if self._rise is None else self._rise(x)
+
     def _rows(self, low, high):
         """Return the first and the last row within intervals (n,) of heights [m]."""
         y, s = self.origin[1], self.step[1]
         first, last = np.ceil((low - y) / s - ROUNDING), np.floor((high - y) / s + ROUNDING)
         return first.astype(np.int64), last.astype(np.int64)
 
-    def _free(self, lines, mesh, first, last):
+    def _free(self, lines, mesh, first, last, lift):
         """Return the intervals of the lines that are in the shape and far enough from walls and holes."""
-        bottom, top = self.origin[1] + (first - 0.5) * self.step[1], self.origin[1] + (last + 0.5) * self.step[1]
+        bottom = self.origin[1] + (first - 0.5) * self.step[1] + lift.min(initial=0.0)
+        top = self.origin[1] + (last + 0.5) * self.step[1] + lift.max(initial=0.0)
         taken = []
         if mesh is not None:
             corners = mesh.corners()
@@ -107,7 +117,10 @@ class Filling:
 
     def position(self, index: np.ndarray) -> np.ndarray:
         """Return the positions (n, 2) [m] of lattice indices (n, 2)."""
-        return self.origin + index * self.step
+        x = self.origin + index * self.step
+        if self._rise is not None:
+            x[:, 1] += self._lift(x[:, 0])
+        return x
 
     def indices(self, start: int = 0, stop: int | None = None) -> np.ndarray:
         """Return the lattice indices (n, 2) of the points number start to stop. Only these are held in memory."""
@@ -133,7 +146,7 @@ class Filling:
         """Return which points x (n, 2) [m] lie in the shape or on its edge, walls or not, (n,) bool."""
         edge = EDGE * self.spacing
         if isinstance(self.shape, StillWater):
-            return x[:, 1] <= self.shape.level + edge
+            return x[:, 1] <= self.shape.level + self._lift(x[:, 0]) + edge
         inside = self.shape.inside(x, edge)
         for hole in self.holes:
             inside &= ~hole.inside(x, -edge) if not hasattr(hole, "points") else ~hole.inside(x, 0.0)

@@ -1,4 +1,7 @@
-"""The raised surface of fluid at the start: columns stretched linearly from the bed to the elevation (2D)."""
+"""The raised surface of fluid at the start: columns stretched linearly from the bed to the elevation (2D).
+
+So go the places all over still water, for its volumes, and the particles of a Box.
+"""
 
 import numpy as np
 

@@ -16,7 +16,6 @@ from parisph.geometry.build import domain, fillings, samples
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh, chains_of, wall_mesh
 from parisph.geometry.outline import Wall, in_fluid, outline_of
-from parisph.geometry.raised import raised
 from parisph.geometry.standing import standing
 
 TAP = 0.25      # spacings: a pressure tap this near to a wall is on it, as discs have flat elements
@@ -83,9 +82,7 @@ def facts(case: Case) -> Facts | None:
     box = domain(case)
     far = float(np.ptp(box)) + 1.0
     volume = sum(float(part.sum()) for _, part in samples(case, box[0] - far, box[1] + far))
-    lattice = sum(float(np.sum(raised(fluid, mesh, case.bounds_of(fluid), fill.position(fill.indices()))[1]))
-                  * float(fill.step.prod()) if fluid.raised else fill.count * float(fill.step.prod())
-                  for fluid, fill in zip(case.fluids, fills))
+    lattice = sum(fill.count * float(fill.step.prod()) for fill in fills)
     shores = [angle for angle, _, _ in feasible.shores(mesh, [fluid.top for fluid in case.fluids])]
     wedge = min([float(np.degrees(chain.angle.min())) for chain in chains] + shores)
     return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume, lattice)

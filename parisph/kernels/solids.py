@@ -108,11 +108,12 @@ def _middles(middle, corners, axes):
 def _keep_unhidden(indptr, indices, x, normal, corners, radius, lift, axes) -> int:
     """Leave in the lists, in place, elements within the radius of a point that are not hidden.
 
-    The middle of an element, lifted off, must be seen. Elements that a point is behind stay, so that fluid cannot
-    pass them. Returns the number that are left.
+    The middle of an element or its nearest point, lifted off, must be seen: a wall that moves hides a part of an
+    element over which it stands. Elements that a point is behind stay, so that fluid cannot pass them. Returns the
+    number that are left.
     """
     dim = len(axes)
-    p, q, n, foot = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
+    p, q, n, foot, r = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
     left, begin, free = 0, indptr[0], np.empty(256, np.bool_)
     for i in range(len(indptr) - 1):
         end = indptr[i + 1]
@@ -128,10 +129,16 @@ def _keep_unhidden(indptr, indices, x, normal, corners, radius, lift, axes) -> i
                 continue
             for a in range(dim):
                 q[a] = lift * n[a]
+                r[a] = foot[a] + lift * n[a]
                 for c in range(dim):
                     q[a] += corners[e, c, a] / dim
             for m in range(begin, end):
                 free[k - begin] = free[k - begin] and (m == k or not _crosses(p, q, indices[m], corners, axes))
+            nearest = not free[k - begin]
+            if nearest:
+                for m in range(begin, end):
+                    nearest = nearest and (m == k or not _crosses(p, r, indices[m], corners, axes))
+            free[k - begin] = free[k - begin] or nearest
         for k in range(begin, end):
             indices[left] = indices[k]
             left += free[k - begin]

@@ -1,10 +1,12 @@
 """Scenes of several bodies and fluids: what a case accepts, what it says, its JSON, and what --set reaches."""
 
+import doctest
 import json
 import re
 
 import pytest
 
+import parisph
 from parisph import (
     Airy,
     Box,
@@ -167,7 +169,7 @@ def test_check_says_and_draws_what_there_is():
     text = describe(scene(probes=[SurfaceGauge("gauge", at=2.0)]))
     assert "walls       tank, box: " in text and "thinnest gap 1 m, 20 spacings, between tank and box" in text
     assert "volume      1.4 m2 exactly" in text
-    rows = [line for line in text.splitlines() if line.startswith("|")]
+    rows = [line[12:] for line in text.splitlines() if line.endswith("|")]
     assert len({len(row) for row in rows}) == 1 and "1 gauge" in text
     assert rows[0].count("1") == 1 and "~" not in rows[0] and "#" in rows[-1] and "~" in rows[-1]
     assert rows[-1].index("#") / len(rows[-1]) == pytest.approx(1.0 / 3.0, abs=0.02)
@@ -177,6 +179,13 @@ def test_motion_that_does_not_begin_where_the_body_is():
     late = Tabulated((0.0, 1.0, 2.0, 3.0), (0.1, 0.2, 0.1, 0.1))
     with pytest.raises(CaseError, match="plate-1: its motion begins at 0.1, must begin at 0"):
         scene(walls=(TANK, Plate([(2.0, 0.2), (2.0, 0.8)], motion=late)))
+
+
+@pytest.mark.parametrize("kind", [Fluid, Piston, Flap])
+def test_examples_hold(kind):
+    names = {name: getattr(parisph, name) for name in ("Airy", "Box", "Disc", "SolitaryWave", "Sway")}
+    test = doctest.DocTestParser().get_doctest(kind.__doc__, {**names, kind.__name__: kind}, kind.__name__, None, None)
+    assert test.examples and doctest.DocTestRunner(verbose=False).run(test).failed == 0
 
 
 def test_polygon_sill_in_positions():
