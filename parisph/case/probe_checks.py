@@ -15,6 +15,8 @@ from parisph.case.probes import (
     singles,
 )
 from parisph.case.scene import Scene
+from parisph.case.scenery import body_names
+from parisph.case.shapes import Tank
 
 
 def problems(case: Scene) -> Iterator[str]:
@@ -76,7 +78,7 @@ def _tap(case: Scene, probe: PressureTap, what: str) -> Iterator[str]:
 
 
 def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
-    """The line or the walls of a probe must exist. So far the tank is the only body that has a name."""
+    """The line or the body of a probe must exist."""
     points = probe.points if isinstance(probe, RunUp) else (probe.about,)
     for point in points or ():
         yield from _components(case, what, point=point)
@@ -84,9 +86,16 @@ def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
         if any(one == other for one, other in zip(probe.points, probe.points[1:])):
             yield f"{what}: points: two that follow each other must be two points"
         return
-    if probe.on != "tank":
-        yield f"{what}: on = {probe.on!r}: there is no body of this name; there is 'tank'"
-    elif case.tank is None:
+    names = body_names(case.bodies)
+    if not names:
         yield f"{what}: there is no tank; give walls=Tank(...) or leave the probe out"
-    elif probe.side == "lid" and not case.tank.closed:
+    elif probe.on not in names:
+        yield f"{what}: on = {probe.on!r}: there is no body of this name; there is {', '.join(map(repr, names))}"
+    elif not isinstance(case.bodies[names.index(probe.on)], Tank):
+        if isinstance(probe, RunUp):
+            if case.bodies[names.index(probe.on)].kind != "profile":
+                yield f"{what}: on = {probe.on!r}: give the points of the line along it, from below the water upwards"
+        elif probe.side is not None:
+            yield f"{what}: side = {probe.side!r}: only a tank has sides; leave it out"
+    elif probe.side == "lid" and not case.lidded:
         yield f"{what}: side = 'lid': the tank has none; give it one, or choose another side"

@@ -212,8 +212,8 @@ class RunUp(Probe):
     The water counts that is connected, along the wall, with the lower end of the wall. At a vertical side it is the
     surface's height as of a SurfaceGauge; along a line of points, the surface is continued straight to the line.
 
-    on : name of the body
-    side : of the tank
+    on : name of the body, a Tank or a Profile
+    side : of the tank; or the end of the profile, to which the line goes from its lowest point
     points : the line itself [m], from below the water upwards, in place of a side
 
     Examples
@@ -226,7 +226,7 @@ class RunUp(Probe):
 
     kind: Literal["run_up"] = "run_up"
     on: str = Field("tank", description="name of the body")
-    side: Optional[Literal["left", "right"]] = Field(None, description="side of the tank")
+    side: Optional[Literal["left", "right"]] = Field(None, description="side of the tank, or end of the profile")
     points: Optional[tuple[Point, ...]] = Field(None, min_length=2, max_length=10_000,
                                                 description="line along the wall, from below the water upwards [m]")
     truth: Union[Truth, None] = None
@@ -243,8 +243,8 @@ class RunUp(Probe):
 class Force(Probe):
     """Force [N/m] of the fluid's pressure on a body, and its moment [N m/m] against the clock.
 
-    on : name of the body, "tank" for the tank or one of its sides
-    side : of the tank; None for all of it
+    on : name of the body
+    side : of a tank; None for all of it
     about : point of the moment [m]
 
     Examples

@@ -149,13 +149,13 @@ class Scene(Model):
 
     @property
     def driven(self) -> bool:
-        """Whether the body force, a zone, or a motion of the tank or of walls may do work on the fluid.
+        """Whether the body force, a motion of the tank or of walls, or a zone may do work on the fluid.
 
-        A uniform, constant force does not, because its potential energy is counted.
+        A uniform, constant force does not change its energy, because its potential energy is counted.
         """
         moving = any(not isinstance(motion_of(body), AtRest) for body in self.bodies)
-        return (moving or bool(self.absorb) or not isinstance(self.frame, AtRest)
-                or uniform_field(self.gravity) is None)
+        still = isinstance(self.frame, AtRest) and uniform_field(self.gravity) is not None
+        return moving or bool(self.absorb) or not still
 
     @property
     def absorber(self) -> Optional[Absorber]:

@@ -124,8 +124,7 @@ class Simulation:
         self._made.append(self.domain)
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
                     solid_walls.boundary_of(case, elements), self.timers, closed=case.closed,
-                    budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin,
-                    absorb=case.absorber)
+                    budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin, absorb=case.absorber)
         if start is None and not case.plain:
             solid_walls.fill(case, flow)
         self.method = _method(case, flow, parts, petsc_options)

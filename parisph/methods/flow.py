@@ -52,9 +52,8 @@ class Flow:
                  spin: Callable[[float], float] | None = None, absorb: Any = None) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
-        self.closed, self.budget, self.spin = closed, budget or NoBudget(), spin
+        self.closed, self.budget, self.spin, self.absorb = closed, budget or NoBudget(), spin, absorb
         self.time = self.dt = 0.0
-        self.absorb = absorb
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)

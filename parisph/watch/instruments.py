@@ -12,15 +12,14 @@ from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, agree
 from parisph.case import probes
 from parisph.case.schema import Case
-from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import area_vectors
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
+from parisph.watch.body_force import force_on
 from parisph.watch.gauges import ColumnHeight, SurfaceGauge, WaterFront
 from parisph.watch.points import VelocityPoint, VelocityProfile
 from parisph.watch.run_up import run_up
 from parisph.watch.sampling import Sampler, Scene, Several, View, sample_all
-from parisph.watch.wall_pressure import Force, pressure_tap
+from parisph.watch.wall_pressure import pressure_tap
 
 __all__ = ["SAMPLERS", "build", "sample_all"]
 
@@ -52,14 +51,6 @@ def _sampler(probe: probes.AnyProbe, scene: Scene) -> Sampler:
 
 def _array(probe: probes.ProbeArray, scene: Scene) -> Several:
     return Several(probe, scene, [_sampler(one, scene) for one in probe.probes])
-
-
-def _axes_on(mesh, at):
-    """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows."""
-    element = nearest(at[None], mesh.corners())[1][0]
-    normal = area_vectors(mesh.corners()[[element]])[0]
-    normal /= np.linalg.norm(normal)
-    return np.array([normal, [-normal[1], normal[0]]])
 
 
 class Energy(Sampler):
@@ -155,6 +146,6 @@ class Volume(Sampler):
 SAMPLERS = {
     "surface_gauge": SurfaceGauge, "pressure_tap": pressure_tap, "water_front": WaterFront,
     "column_height": ColumnHeight, "energy": Energy, "momentum": Momentum, "volume": Volume,
-    "velocity_profile": VelocityProfile, "velocity_point": VelocityPoint, "run_up": run_up, "force": Force,
+    "velocity_profile": VelocityProfile, "velocity_point": VelocityPoint, "run_up": run_up, "force": force_on,
     "probe_array": _array,
 }

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from parisph.base.errors import CaseError
 from parisph.case import probes
+from parisph.geometry.mesh import WallMesh
 from parisph.watch.elevation import bodies
 from parisph.watch.gauges import BODY, COLUMN_GAP, HEIGHT, SurfaceGauge, bodies_of_all, body_rows
 from parisph.watch.sampling import WIDTH, Sampler, Scene, View
@@ -16,14 +18,36 @@ ASIDE = 0.1       # the second of two such particles is farther from the line th
 APART = (0.5, 2.6)    # and as far from it
 AHEAD = 1.0       # the surface is continued by this height at most
 
+FLAT = 1e-9       # of the height of a profile: what is no more above its lowest node is as low
+
 COLUMNS = {"y": "m", "x": "m"}
 
 
 def run_up(probe: probes.RunUp, scene: Scene) -> Sampler:
-    """Return the sampler of a RunUp. For a body with a name, its line will be that of its elements."""
+    """Return the sampler of a RunUp.
+
+    Raises CaseError for a profile that moves, or is not there.
+    """
     if probe.points is not None:
         return LineRunUp(probe, scene, np.array(probe.points, dtype=float))
+    if scene.mesh is not None and probe.on in scene.profiles:
+        return LineRunUp(probe, scene, _slope(probe, scene.mesh))
     return SideRunUp(probe, scene, float((scene.lower if probe.side == "left" else scene.upper)[0]))
+
+
+def _slope(probe: probes.RunUp, mesh: WallMesh) -> np.ndarray:
+    """Return the nodes (n, 2) [m] of a profile from its lowest one to one of its ends."""
+    number = [body.name for body in mesh.bodies].index(probe.on)
+    mine = mesh.elements[mesh.element_body == number]
+    if mesh.bodies[number].motion or not len(mine):
+        raise CaseError(f"probe {probe.name!r}: on = {probe.on!r}: moves, or no fluid touches it; give another wall")
+    x = mesh.x0[np.append(mine[:, 0], mine[-1, 1])]    # with the fluid on the left, from left to right
+    x = x if probe.side == "right" else x[::-1]
+    lowest = np.flatnonzero(x[:, 1] <= x[:, 1].min() + FLAT * (x[:, 1].max() - x[:, 1].min()))[-1]
+    if lowest == len(x) - 1:
+        raise CaseError(f"probe {probe.name!r}: side = {probe.side!r}: {probe.on} is lowest at this end; "
+                        "choose the other one")
+    return x[lowest:]
 
 
 class SideRunUp(SurfaceGauge):

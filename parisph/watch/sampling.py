@@ -16,6 +16,7 @@ from parisph.base.errors import CaseError
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL
 from parisph.case import expressions
 from parisph.case.probes import AnyProbe, ProbeArray
+from parisph.case.scenery import body_names
 from parisph.case.schema import Case
 from parisph.geometry import build
 from parisph.geometry.columns import beds
@@ -81,7 +82,7 @@ class Scene:
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
     the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2],
     zero unless the body force is uniform and constant in the tank's frame; lid : whether the tank is closed above;
-    mesh : of the walls, None in a plain scene, whose walls are those of the tank.
+    mesh : of the walls, None in a plain scene, whose walls are those of the tank; profiles : names of those bodies.
     """
 
     dim: int
@@ -94,6 +95,7 @@ class Scene:
     gravity: np.ndarray
     lid: bool = False
     mesh: WallMesh | None = None
+    profiles: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, case: Case) -> "Scene":
@@ -101,7 +103,8 @@ class Scene:
         s = case.numerics.spacing
         return cls(case.dim, s, build.lattice_step(case), case.density,
                    *build.domain(case), case.tank is not None, _uniform(case), case.lidded,
-                   None if case.plain else build.scene_mesh(case))
+                   None if case.plain else build.scene_mesh(case),
+                   tuple(name for name, body in zip(body_names(case.bodies), case.bodies) if body.kind == "profile"))
 
     @property
     def walls(self) -> tuple[np.ndarray, np.ndarray]:

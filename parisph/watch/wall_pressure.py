@@ -9,6 +9,9 @@ from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import area_vectors
 from parisph.watch.sampling import WIDTH, Sampler, Scene, View
 
+# Sides of a tank: the axis across them, and the sign of the normal into the fluid.
+SIDES = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
+
 FACE = 3.0    # radius [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
 
 
@@ -87,6 +90,14 @@ class DiscTap(PressureTap):
         return (disc_mean(rows[:, 1], rows[:, 2], self.radius),)
 
 
+def _axes_on(mesh, at):
+    """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows."""
+    element = nearest(at[None], mesh.corners())[1][0]
+    normal = area_vectors(mesh.corners()[[element]])[0]
+    normal /= np.linalg.norm(normal)
+    return np.array([normal, [-normal[1], normal[0]]])
+
+
 def pressure_tap(probe: probes.PressureTap, scene: Scene) -> PressureTap:
     """Return the sampler of a tap: a fit, or the mean over a disc."""
     return PressureTap(probe, scene) if probe.diameter is None else DiscTap(probe, scene)
@@ -115,7 +126,7 @@ def _chords(z, radius):
 
 
 class Force(Sampler):
-    """Force of the pressure on walls, -sum p n A, and its moment about a point (2D).
+    """Force of the pressure on the walls of a tank alone, -sum p n A, and its moment about a point (2D).
 
     Each wall particle stands for a spacing of wall, and at the ends of a side for half of one: this is the trapezoidal
     rule, exact for the force by a pressure that is linear between particles. Dry walls have p = 0. Friction is not in
@@ -128,10 +139,8 @@ class Force(Sampler):
     def __init__(self, probe: probes.Force, scene: Scene) -> None:
         super().__init__(probe, scene)
         self.about = np.array(probe.about)
-        sides = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
-        if not scene.lid:
-            del sides["lid"]
-        self._sides = list(sides.values()) if probe.side is None else [sides[probe.side]]
+        self._sides = [side for name, side in SIDES.items()
+                       if (probe.side in (None, name)) and (scene.lid or name != "lid")]
         self.title = (f"Force of the pressure on the {probe.side or 'whole'}{' of the' * bool(probe.side)} {probe.on}, "
                       f"and its moment about ({', '.join(f'{a:g}' for a in probe.about)}) m")
 
@@ -148,10 +157,7 @@ class Force(Sampler):
         return sums
 
     def _areas(self, x: np.ndarray) -> Iterator[np.ndarray]:
-        """Yield the area vectors (n, dim) [m], into the fluid, of wall particles at x (n, dim), for each of the sides.
-
-        A body with a name will have those of its own nodes.
-        """
+        """Yield the area vectors (n, dim) [m], into the fluid, of wall particles at x (n, dim), for each side."""
         s = self.scene
         for axis, inward in self._sides:
             along = 1 - axis

@@ -14,10 +14,12 @@ from parisph.case.schema import (
     Energy,
     Force,
     Momentum,
+    Obstacle,
     PressureTap,
     ProbeArray,
     RunUp,
     SurfaceGauge,
+    Tank,
     VelocityPoint,
     VelocityProfile,
     Volume,
@@ -76,6 +78,14 @@ def test_ranks_agree_with_each_other_and_with_one(comm, shape):
     assert found["energy"][1] > 0.0 and found["volume"][1] > 10
     # a flat column is as high at its wall as inside, however disordered; the others are not flat
     assert (found["middle"] == found["left"]) == (shape == "column")
+    watch.destroy()
+
+
+def test_the_force_on_a_body_whose_nodes_are_on_all_ranks(comm):
+    case = scene([]).changed(walls=[Tank(1.0, 1.0), Obstacle(Disc(0.2, at=(0.5, 0.25)), name="stone")],
+                             probes=[Force("load", on="stone"), Force("right", side="right", about=(1.0, 0.0))])
+    watch, alone = Watch(case, comm, pressed), Watch(case, MPI.COMM_SELF, pressed)
+    assert abs(same_as_on_one_rank(comm, watch, alone)["load"][1]) > 10.0
     watch.destroy()
 
 

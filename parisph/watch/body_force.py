@@ -1,0 +1,99 @@
+"""Force and moment of the pressure on a body of elements (2D)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from parisph.base.errors import CaseError
+from parisph.base.fields import DRY, WALL
+from parisph.case import probes
+from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors
+from parisph.watch.sampling import WIDTH, Sampler, Scene, View
+from parisph.watch.wall_pressure import SIDES, Force
+
+LAST = -1.0     # the first number of a row that tells the greatest number of a wall particle; else that of a node
+SQUARE = 0.9    # cosine of the angle between an element's normal and that of the side it belongs to
+
+
+class BodyForce(Sampler):
+    """As Force, for a body of any shape, which may move: its nodes are where they are now.
+
+    On each element the pressure is linear between its nodes, and the integrals are exact. A node on a convex edge has
+    no pressure: there that along the element's side of the edge is continued linearly, or as it is beside a dry node.
+    """
+
+    columns = Force.columns
+    dims = (2,)
+
+    def __init__(self, probe: probes.Force, scene: Scene, mesh: WallMesh) -> None:
+        super().__init__(probe, scene)
+        self.about, self._mesh = np.array(probe.about), mesh
+        number = [body.name for body in mesh.bodies].index(probe.on)
+        mine = mesh.element_body == number
+        if probe.side is not None:
+            axis, inward = SIDES[probe.side]
+            normal = area_vectors(mesh.corners())
+            mine &= inward * normal[:, axis] > SQUARE * np.linalg.norm(normal, axis=1)
+        self._elements = mesh.elements[mine]
+        if not len(self._elements):
+            raise CaseError(f"probe {probe.name!r}: no fluid touches {probe.on}; leave the probe out")
+        self._needed = np.zeros(len(mesh.x0), dtype=bool)
+        self._needed[self._elements] = True
+        # of each end of an element: the node beyond its other end on the same body, or that end itself
+        self._beyond = np.stack([_next(self._elements, end) for end in (0, 1)], axis=1)
+        self.title = (f"Force of the pressure on {probe.on}{f', {probe.side} side' * bool(probe.side)}, and its moment "
+                      f"about ({', '.join(f'{a:g}' for a in probe.about)}) m")
+
+    def rows(self, view: View) -> np.ndarray:
+        """Return a row (its number, x, y, pressure) for each wall particle here that may be a node of the body.
+
+        The pressure is that of a node with one, inf at a dry one, nan on a convex edge.
+        """
+        p = view.particles
+        wall = np.flatnonzero(p.kind == WALL)
+        last = p.id[wall].max(initial=-1)
+        wall = wall[np.isin(p.body[wall], np.unique(self._mesh.body[self._needed]))]
+        rows = np.empty((len(wall) + 1, WIDTH - 1))
+        rows[0] = LAST, last, 0.0, 0.0
+        rows[1:, 0], rows[1:, 1:3] = p.id[wall], p.x[wall]
+        rows[1:, 3] = np.where(p.edge[wall] == CONVEX, np.nan, np.where(p.role[wall] == DRY, np.inf, p.p[wall]))
+        return rows
+
+    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
+        nodes, last = rows[rows[:, 0] != LAST], rows[rows[:, 0] == LAST, 1].max()
+        x, p = np.zeros_like(self._mesh.x0), np.full(len(self._mesh.x0), np.inf)
+        number = (nodes[:, 0] - (last + 1 - len(x))).astype(int)    # nodes are the last particles, in their order
+        x[number], p[number] = nodes[:, 1:3], nodes[:, 3]
+        ends, pressure = x[self._elements], self._pressures(x, p)
+        area = area_vectors(ends)
+        force = -pressure.mean(axis=1)[:, None] * area
+        # the integral of (x - about) p over an element, whose normal is the same all along
+        (a, b), (p, q) = np.moveaxis(ends - self.about, 1, 0), pressure.T
+        arm = ((2.0 * p + q)[:, None] * a + (p + 2.0 * q)[:, None] * b) / 6.0
+        moment = -(arm[:, 0] * area[:, 1] - arm[:, 1] * area[:, 0]).sum()
+        return (*force.sum(axis=0), moment)
+
+    def _pressures(self, x, p):
+        """Return the pressures at both ends of each element (M, 2)."""
+        found = np.empty(self._elements.shape)
+        wet = np.isfinite(p)
+        for end in (0, 1):
+            own, other, beyond = self._elements[:, end], self._elements[:, 1 - end], self._beyond[:, end]
+            length = np.linalg.norm(x[own] - x[other], axis=1)
+            share = length / np.maximum(np.linalg.norm(x[other] - x[beyond], axis=1), np.finfo(float).tiny)
+            there = np.where(wet, p, 0.0)
+            linear = wet[other] & wet[beyond] & (other != beyond)
+            continued = there[other] + np.where(linear, share * (there[other] - there[beyond]), 0.0)
+            found[:, end] = np.where(np.isnan(p[own]), continued, there[own])
+        return found
+
+
+def _next(elements, end):
+    """Return, for each element, the node beyond its end 1 - `end`; that end itself if there is none."""
+    after = {element[end]: element[1 - end] for element in elements.tolist()}
+    return np.array([after.get(element[1 - end], element[1 - end]) for element in elements.tolist()])
+
+
+def force_on(probe: probes.Force, scene: Scene) -> Sampler:
+    """Return the sampler of a Force: on the tank of a plain scene, or on a body of elements."""
+    return Force(probe, scene) if scene.mesh is None else BodyForce(probe, scene, scene.mesh)

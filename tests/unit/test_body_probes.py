@@ -1,0 +1,93 @@
+"""Force, moment and run-up on bodies of any shape: Archimedes, at corners too."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph import (
+    Box,
+    Case,
+    CaseError,
+    Disc,
+    Fluid,
+    Force,
+    Numerics,
+    Obstacle,
+    Polygon,
+    Profile,
+    RunUp,
+    Simulation,
+    StillWater,
+    Tank,
+)
+from parisph.geometry.mesh import CONVEX
+from parisph.watch.instruments import build, sample_all
+from tests.watched import DENSITY, G, Watch
+
+LEVEL, GRADIENT = 0.8, np.array([20.0, -50.0])
+BOX, BLADE = Box(0.3, 0.2, at=(0.4, 0.25)), Polygon([(0.3, 0.2), (0.8, 0.35), (0.45, 0.6)])
+
+
+def scene(probes, *bodies, tank=True, **numerics):
+    walls = (Tank(1.2, 1.0),) * tank + bodies
+    return Case(title="bodies", fluid=Fluid(StillWater(LEVEL), density=DENSITY), walls=walls, gravity=(0.0, -G),
+                numerics=Numerics(spacing=0.05, **numerics), probes=probes, end_time=1.0)
+
+
+def linear(arrays):
+    """Give walls a linear pressure, but for nodes on convex edges, which have none."""
+    arrays["p"][:] = 300.0 + arrays["x"] @ GRADIENT
+    arrays["p"][arrays["edge"] == CONVEX] = 1e9
+
+
+@pytest.mark.parametrize("shape, area, centre", [
+    (BOX, 0.06, (0.55, 0.35)), (BLADE, 0.5 * (0.5 * 0.4 - 0.15 * 0.15), (1.55 / 3.0, 1.15 / 3.0)),
+])
+def test_a_linear_pressure_lifts_a_body_by_its_gradient(shape, area, centre):
+    about = (0.1, -0.3)
+    watch = Watch(scene([Force("load", on="stone", about=about)], Obstacle(shape, name="stone")), MPI.COMM_SELF, linear)
+    fx, fy, moment = watch.sample()["load"]
+    lift, arm = -GRADIENT * area, np.array(centre) - about
+    np.testing.assert_allclose((fx, fy), lift, rtol=1e-9)
+    assert moment == pytest.approx(arm[0] * lift[1] - arm[1] * lift[0], rel=1e-9)
+
+
+def test_bodies_and_sides_of_the_tank_add_up_to_the_weight_of_the_water():
+    """As it is solved, on packed particles around a box that stands on the bed and a disc."""
+    bodies = Obstacle(Box(0.3, 0.2, at=(0.1, 0.0)), name="sill"), Obstacle(Disc(0.15, at=(0.8, 0.4)), name="buoy")
+    probes = [Force("sill", on="sill"), Force("buoy", on="buoy"), Force("tank"), Force("right", side="right")]
+    case = scene(probes, *bodies, rtol=1e-12)
+    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation.solve_start()
+    found = sample_all(build(case, simulation.comm), simulation.particles, simulation.domain, 0.0)
+    simulation.destroy()
+    weight = DENSITY * G
+    assert found["sill"][:2] == (pytest.approx(0.0, abs=1e-6 * weight), pytest.approx(-0.3 * 0.6 * weight, rel=1e-9))
+    assert found["buoy"][1] == pytest.approx(np.pi * 0.15**2 * weight, rel=0.02)    # of a polygon of 19 sides
+    assert found["tank"][1] == pytest.approx(-0.9 * LEVEL * weight, rel=1e-9)
+    assert found["right"][0] == pytest.approx(0.5 * LEVEL**2 * weight, rel=1e-9)
+
+
+@pytest.mark.parametrize("side, x", [("right", 1.7), ("left", 0.3)])
+def test_run_up_on_a_profile_goes_from_its_lowest_point_to_one_of_its_ends(side, x):
+    """A basin with two slopes of 45 degrees, a flat bed between them, and a sill on it."""
+    basin = Profile([(0.0, 0.6), (0.6, 0.0), (1.4, 0.0), (2.0, 0.6)], name="basin")
+    case = Case(title="basin", fluid=Fluid(StillWater(0.3), density=DENSITY), gravity=(0.0, -G), end_time=1.0,
+                walls=(basin, Obstacle(Box(0.2, 0.1, at=(0.9, 0.0)))), numerics=Numerics(spacing=0.025),
+                probes=[RunUp("up", on="basin", side=side)])
+    assert Watch(case, MPI.COMM_SELF).sample()["up"] == (pytest.approx(0.3, abs=1e-9), pytest.approx(x, abs=1e-9))
+    with pytest.raises(CaseError, match="'up': on = 'obstacle-1': give the points"):
+        case.changed(probes=[RunUp("up", on="obstacle-1", side=side)])
+    hill = Profile([(0.0, 0.0), (2.0, 0.6)], name="hill")
+    with pytest.raises(CaseError, match="side = 'left': hill is lowest at this end"):
+        Watch(case.changed(walls=(hill,), probes=[RunUp("up", on="hill", side="left")]), MPI.COMM_SELF)
+
+
+@pytest.mark.parametrize("probe, message", [
+    (Force("load", on="gate"), "'load': on = 'gate': there is no body of this name; there is 'tank', 'stone'"),
+    (Force("load", on="stone", side="left"), "'load': side = 'left': only a tank has sides"),
+    (RunUp("up", on="stone", side="left"), "'up': on = 'stone': give the points of the line along it"),
+])
+def test_what_a_body_does_not_have(probe, message):
+    with pytest.raises(CaseError, match=message):
+        scene([probe], Obstacle(BOX, name="stone"))
