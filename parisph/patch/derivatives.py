@@ -13,6 +13,7 @@ from parisph.kernels.jit import axes_of
 from parisph.methods import catalogue, lengths  # noqa: F401 (parts register)
 from parisph.methods.flow import Flow
 from parisph.methods.parts import GRADIENTS, LAPLACIANS, SURFACE_GRADIENTS, WALL_ROWS
+from parisph.methods.wall_images import WallImages
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.patch.arrangement import Arrangement
@@ -101,4 +102,4 @@ def _flow(a, parts, numerics):
     reach = max(lengths.NEAR, *(part.reach for part in parts)) * a.spacing
     domain = Domain(particles, a.x.min(axis=0) - a.spacing, a.x.max(axis=0) + a.spacing, reach, skin=0.0)
     domain.refresh()
-    return Flow(numerics, 1.0, lambda x, t: np.zeros_like(x), particles, domain, Timers())
+    return Flow(numerics, 1.0, lambda x, t: np.zeros_like(x), particles, domain, WallImages(), Timers())

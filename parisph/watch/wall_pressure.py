@@ -53,14 +53,6 @@ class PressureTap(Sampler):
         return (right[0] / moments[0, 0] if moments[0, 0] > 0.0 else np.nan,)
 
 
-def _axes_on(mesh, at):
-    """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows."""
-    element = nearest(at[None], mesh.corners())[1][0]
-    normal = area_vectors(mesh.corners()[[element]])[0]
-    normal /= np.linalg.norm(normal)
-    return np.array([normal, [-normal[1], normal[0]]])
-
-
 class DiscTap(PressureTap):
     """Mean of the pressure over the disc of a sensor, whose chords weight the places along the wall (2D).
 
@@ -90,17 +82,17 @@ class DiscTap(PressureTap):
         return (disc_mean(rows[:, 1], rows[:, 2], self.radius),)
 
 
+def pressure_tap(probe: probes.PressureTap, scene: Scene) -> PressureTap:
+    """Return the sampler of a tap: a fit, or the mean over a disc."""
+    return PressureTap(probe, scene) if probe.diameter is None else DiscTap(probe, scene)
+
+
 def _axes_on(mesh, at):
     """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows."""
     element = nearest(at[None], mesh.corners())[1][0]
     normal = area_vectors(mesh.corners()[[element]])[0]
     normal /= np.linalg.norm(normal)
     return np.array([normal, [-normal[1], normal[0]]])
-
-
-def pressure_tap(probe: probes.PressureTap, scene: Scene) -> PressureTap:
-    """Return the sampler of a tap: a fit, or the mean over a disc."""
-    return PressureTap(probe, scene) if probe.diameter is None else DiscTap(probe, scene)
 
 
 def disc_mean(z: np.ndarray, p: np.ndarray, radius: float) -> float:
