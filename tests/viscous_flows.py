@@ -159,6 +159,24 @@ def wave_over_a_bed(k, depth, viscosity, sticky, g=9.81):
     return -c.real, c.imag
 
 
+def decay(case, until, probe, frequencies, after=0.0, prepare=None):
+    """Return the rate [1/s] and frequency [rad/s] of a wave at the first gauge of a case.
+
+    until, after : times [s] to which it runs, and from which on the wave is fitted; probe : name of the gauge
+    frequencies : first and last value between which it is looked for; prepare : changes the Simulation before it runs
+    """
+    s = Simulation(case, MPI.COMM_SELF)
+    if prepare:
+        prepare(s)
+    gauge, found = instruments.build(case, s.comm)[:1], []
+    while s.time < until:
+        s.advance()
+        found.append((s.time, instruments.sample_all(gauge, s.particles, s.domain, s.time)[probe][0]))
+    s.destroy()
+    t, y = np.transpose(found)
+    return damped_wave(t[t > after], y[t > after], (0.0, 0.5), frequencies)
+
+
 def damped_wave(t, y, rates, frequencies):
     """Return the rate [1/s] and frequency [rad/s] of exp(-rate t) cos(frequency t + phase) + level fitted to y (n,) at
     t (n,).

@@ -6,7 +6,6 @@ from mpi4py import MPI
 
 from parisph import Box, Case, CaseError, Fluid, Lid, Numerics, Simulation, SurfaceGauge, Tank
 from parisph.base.fields import FLUID, WALL
-from parisph.watch import instruments
 from tests import viscous_flows as flows
 from tests.scenes import difference, on_ranks, scene
 
@@ -70,27 +69,13 @@ def test_a_lid_below_the_surface_is_refused():
         open_tank(0.01, top=0.4, lid=Lid(1.0))
 
 
-def decay(case, until, probe, frequencies, after=0.0, prepare=None):
-    """Return the rate [1/s] and frequency [rad/s] of a wave in its first gauge. prepare : changes the Simulation."""
-    s = Simulation(case, MPI.COMM_SELF)
-    if prepare:
-        prepare(s)
-    gauge, found = instruments.build(case, s.comm)[:1], []
-    while s.time < until:
-        s.advance()
-        found.append((s.time, instruments.sample_all(gauge, s.particles, s.domain, s.time)[probe][0]))
-    s.destroy()
-    t, y = np.transpose(found)
-    return flows.damped_wave(t[t > after], y[t > after], (0.0, 0.5), frequencies)
-
-
 def damping(viscosity, no_slip, prepare=None):
     """Return the rate [1/s] at which a standing wave loses its height, from t = 1 to 8 s.
 
     One half of its length is in the tank.
     """
     case = open_tank(viscosity, width=WIDTH, no_slip=no_slip, elevation=f"0.01*cos(pi*x/{WIDTH})")
-    return decay(case, 8.0, "end", (2.6, 3.6), 1.0, prepare)[0]
+    return flows.decay(case, 8.0, "end", (2.6, 3.6), 1.0, prepare)[0]
 
 
 def test_the_exact_waves_have_the_rates_of_boundary_layers():
@@ -138,7 +123,7 @@ def test_viscosity_damps_a_wave_on_a_free_surface(viscosity):
     """
     case = scene("standing_wave", {}, spacing=0.05, end_time=7.0, amplitude=0.01, refine_time=True)
     exact = flows.wave_over_a_bed(np.pi, 1.0, viscosity, False)
-    found = decay(case.changed(**{"fluid.viscosity": viscosity}), 6.8, "centre", (5.0, 6.0))
+    found = flows.decay(case.changed(**{"fluid.viscosity": viscosity}), 6.8, "centre", (5.0, 6.0))
     assert found == pytest.approx(exact, rel=0.05)
 
 
