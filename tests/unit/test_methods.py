@@ -82,7 +82,7 @@ def test_relaxation_time_weakens_the_source_by_dt_over_it():
         p = simulation.particles
         simulation.domain.refresh()
         p.u[:] = np.where((p.kind == FLUID)[:, None], -p.x, 0.0)
-        simulation.method._predict(0.004)
+        simulation.method._predict(0.0, 0.004)
         simulation.domain.refresh()
         b = assembled(simulation, np.zeros_like(p.x_all), 0.004)
         pressures.append(b[p.role == INNER])
@@ -105,7 +105,7 @@ def source(velocity, dt, residual_strain, force=0.0, strain=0.0):
     p, method = simulation.particles, simulation.method
     simulation.domain.refresh()
     p.u[:] = np.where((p.kind == FLUID)[:, None], velocity(p.x), 0.0)
-    method._predict(0.0)
+    method._predict(0.0, 0.0)
     simulation.domain.refresh()
     b = assembled(simulation, force * p.x_all, dt)
     deep = (p.role == INNER) & (np.abs(p.x - [0.25, 0.25]).max(axis=1) < 0.13)
