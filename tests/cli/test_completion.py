@@ -46,7 +46,7 @@ def test_script_is_sound(shell, tmp_path, capsys):
     (["info", "r"], {"runs"}, {"read.me"}),
     (["compare", "runs/tank", "ta"], {"table.csv"}, {"tank.py"}),
     (["completion", "b"], {"bash"}, {"zsh"}),
-], ids=" ".join)
+], ids=lambda value: " ".join(sorted(value) if isinstance(value, set) else value))
 def test_bash_completes(tmp_path, words, offered, not_offered):
     (tmp_path / "runs" / "tank").mkdir(parents=True)
     for name in ("tank.py", "table.csv", "read.me"):
