@@ -22,7 +22,7 @@ from parisph import (
 
 
 def case(
-    spacing: float = 0.004,             # [m]
+    spacing: float = 0.00365,           # [m]; a part of 0.146, or the lattice first has to settle
     method: str = "ISPH_R",
     preset: str = "violent",
     end_time: float = 0.6,              # [s]

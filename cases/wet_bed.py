@@ -22,7 +22,7 @@ from parisph import (
 
 
 def case(
-    spacing: float = 0.00475,           # [m]
+    spacing: float = 0.005,             # [m]; divides the depth of the reservoir
     method: str = "ISPH_R",
     preset: str = "violent",
     end_time: float = 0.6,              # [s]
