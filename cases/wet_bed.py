@@ -22,7 +22,7 @@ from parisph import (
 
 
 def case(
-    spacing: float = 0.005,             # [m]; divides the depth of the reservoir
+    spacing: float = 0.15 / 32.0,       # [m]; fits the depth of the reservoir, and nearly that of the layer
     method: str = "ISPH_R",
     preset: str = "violent",
     end_time: float = 0.6,              # [s]

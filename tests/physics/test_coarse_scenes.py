@@ -31,7 +31,7 @@ COARSE = {
     "standing_wave": {"spacing": 0.1, "end_time": 0.5},
     "submerged_bar": {"spacing": 0.05, "end_time": 0.06},
     "violent_sloshing": {"spacing": 0.02, "end_time": 0.2},
-    "wet_bed": {"spacing": 0.01, "end_time": 0.04},
+    "wet_bed": {"spacing": 0.009375, "end_time": 0.04},
 }
 NAMES = sorted(path.stem for path in (Path(ROOT) / "cases").glob("*.py"))
 
