@@ -8,7 +8,26 @@ parisph run cases/hu_kashiwagi.py
 mpirun -n 2 parisph run cases/hu_kashiwagi.py --set spacing=0.00125     # Z17 has 0.0012, which divides neither length
 """
 
-from parisph import Box, Case, Energy, Fluid, Numerics, Output, PressureTap, Tank, Volume, WaterFront
+from parisph import (
+    Box,
+    Case,
+    Energy,
+    Fluid,
+    Numerics,
+    Output,
+    PeakBand,
+    Peaks,
+    PressureTap,
+    Tank,
+    Volume,
+    WaterFront,
+)
+
+FIRST = Peaks(
+    (PeakBand(start=0.25, end=0.5, when=0.36),), name="Z17, Sec. 6.2",
+    note="The papers print no numbers but the time of the first peak, and no data is at hand. A second, later peak at "
+         "this height comes from the wave that falls back.",
+)
 
 
 def case(
@@ -35,7 +54,8 @@ def case(
         ),
         output=Output(every=snapshot_every, checkpoint_every=0.2),
         probes=[
-            *(PressureTap(f"P{side}_{1e3 * y:.0f}mm", at=(x, y), radius=radius)
+            *(PressureTap(f"P{side}_{1e3 * y:.0f}mm", at=(x, y), radius=radius,
+                          truth=FIRST if (side, y) == (2, 0.01) else None, peak=(side, y) == (2, 0.01))
               for side, x in ((1, 0.0), (2, width)) for y in heights),
             WaterFront("front"),
             Energy("energy"),

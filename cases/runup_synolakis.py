@@ -16,15 +16,26 @@ from parisph import (
     Fluid,
     Numerics,
     Output,
+    PeakBand,
+    Peaks,
+    ProbeArray,
     Profile,
+    Profiles,
+    RunUp,
     SolitaryWave,
     StillWater,
     SurfaceGauge,
     Volume,
     WaterFront,
 )
+from parisph.case.elsewhere import measured
 
 SLOPE = 1.0 / 19.85
+FILE = "05b_synolakis1987_profiles.csv"
+# {H/d: R/d} of single runs, Synolakis (1987)
+RUN_UP = {0.018: 0.074, 0.0181: 0.075, 0.019: 0.078, 0.0191: 0.076,
+          0.283: 0.527, 0.286: 0.513, 0.294: 0.542, 0.298: 0.551, 0.322: 0.591, 0.323: 0.555}
+NEAR = 0.1    # of H: runs whose run-up is compared
 
 
 def case(
@@ -38,6 +49,7 @@ def case(
     jitter: float = 0.0,
     seed: int = 0,
     snapshot_every: float = 1.0,        # in sqrt(d/g)
+    data: str = "",                     # folder of the measured data, "" for ../shared/reference/measured
 ) -> Case:
     g, d = 9.81, 0.2                    # [m/s2], [m]
     unit = sqrt(d / g)                  # [s]
@@ -58,9 +70,27 @@ def case(
         output=Output(every=snapshot_every * unit, checkpoint_every=5.0 * unit),
         probes=[
             *(SurfaceGauge(name, at=x) for name, x in gauges.items()),
+            ProbeArray("profile", [SurfaceGauge(f"at{k}", at=shore - 0.5 * k * d) for k in range(-12, 39)],
+                       truth=_profiles(height, shore, d, unit, data)),
+            RunUp("run_up", on="beach", side="right", truth=_run_up(height, d, end_time * unit)),
             WaterFront("shoreline"),
             Energy("energy"),
             Volume("volume"),
         ],
         end_time=end_time * unit,
     )
+
+
+def _profiles(height: float, shore: float, d: float, unit: float, data: str) -> Profiles | None:
+    """Return the measured surfaces of waves of this height: of H/d = 0.0185 and 0.3."""
+    file = measured(FILE, data) if height in (0.0185, 0.3) else None
+    return None if file is None else Profiles(
+        file, time="t_sqrt_g_over_d", x="x_over_d", value="eta_over_d", offset=d, scale=d, x_offset=shore, x_scale=-d,
+        time_scale=unit, wave=True, rows={"H_over_d": f"{height:g}"}, name="experiment")
+
+
+def _run_up(height: float, d: float, end: float) -> Peaks | None:
+    """Return between which run-ups those of waves of nearly this height lie, each in proportion to its height."""
+    near = [rise * height / other for other, rise in RUN_UP.items() if abs(other - height) < NEAR * height]
+    return Peaks((PeakBand(start=0.0, end=end, low=d * (1.0 + min(near)), high=d * (1.0 + max(near))),),
+                 name="experiment", note=f"{len(near)} runs with H/d within {NEAR:.0%}.") if near else None

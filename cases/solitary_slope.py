@@ -8,7 +8,7 @@ parisph run cases/solitary_slope.py
 mpirun -n 2 parisph run cases/solitary_slope.py --set spacing=0.008     # as Z17
 """
 
-from math import radians, tan
+from math import radians, sqrt, tan
 
 from parisph import (
     Case,
@@ -16,6 +16,8 @@ from parisph import (
     Fluid,
     Numerics,
     Output,
+    PeakBand,
+    Peaks,
     Piston,
     PressureTap,
     Profile,
@@ -40,7 +42,13 @@ def case(
     snapshot_every: float = 0.1,        # [s]
 ) -> Case:
     d, length, rise = 0.25, 10.0, 1.0   # depth, length of the tank, height of the slope [m]
-    cotangent = 1.0 / tan(radians(angle))
+    cotangent, unit = 1.0 / tan(radians(angle)), sqrt(rise / 9.81)
+    printed = Peaks(
+        (PeakBand(start=16.5 * unit, end=20.5 * unit, when=18.5 * unit),
+         PeakBand(start=20.5 * unit, end=25.0 * unit, when=22.5 * unit)), name="Z17, Sec. 6.1",
+        note="The paper prints no numbers but these times, and neither the height of its sensor nor when its time "
+             "starts: here the piston starts at t = 0.",
+    ) if (height, angle) == (0.15, 60.0) else None
     toe = length - rise * cotangent
     return Case(
         title=f"Solitary wave on a slope of {angle:g} degrees, a/d = {height / d:g}",
@@ -57,7 +65,7 @@ def case(
         probes=[
             SurfaceGauge("middle", at=5.0),
             SurfaceGauge("toe", at=toe),
-            PressureTap("p1", at=(toe + tap * cotangent, tap)),
+            PressureTap("p1", at=(toe + tap * cotangent, tap), truth=printed, peak=True),
             Energy("energy"),
             Volume("volume"),
         ],

@@ -14,10 +14,19 @@ from parisph import (
     Fluid,
     Numerics,
     Output,
+    ProbeArray,
+    Profiles,
     StillWater,
     SurfaceGauge,
     Tank,
     Volume,
+)
+from parisph.case.elsewhere import measured
+
+FILE = "02i_spheric5_wetbed_d38_profiles.csv"
+NOTE = (
+    "The still layer ahead of the wave, 38 mm deep, is between 34 and 46 mm in the digitised photographs: an rms of "
+    "5 mm is within their scatter. The gate of the experiment still holds water back in the first of them."
 )
 
 
@@ -31,6 +40,7 @@ def case(
     length: float = 2.0,                # of the flume [m]; 9.55 in the experiment
     jitter: float = 0.0,
     seed: int = 0,
+    data: str = "",                     # folder of the measured data, "" for ../shared/reference/measured
 ) -> Case:
     gate, depth = 0.38, 0.15            # [m]
     times = (0.156, 0.219, 0.281, 0.343, 0.406, 0.468, 0.531, 0.593)    # of the photographs [s]
@@ -48,8 +58,17 @@ def case(
         output=Output(times=tuple(t for t in times if t <= end_time), checkpoint_every=0.1),
         probes=[
             *(SurfaceGauge(f"x{100.0 * x:.0f}cm", at=x) for x in (0.2, 0.5, 0.75, 1.0)),
+            ProbeArray("profile", [SurfaceGauge(f"at{x}cm", at=0.01 * x) for x in range(39, 104, 2)],
+                       truth=_profiles(layer, data)),
             Energy("energy"),
             Volume("volume"),
         ],
         end_time=end_time,
     )
+
+
+def _profiles(layer: float, data: str) -> Profiles | None:
+    """Return the photographed surfaces, of the layer of 38 mm."""
+    file = measured(FILE, data) if layer == 0.038 else None
+    return None if file is None else Profiles(
+        file, time="t_s", x="x_cm", value="y_cm", scale=0.01, x_scale=0.01, name="experiment, photographs", note=NOTE)

@@ -8,10 +8,10 @@ __version__ = "0.1.0"
 # What `from parisph import ...` offers, and where it lives. Loaded when first asked for, so that
 # `import parisph` costs nothing, and describing a case needs neither MPI nor PETSc.
 _SCHEMA = (
-    "Case Fluid StillWater Box Disc Polygon Tank Lid Profile Obstacle Plate Piston Flap Numerics Output PeakBand Truth "
-    "AtRest Sway Heave Roll Moved Series Tabulated PistonStroke FlapStroke Sponge Relaxation "
+    "Case Fluid StillWater Box Disc Polygon Tank Lid Profile Obstacle Plate Piston Flap Numerics Output PeakBand Peaks "
+    "Truth AtRest Sway Heave Roll Moved Series Tabulated PistonStroke FlapStroke Sponge Relaxation "
     "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityPoint VelocityProfile "
-    "RunUp Force ProbeArray "
+    "RunUp Force ProbeArray Profiles "
     "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction WaveTruth"
 )
 _PUBLIC = {

@@ -28,6 +28,7 @@ from parisph.case.schema import Numerics as Numerics
 from parisph.case.schema import Obstacle as Obstacle
 from parisph.case.schema import Output as Output
 from parisph.case.schema import PeakBand as PeakBand
+from parisph.case.schema import Peaks as Peaks
 from parisph.case.schema import Piston as Piston
 from parisph.case.schema import PistonStroke as PistonStroke
 from parisph.case.schema import Plate as Plate
@@ -35,6 +36,7 @@ from parisph.case.schema import Polygon as Polygon
 from parisph.case.schema import PressureTap as PressureTap
 from parisph.case.schema import ProbeArray as ProbeArray
 from parisph.case.schema import Profile as Profile
+from parisph.case.schema import Profiles as Profiles
 from parisph.case.schema import Relaxation as Relaxation
 from parisph.case.schema import Roll as Roll
 from parisph.case.schema import RunUp as RunUp

@@ -16,6 +16,7 @@ from parisph.base.text import class_name, listed, named, of_error, shown
 from parisph.case import stored
 from parisph.case.expressions import number
 from parisph.case.numerics import WORDS
+from parisph.case.profiles import Profiles, read_profiles
 from parisph.case.schema import Case
 from parisph.case.truths import Truth, read_truth
 from parisph.case.users_file import LONGEST, beside, module_of, read, users_code, what
@@ -242,9 +243,9 @@ def _with_truths(case: Case, folder: Path) -> Case:
     """Return the case with the probes' reference files made absolute, each of them read once as a check."""
     probes = []
     for probe in case.probes:
-        if isinstance(probe.truth, Truth):
+        if isinstance(probe.truth, (Truth, Profiles)):
             try:
-                truth = _found(probe.truth, folder)
+                truth = _read(probe.truth, folder) if isinstance(probe.truth, Truth) else _seen(probe.truth, folder)
             except CaseError as error:
                 raise CaseError(f"probe {probe.name!r}: {error}") from None
             probe = probe.model_copy(update={"truth": truth})
@@ -252,12 +253,22 @@ def _with_truths(case: Case, folder: Path) -> Case:
     return case.model_copy(update={"probes": tuple(probes)})
 
 
-def _found(truth: Truth, folder: Path) -> Truth:
+def _read(truth: Truth, folder: Path) -> Truth:
     """Return a truth whose files, and those of the others beside it, are absolute, after reading them as a check."""
-    try:
-        file = paths.checked(folder / truth.file, "truth.file").resolve()
-    except (OSError, RuntimeError) as error:    # links in a circle
-        raise CaseError(f"truth.file = {shown(truth.file)}: {of_error(error)}") from None
-    truth = truth.model_copy(update={"file": str(file)})
+    truth = truth.model_copy(update={"file": _absolute(truth.file, folder)})
     read_truth(truth)
-    return truth.model_copy(update={"others": tuple(_found(other, folder) for other in truth.others)})
+    return truth.model_copy(update={"others": tuple(_read(other, folder) for other in truth.others)})
+
+
+def _seen(truth: Profiles, folder: Path) -> Profiles:
+    """Return profiles whose file is absolute, after reading it as a check."""
+    truth = truth.model_copy(update={"file": _absolute(truth.file, folder)})
+    read_profiles(truth)
+    return truth
+
+
+def _absolute(file: str, folder: Path) -> str:
+    try:
+        return str(paths.checked(folder / file, "truth.file").resolve())
+    except (OSError, RuntimeError) as error:    # links in a circle
+        raise CaseError(f"truth.file = {shown(file)}: {of_error(error)}") from None

@@ -10,7 +10,8 @@ from pydantic import Field, field_validator, model_validator
 from parisph.base.arrays import Floats
 from parisph.base.text import shown
 from parisph.case.model import Model
-from parisph.case.truths import Truth, WaveTruth
+from parisph.case.profiles import Profiles
+from parisph.case.truths import Peaks, Truth, WaveTruth
 
 Peak = Annotated[bool, Field(description="whether the flow at the greatest value is kept")]
 Arrival = Annotated[
@@ -52,7 +53,7 @@ class SurfaceGauge(Probe):
 
     kind: Literal["surface_gauge"] = "surface_gauge"
     at: float = Field(description="position x of the gauge [m]")
-    truth: Union[Truth, WaveTruth, None] = None
+    truth: Union[Truth, WaveTruth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None
 
@@ -76,7 +77,7 @@ class PressureTap(Probe):
 
     kind: Literal["pressure_tap"] = "pressure_tap"
     at: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) on a wall [m]")]
-    truth: Union[Truth, None] = None
+    truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     radius: Union[float, None] = Field(
         None, gt=0, description="radius of the face of the tap [m]; one spacing if it is less; default 3 spacings")
@@ -101,7 +102,7 @@ class WaterFront(Probe):
     """
 
     kind: Literal["water_front"] = "water_front"
-    truth: Union[Truth, None] = None
+    truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None
 
@@ -117,7 +118,7 @@ class ColumnHeight(Probe):
 
     kind: Literal["column_height"] = "column_height"
     at: float = Field(description="position x of the column [m]")
-    truth: Union[Truth, None] = None
+    truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None
 
@@ -229,7 +230,7 @@ class RunUp(Probe):
     side: Optional[Literal["left", "right"]] = Field(None, description="side of the tank, or end of the profile")
     points: Optional[tuple[Point, ...]] = Field(None, min_length=2, max_length=10_000,
                                                 description="line along the wall, from below the water upwards [m]")
-    truth: Union[Truth, None] = None
+    truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None
 
@@ -257,7 +258,7 @@ class Force(Probe):
     on: str = Field("tank", description="name of the body")
     side: Optional[Literal["left", "right", "bed", "lid"]] = Field(None, description="side of the tank")
     about: Point = (0.0, 0.0)
-    truth: Union[Truth, None] = None
+    truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
 
 
@@ -271,6 +272,8 @@ Single = Annotated[
 class ProbeArray(Probe):
     """Several probes with one file: its columns are the names of the probes, NAME_COLUMN for one with more columns.
 
+    truth : Profiles of the surface, for an array of nothing but SurfaceGauges
+
     Examples
     --------
     >>> gauges = ProbeArray("gauges", [SurfaceGauge(f"x{x}", at=x) for x in (1, 2, 3)])
@@ -280,7 +283,7 @@ class ProbeArray(Probe):
 
     kind: Literal["probe_array"] = "probe_array"
     probes: tuple[Single, ...] = Field(min_length=1, max_length=1000, description="probes")
-    truth: None = None
+    truth: Optional[Profiles] = None
     peak: Literal[False] = False
 
     @model_validator(mode="after")
@@ -293,6 +296,8 @@ class ProbeArray(Probe):
             if probe.truth is not None or probe.peak:
                 raise ValueError(f"probe {probe.name!r}: a truth or peak=True is for a probe with a file of its own; "
                                  "take it out of the array")
+        if self.truth is not None and not all(isinstance(probe, SurfaceGauge) for probe in self.probes):
+            raise ValueError("truth: Profiles are compared with an array of nothing but SurfaceGauges")
         return self
 
 

@@ -31,18 +31,19 @@ from parisph.case.probes import (
     Volume,
     WaterFront,
 )
+from parisph.case.profiles import Profiles
 from parisph.case.scene import Scene
 from parisph.case.shapes import Box, Disc, Lid, Polygon, Tank
-from parisph.case.truths import PeakBand, Truth, WaveTruth
+from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth
 from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWave, Stokes, StreamFunction
 
 __all__ = [
     "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Flap", "FlapStroke",
     "Fluid", "Force", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Obstacle", "Output", "PeakBand",
-    "Piston", "PistonStroke", "Plate", "Polygon", "PressureTap", "ProbeArray", "Profile", "Relaxation", "Roll", "RunUp",
-    "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave", "StillWater", "Stokes", "StreamFunction",
-    "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint", "VelocityProfile", "Volume", "WaterFront",
-    "WaveTruth",
+    "Peaks", "Piston", "PistonStroke", "Plate", "Polygon", "PressureTap", "ProbeArray", "Profile", "Profiles",
+    "Relaxation", "Roll", "RunUp", "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave", "StillWater",
+    "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint",
+    "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
 ]
 
 # Context of a validation that checks names and types alone: a run of an older release may be looked at

@@ -16,10 +16,11 @@ from parisph.case.waves import AnyWave
 
 
 class PeakBand(Model):
-    """Where repeated experiments have their greatest value within an interval of time.
+    """What others report of the greatest value within an interval of time: between which values it is, and when.
 
-    start, end : of the interval [s]; low, high : of the band, in the probe's unit
+    start, end : of the interval [s]; low, high : of the band, in the probe's unit; None where only the time is known
     smooth : width [s] of a moving mean of the run, where single steps have spikes; None for none
+    when : time at which others have it [s], None if they do not say
 
     Examples
     --------
@@ -29,15 +30,40 @@ class PeakBand(Model):
 
     start: float = Field(description="start of the interval of time [s]")
     end: float = Field(description="end of the interval of time [s]")
-    low: float = Field(description="lower end of the band [unit of the probe]")
-    high: float = Field(description="upper end of the band [unit of the probe]")
+    low: Optional[float] = Field(None, description="lower end of the band [unit of the probe]")
+    high: Optional[float] = Field(None, description="upper end of the band [unit of the probe]")
     smooth: Optional[float] = Field(None, gt=0, description="width of the moving mean of the run [s]")
+    when: Optional[float] = Field(None, description="time of the greatest value [s]")
 
     @model_validator(mode="after")
     def _in_order(self) -> "PeakBand":
-        if not (self.start < self.end and 0.0 < self.low < self.high):
+        if not self.start < self.end:
+            raise ValueError("start must be before end, and low above 0 and below high")
+        if self.low is None and self.high is None and self.when is not None:
+            return self
+        if self.low is None or self.high is None:
+            raise ValueError("give low and high, or `when` alone")
+        if not 0.0 < self.low < self.high:
             raise ValueError("start must be before end, and low above 0 and below high")
         return self
+
+
+class Peaks(Model):
+    """The truth of a probe of which others report single numbers, and no series.
+
+    bands : one PeakBand for each greatest value
+    name : whose numbers they are, as pages call them; note : what a reader of them should know
+
+    Examples
+    --------
+    >>> impact = Peaks([PeakBand(start=0.3, end=0.5, when=0.36)], name="Z17, Sec. 6.2")
+    >>> PressureTap("P2", at=(1.18, 0.01), truth=impact).truth.bands[0].when
+    0.36
+    """
+
+    bands: tuple[PeakBand, ...] = Field(min_length=1, max_length=100, description="bands of greatest values")
+    name: str = ""
+    note: str = ""
 
 
 class Truth(Model):

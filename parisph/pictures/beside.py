@@ -1,15 +1,18 @@
 """A probe beside its references, with what of it is compared and where peaks should be. Needs matplotlib, no MPI."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
-from parisph.case.probes import AnyProbe, SurfaceGauge
-from parisph.case.truths import Truth, WaveTruth, read_truth
+from parisph.case.probes import AnyProbe, ProbeArray, SurfaceGauge
+from parisph.case.profiles import read_profiles
+from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth, read_truth
 from parisph.io.reader import Run
 from parisph.pictures import curves, style
-from parisph.truth import verdict
+from parisph.truth import profiled, verdict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,7 +52,9 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
         axes.plot(time[inside], factor * values[inside], linewidth=1.0, label=style.literal(name),
                   color="black" if number == 0 else style.LINES[number % len(style.LINES)], **look)
     if isinstance(probe.truth, Truth):
-        _mark(axes, probe.truth, found[0][-1], factor)
+        _mark(axes, probe.truth.window, probe.truth.peaks, found[0][-1], factor)
+    elif isinstance(probe.truth, Peaks):
+        _mark(axes, None, probe.truth.bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others)
     axes.set_ylabel(f"{curves.KINDS.get(probe.kind, probe.kind.replace('_', ' '))} [{shown or '-'}]")
     axes.set_xlabel("$t$ [s]")
@@ -61,14 +66,48 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
     return picture
 
 
-def _mark(axes: "Axes", truth: Truth, end: float, factor: float) -> None:
-    if truth.window is not None:
-        axes.axvspan(-1e3, truth.window[0], color="0.93", zorder=0)
-        axes.axvspan(truth.window[1], truth.window[1] + 1e3, color="0.93", zorder=0)
-    for number, band in enumerate(truth.peaks):
-        axes.fill_between([band.start, min(band.end, end)], factor * band.low, factor * band.high,
-                          color=style.LINES[4], alpha=0.35, linewidth=0.0, zorder=1,
-                          label="peaks of experiments" if number == 0 else None)
+def plot_profiles(run: Run, probe: ProbeArray, path: AnyPath | None = None, columns: int = 2) -> "Figure":
+    """Draw the surface at an array of gauges beside measured profiles, each at its time; return the matplotlib Figure.
+
+    Raises CaseError, StoreError.
+    """
+    found, truth = profiled.pairs(probe, run), probe.truth
+    if truth is None or not found:
+        raise CaseError(f"the run has reached the time of none of the profiles of {probe.name}")
+    lines = {time: (x, y) for time, x, y in read_profiles(truth)}
+    rows = -(-len(found) // columns)
+    picture = style.drawing().Figure(figsize=(9.0, 0.8 + 1.7 * rows), layout="constrained")
+    grid = picture.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    for axes, (time, places, ours, _) in zip(grid.flat, found):
+        axes.plot(*lines[time], **curves.marks(len(lines[time][0])), color="black", linewidth=1.0,
+                  label=style.literal(truth.name or "reference"))
+        axes.plot(places, ours, color=style.LINES[0], linewidth=1.4, label="run")
+        axes.set_title(f"t = {time:.4g} s", loc="left", fontsize=9)
+        curves.plain_axes(axes)
+    for axes in grid.flat[len(found):]:
+        axes.remove()
+    for axes in grid[-1]:
+        axes.set_xlabel("$x$ [m]")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("$y$ [m]")
+    grid[0, 0].legend(loc="best", fontsize=8, framealpha=0.8)
+    style.save(picture, path, dpi=110)
+    return picture
+
+
+def _mark(axes: "Axes", window: tuple[float, float] | None, bands: Sequence[PeakBand], end: float,
+          factor: float) -> None:
+    if window is not None:
+        axes.axvspan(-1e3, window[0], color="0.93", zorder=0)
+        axes.axvspan(window[1], window[1] + 1e3, color="0.93", zorder=0)
+    label: str | None = "peaks of others"
+    for band in bands:
+        if band.low is not None and band.high is not None:
+            axes.fill_between([band.start, min(band.end, end)], factor * band.low, factor * band.high,
+                              color=style.LINES[4], alpha=0.35, linewidth=0.0, zorder=1, label=label)
+        elif band.when is not None:
+            axes.axvline(band.when, color=style.LINES[4], linewidth=1.6, zorder=1, label=label)
+        label = None
 
 
 def _limit(axes: "Axes", factor: float, unit: str, found: curves.Samples, others: dict[str, curves.Samples]) -> None:

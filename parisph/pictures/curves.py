@@ -144,7 +144,7 @@ def truths(run: Run, folder: Path) -> dict[str, Samples]:
         if about and "of" in about:
             time = run.probe(probe["name"])["time"]
             found[probe["name"]] = time, WaveTruth.model_validate(about).series(probe["at"], time)
-        elif about:
+        elif about and "bands" not in about and probe["kind"] != "probe_array":    # not numbers, nor profiles
             truth = Truth.model_validate(about)
             found[probe["name"]] = read_truth(truth.model_copy(update={"file": str(folder / truth.file)}))
     return found

@@ -5,7 +5,8 @@ from typing import Any
 
 from parisph.base.text import named
 from parisph.case.probes import AnyProbe
-from parisph.case.truths import Truth, WaveTruth
+from parisph.case.profiles import Profiles
+from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth
 from parisph.report.entries import Cell, Table, number
 
 SUMMARY, CASE = "summary.json", "case.json"
@@ -17,9 +18,10 @@ ALIGNMENT = (
 ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", "to [s]", "both smoothed over [s]",
               "samples", "best published", "best shift [s]", "error if so shifted")
 PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
-             "band from", "to", "beyond the band by")
+             "band from", "to", "beyond the band by", "others have it at [s]", "whose numbers")
+PROFILE_HEAD = ("profiles", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
 Probes = Sequence[AnyProbe]
-AnyTruth = Truth | WaveTruth
+AnyTruth = Truth | WaveTruth | Peaks | Profiles
 Content = Mapping[str, Any]    # of a JSON file
 
 
@@ -81,7 +83,7 @@ def _of_probe(k: int, probe: AnyProbe, case: Content, summary: Content) -> Itera
         start, end, points, shift, shifted = (
             number(summary, SUMMARY, [*path, name], form) for name, form in
             (("start", ".4g"), ("end", ".4g"), ("points", "d"), ("best_shift", "+.3g"), ("shifted_l2", ".3g")))
-        of_wave = isinstance(truth, WaveTruth) or truth.wave
+        of_wave = isinstance(truth, WaveTruth) or (isinstance(truth, (Truth, Profiles)) and truth.wave)
         name = name_of(truth) + (", relative to the wave alone" if of_wave else "")
         yield (Cell(probe.name), Cell(name), error, start, end, number(case, CASE, [*place, "smooth"], ".3g"),
                points, best_published(truth, case, place), shift, shifted)
@@ -91,7 +93,7 @@ def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list
     """Yield the truth of the probe number k and those beside it, each with its places in the case and the summary."""
     truth, path = probe.truth, ["errors", probe.name]
     place: list[Any] = ["probes", k, "truth"]
-    if truth is not None:
+    if truth is not None and not isinstance(truth, Peaks):
         yield truth, place, [*path]
     for n, other in enumerate(truth.others if isinstance(truth, Truth) else ()):
         yield other, [*place, "others", n], [*path, "others", other.name]
@@ -99,7 +101,9 @@ def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list
 
 def name_of(truth: AnyTruth) -> str:
     """Return what a truth is called: its own name, or that of its file."""
-    return (truth.name or named(truth.file.rpartition("/")[2])) if isinstance(truth, Truth) else "wave"
+    if isinstance(truth, WaveTruth):
+        return "wave"
+    return truth.name or ("numbers" if isinstance(truth, Peaks) else named(truth.file.rpartition("/")[2]))
 
 
 def error_of(summary: Content, path: list[Any]) -> Cell:
@@ -110,30 +114,53 @@ def error_of(summary: Content, path: list[Any]) -> Cell:
 
 def best_published(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
     """Return the least error that others have published; the case states it at `place`, its truth."""
-    levels = truth.published if isinstance(truth, Truth) else {}
+    levels = truth.published if isinstance(truth, (Truth, Profiles)) else {}
     if not levels:
         return Cell("-")
     best = min(levels, key=lambda name: levels[name])
     return number(case, CASE, [*place, "published", best], ".3g", f"({best})")
 
 
+def bands(probe: AnyProbe) -> tuple[PeakBand, ...]:
+    """Return the bands of a probe's greatest values."""
+    truth = probe.truth
+    return truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
+
+
 def peaks(probes: Probes, summary: Content) -> Table:
-    """Return the greatest values in intervals of time beside the bands in which experiments have them."""
+    """Return the greatest values in intervals of time beside what others have there."""
     columns = (("start", ".4g"), ("end", ".4g"), ("smooth", ".3g"), ("found", ".4g"), ("time", ".4g"),
-               ("low", ".4g"), ("high", ".4g"), ("beyond", "+.0%"))
+               ("low", ".4g"), ("high", ".4g"), ("beyond", "+.0%"), ("when", ".4g"))
     return Table(PEAK_HEAD, tuple(
         (Cell(probe.name), *(number(summary, SUMMARY, ["errors", probe.name, "peaks", k, name], form)
-                             for name, form in columns))
-        for probe in probes if isinstance(probe.truth, Truth) for k in range(len(probe.truth.peaks))
+                             for name, form in columns), Cell(name_of(probe.truth)))
+        for probe in probes if probe.truth is not None for k in range(len(bands(probe)))
     ))
+
+
+def profiles(probes: Probes, summary: Content) -> Table:
+    """Return the errors of each of the profiles that arrays of gauges are compared with."""
+    columns = (("time", ".4g"), ("relative_l2", ".3g"), ("mean", "+.2g"), ("rms", ".2g"))
+    rows = []
+    for probe in probes:
+        if isinstance(probe.truth, Profiles):
+            found = ((summary.get("errors") or {}).get(probe.name) or {}).get("profiles") or ()
+            rows += [(Cell(probe.name), *(number(summary, SUMMARY, ["errors", probe.name, "profiles", k, name], form)
+                                          for name, form in columns)) for k in range(len(found))]
+    return Table(PROFILE_HEAD, tuple(rows))
+
+
+def arrivals(summary: Content) -> Table:
+    """Return when probes pass the values of their `arrival`."""
+    return _named([(name, number(summary, SUMMARY, ["arrivals", name], ".4g", "s"))
+                   for name in summary.get("arrivals") or ()])
 
 
 def published(probes: Probes) -> list[tuple[str, str]]:
     """Return (name of a probe, text) of all the errors of others that the case states."""
     found = []
     for probe in probes:
-        truth = probe.truth
-        for one in (truth, *truth.others) if isinstance(truth, Truth) else ():
+        for one in _with_files(probe):
             if one.published:
                 levels = "; ".join(f"{who}: {level:.3g}" for who, level in one.published.items())
                 found.append((probe.name, f"against {one.name or 'the reference'}: {levels}"))
@@ -142,9 +169,14 @@ def published(probes: Probes) -> list[tuple[str, str]]:
 
 def notes(probes: Probes) -> list[tuple[str, str]]:
     """Return (name of a probe, note) of the truths that have one."""
-    truths = [(probe.name, one) for probe in probes if isinstance(probe.truth, Truth)
-              for one in (probe.truth, *probe.truth.others)]
-    return [(name, one.note) for name, one in truths if one.note]
+    own = [(probe.name, probe.truth.note) for probe in probes if isinstance(probe.truth, Peaks)]
+    own += [(probe.name, one.note) for probe in probes for one in _with_files(probe)]
+    return list(dict.fromkeys((name, note) for name, note in own if note))
+
+
+def _with_files(probe: AnyProbe) -> tuple[Truth | Profiles, ...]:
+    truth = probe.truth
+    return (truth, *truth.others) if isinstance(truth, Truth) else (truth,) if isinstance(truth, Profiles) else ()
 
 
 def _named(rows: list[tuple[str, Cell]]) -> Table:

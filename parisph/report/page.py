@@ -12,7 +12,7 @@ from parisph.base.errors import CaseError, ParisphError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, named, plain
 from parisph.case import stored
-from parisph.case.probes import AnyProbe
+from parisph.case.probes import AnyProbe, ProbeArray
 from parisph.io.files import write_text
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
@@ -94,9 +94,11 @@ def _errors(about: Subject) -> list[str]:
     for name, text in account.published(about.probes):
         parts.append(markup.paragraph(f"Published errors of others at {name}, {text}.", "small"))
     parts += [markup.paragraph(f"{name}: {note}", "small") for name, note in account.notes(about.probes)]
-    bands = account.peaks(about.probes, about.summary)
-    if bands.rows:
-        parts += [markup.heading("Peaks"), markup.table(bands)]
+    for title, content in (("Profiles", account.profiles(about.probes, about.summary)),
+                           ("Peaks", account.peaks(about.probes, about.summary)),
+                           ("Arrivals", account.arrivals(about.summary))):
+        if content.rows:
+            parts += [markup.heading(title), markup.table(content)]
     return parts
 
 
@@ -110,7 +112,10 @@ def _series(about: Subject, folder: Path) -> list[str]:
             continue
         path = folder / f"{probe.name}.png"
         try:
-            beside.plot_beside(about.run, probe, path)
+            if isinstance(probe, ProbeArray):
+                beside.plot_profiles(about.run, probe, path)
+            else:
+                beside.plot_beside(about.run, probe, path)
         except CaseError as error:    # the file of the truth is not here
             parts.append(markup.paragraph(f"{probe.name} is shown without its reference: {error}", "warning"))
             rest.append(probe.name)

@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 
 from parisph.base.errors import ParisphError
-from parisph.case.probes import AnyProbe
+from parisph.case.probes import AnyProbe, ProbeArray
 from parisph.case.schema import Case
-from parisph.case.truths import PeakBand, Truth, WaveTruth, read_truth
-from parisph.truth import norms
+from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth, read_truth
+from parisph.truth import norms, profiled
 from parisph.truth.recorded import Recorded
 
 # The column that a truth is of; the first one of other probes.
@@ -29,12 +29,13 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     paper_2017 : for waves, that of Zheng et al. (2017), Eq 35 (which decreases with the number of samples)
     points : number of compared samples of the truth, or of the run if the truth is too coarse (norms.on_reference)
     start, end : of what was compared [s]
-    peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, the greatest value `found`, its `time`
-        [s], and by which share of the nearer end it is `beyond` the band, 0 inside
+    peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, when [s], the greatest value `found`, its
+        `time` [s], and by which share of the nearer end it is `beyond` the band, 0 inside
     others : {name: the same, without peaks} of the further references
     best_shift, shifted_l2 : the shift [s] of the run's time with the least error, and this error; None if it is not
         defined
-    If nothing can be compared: relative_l2 None, and `reason`.
+    If nothing can be compared: relative_l2 None, and `reason`. For Peaks there are only `peaks`; for Profiles what
+    profiled.errors returns.
     """
     return {probe.name: _error(probe, run) for probe in case.probes if probe.truth is not None}
 
@@ -63,9 +64,14 @@ def prepared(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[
 
 
 def _error(probe, run):
+    truth = probe.truth
     try:
+        if isinstance(probe, ProbeArray):
+            return profiled.errors(probe, run)
         time, values = series(probe, run)
-        truth = probe.truth
+        if isinstance(truth, Peaks):
+            return {"relative_l2": None, "reason": "others report only greatest values",
+                    "peaks": [_peak(band, time, values) for band in truth.bands]}
         if isinstance(truth, WaveTruth):
             return _judged((time, values), (time, truth.series(probe.at, time)), truth.level)
         found = _against(truth, time, values)
@@ -124,6 +130,7 @@ def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray) -> dict[str, flo
     inside = np.flatnonzero((time >= band.start) & (time <= band.end)) if time[-1] >= band.end else ()
     if len(inside):
         k = inside[np.argmax(values[inside])]
-        nearest = float(np.clip(values[k], band.low, band.high))
-        found.update(found=float(values[k]), time=float(time[k]), beyond=float(values[k] / nearest - 1.0))
+        found.update(found=float(values[k]), time=float(time[k]))
+        if band.low is not None and band.high is not None:
+            found["beyond"] = float(values[k] / np.clip(values[k], band.low, band.high) - 1.0)
     return found

@@ -159,6 +159,8 @@ def test_a_truth_takes_the_rows_of_its_own_series(tmp_path):
     (lambda: Truth("a.csv", "t", "p", others=[Truth("b.csv", "t", "p", name="b")] * 2), "give each one of its own"),
     (lambda: PeakBand(start=1.0, end=0.5, low=1.0, high=2.0), "start must be before end"),
     (lambda: PeakBand(start=0.0, end=0.5, low=3.0, high=2.0), "low above 0 and below high"),
+    (lambda: PeakBand(start=0.0, end=0.5, low=3.0, when=0.2), "give low and high, or `when` alone"),
+    (lambda: PeakBand(start=0.0, end=0.5), "give low and high, or `when` alone"),
 ])
 def test_windows_and_bands_are_in_order(wrong, message):
     with pytest.raises(CaseError, match=message):

@@ -12,6 +12,7 @@ from parisph.base.fields import CONTACT, SURFACE, WET
 from parisph.case import elsewhere, waves
 from parisph.case.checks import stable_time_step
 from parisph.case.load import parameters
+from parisph.case.profiles import read_profiles
 from parisph.case.schema import Case
 from parisph.case.truths import read_truth
 from parisph.geometry import build as geometry
@@ -153,11 +154,15 @@ def test_truths_of_measured_data_where_it_lies(monkeypatch):
     monkeypatch.setenv(elsewhere.VARIABLE, str(folder))
     if not folder.is_dir():
         pytest.skip(f"measured data of others is not part of parisph: there is no {folder}")
-    zhou, lobovsky, roll = (load(CASES / f"{name}.py")
-                            for name in ("dam_break_zhou", "dam_break_lobovsky", "lateral_roll"))
+    zhou, lobovsky, roll, bed, beach = (load(CASES / f"{name}.py") for name in (
+        "dam_break_zhou", "dam_break_lobovsky", "lateral_roll", "wet_bed", "runup_synolakis"))
     truths = {probe.name: probe.truth for case in (zhou, lobovsky, roll) for probe in case.probes if probe.truth}
     assert set(truths) == {"P2", "P2_point", "S1", "S2", "S3", "S4", "H1", "H2", "H3", "H4", "sensor",
                            "wide"}
+    photographed, measured = (read_profiles(next(probe.truth for probe in case.probes if probe.name == "profile"))
+                              for case in (bed, beach))
+    assert [time for time, _, _ in photographed] == list(bed.output.times), "snapshots show what was photographed"
+    assert len(measured) == 4 and all(y.max() < 1.6 * 0.2 for _, _, y in measured)
     assert len(truths["P2"].others) == 3 and truths["S1"].published
     band = truths["S2"].peaks[0]
     assert 1.5 < band.low / (997.0 * 9.81 * 0.3) < 1.871 < band.high / (997.0 * 9.81 * 0.3) < 2.04

@@ -6,7 +6,18 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.case.schema import Energy, PressureTap, SurfaceGauge, Truth, WaterFront
+from parisph.case.profiles import height
+from parisph.case.schema import (
+    Energy,
+    Peaks,
+    PressureTap,
+    ProbeArray,
+    Profiles,
+    RunUp,
+    SurfaceGauge,
+    Truth,
+    WaterFront,
+)
 from parisph.case.truths import PeakBand
 from parisph.io.reader import open_run
 from parisph.io.store import Store
@@ -104,3 +115,38 @@ def test_a_run_shorter_than_the_window_has_no_error(tmp_path, reference):
     case, run = case_and_run(tmp_path, [WaterFront(name="front", truth=about)], of)
     found = verdict.errors(case, open_run(run))["front"]
     assert found["relative_l2"] is None and "window" in found["reason"]
+
+
+def test_numbers_without_a_series_are_beside_the_greatest_values(tmp_path):
+    bands = (PeakBand(start=0.5, end=1.0, when=0.8), PeakBand(start=0.0, end=2.0, low=1.0, high=1.6))
+    case, run = case_and_run(tmp_path, [RunUp(name="up", side="right", truth=Peaks(bands, name="others"))],
+                             {"up": ({"y": "m", "x": "m"}, lambda t: (t, 0.0))})
+    found = verdict.errors(case, open_run(run))["up"]
+    first, second = found["peaks"]
+    assert (first["found"], first["time"], first["when"], first["beyond"]) == (1.0, 1.0, 0.8, None)
+    assert second["found"] == 2.0 and second["beyond"] == pytest.approx(0.25)
+    assert found["relative_l2"] is None and "greatest" in found["reason"]
+
+
+def test_profiles_are_compared_at_their_times_where_both_have_a_surface(tmp_path):
+    file = tmp_path / "profiles.csv"
+    file.write_text("# made\nof,t,x_cm,y_cm\n" + "".join(
+        f"{of},{t},{x},{y}\n" for of, t, shape in (("a", 0.5, [(60, 9), (20, 11)]), ("a", 1.5, [(20, 5), (60, 7)]),
+                                                   ("a", 9.0, [(20, 5), (60, 7)]), ("b", 0.5, [(20, 50), (60, 70)]))
+        for x, y in shape))
+    truth = Profiles(str(file), time="t", x="x_cm", value="y_cm", scale=0.01, x_scale=0.01, rows={"of": "a"})
+    gauges = [SurfaceGauge(name=f"x{k}", at=0.1 * k) for k in (5, 1, 3, 4)]    # x1 is beyond all profiles
+    case, run = case_and_run(tmp_path, [ProbeArray(name="array", probes=gauges, truth=truth)],
+                             {"array": ({gauge.name: "m" for gauge in gauges}, lambda t: (0.1, 9.9, 0.1, np.nan))})
+    found = verdict.errors(case, open_run(run))["array"]
+    theirs = np.array([0.105, 0.095, 0.055, 0.065])    # at x3 and x5, at 0.5 and at 1.5 s
+    assert found["points"] == 4 and (found["start"], found["end"]) == (0.5, 1.5)
+    assert found["relative_l2"] == pytest.approx(np.linalg.norm(0.1 - theirs) / np.linalg.norm(theirs))
+    assert found["mean"] == pytest.approx(np.mean(0.1 - theirs))
+    assert [one["rms"] for one in found["profiles"]] == pytest.approx([0.005, np.sqrt((0.045**2 + 0.035**2) / 2.0)])
+
+
+def test_of_a_profile_that_overturns_the_upper_surface_counts():
+    x, y = np.array([0.0, 2.0, 1.0, 3.0]), np.array([4.0, 3.0, 1.0, 0.0])
+    assert [height(x, y, at) for at in (0.5, 1.5, 2.5, 3.5)] == [3.75, 3.25, 0.25, None]
+    assert height(np.array([0.0, 1.0, 1.0]), np.array([5.0, 4.0, 1.0]), 1.0) == 4.0

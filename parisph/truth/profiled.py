@@ -1,0 +1,62 @@
+"""Errors of an array of surface gauges against measured profiles. Not collective."""
+
+from typing import Any
+
+import numpy as np
+
+from parisph.base.arrays import Floats
+from parisph.case.probes import ProbeArray, SurfaceGauge
+from parisph.case.profiles import Profiles, height, read_profiles
+from parisph.truth.recorded import Recorded
+
+Pair = tuple[float, Floats, Floats, Floats]    # time [s]; places, heights of the run and of the reference (n,) [m]
+
+
+def pairs(probe: ProbeArray, run: Recorded) -> list[Pair]:
+    """Return a run and its reference at each time of the reference that the run has reached, where both have a surface.
+
+    Raises CaseError, StoreError.
+    """
+    truth, table = probe.truth, run.probe(probe.name)
+    assert truth is not None, "asked only of an array with a truth"
+    gauges = sorted((one for one in probe.probes if isinstance(one, SurfaceGauge)), key=lambda one: one.at)
+    places, found = np.array([one.at for one in gauges]), []
+    for time, x, y in read_profiles(truth):
+        if not table["time"][0] <= time <= table["time"][-1]:
+            continue
+        ours = np.array([np.interp(time, table["time"], table[one.name]) for one in gauges])
+        theirs = np.array([np.nan if (value := height(x, y, at)) is None else value for at in places])
+        there = np.isfinite(ours) & np.isfinite(theirs)
+        if np.count_nonzero(there) > 1:
+            found.append((time, places[there], ours[there], theirs[there]))
+    return found
+
+
+def errors(probe: ProbeArray, run: Recorded) -> dict[str, Any]:
+    """Return the errors of all profiles together and of each, for summary.json.
+
+    Returns
+    -------
+    dict: relative_l2 of all points; points; start, end [s]; mean, the mean of run - reference, and rms [m];
+    profiles : for each, time [s], relative_l2, mean and rms [m]. There is no shift.
+
+    Raises ValueError if the run has come to none of the profiles.
+    """
+    found = pairs(probe, run)
+    if not found:
+        raise ValueError("the run has reached the time of none of the profiles")
+    assert probe.truth is not None, "or there were no pairs"
+    ours, theirs = (np.concatenate([pair[k] for pair in found]) for k in (2, 3))
+    return {
+        **_distance(probe.truth, ours, theirs), "points": len(ours), "start": found[0][0], "end": found[-1][0],
+        "profiles": [{"time": time, **_distance(probe.truth, run_has, other)} for time, _, run_has, other in found],
+    }
+
+
+def _distance(truth: Profiles, ours: Floats, theirs: Floats) -> dict[str, float]:
+    size = float(np.linalg.norm(theirs - (truth.offset if truth.wave else 0.0)))
+    if size == 0.0:
+        raise ValueError("the reference is nothing but the level at rest: a relative error has no meaning")
+    apart = ours - theirs
+    return {"relative_l2": float(np.linalg.norm(apart)) / size, "mean": float(apart.mean()),
+            "rms": float(np.sqrt(np.mean(apart**2)))}
