@@ -2,7 +2,6 @@
 
 from time import thread_time
 
-from parisph.methods import flow as flows
 from parisph.methods import operators, positions, projection, straining, surfaces, velocities, wall_images
 from parisph.parallel import domain
 from parisph.pressure import rows
