@@ -2,13 +2,12 @@
 
 from time import thread_time
 
-from parisph.methods import flow as flows
-from parisph.methods import operators, positions, projection, straining, surfaces, velocities
+from parisph.methods import operators, positions, projection, straining, surfaces, velocities, wall_images
 from parisph.parallel import domain
 from parisph.pressure import rows
 
 _CALLED_FROM = {projection: ("gradients",), surfaces: ("surface",), velocities: ("collisions",), straining: ("strain",),
-                positions: ("collisions", "halves", "pairs", "shifting"), flows: ("surface",),
+                positions: ("pairs", "shifting"), wall_images: ("collisions", "halves", "shifting", "surface"),
                 operators: ("gradient", "laplacian", "rankine", "walls"), rows: ("rankine", "surface_rows", "compress"),
                 domain: ("neighbour_lists",)}
 

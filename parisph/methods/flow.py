@@ -98,9 +98,12 @@ class Flow:
         """Return how the velocity of irrotational flow along a wall changes with the distance from it: (n_owned, dim)
         [1/s].
 
-        The wall's normal turns, in its own frame with the frame's spin W against the water: - dn/dt - 2 W x n.
+        The wall's normal turns, in its own frame with the frame's spin W against the water: - dn/dt - 2 W x n. In
+        viscous fluid, which walls set in rotation, this is unknown and taken as 0.
         """
         p = self.particles
+        if self.viscosity:
+            return np.zeros_like(p.u)
         shear = self.walls.shear(self)
         spin = self.spin(self.time) if self.spin is not None else 0.0
         if spin:

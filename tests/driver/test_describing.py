@@ -9,6 +9,8 @@ import pytest
 from mpi4py import MPI
 
 from parisph.base import memory
+from parisph.base.errors import CaseError
+from parisph.case import elsewhere
 from parisph.driver import describe, progress
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.progress import Progress
@@ -20,7 +22,13 @@ from tests.scenes import scene
 
 @pytest.mark.parametrize("path", sorted((ROOT / "cases").glob("*.py")), ids=lambda path: path.stem)
 def test_every_case_is_described(path):
-    lines = dict(line.split(None, 1) for line in describe(scene(path.stem)).splitlines()
+    try:
+        case = scene(path.stem)
+    except CaseError as error:
+        if elsewhere.VARIABLE not in str(error):
+            raise
+        pytest.skip(f"measured data of others is not part of parisph: {error}")
+    lines = dict(line.split(None, 1) for line in describe(case).splitlines()
                  if not line.startswith(("end time", " ")))
     assert lines["case"] and "fluid" in lines["particles"] and "solve" in lines["stages"] and "MB" in lines["memory"]
 

@@ -61,22 +61,6 @@ def test_a_vortex_decays():
     assert found[1] < 0.01 and order(*found) > 1.0, found
 
 
-def test_a_standing_wave_is_damped():
-    """Its amplitude by exp(-2 nu k^2 t), above a free-slip bed."""
-    nu, k = 0.004, np.pi
-    case = scene("standing_wave", spacing=0.05, end_time=20, amplitude=0.01,
-                 refine_time=True).changed(**{"fluid.viscosity": nu})
-    s = Simulation(case, MPI.COMM_SELF)
-    gauge, found = instruments.build(case, s.comm)[:1], []
-    while s.time < 6.8:    # six periods
-        s.advance()
-        found.append((s.time, instruments.sample_all(gauge, s.particles, s.domain, s.time)["centre"][0]))
-    s.destroy()
-    rate, frequency = flows.damped_wave(*np.transpose(found), (0.0, 0.2), (5.2, 5.9))
-    assert rate == pytest.approx(2.0 * nu * k**2, rel=0.05)
-    assert frequency == pytest.approx(np.sqrt(9.81 * k * np.tanh(k)), rel=0.02)
-
-
 def test_eddy_viscosity_of_a_shear():
     """nu_t = (C s)^2 |S| for u = (G y, 0), in the field that the force uses."""
     shear, constant, spacing = 3.0, 0.15, 0.1

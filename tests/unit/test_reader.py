@@ -146,8 +146,8 @@ def test_an_earlier_run_is_never_written_over(folder):
 
 
 def test_an_unknown_field_is_refused_before_anything_is_touched(tmp_path):
-    with pytest.raises(StoreError, match="no field 'vorticity' for snapshots .there are: "):
-        Store.create(MPI.COMM_SELF, tmp_path / "new", CASE, fields=("u", "vorticity"))
+    with pytest.raises(StoreError, match="no field 'salinity' for snapshots .there are: "):
+        Store.create(MPI.COMM_SELF, tmp_path / "new", CASE, fields=("u", "salinity"))
     assert not (tmp_path / "new").exists()
 
 
