@@ -49,9 +49,9 @@ def case(
         output=Output(every=snapshot_every, checkpoint_every=1.0),
         probes=[
             SurfaceGauge("reservoir", at=2.0),
-            SurfaceGauge("upstream", at=5.5),
-            SurfaceGauge("crest", at=foot + 0.5 * base),
-            SurfaceGauge("downstream", at=8.0),
+            SurfaceGauge("upstream", at=5.5, arrival=0.14),    # of the bore
+            SurfaceGauge("crest", at=foot + 0.5 * base, arrival=height + 0.02),
+            SurfaceGauge("downstream", at=8.0, arrival=0.02),
             PressureTap("face", at=(foot + 0.5 * side, 0.5 * height)),
             WaterFront("front"),
             Energy("energy"),

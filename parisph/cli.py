@@ -285,6 +285,9 @@ def _add_looking(verbs):
                       help="Folder of a run; with --all also a folder that holds runs")
     verb.add_argument("--all", action="store_true",
                       help="Write one gallery of all runs instead, as HTML and as Markdown")
+    verb.add_argument("--into", type=arguments.path, metavar="FILE",
+                      help="Put the gallery of all runs into this Markdown file, between its two marks, "
+                           "with the pictures in the folder pictures beside it")
     verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
                       help="Write to this folder (default: that of the run; with --all: gallery)")
     verb = _verb(verbs, "compare", _compare, "Compute the error of a probe against a reference series")
@@ -502,7 +505,9 @@ def _compare(args):
 def _report(args):
     from parisph.report import gallery, page
 
-    if args.all:
+    if args.into is not None:
+        written = gallery.put_into(args.runs, args.into)
+    elif args.all:
         written = gallery.write(args.runs, args.out or "gallery")
     elif args.out is not None and len(args.runs) > 1:
         raise CaseError("-o: several runs cannot have their pages in one folder; leave it out, or use --all")

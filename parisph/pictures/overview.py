@@ -51,6 +51,21 @@ def plot_moments(run: Run, path: AnyPath | None = None, count: int = 6, columns:
     return picture
 
 
+def plot_small(run: Run, which: int, path: AnyPath, field: str = "pressure") -> None:
+    """Draw the particles at a snapshot, as plot_field does, but small and with few colours, for galleries.
+
+    Raises as plot_field.
+    """
+    snapshot = run.snapshot(which)
+    view = FieldView(run.case, [snapshot], Look(field))
+    width, height = view.size(5.6)
+    picture = style.drawing().Figure(figsize=(width, height), layout="compressed")
+    axes = picture.add_subplot()
+    discs = view.draw(axes, snapshot, view.limits([snapshot], whole=True), label=False)
+    view.add_colour_bar(picture, axes, discs, [snapshot])
+    style.save_small(picture, path)
+
+
 def plot_solver(run: Run, path: AnyPath | None = None) -> "Figure":
     """Draw the iterations and the time steps of a run; return the matplotlib Figure."""
     picture = style.drawing().Figure(figsize=(8.0, 2.6), layout="constrained")
@@ -61,7 +76,7 @@ def plot_solver(run: Run, path: AnyPath | None = None) -> "Figure":
 
 def _height(view, width):
     (left, right), (low, high) = view.window
-    return min(0.85 * width * (high - low) / (right - left) + 0.7, 6.0)
+    return min(0.85 * width * view.stretch * (high - low) / (right - left) + 0.7, 6.0)
 
 
 def _draw_moments(flow, view, moments, columns):

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 # Diameters in spacings: a drawn particle; and the ground below those inside, which closes the gaps that
 # discs leave between them, without making the surface thicker than half a particle.
 DISC, GROUND = 1.05, 1.8
+FLAT = 5.5    # windows that are wider than this, over their height, are drawn stretched upwards, to this
 ABOVE = 1.5    # the order of particles: above solids, so that one that crosses a wall is seen
 
 
@@ -118,11 +119,13 @@ class FieldView:
         self.spacing = case["numerics"]["spacing"] / self.length
         self.bodies = None if style.only_tank(case) else of_dict(case)
         self.window = self._window(snapshots)
+        (left, right), (low, high) = self.window
+        self.stretch = max(1, round((right - left) / (high - low) / FLAT))    # times that heights are drawn
 
     def size(self, width: float = 8.0) -> tuple[float, float]:
         """Return the figure size [inch] for the window, with room for labels and colour bar."""
         (left, right), (low, high) = self.window
-        height = 0.84 * width * (high - low) / (right - left) + 1.2
+        height = 0.84 * width * self.stretch * (high - low) / (right - left) + 1.2
         return (width, height) if height <= 9.0 else (max(4.0, width * 9.0 / height), 9.0)
 
     def draw(self, axes: "Axes", snapshot: Mapping[str, Any], limits: tuple[float, float] | None, label: bool = True,
@@ -237,7 +240,7 @@ class FieldView:
             full = high[1] > left[1] + 0.7 * (right[1] - left[1])
             top = right[1] if full else min(right[1], left[1] + 1.2 * (high[1] - left[1]))
             low, high = np.minimum(low, left), np.maximum(high, (right[0], top))
-        margin = 0.03 * np.max(high - low)
+        margin = np.minimum(0.03 * np.max(high - low), 0.12 * (high - low))
         low, high = (low - margin) / self.length, (high + margin) / self.length
         if self.look.zoom is None:
             return (low[0], high[0]), (low[1], high[1])
@@ -318,10 +321,11 @@ class FieldView:
     def _finish(self, axes, time, label, note):
         axes.set_xlim(self.window[0])
         axes.set_ylim(self.window[1])
-        axes.set_aspect("equal")
+        axes.set_aspect(self.stretch)
         axes.set_xlabel("$x/H$" if self.look.normalise else "$x$ [m]")
         axes.set_ylabel("$y/H$" if self.look.normalise else "$y$ [m]")
         axes.tick_params(direction="in", top=True, right=True)
-        when = style.time_label(time, self.own) + (f",   {note}" if note else "")
+        more = [f"heights drawn {self.stretch} times"] if self.stretch > 1 else []
+        when = ",   ".join([style.time_label(time, self.own), *more, *([note] if note else [])])
         axes.set_title(f"{style.literal(self.case['title'])}\n{when}" if label else when, loc="left",
                        fontsize=11 if label else 9)

@@ -1,22 +1,25 @@
 """`parisph report --all DIR...`: a page with a picture, the truth, the error and the cost of every run.
 
-It is written twice: as HTML in one file, and as Markdown with its pictures beside it. Needs matplotlib, no MPI.
+It is written twice: as HTML in one file, and as Markdown with its pictures beside it, either in a file of its own or
+inside another, between two marks. Needs matplotlib, no MPI.
 """
 
 from collections.abc import Sequence
 from pathlib import Path
 
-from parisph.base.errors import StoreError
+from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.base.text import named
 from parisph.io.files import write_text
 from parisph.io.reader import Run
-from parisph.pictures import curves, view
+from parisph.pictures import curves, overview
 from parisph.report import account, markup
 from parisph.report.entries import Cell, Table, number
 from parisph.report.page import Subject, subject
 
-HEAD = ("run", "particles", "steps", "CPU [s]", "truth", "relative L2 error, shift = 0", "best published")
+START, END = "<!-- gallery -->", "<!-- end of the gallery -->"
+PICTURES = "pictures"    # folder beside a file that a gallery is put into
+HEAD = ("probe", "truth", "error, greatest value or time", "best published")
 
 
 def found(folders: Sequence[AnyPath]) -> list[Path]:
@@ -39,52 +42,128 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
 
     Raises StoreError for what is no run and for files that cannot be read or written; MissingLibrary.
     """
-    subjects, place = [subject(folder) for folder in found(folders)], Path(out)
+    place = Path(out)
+    pages, texts = [], ["# Gallery", ""]
+    for name, about in _subjects(folders):
+        path = _picture(about.run, _folder(place) / f"{name}.png")
+        pages += [markup.heading(about.title), *([markup.picture(path, _caption(about.run))] if path else []),
+                  markup.table(_facts(about)), markup.table(_table(about))]
+        texts += [f"## {about.title}", "", *_text(name, about, f"{name}.png" if path else "")]
     try:
-        place.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StoreError(f"cannot make {place}: {error.strerror}") from None
-    names = [name.replace("/", "_") for name in curves.folder_names([about.run.folder for about in subjects])]
-    pages, texts = [], ["# Gallery", "", account.ALIGNMENT.partition(" The last two")[0], ""]
-    for name, about in zip(names, subjects):
-        content = _table(name, about)
-        pages += [markup.heading(about.title), *_pictured(about.run, place / f"{name}.png"), markup.table(content)]
-        texts += [f"## {about.title}", "", *([f"![{about.title}]({name}.png)", ""] if len(about.run) else []),
-                  _markdown(content), ""]
-    try:
-        write_text(place / "gallery.html", markup.page("Gallery", [markup.paragraph(texts[2]), *pages]))
-        write_text(place / "gallery.md", "\n".join(texts))
+        write_text(place / "gallery.html", markup.page("Gallery", [markup.paragraph(_words()), *pages]))
+        write_text(place / "gallery.md", "\n".join([*texts[:2], _words(), "", *texts[2:]]))
     except OSError as error:
         raise StoreError(f"cannot write to {place}: {error.strerror}") from None
     return [place / "gallery.html", place / "gallery.md"]
 
 
-def _pictured(run: Run, path: Path) -> list[str]:
+def put_into(folders: Sequence[AnyPath], file: AnyPath) -> list[Path]:
+    """Put the gallery into a Markdown file, in place of what is between its lines START and END; return its path.
+
+    The pictures go to the folder `pictures` beside it. A section has the name of the run's folder.
+
+    Raises CaseError for a file without the marks; otherwise as `write`.
+    """
+    path, texts = Path(file), [START, "", _words(), ""]
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except OSError as error:
+        raise StoreError(f"cannot read {named(path)}: {error.strerror}") from None
+    if not (START in lines and END in lines and lines.index(START) < lines.index(END)):
+        raise CaseError(f"{named(path)} has no line {START} with a line {END} below it: the gallery goes between them")
+    for name, about in _subjects(folders):
+        picture = _picture(about.run, _folder(path.parent / PICTURES) / f"{name}.png")
+        texts += [f"### {name}", "", *_text(about.title, about, f"{PICTURES}/{name}.png" if picture else "")]
+    lines[lines.index(START):lines.index(END)] = texts
+    try:
+        write_text(path, "\n".join(lines) + "\n")
+    except OSError as error:
+        raise StoreError(f"cannot write {path}: {error.strerror}") from None
+    return [path]
+
+
+def _subjects(folders: Sequence[AnyPath]) -> list[tuple[str, Subject]]:
+    subjects = [subject(folder) for folder in found(folders)]
+    names = curves.folder_names([about.run.folder for about in subjects])
+    return list(zip((name.replace("/", "_") for name in names), subjects))
+
+
+def _words() -> str:
+    return account.ALIGNMENT.partition(" The last two")[0]
+
+
+def _folder(place: Path) -> Path:
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(f"cannot make {place}: {error.strerror}") from None
+    return place
+
+
+def _picture(run: Run, path: Path) -> Path | None:
     if len(run) == 0:
-        return []
-    number, caption = _moment(run)
-    view.plot_field(run, number, path=path)
-    return [markup.picture(path, caption)]
+        return None
+    overview.plot_small(run, _moment(run), path)
+    return path
 
 
-def _moment(run: Run) -> tuple[int, str]:
+def _moment(run: Run) -> int:
     """Return the snapshot that shows the run best: two thirds of the way, after the impact and before the rest."""
-    number = (2 * (len(run) - 1)) // 3
-    return number, f"Pressure at t = {run.times[number]:.4g} s"
+    return (2 * (len(run) - 1)) // 3
 
 
-def _table(name: str, about: Subject) -> Table:
-    """Return the table of a run: a line for each probe that has a truth, or one line."""
-    own = [Cell(name), *(number(about.summary, account.SUMMARY, [key], form) for key, form in
-                         (("particles", "d"), ("steps", "d"), ("cpu_seconds", ".3g")))]
-    rows: list[tuple[Cell, ...]] = []
-    blank = [Cell("")] * len(own)
-    for k, probe in enumerate(about.probes):
-        if probe.truth is not None:
-            rows.append((*(blank if rows else own), Cell(f"{probe.name}: {account.name_of(probe.truth)}"),
-                         account.error_of(about.summary, ["errors", probe.name]),
-                         account.best_published(probe.truth, about.case, ["probes", k, "truth"])))
-    return Table(HEAD, tuple(rows or [(*own, Cell("none"), Cell("-"), Cell("-"))]))
+def _caption(run: Run) -> str:
+    return f"Pressure at t = {run.times[_moment(run)]:.4g} s"
+
+
+def _facts(about: Subject) -> Table:
+    """Return size, cost and drift of a run."""
+    def of(path: list[str | int], form: str = ".4g", unit: str = "") -> Cell:
+        return number(about.summary, account.SUMMARY, path, form, unit)
+
+    wanted = [("particles", of(["particles"], "d")), ("spacing", of(["spacing"], ".4g", "m")),
+              ("steps", of(["steps"], "d")), ("to t", of(["time"], ".4g", "s")),
+              ("CPU time", of(["cpu_seconds"], ".3g", "s")),
+              ("volume from", of(["volume_range", "low"], "+.2%")), ("to", of(["volume_range", "high"], "+.2%"))]
+    if not about.summary.get("driven"):
+        wanted.append(("energy at most", of(["energy_range", "high"], "+.2%")))
+    return Table(tuple(name for name, _ in wanted), (tuple(cell for _, cell in wanted),))
+
+
+def _table(about: Subject) -> Table:
+    """Return the truths of a run, a line for each: errors, greatest values with what others report, arrivals."""
+    rows: list[tuple[Cell, ...]] = [(row[0], row[1], row[2], row[7])
+                                    for row in account.errors(about.probes, about.case, about.summary).rows]
+    for row in account.peaks(about.probes, about.summary).rows:
+        smoothed = "" if row[3].text == "-" else f", smoothed over {row[3].text} s"
+        rows.append((Cell(row[0].text + smoothed), _joined(f"{row[10].text}: {_reported(row)}", *row[6:10]),
+                     _joined(f"{row[4].text} at {row[5].text} s{_beyond(row[8])}", *row[4:6], row[8]), Cell("-")))
+    for row in account.arrivals(about.summary).rows:
+        rows.append((row[0], Cell("when it passes its level"), row[1], Cell("-")))
+    return Table(HEAD, tuple(rows or [(Cell("-"), Cell("none"), Cell("-"), Cell("-"))]))
+
+
+def _reported(row: tuple[Cell, ...]) -> str:
+    low, high, when = row[6].text, row[7].text, row[9].text
+    return f"{low} to {high}" if when == "-" else f"at {when} s" if low == "-" else f"{low} to {high} at {when} s"
+
+
+def _beyond(cell: Cell) -> str:
+    return "" if cell.text == "-" else ", inside" if cell.text in ("+0%", "-0%") else f", {cell.text} beyond"
+
+
+def _joined(text: str, *cells: Cell) -> Cell:
+    """Return a Cell of a text made of other cells, with all of their sources."""
+    return Cell(text, ", ".join(cell.source for cell in cells if cell.source))
+
+
+def _text(alternative: str, about: Subject, picture: str) -> list[str]:
+    """Return the lines of a run: its picture, its size and cost, its truths."""
+    facts = _facts(about)
+    told = "; ".join(f"{name} {cell.text}" for name, cell in zip(facts.head, facts.rows[0]))
+    return [*([f"![{alternative}]({picture})", ""] if picture else []),
+            *([f"{about.title}. "] if alternative == about.title else []), f"{told}.", "",
+            _markdown(_table(about)), ""]
 
 
 def _markdown(content: Table) -> str:

@@ -9,7 +9,23 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Energy, Fluid, Numerics, PeakBand, PressureTap, SurfaceGauge, Tank, Truth, run
+from parisph import (
+    Box,
+    Case,
+    CaseError,
+    Energy,
+    Fluid,
+    Numerics,
+    PeakBand,
+    Peaks,
+    PressureTap,
+    ProbeArray,
+    Profiles,
+    SurfaceGauge,
+    Tank,
+    Truth,
+    run,
+)
 from parisph.base.errors import StoreError
 from parisph.report import gallery, page
 from tests.launch import parisph
@@ -107,10 +123,59 @@ def test_a_gallery_shows_every_run(made, tmp_path):
     assert [path.name for path in paths] == ["gallery.html", "gallery.md"]
     pages, text = (path.read_text(encoding="utf-8") for path in paths)
     error = json.loads((made / "summary.json").read_text())["errors"]["tap"]["relative_l2"]
-    assert f"{error:.3g}" in pages and f"| {error:.3g} | 0.123 (others) |" in text
-    assert "![Still & <calm>](run.png)" in text
+    assert f"{error:.3g}" in pages and f"| tap | <a> | {error:.3g} | 0.123 (others) |" in text
+    assert "![run](run.png)" in text and "## Still & <calm>" in text
     assert (tmp_path / "run.png").read_bytes() in [
         base64.b64decode(data) for data in re.findall('base64,(.*?)"', pages)]
+
+
+def test_a_gallery_is_put_between_the_marks_of_a_file_and_replaces_what_was_there(made, tmp_path):
+    file = tmp_path / "README.md"
+    with pytest.raises(StoreError, match="cannot read"):
+        gallery.put_into([made], file)
+    file.write_text("# Mine\n\n## Gallery\n")
+    with pytest.raises(CaseError, match="has no line <!-- gallery -->"):
+        gallery.put_into([made], file)
+    file.write_text(f"# Mine\n\n{gallery.START}\nold\n{gallery.END}\n\nbehind\n")
+    assert parisph("report", made, "--into", file, cwd=tmp_path).stdout == f"{file}\n"
+    once = file.read_text()
+    assert once.startswith("# Mine\n") and once.endswith("\nbehind\n") and "old" not in once
+    assert "### run" in once and "![Still & <calm>](pictures/run.png)" in once and "Still & <calm>. " in once
+    summary = json.loads((made / "summary.json").read_text())
+    peaks = summary["errors"]["tap"]["peaks"]
+    assert f"particles {summary['particles']}; " in once and f"| {peaks[1]['found']:.4g} at " in once
+    assert "<a>: 1000 to 3000 |" in once and ", inside | - |" in once and " beyond | - |" in once
+    assert (tmp_path / "pictures" / "run.png").stat().st_size < 60_000
+    gallery.put_into([made], file)
+    assert file.read_text() == once
+
+
+def test_numbers_and_profiles_have_their_tables(tmp_path):
+    (tmp_path / "profiles.csv").write_text("t,x,y\n" + "".join(f"{t},{x},0.41\n" for t in (0.01, 0.04) for x in (0, 1)))
+    gauges = [SurfaceGauge(f"x{k}", at=0.1 * k) for k in (3, 5, 7)]
+    case = Case(
+        title="Numbers", fluid=Fluid(Box(width=1.0, height=0.4), density=1e3), walls=Tank(width=1.0, height=0.5),
+        gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.005),
+        probes=[
+            PressureTap("tap", at=(0.0, 0.2), truth=Peaks([PeakBand(start=0.0, end=0.03, when=0.02)], name="theirs")),
+            ProbeArray("all", gauges, truth=Profiles(str(tmp_path / "profiles.csv"), time="t", x="x", value="y")),
+            SurfaceGauge("level", at=0.5, arrival=0.39),
+        ],
+        end_time=0.05,
+    )
+    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    text = page.write(tmp_path / "run").read_text(encoding="utf-8")
+    for source, _, shown in CELL.findall(text):
+        if "/profiles/" in source or "/peaks/" in source:
+            value = entry(tmp_path / "run", html.unescape(source))
+            assert float(shown) == pytest.approx(value, rel=0.02), source
+    assert {f"summary.json: errors/all/profiles/1/{name}" for name in ("time", "relative_l2", "mean", "rms")} <= {
+        html.unescape(source) for source, _, _ in CELL.findall(text)}
+    assert (tmp_path / "run" / "report" / "all.png").exists()
+    gallery.write([tmp_path / "run"], tmp_path / "gallery")
+    lines = (tmp_path / "gallery" / "gallery.md").read_text(encoding="utf-8")
+    assert "| tap | theirs: at 0.02 s | " in lines and "| all | profiles.csv | 0.0244 | - |" in lines
+    assert "| level | when it passes its level | - | - |" in lines
 
 
 def test_a_folder_without_a_run_is_an_error_with_a_remedy(made, tmp_path):

@@ -281,3 +281,15 @@ def test_without_matplotlib_the_remedy_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(MissingLibrary, match=r"pip install 'parisph\[plot\]'"):
         style.drawing()
+
+
+def test_a_long_flume_is_drawn_stretched_and_says_so(tmp_path):
+    case = basin(fluid=Fluid(Box(9.0, 0.2), density=1000.0), walls=Tank(9.0, 0.3), probes=[])
+    written(tmp_path / "run", case, water())
+    axes = view.plot_field(tmp_path / "run", 0).axes[0]
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    stretch = axes.get_aspect()
+    assert stretch == round(stretch) > 1.0 and 4.0 < (right - left) / (high - low) / stretch < 7.5
+    assert f"heights drawn {stretch:.0f} times" in axes.get_title(loc="left")
+    overview.plot_small(open_run(tmp_path / "run"), 0, tmp_path / "small.png")
+    assert 1000 < (tmp_path / "small.png").stat().st_size < 60_000
