@@ -22,7 +22,7 @@ from tests.scenes import made_motion
 CASES = Path(__file__).parents[2] / "cases"
 FILES = sorted(CASES.glob("*.py"))
 MEASURED = os.environ.get(elsewhere.VARIABLE)
-OTHER = {"lateral_roll": 0.5}    # times the spacing, where twice the spacing does not divide the water
+OTHER = {"lateral_roll": 0.5, "wet_bed": 0.5}    # times the spacing, where twice the spacing does not fit the water
 
 
 @pytest.fixture(autouse=True)
