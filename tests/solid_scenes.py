@@ -42,7 +42,7 @@ def level(name, x, normal):
 
 
 def errors_at_rest(case, name, steps):
-    """Return what a scene has in each step: the greatest speed over sqrt(g d) and pressure error over rho g d, (steps,).
+    """Return of each step the greatest speed over sqrt(g d) and pressure error over rho g d, (steps,) each.
 
     case : of `still`; d = 1 m
     """
