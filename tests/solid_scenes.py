@@ -1,8 +1,11 @@
 """Scenes of water between walls of any shape, as cases. The water is 1 m deep."""
 
 import numpy as np
+from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, Obstacle, Plate, Polygon, Profile, StillWater, Tank
+from parisph.base.fields import FLUID, INNER, SURFACE, WET
+from parisph.driver import Simulation
 
 G, DENSITY = 9.81, 1000.0
 
@@ -13,7 +16,8 @@ def beach(degrees):
 
 
 WALLS = {
-    "slope 15": beach(15.0), "slope 30": beach(30.0), "slope 60": beach(60.0),
+    "slope 15": beach(15.0), "slope 20": beach(20.0), "slope 30": beach(30.0), "slope 45": beach(45.0),
+    "slope 60": beach(60.0),
     "sill": (Tank(4.0, 1.3), Obstacle(Polygon([(1.0, 0.0), (1.4, 0.4), (2.0, 0.4), (2.4, 0.0)]))),
     "box": (Tank(3.0, 1.3), Obstacle(Box(width=0.5, height=0.5, at=(1.2, 0.0)))),
     "plate": (Tank(2.0, 1.3), Plate([(1.0, 0.0), (1.0, 1.2)])),
@@ -35,3 +39,21 @@ def still(name, preset, spacing=0.1, **numerics):
 def level(name, x, normal):
     """Return the level [m] of the water at x (n, 2) [m], with the normals (n, 2) of wall particles there."""
     return np.where((name == "plate") & (x[:, 0] + 1e-3 * normal[:, 0] > 1.0), 0.5, 1.0)
+
+
+def errors_at_rest(case, name, steps):
+    """Return of each step the greatest speed over sqrt(g d) and pressure error over rho g d, (steps,) each.
+
+    case : of `still`; d = 1 m
+    """
+    s = Simulation(case, MPI.COMM_SELF)
+    p, speed, error = s.particles, np.empty(steps), np.empty(steps)
+    for n in range(steps):
+        s.advance()
+        speed[n] = np.linalg.norm(p.u[p.kind == FLUID], axis=1).max() / np.sqrt(G)
+        used = np.isin(p.role, (INNER, SURFACE, WET))
+        due = DENSITY * G * np.maximum(level(name, p.x, p.normal) - p.x[:, 1], 0.0)
+        error[n] = np.abs(p.p - due)[used].max() / (DENSITY * G)
+    assert (p.role == WET).any()
+    s.destroy()
+    return speed, error

@@ -14,6 +14,7 @@ from parisph.base.arrays import Flags, Floats, Ints
 from parisph.case.shapes import Box, Disc, Polygon, Tank
 
 FIT = 1e-3      # a length fits if it is a whole number of spacings within this part of one spacing
+STRETCH = 0.15  # of a spacing, by which the step along one axis may make up for that along another
 CHUNK = 2**18   # lattice points looked at in one go; bounds the memory of a large scene
 SAMPLES = {2: 8, 3: 4}  # along each edge of a cell that is cut by the surface of the fluid
 
@@ -48,7 +49,8 @@ class Lattice:
         # The step is the spacing, but for the rounding in a spacing such as 0.0416667.
         self.step: Floats = np.full(len(lower), spacing)
         if size is not None:
-            self.step = size / np.maximum(np.round(size / spacing), 1)
+            whole: Floats = size / np.maximum(np.round(size / spacing), 1)
+            self.step = even_steps(size, spacing) if tank is None else whole
         self.first: Ints = np.ceil((lower - self.origin - self.tolerance) / self.step).astype(np.int64)
         last = np.floor((upper - self.origin + self.tolerance) / self.step).astype(np.int64)
         self.top: Ints | None = None
@@ -270,3 +272,19 @@ def nearest_spacings(lengths: Sequence[float], spacing: float) -> tuple[float, .
         return ()
     n = measure / spacing
     return tuple(dict.fromkeys(measure / k for k in (int(np.ceil(n)), int(np.floor(n))) if k >= 1))
+
+
+def even_steps(size: Floats, spacing: float) -> Floats:
+    """Return the steps (dim,) [m] that divide a box of a size (dim,) [m] into cells of about spacing^dim [m^dim].
+
+    The shortest side is divided first, into the nearest whole number of spacings. The others make up for that, as far
+    as their steps stay near the spacing: smaller cells would be compressed fluid, which expands as soon as it moves.
+    """
+    step: Floats = np.full(len(size), spacing)
+    free = 1.0      # what the sides divided so far lack of a cell of the spacing
+    for done, axis in enumerate(np.argsort(size, kind="stable")):
+        left = len(size) - done
+        near = spacing * min(max(free ** (1.0 / left), 1.0 - STRETCH), 1.0 + STRETCH)
+        step[axis] = size[axis] / max(round(float(size[axis] / near)), 1)
+        free *= spacing / step[axis]
+    return step

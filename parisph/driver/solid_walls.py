@@ -8,6 +8,7 @@ from parisph.geometry import build
 from parisph.methods import filling
 from parisph.methods.boundary import Boundary
 from parisph.methods.flow import Flow
+from parisph.methods.positions import KeepApart
 from parisph.methods.wall_images import WallImages
 from parisph.methods.wall_solids import WallSolids
 from parisph.parallel.particles import Particles
@@ -40,7 +41,10 @@ def boundary_of(case: Case, elements: WallElements | None) -> Boundary:
 
 
 def fill(case: Case, flow: Flow) -> None:
-    """Pack the fluid of a scene of any walls, give it the volumes that it stands for, and jitter it. Collective."""
+    """Pack the fluid of a scene of any walls, give it the volumes that it stands for, and jitter it. Collective.
+
+    A method that keeps pairs apart does so here, too. Its first step would only after it has found their pressure.
+    """
     p, d, s = flow.particles, flow.domain, case.numerics.spacing
     d.refresh()
     filling.pack(flow)
@@ -51,3 +55,7 @@ def fill(case: Case, flow: Flow) -> None:
         move = build.jitter(case, p.id, p.role != INNER)
         move[p.kind != FLUID] = 0.0
         filling.scatter(flow, move)
+        apart = KeepApart()
+        if apart.name in (case.numerics.regularisers or ()) and apart.wanted(case.numerics):
+            apart.apply(flow, 0.0)
+            d.refresh()

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from parisph.case.bodies import StillWater
-from parisph.case.lattice import FIT, Lattice
+from parisph.case.lattice import FIT, STRETCH, Lattice
 from parisph.case.shapes import Box, Shape, Tank
 from parisph.geometry.columns import between, crossings, gaps, near_pieces, union
 from parisph.geometry.mesh import WallMesh
@@ -68,15 +68,27 @@ class Filling:
         s = self.spacing
         if isinstance(self.shape, StillWater):
             lower, upper = mesh.x0.min(axis=0), mesh.x0.max(axis=0)
-            lattice = None if tank is None else Lattice(Box(tank.width, tank.height, at=tank.at), tank, s)
-            origin = np.array([lower[0] if tank is None else lattice.origin[0], self.shape.level])
-            step = np.array([s if tank is None else lattice.step[0], s])
+            origin = np.array([lower[0] if tank is None else tank.bounds[0][0], self.shape.level])
+            step = self._hanging_step(tank, self.shape.level - lower[1])
             first = np.ceil((lower - origin) / step).astype(np.int64)
             return origin, step, first, np.array([np.floor((upper[0] - origin[0]) / step[0]), 0], dtype=np.int64)
         if isinstance(self.shape, Box) and tank is not None and not _on_lattice(self.shape, tank, s):
             tank = None    # its own lattice: points on its edges, and so a surface where the user has it
         lattice = Lattice(self.shape, tank, s)
         return lattice.origin, lattice.step, lattice.first, lattice.first + lattice.counts - 1
+
+    def _hanging_step(self, tank, depth):
+        """Return the step (2,) [m] that divides the greatest depth [m] of still water, with cells of spacing^2.
+
+        Rows that end otherwise at a level bed would hold up to half a cell too much or too little in each column.
+        """
+        s = self.spacing
+        rows = max(round(depth / s), 1)
+        up = depth / rows
+        if abs(depth / s - rows) <= FIT or abs(up / s - 1.0) > STRETCH:
+            up = s
+        across = s * s / up
+        return np.array([across if tank is None else tank.width / max(round(tank.width / across), 1), up])
 
     def _lift(self, x):
         return np.zeros(len(x)) if self._rise is None else self._rise(x)

@@ -2,8 +2,7 @@
 
 Elements are `corners` (M, dim, dim) [m], where they are now, with the fluid on the left of the way from the first to
 the second corner, in 3D on the side from which the corners are in anticlockwise order. Every owned particle has a
-list of the elements near it (element_lists), made together with its list of neighbours; most lists are empty, and
-then nothing is done.
+list of the elements near it (element_lists); most lists are empty, and then nothing is done.
 """
 
 import math
@@ -26,12 +25,23 @@ def element_lists(x: np.ndarray, corners: np.ndarray, normal: np.ndarray, radius
     corners : (M, dim, dim) [m]; normal : (n, dim), of nodes, 0 for fluid
     Returns indptr (n + 1,) int32, indices (nnz,) int32. Raises ValueError as `cells.nearby`.
     """
-    axes = axes_of(x.shape[1])
+    return unhidden_lists(x, normal, corners, radius, spacing, *near_lists(x, corners, radius))
+
+
+def near_lists(x: np.ndarray, corners: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return at least the elements within the radius [m] of points x (n, dim), as CSR. As element_lists."""
     if len(corners) == 0:
         return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
+    axes = axes_of(x.shape[1])
     middle = np.empty((len(corners), len(axes)))
     size = _middles(middle, corners, axes)
-    indptr, indices = nearby(x, middle, radius + size)
+    return nearby(x, middle, radius + size)
+
+
+def unhidden_lists(x: np.ndarray, normal: np.ndarray, corners: np.ndarray, radius: float, spacing: float,
+                   indptr: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return those elements of near lists that element_lists has; the lists given are used up."""
+    axes = axes_of(x.shape[1])
     return indptr, indices[: _keep_unhidden(indptr, indices, x, normal, corners, radius, LIFT * spacing, axes)]
 
 

@@ -63,6 +63,7 @@ class Domain:
         # Before the next plan two particles may each move by the skin towards the other.
         self.width = radius + 2.0 * skin + 2.0 * list_skin
         self.indptr, self.indices = np.zeros(1, np.int32), np.zeros(0, np.int32)
+        self._around = self.indptr, self.indices
         self.global_rows = np.zeros(0, np.int32)
         self.n_plans = self.n_lists = 0
         self._partition = self._halo = self._plan_x = self._list_x = None
@@ -102,6 +103,8 @@ class Domain:
             self.update("x", *also)
         if renumbered or found.list_drift > self.list_skin:
             self._rebuild_lists()
+        if self.elements is not None:
+            self._look_past_walls()
         renumbered, self._removed = renumbered or self._removed, False
         return renumbered
 
@@ -234,6 +237,15 @@ class Domain:
         self.indptr, self.indices = neighbour_lists(p.x_all, p.n_owned, radius)
         if self.elements is not None:
             self.elements.renew(p, radius)
-            self.indptr, self.indices = self.elements.visible(p, self.indptr, self.indices)
+            self._around = self.indptr, self.indices
         self._list_x = p.x.copy()
         self.n_lists += 1
+
+    def _look_past_walls(self):
+        """Leave in the lists what is seen from where particles are now.
+
+        Lists last until particles have moved, on several ranks also until the work is shared anew, and a restart makes
+        them anew: no particle may see more or less because of that.
+        """
+        self.elements.look(self.particles, self.radius)
+        self.indptr, self.indices = self.elements.visible(self.particles, *self._around)

@@ -44,7 +44,7 @@ class WallElements:
                         for number in np.unique(self.node_motion[self.moves])}
         self._near = np.zeros(0, np.int64)
         self.nodes = np.zeros((0, mesh.dim), np.int32)
-        self.indptr, self.indices = np.zeros(1, np.int32), np.zeros(0, np.int32)
+        self.indptr, self.indices = self._candidates = np.zeros(1, np.int32), np.zeros(0, np.int32)
         self._mean = self.u
         self._place()
 
@@ -134,15 +134,20 @@ class WallElements:
         self.motion = self.node_motion[elements[:, 0]]
 
     def renew(self, particles: Particles, radius: float) -> None:
-        """Make the lists of the elements within the radius [m] of owned particles."""
+        """Find the elements that may come within the radius [m] of owned particles until the next call."""
+        self._candidates = solids.near_lists(particles.x, self.corners, radius)
+
+    def look(self, particles: Particles, radius: float) -> None:
+        """Make the lists of the elements within the radius [m] of owned particles, as they are now."""
         p = particles
-        self.indptr, self.indices = solids.element_lists(p.x, self.corners, p.normal, radius, self.spacing)
+        near = (array.copy() for array in self._candidates)
+        self.indptr, self.indices = solids.unhidden_lists(p.x, p.normal, self.corners, radius, self.spacing, *near)
 
     def visible(self, particles: Particles, indptr: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return neighbour lists without what is behind a wall; those given are used up."""
+        """Return neighbour lists without what is behind a wall now."""
         p = particles
         return solids.visible_lists(p.x_all, p.normal_all, self.corners, self.spacing, self.indptr, self.indices,
-                                    indptr, indices)
+                                    indptr.copy(), indices.copy())
 
     def mean_of_nodes(self, values: np.ndarray) -> np.ndarray:
         """Return the mean over the corners of each element (M,) of values (n_all,) of particles.

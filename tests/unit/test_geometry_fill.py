@@ -75,11 +75,22 @@ def test_still_water_fills_what_the_walls_enclose(scene):
 
 
 def test_plate_half_way_between_two_rows_has_both_beside_it():
-    walls = [Tank(3.0, 1.0), Plate([(0.5, 0.83 - 5.5 * S), (2.0, 0.83 - 5.5 * S)])]
-    fill = filling(StillWater(0.83), *walls)
+    walls = [Tank(3.0, 1.0), Plate([(0.5, 0.85 - 5.5 * S), (2.0, 0.85 - 5.5 * S)])]
+    fill = filling(StillWater(0.85), *walls)
     rows = fill.indices()
     assert {-5, -6} <= set(rows[rows[:, 0] == 20, 1])
     np.testing.assert_array_equal(rows, by_looking(fill, walls))
+
+
+@pytest.mark.parametrize("depth", [0.32, 0.325, 0.33, 0.35, 0.83])
+@pytest.mark.parametrize("water", [StillWater, lambda depth: Box(0.88, depth)], ids=["still", "box"])
+def test_whole_rows_of_whole_cells_at_any_depth(water, depth):
+    """Else up to half a cell of each column is too much or too little, and violent flow makes up for it."""
+    fill = filling(water(depth), Tank(3.0, 1.0))
+    rows = depth / fill.step[1]
+    assert rows == pytest.approx(round(rows))
+    assert fill.step.prod() == pytest.approx(S * S, rel=0.03)
+    assert np.all(np.abs(fill.step - S) < 0.1 * S)
 
 
 def test_dam_beside_a_sill():

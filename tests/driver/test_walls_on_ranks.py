@@ -1,0 +1,55 @@
+"""A piston, obstacles and a slope are the same flow on 1, 2 and 3 ranks, and after a restart on more of them."""
+
+import h5py
+import numpy as np
+import pytest
+
+from parisph.base.fields import FLUID
+from parisph.io import checkpoint
+from tests.scenes import difference, on_ranks
+
+STEPS = 20
+PRESETS = ("violent", "gentle")
+
+# one launch: first two ranks beside one alone, then all three
+BODY = f"""
+from parisph import driver
+from tests.parallel.test_solid_walls import scene
+some = comm.Split(0 if comm.rank < 2 else 1)
+for preset in {PRESETS!r}:
+    case = scene(preset)
+    whole = case.changed(end_time={STEPS} * case.numerics.time_step)
+    driver.run(whole, some, f"{{preset}}-{{some.size}}", progress=False)
+    if some.size == 2:
+        driver.run(whole.changed(end_time=0.5 * whole.end_time), some, f"{{preset}}-part", progress=False)
+    comm.Barrier()
+    driver.run(whole, comm, f"{{preset}}-3", progress=False)
+    driver.restart(f"{{preset}}-part", comm, until=whole.end_time, progress=False)
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("walls")
+    on_ranks(3, BODY, folder)
+    return folder
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize("other", ["2", "3", "part"])
+def test_same_flow(folder, preset, other):
+    """The piston goes a third of a spacing; water comes nearly as fast as it does."""
+    (due, ranks), (found, others) = (_last(folder / f"{preset}-{name}") for name in ("1", other))
+    assert (ranks, others) == (1, 2 if other == "2" else 3)
+    np.testing.assert_array_equal(found["role"], due["role"])
+    assert np.abs(due["u"][due["kind"] == FLUID]).max() > 0.05
+    for name in ("x", "u", "p"):
+        assert difference(found[name], due[name]) < 1e-9, name
+
+
+def _last(run):
+    """Return the particles in the last checkpoint of a run, in the order of their ids, and its number of ranks."""
+    with h5py.File(checkpoint.paths(run / "checkpoints")[-1], "r") as file:
+        assert file.attrs["step"] == STEPS
+        order = np.argsort(file["particles/id"][:])
+        return {name: data[:][order] for name, data in file["particles"].items()}, file.attrs["ranks"]
