@@ -19,6 +19,7 @@ from parisph import (
     Piston,
     PressureTap,
     Profile,
+    RunUp,
     SolitaryWave,
     StillWater,
     SurfaceGauge,
@@ -34,12 +35,13 @@ def case(
     time_step: float | None = None,     # [s]; none to adapt it
     height: float = 0.15,               # of the wave [m]
     angle: float = 60.0,                # of the slope [degrees]
+    length: float = 10.0,               # of the tank [m]
     tap: float = 0.1,                   # height of the tap on the slope [m]
     jitter: float = 0.0,
     seed: int = 0,
     snapshot_every: float = 0.1,        # [s]
 ) -> Case:
-    d, length, rise = 0.25, 10.0, 1.0   # depth, length of the tank, height of the slope [m]
+    d, rise = 0.25, 1.0                 # depth, height of the slope [m]
     cotangent = 1.0 / tan(radians(angle))
     toe = length - rise * cotangent
     return Case(
@@ -55,9 +57,10 @@ def case(
         ),
         output=Output(every=snapshot_every, checkpoint_every=1.0),
         probes=[
-            SurfaceGauge("middle", at=5.0),
+            SurfaceGauge("middle", at=0.5 * length),
             SurfaceGauge("toe", at=toe),
             PressureTap("p1", at=(toe + tap * cotangent, tap)),
+            RunUp("run_up", on="bed", side="right"),
             Energy("energy"),
             Volume("volume"),
         ],

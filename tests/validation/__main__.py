@@ -1,6 +1,6 @@
 """The long validation: whole runs, measured against what is asked of them. Not part of the tests.
 
-    python -m tests.validation                      everything: some 90 minutes on two cores
+    python -m tests.validation                      everything: some two hours on two cores
     python -m tests.validation rest waves           some parts
     python -m tests.validation -o runs/validation   keep the runs, and results.json; repeated, it makes only what is
     left
@@ -15,10 +15,10 @@ from parisph.base import environment
 
 environment.prepare()
 
-from tests.validation import cavity, cold_start, dam_break, ranks, record, rest, waves  # noqa: E402
+from tests.validation import cavity, cold_start, dam_break, motion, ranks, record, rest, waves  # noqa: E402
 
-PARTS = {"rest": rest, "waves": waves, "dam_break": dam_break, "ranks": ranks, "cold_start": cold_start,
-         "cavity": cavity}
+PARTS = {"rest": rest, "waves": waves, "motion": motion, "dam_break": dam_break, "ranks": ranks,
+         "cold_start": cold_start, "cavity": cavity}
 
 
 def main():
