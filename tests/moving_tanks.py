@@ -3,14 +3,14 @@
 import numpy as np
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Roll, Sway, Tank
-from parisph.base.fields import FLUID, SURFACE, WALL
+from parisph import Box, Case, Fluid, Numerics, PressureTap, Roll, Sway, Tank
+from parisph.base.fields import FLUID, SURFACE
 from parisph.case.waves import angular_frequency
 from parisph.driver import Simulation
+from parisph.watch import instruments
 from parisph.watch.elevation import COLUMN, surface_height
 
 G = 9.81
-FACE = 2.0    # spacings above and below the middle of the still water, over which the pressure on a wall is averaged
 SERIES = ("left level", "right level", "left pressure", "right pressure")
 
 LENGTH, HEIGHT, DEPTH = 1.0, 0.8, 0.4    # of a tank that moves gently [m]
@@ -44,24 +44,24 @@ def tank_case(motion, moving, size, end_time, **numerics):
     return Case(
         title="walls that move" if moving else "frame that moves", fluid=Fluid(Box(length, depth), density=1000.0),
         walls=tank.model_copy(update={"motion": motion}) if moving else tank, gravity=(0.0, -G), end_time=end_time,
+        probes=[PressureTap("left", at=(0.0, 0.5 * depth)), PressureTap("right", at=(length, 0.5 * depth))],
         numerics=Numerics(**numerics), **({} if moving else {"frame": motion}))
 
 
 def histories(case):
     """Run a case and return times (n,) [s] and SERIES (4, n): levels [m] and pressures [Pa] at both ends, as seen from
     the tank."""
-    sim, tank, s = Simulation(case, MPI.COMM_SELF), case.walls, case.numerics.spacing
-    ends, start, rows = (0.0, tank.width), sim.gather("x", "kind"), []
-    taps = [(start["kind"] == WALL) & (np.abs(start["x"][:, 0] - end) < 1e-6 * s)
-            & (np.abs(start["x"][:, 1] - 0.5 * case.fluid.shape.height) < (FACE + 1e-6) * s) for end in ends]
+    sim, tank, rows = Simulation(case, MPI.COMM_SELF), case.walls, []
+    taps = instruments.build(case, sim.comm)
     while not sim.finished():
         sim.advance()
-        found, move = sim.gather("x", "p", "role", "kind"), tank.motion
+        found, move = sim.gather("x", "role", "kind"), tank.motion
         x = move.seen(found["x"] - move.placed(np.zeros((1, 2)), sim.time), sim.time)
         fluid = found["kind"] == FLUID
         water, surface = x[fluid], x[fluid & (found["role"] == SURFACE)]
-        rows.append([sim.time, *(_level(water, surface, end, s) for end in ends),
-                     *(found["p"][tap].mean() for tap in taps)])
+        pressures = instruments.sample_all(taps, sim.particles, sim.domain, sim.time)
+        rows.append([sim.time, *(_level(water, surface, end, case.numerics.spacing) for end in (0.0, tank.width)),
+                     *(pressures[name][0] for name in ("left", "right"))])
     sim.destroy()
     return np.array(rows)[:, 0], np.array(rows)[:, 1:].T
 

@@ -2,7 +2,7 @@
 
     parisph study run_scripts/studies/z17_fig8_solitary_spacing.py
 
-About ten minutes of CPU time, two thirds of it for the finest. Z17 draws profiles at several times for several numbers
+About four minutes of CPU time, two thirds of it for the finest. Z17 draws profiles at several times for several numbers
 of particles in the depth beside Boussinesq's wave, and says that they approach it; here their errors at 3, 4 and 5 s
 are those against the exact wave, crests aligned, and those of the gauges against the wave that the piston is to make,
 which nothing aligns. `parisph plot RUN --time T --surface` draws a profile.
