@@ -21,6 +21,7 @@ from parisph import (
     Piston,
     PressureTap,
     Profile,
+    RunUp,
     SolitaryWave,
     StillWater,
     SurfaceGauge,
@@ -36,19 +37,20 @@ def case(
     time_step: float | None = None,     # [s]; none to adapt it
     height: float = 0.15,               # of the wave [m]
     angle: float = 60.0,                # of the slope [degrees]
+    length: float = 10.0,               # of the tank [m]
     tap: float = 0.1,                   # height of the tap on the slope [m]
     jitter: float = 0.0,
     seed: int = 0,
     snapshot_every: float = 0.1,        # [s]
 ) -> Case:
-    d, length, rise = 0.25, 10.0, 1.0   # depth, length of the tank, height of the slope [m]
+    d, rise = 0.25, 1.0                 # depth, height of the slope [m]
     cotangent, unit = 1.0 / tan(radians(angle)), sqrt(rise / 9.81)
     printed = Peaks(
         (PeakBand(start=16.5 * unit, end=20.5 * unit, when=18.5 * unit),
          PeakBand(start=20.5 * unit, end=25.0 * unit, when=22.5 * unit)), name="Z17, Sec. 6.1",
         note="The paper prints no numbers but these times, and neither the height of its sensor nor when its time "
              "starts: here the piston starts at t = 0.",
-    ) if (height, angle) == (0.15, 60.0) else None
+    ) if (height, angle, length) == (0.15, 60.0, 10.0) else None
     toe = length - rise * cotangent
     return Case(
         title=f"Solitary wave on a slope of {angle:g} degrees, a/d = {height / d:g}",
@@ -63,9 +65,10 @@ def case(
         ),
         output=Output(every=snapshot_every, checkpoint_every=1.0),
         probes=[
-            SurfaceGauge("middle", at=5.0),
+            SurfaceGauge("middle", at=0.5 * length),
             SurfaceGauge("toe", at=toe),
             PressureTap("p1", at=(toe + tap * cotangent, tap), truth=printed, peak=True),
+            RunUp("run_up", on="bed", side="right"),
             Energy("energy"),
             Volume("volume"),
         ],

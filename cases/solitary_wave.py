@@ -4,11 +4,25 @@ The gauges are compared with that solution. parisph/case/waves/solitary.py has t
 show what a start that is not exact costs: such a wave sheds others, and becomes a lower or a higher one.
 
 parisph run cases/solitary_wave.py --set spacing=0.1
+parisph run cases/solitary_wave.py --set spacing=0.1 length=20 start=10 end_time=2.1     # up the wall
 """
 
 from math import sqrt
 
-from parisph import Box, Case, Energy, Fluid, Numerics, Output, SolitaryWave, SurfaceGauge, Tank, Volume, WaveTruth
+from parisph import (
+    Box,
+    Case,
+    Energy,
+    Fluid,
+    Numerics,
+    Output,
+    RunUp,
+    SolitaryWave,
+    SurfaceGauge,
+    Tank,
+    Volume,
+    WaveTruth,
+)
 
 
 def case(
@@ -38,7 +52,8 @@ def case(
         numerics=Numerics(method=method, preset=preset, spacing=spacing * d, jitter=jitter, seed=seed, time_step=step),
         output=Output(every=1.0, checkpoint_every=2.5),
         probes=[
-            *(SurfaceGauge(f"x{k}d", at=k * d, truth=truth) for k in (17, 24, 34, 44) if k < length),
+            *(SurfaceGauge(f"x{k}d", at=k * d, truth=truth) for k in (17, 24, 34, 44) if k <= length - 12.0),
+            RunUp("wall", side="right"),
             Energy("energy"),
             Volume("volume"),
         ],

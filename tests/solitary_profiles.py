@@ -1,36 +1,15 @@
-"""What a solitary wave has become: its crest, speed, height and profile, beside the exact wave."""
+"""What a solitary wave has become: its profile, speed and height beside the exact wave, and its run-up at a wall."""
 
 import numpy as np
 
-from parisph.base.fields import SURFACE
+from parisph.base.table import read_reference
 from parisph.case.waves import SolitaryWave
+from parisph.truth import crests
+from tests.launch import ROOT
 
-REACH = 6.0  # depths on each side of the crest in which profiles are compared
-TOP = 0.5  # depths on each side of the highest particle to which a polynomial of fourth degree is fitted
-
-
-def surface(arrays, depth):
-    """Return x [m] and elevation [m] of the surface particles of a snapshot, sorted by x."""
-    x = arrays["x"][arrays["role"] == SURFACE]
-    x = x[np.argsort(x[:, 0])]
-    return x[:, 0], x[:, 1] - depth
-
-
-def crest(x, eta, depth):
-    """Return position and height [m] of the crest: the top of a polynomial fitted to the highest particles."""
-    near = np.abs(x - x[np.argmax(eta)]) < TOP * depth
-    fit = np.polynomial.Polynomial.fit(x[near], eta[near], 4)
-    fine = np.linspace(x[near][0], x[near][-1], 4001)
-    top = np.argmax(fit(fine))
-    return fine[top], fit(fine)[top]
-
-
-def profile_error(x, eta, height, depth):
-    """Return the relative L2 error of a profile against the exact wave of the given height, crests aligned."""
-    place, _ = crest(x, eta, depth)
-    near = np.abs(x - place) <= REACH * depth
-    exact = SolitaryWave(height, depth).elevation(x[near] - place, 0.0)
-    return np.linalg.norm(eta[near] - exact) / np.linalg.norm(exact)
+RUN_UPS = ROOT / "cases" / "exact" / "solitary_wall_runup.csv"
+TAIL = 6.0    # exp(-TAIL): of the height, what is at the wall when a wave starts
+AFTER = 1.0   # [sqrt(d/g)], of a run after the crest would pass the wall: it is highest up to 0.3 later
 
 
 def errors(run, first=0):
@@ -38,14 +17,34 @@ def errors(run, first=0):
 
     first : number of the snapshot from which the speed is taken
     """
-    case = run.case
-    wave = case["fluid"]["wave"]
-    height, depth, g = wave["height"], wave["depth"], wave["g"]
-    before, after = (surface(run.snapshot(number), depth) for number in (first, -1))
-    (x0, _), (x1, top) = crest(*before, depth), crest(*after, depth)
+    given = run.case["fluid"]["wave"]
+    wave = SolitaryWave(given["height"], given["depth"], g=given["g"])
+    before, after = (crests.surface_profile(run.snapshot(number), wave.depth) for number in (first, -1))
+    (x0, _), (x1, top) = (crests.crest(*profile, wave.depth) for profile in (before, after))
     speed = (x1 - x0) / (run.times[-1] - run.times[first])
     return {
-        "profile": profile_error(*after, height, depth),
-        "speed": speed / SolitaryWave(height, depth, g=g).celerity - 1.0,
-        "height": top / height - 1.0,
+        "profile": crests.profile_error(*after, wave),
+        "speed": speed / wave.celerity - 1.0,
+        "height": top / wave.height - 1.0,
     }
+
+
+def run_ups():
+    """Return {height: greatest run-up} of exact waves at a vertical wall, over the depth."""
+    return dict(zip(*(column.tolist() for column in read_reference(RUN_UPS, "a_over_d", "R_over_d"))))
+
+
+def against_a_wall(height, n):
+    """Return parameters of cases/solitary_wave.py with which a wave runs up the right wall, in as short a tank as its
+    tail allows. height : over the depth; n : d/s"""
+    wave = SolitaryWave(height, 1.0, g=1.0)
+    far = round(n * TAIL / wave.rate) / n
+    end = (far / wave.celerity + AFTER) * np.sqrt(0.25 / 9.81)
+    return {"height": height, "length": 2.0 * far, "start": far, "end_time": float(end)}
+
+
+def run_up_error(run):
+    """Return the relative error of the greatest run-up at the right wall."""
+    wave = run.case["fluid"]["wave"]
+    due, = (high for height, high in run_ups().items() if np.isclose(height, wave["height"] / wave["depth"]))
+    return abs((run.probe("wall")["y"].max() / wave["depth"] - 1.0) / due - 1.0)

@@ -59,7 +59,7 @@ class SurfaceGauge(Probe):
 
 
 class PressureTap(Probe):
-    """Pressure [Pa] on a wall at the point `at` [m].
+    """Pressure [Pa] on a wall at the point `at` [m]; on a wall that moves, a point of it at rest, which moves with it.
 
     It is the value there of a linear pressure fitted to the wall within `radius`, as of a sensor with a face. One wall
     particle alone is wetted from one step to the next, and tells of an impact too late and too abruptly.

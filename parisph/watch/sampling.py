@@ -174,10 +174,23 @@ class View:
 
         Those on convex edges are left out: they carry no row, and so no pressure.
         """
+        p, wall = self.particles, self._wall
+        return p.x[wall], np.where(p.role[wall] == DRY, 0.0, p.p[wall])
+
+    @cached_property
+    def walls_at_rest(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """As walls, but where they are in bodies at rest, and the number of the motion (n,) of each, 0 for none."""
+        (x, p), elements = self.walls, self.domain.elements
+        if elements is None:
+            return x, p, np.zeros(len(x), np.int64)
+        node = self.particles.id[self._wall] - elements.first
+        return elements.mesh.x0[node], p, elements.node_motion[node]
+
+    @cached_property
+    def _wall(self):
         p = self.particles
         there = p.kind == WALL
-        wall = np.flatnonzero(there & (p.edge != CONVEX) if "edge" in p.fields else there)
-        return p.x[wall], np.where(p.role[wall] == DRY, 0.0, p.p[wall])
+        return np.flatnonzero(there & (p.edge != CONVEX) if "edge" in p.fields else there)
 
 
 class Sampler:

@@ -19,7 +19,7 @@ class PressureTap(Sampler):
     """Pressure on a wall, by least squares of a linear pressure on the wall particles within the radius.
 
     The weight is (1 - r^2/radius^2)^2. A dry wall has p = 0. Only the wall of the tap counts; in a corner, only
-    the particles of both walls.
+    the particles of both walls. A tap on a body that moves moves with it: all is measured in the body at rest.
     """
 
     columns = {"pressure": "Pa"}
@@ -32,12 +32,19 @@ class PressureTap(Sampler):
         tolerance = 1e-6 * np.max(scene.upper - scene.lower)
         self.across = (np.abs(self.at - scene.lower) <= tolerance) | (np.abs(self.at - scene.upper) <= tolerance)
         self.axes = np.eye(scene.dim)    # the first across the wall
+        self.motion = 0
         if scene.mesh is not None:
-            self.axes = _axes_on(scene.mesh, self.at)
+            self.axes, self.motion = _axes_on(scene.mesh, self.at)
             self.across = np.arange(scene.dim) == 0
 
+    def _wall(self, view):
+        """Return places in the body at rest (n, dim) [m] and pressures (n,) [Pa] of what moves as the wall of the tap
+        does."""
+        x, p, motion = view.walls_at_rest
+        return x[motion == self.motion], p[motion == self.motion]
+
     def sums(self, view: View) -> np.ndarray:
-        x, p = view.walls
+        x, p = self._wall(view)
         away = (x - self.at) @ self.axes.T
         d = away / self.radius
         same_wall = (np.abs(away) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
@@ -70,7 +77,7 @@ class DiscTap(PressureTap):
         return np.empty(0)
 
     def rows(self, view: View) -> np.ndarray:
-        x, p = view.walls
+        x, p = self._wall(view)
         d = (x - self.at) @ self.axes.T
         near = (np.abs(d) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
         near &= (np.abs(d) < self.radius + 1.5 * self.scene.step)[:, ~self.across].all(axis=1)
@@ -88,11 +95,12 @@ def pressure_tap(probe: probes.PressureTap, scene: Scene) -> PressureTap:
 
 
 def _axes_on(mesh, at):
-    """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows."""
+    """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows; and the number
+    of its motion."""
     element = nearest(at[None], mesh.corners())[1][0]
     normal = area_vectors(mesh.corners()[[element]])[0]
     normal /= np.linalg.norm(normal)
-    return np.array([normal, [-normal[1], normal[0]]])
+    return np.array([normal, [-normal[1], normal[0]]]), mesh.bodies[mesh.element_body[element]].motion
 
 
 def disc_mean(z: np.ndarray, p: np.ndarray, radius: float) -> float:

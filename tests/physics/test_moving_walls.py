@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Obstacle, Piston, Roll, SolitaryWave, StillWater, Sway, Tank
-from parisph.base.fields import FLUID, INNER
+from parisph import Box, Case, Fluid, Numerics, Obstacle, Roll, StillWater, Sway, Tank
+from parisph.base.fields import FLUID
 from parisph.driver import Simulation
 from parisph.io import checkpoint
+from parisph.watch import instruments
+from tests import moving_tanks
+from tests.scenes import scene
 
 G, DEPTH = 9.81, 0.4
 
@@ -41,21 +44,37 @@ def test_moving_walls_are_a_moving_frame(motion, preset, bound):
     frame.destroy()
 
 
+@pytest.mark.parametrize("kind", ["sway", "roll"])
+def test_gentle_motion_over_three_periods_by_walls_and_by_the_frame(kind):
+    """Levels and pressures at both ends; seen from the tank, its walls are those of a plain tank."""
+    walls, frame = (moving_tanks.histories(moving_tanks.gentle(kind, moving, 0.05)) for moving in (True, False))
+    found = moving_tanks.differences(walls, frame)
+    assert max(found.values()) < 0.01
+    assert np.ptp(frame[1][0]) > 0.09 * moving_tanks.DEPTH
+
+
+def test_violent_motion_until_the_impact_by_walls_and_by_the_frame():
+    """Pressures at both ends; water has left the left wall when the bore comes."""
+    walls, frame = (moving_tanks.histories(moving_tanks.violent("sway", moving, 0.015)) for moving in (True, False))
+    found = moving_tanks.differences(walls, frame)
+    assert found["left pressure"] < 0.05 and found["right pressure"] < 0.05
+    assert np.ptp(frame[1][2]) > 0.5 * frame[1][2, 0]
+
+
 def test_piston_makes_a_solitary_wave():
-    """The crest after six depths, a/d = 0.2, s = d/16."""
-    d, s = 0.25, 0.25 / 16.0
-    case = Case(title="solitary", fluid=Fluid(StillWater(d), density=1000.0), gravity=(0.0, -G), walls=(
-        Tank(12.0 * d, 1.5 * d), Piston(at=2.0 * s, wave=SolitaryWave(height=0.2 * d, depth=d))),
-        numerics=Numerics(spacing=s, preset="gentle"), end_time=2.58)
-    found = Simulation(case, MPI.COMM_SELF)
-    while not found.finished():
-        found.advance()
-    p = found.particles
-    top = p.x[(p.kind == FLUID) & (p.role != INNER)]
-    crest = top[top[:, 1].argmax()]
-    assert abs(crest[0] / d - 6.0) < 0.3
-    assert abs((crest[1] - d) / d - 0.2) < 0.01 * 0.2
-    found.destroy()
+    """The crest after six depths, a/d = 0.2, s = d/16: its height to 1 %, its time to that of a tenth of the depth."""
+    case = scene("solitary_piston", length=3.0, end_time=2.7)
+    simulation, gauge, rows = Simulation(case, MPI.COMM_SELF), case.probes[0], []
+    samplers = instruments.build(case, simulation.comm)[:1]
+    while not simulation.finished():
+        simulation.advance()
+        rows.append((simulation.time, *instruments.sample_all(samplers, simulation.particles, simulation.domain,
+                                                              simulation.time)[gauge.name]))
+    simulation.destroy()
+    (time, level), wave = np.transpose(rows), gauge.truth.of
+    d, height = gauge.truth.level, wave.height
+    assert gauge.at == 6.0 * d and abs(level.max() - d - height) < 0.01 * height
+    assert abs(wave.celerity * time[level.argmax()] - (gauge.at - wave.at)) < 0.1 * d
 
 
 def test_restart_in_the_middle_of_a_motion(tmp_path):

@@ -8,7 +8,7 @@ from parisph.driver import run
 from parisph.io import reader
 from parisph.pictures import curves
 from tests.scenes import scene
-from tests.solitary_profiles import errors
+from tests.solitary_profiles import against_a_wall, errors, run_up_error
 
 
 def summary_of(case, folder):
@@ -47,6 +47,12 @@ def test_solitary_wave_keeps_its_form(tmp_path):
     gauge, (time, truth) = made.probe("x17d"), curves.truths(made, tmp_path)["x17d"]
     assert np.array_equal(time, gauge["time"]) and np.abs(gauge["y"] - truth).max() < 1e-3 < np.ptp(truth)
     assert abs(found["volume_drift"]) < 5e-3 and abs(found["energy_drift"]) < 5e-4
+
+
+def test_solitary_wave_runs_up_a_wall(tmp_path):
+    """a/d = 0.2, coarse, against fully nonlinear potential flow; tests/validation/motion.py has d/s = 40."""
+    summary_of(scene("solitary_wave", spacing=0.1, **against_a_wall(0.2, 10)), tmp_path)
+    assert run_up_error(reader.open_run(tmp_path / "run")) < 0.01
 
 
 def test_mean_level_of_the_gauges_does_not_drift(tmp_path):

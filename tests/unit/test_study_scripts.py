@@ -10,7 +10,8 @@ from parisph.study.patch_results import tasks
 from tests.launch import ROOT
 
 FOLDER = ROOT / "run_scripts" / "studies"
-BESIDE = ("cavity_measures", "column_with_circles", "dam_break_measures")    # what studies import, and a case of theirs
+# what studies import, and a case of theirs
+BESIDE = ("cavity_measures", "column_with_circles", "dam_break_measures", "solitary_measures")
 FILES = sorted(path for path in FOLDER.glob("*.py") if path.stem not in BESIDE)
 
 

@@ -15,9 +15,20 @@ from parisph.base import environment
 
 environment.prepare()
 
-from tests.validation import cavity, cold_start, dam_break, ranks, record, rest, rest_at_walls, waves  # noqa: E402
+from tests.validation import (  # noqa: E402
+    cavity,
+    cold_start,
+    dam_break,
+    motion,
+    ranks,
+    record,
+    rest,
+    rest_at_walls,
+    waves,
+)
 
-PARTS = {"rest": rest, "rest_at_walls": rest_at_walls, "waves": waves, "dam_break": dam_break, "ranks": ranks,
+PARTS = {"rest": rest, "rest_at_walls": rest_at_walls, "waves": waves, "motion": motion, "dam_break": dam_break,
+         "ranks": ranks,
          "cold_start": cold_start, "cavity": cavity}
 
 

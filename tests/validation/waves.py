@@ -17,6 +17,7 @@ SLOSHING = (     # label, spacing, further parameters, largest error of the wave
     ("3200", 0.025, {}, 0.015),
     ("3200 with time step in proportion", 0.025, {"refine_time": True}, 0.015),
 )
+STEEP = "a = 0.6 d, 3 s at d/s = 40"
 PERIODS = 2.27     # [s] two periods of the standing wave
 
 
@@ -24,7 +25,7 @@ def rows(bench):
     """Return the errors of the gauges, as required."""
     found = []
     studies = {"small sloshing to t* = 50": sloshing(), "standing wave": standing_wave(),
-               "solitary wave, a = 0.2 d": solitary()}
+               "solitary wave": solitary()}
     for what, study in studies.items():
         found += record.rows_of(study, bench.study(study), what)
     return found
@@ -49,12 +50,17 @@ def standing_wave() -> Study:
 
 
 def solitary() -> Study:
-    """Return the study of the exact solitary wave over 5 s at two spacings."""
+    """Return the study of the exact solitary wave: over 5 s at two spacings, and a steep one over 3 s."""
+    low = [f"a = 0.2 d, 5 s at d/s = {n}" for n in (15, 30)]
     return Study(
         case="solitary_wave.py",
-        variants=[Variant(label=f"5 s at d/s = {n}", spacings=[1 / n]) for n in (15, 30)],
+        variants=[*(Variant(label=label, spacings=[1 / n]) for label, n in zip(low, (15, 30))),
+                  Variant(label=STEEP, spacings=[1 / 40],
+                          parameters={"height": 0.6, "end_time": 3.0, "start": 8.0, "length": 40.0})],
         errors=[Function(name, of=of) for name, of in SOLITARY.items()],
-        required=[Required(name, must=limit) for name, limit in zip(SOLITARY, (0.02, 0.004, 0.03))])
+        required=[*(Required(name, must=must, aim=aim, where={"label": label}) for label in low
+                    for name, (must, aim) in zip(SOLITARY, ((0.02, 0.01), (0.004, 0.002), (0.03, 0.02)))),
+                  Required("error of the profile", must=0.05, aim=0.03, where={"label": STEEP})])
 
 
 def profile(run) -> float:

@@ -1,0 +1,79 @@
+"""A tank that moves, computed twice: seen from the tank, and in the room with walls that move."""
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph import Box, Case, Fluid, Numerics, PressureTap, Roll, Sway, Tank
+from parisph.base.fields import FLUID, SURFACE
+from parisph.case.waves import angular_frequency
+from parisph.driver import Simulation
+from parisph.watch import instruments
+from parisph.watch.elevation import COLUMN, surface_height
+
+G = 9.81
+SERIES = ("left level", "right level", "left pressure", "right pressure")
+
+LENGTH, HEIGHT, DEPTH = 1.0, 0.8, 0.4    # of a tank that moves gently [m]
+SLOW = 0.8 * angular_frequency(np.pi / LENGTH, DEPTH, G)
+THREE_PERIODS = 3.0 * 2.0 * np.pi / SLOW
+GENTLE = {"sway": Sway(amplitude=0.005, frequency=SLOW), "roll": Roll(angle=0.01, frequency=SLOW, centre=(0.5, 0.0))}
+
+# that of cases/violent_sloshing.py; its water first hits the left wall at 1.35 s, in the roll at 1.75 s
+PERIOD = 1.5
+VIOLENT = {"sway": Sway(amplitude=0.05, frequency=2.0 * np.pi / PERIOD),
+           "roll": Roll(angle=0.12, frequency=2.0 * np.pi / PERIOD, centre=(0.3, 0.0))}
+IMPACT = {"sway": 1.3, "roll": 1.7}    # [s], before it
+
+
+def gentle(kind, moving, spacing, **numerics):
+    """Return the Case of a gentle motion over three periods, of the tank as the frame or of its walls."""
+    return tank_case(GENTLE[kind], moving, (LENGTH, HEIGHT, DEPTH), THREE_PERIODS, spacing=spacing, preset="gentle",
+                     time_step=0.1 * np.sqrt(spacing / G), **numerics)
+
+
+def violent(kind, moving, spacing):
+    """Return the Case of a violent motion until just before the first impact."""
+    return tank_case(VIOLENT[kind], moving, (0.6, 0.3, 0.12), IMPACT[kind], spacing=spacing, preset="violent",
+                     time_step=0.18 * spacing)
+
+
+def tank_case(motion, moving, size, end_time, **numerics):
+    """Return the Case of an oblong tank. size : its length and height, and the depth of its water [m]"""
+    length, height, depth = size
+    tank = Tank(length, height, lid=True)
+    return Case(
+        title="walls that move" if moving else "frame that moves", fluid=Fluid(Box(length, depth), density=1000.0),
+        walls=tank.model_copy(update={"motion": motion}) if moving else tank, gravity=(0.0, -G), end_time=end_time,
+        probes=[PressureTap("left", at=(0.0, 0.5 * depth)), PressureTap("right", at=(length, 0.5 * depth))],
+        numerics=Numerics(**numerics), **({} if moving else {"frame": motion}))
+
+
+def histories(case):
+    """Run a case and return times (n,) [s] and SERIES (4, n): levels [m] and pressures [Pa] at both ends, as seen from
+    the tank."""
+    sim, tank, rows = Simulation(case, MPI.COMM_SELF), case.walls, []
+    taps = instruments.build(case, sim.comm)
+    while not sim.finished():
+        sim.advance()
+        found, move = sim.gather("x", "role", "kind"), tank.motion
+        x = move.seen(found["x"] - move.placed(np.zeros((1, 2)), sim.time), sim.time)
+        fluid = found["kind"] == FLUID
+        water, surface = x[fluid], x[fluid & (found["role"] == SURFACE)]
+        pressures = instruments.sample_all(taps, sim.particles, sim.domain, sim.time)
+        rows.append([sim.time, *(_level(water, surface, end, case.numerics.spacing) for end in (0.0, tank.width)),
+                     *(pressures[name][0] for name in ("left", "right"))])
+    sim.destroy()
+    return np.array(rows)[:, 0], np.array(rows)[:, 1:].T
+
+
+def _level(water, surface, at, spacing):
+    """Return the level [m] at an end of the tank of fluid and surface particles, (n, 2) each; 0 where it is dry."""
+    top = water[np.abs(water[:, 0] - at) <= COLUMN * spacing, 1].max(initial=0.0)
+    return surface_height(at, *surface.T, top, spacing, [at])
+
+
+def differences(walls, frame):
+    """Return {name: relative L2 difference} of two histories with the same times, over the change since the start."""
+    assert np.array_equal(walls[0], frame[0])
+    return {name: np.linalg.norm(mine - due) / np.linalg.norm(due - due[0])
+            for name, mine, due in zip(SERIES, walls[1], frame[1])}
