@@ -30,7 +30,7 @@ def run_up(probe: probes.RunUp, scene: Scene) -> Sampler:
     """
     if probe.points is not None:
         return LineRunUp(probe, scene, np.array(probe.points, dtype=float))
-    if scene.mesh is not None and probe.on in scene.profiles:
+    if scene.mesh is not None and scene.kinds.get(probe.on) == "profile":
         return LineRunUp(probe, scene, _slope(probe, scene.mesh))
     return SideRunUp(probe, scene, float((scene.lower if probe.side == "left" else scene.upper)[0]))
 
