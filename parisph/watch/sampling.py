@@ -20,6 +20,7 @@ from parisph.case.scenery import body_names
 from parisph.case.schema import Case
 from parisph.geometry import build
 from parisph.geometry.mesh import CONVEX, WallMesh
+from parisph.geometry.standing import standing
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.watch.walls_now import WallsNow
@@ -108,7 +109,7 @@ class Scene:
         sides = () if case.tank is None else tuple(float(corner[0]) for corner in case.tank.bounds)
         return cls(case.dim, s, build.lattice_step(case), case.density,
                    *build.domain(case), case.tank is not None, _uniform(case), case.lidded,
-                   None if mesh is None else WallsNow(mesh, build.scene_motions(case)), sides,
+                   None if mesh is None else WallsNow(mesh, standing(case)), sides,
                    {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)})
 
     @property
@@ -200,10 +201,19 @@ class View:
 
         Those on convex edges are left out: they carry no row, and so no pressure.
         """
+        p, wall = self.particles, self._wall
+        return p.x[wall], np.where(p.role[wall] == DRY, 0.0, p.p[wall])
+
+    @property
+    def wall_faces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Normals (n, dim) of the particles of `walls`, and the numbers of their bodies (n,), where these have any."""
+        return self.particles.normal[self._wall], self.particles.body[self._wall]
+
+    @cached_property
+    def _wall(self):
         p = self.particles
         there = p.kind == WALL
-        wall = np.flatnonzero(there & (p.edge != CONVEX) if "edge" in p.fields else there)
-        return p.x[wall], np.where(p.role[wall] == DRY, 0.0, p.p[wall])
+        return np.flatnonzero(there & (p.edge != CONVEX) if "edge" in p.fields else there)
 
 
 class Sampler:

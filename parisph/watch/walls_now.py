@@ -1,12 +1,14 @@
 """The walls of a scene that is not plain as probes see them: where they are at a time (2D)."""
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 
 from parisph.case.motion import AtRest, Motion, Translation
 from parisph.geometry.columns import beds, crossings
-from parisph.geometry.mesh import WallMesh
+from parisph.geometry.mesh import WallMesh, motions_of
+from parisph.geometry.outline import Wall
 
 BESIDE = 1e-6    # of the width of the walls: so far beside a place its floor is looked for where pieces end
 
@@ -14,11 +16,12 @@ BESIDE = 1e-6    # of the width of the walls: so far beside a place its floor is
 class WallsNow:
     """Elements and bodies where they are at a time. Nothing here is collective.
 
-    mesh : WallMesh; motions : those of its bodies, by number; number 0 is rest
+    mesh : of the walls, `geometry.standing.standing` of a case
     """
 
-    def __init__(self, mesh: WallMesh, motions: tuple[Motion, ...]) -> None:
-        self.mesh, self._motions = mesh, motions
+    def __init__(self, mesh: WallMesh, walls: Sequence[Wall]) -> None:
+        self.mesh, self.walls, motions = mesh, walls, motions_of(walls)
+        self._motions = motions
         moving = np.array([body.motion for body in mesh.bodies])[mesh.body]
         self._moving = [(motions[number], np.flatnonzero(moving == number)) for number in np.unique(moving[moving > 0])]
 
