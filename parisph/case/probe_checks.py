@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from parisph.base.text import shown
 from parisph.case.probes import (
     ColumnHeight,
     Force,
@@ -16,7 +17,6 @@ from parisph.case.probes import (
 )
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
-from parisph.case.shapes import Tank
 
 
 def problems(case: Scene) -> Iterator[str]:
@@ -28,13 +28,26 @@ def problems(case: Scene) -> Iterator[str]:
         elif isinstance(probe, VelocityProfile):
             yield from _profile(case, probe, what)
         elif isinstance(probe, VelocityPoint):
-            yield from _components(case, what, at=probe.at)
+            found = list(_components(case, what, at=probe.at))
+            yield from found or _within(case, what, "at", [probe.at])
         elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.wall_bounds is not None:
             low, high = case.wall_bounds
             if not low[0] <= probe.at <= high[0]:
                 yield f"{what}: at = {probe.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
         elif isinstance(probe, (RunUp, Force)):
             yield from _on_body(case, probe, what)
+
+
+def _within(case: Scene, what: str, field: str, points: Sequence[Sequence[float]]) -> Iterator[str]:
+    """One of the points must lie between the walls; above them there may be water unless there is a lid."""
+    if case.wall_bounds is None:
+        return
+    (low, high), x = case.wall_bounds, np.array(points, dtype=float)
+    tolerance = 1e-6 * float(np.max(high - low))
+    high = high + np.where(np.arange(case.dim) < case.dim - 1 + case.lidded, 0.0, np.inf)
+    if not np.all((x >= low - tolerance) & (x <= high + tolerance), axis=1).any():
+        ends = " to ".join(f"({', '.join(f'{a:g}' for a in end)})" for end in (low, high))
+        yield f"{what}: {field} = {shown(tuple(x[0].tolist()))} must lie in the tank, from {ends}; move it"
 
 
 def _components(case: Scene, what: str, **points: Sequence[float]) -> Iterator[str]:
@@ -58,7 +71,9 @@ def _tap(case: Scene, probe: PressureTap, what: str) -> Iterator[str]:
         yield f"{what}: at = {probe.at} must have {case.dim} components"
         return
     if not case.plain or case.tank is None:
-        return    # whether it lies on a wall of such a scene is for geometry.scene_checks
+        return    # whether it lies on a wall of such a scene is for geometry.probe_places
+    if probe.side is not None:
+        yield f"{what}: side = {probe.side!r}: only a plate has two sides; leave it out"
     at, (low, high) = np.array(probe.at), case.tank.bounds
     tolerance = 1e-6 * float(np.max(high - low))
     walls = [abs(at - low) <= tolerance, abs(at - high) <= tolerance]
@@ -82,20 +97,32 @@ def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
     points = probe.points if isinstance(probe, RunUp) else (probe.about,)
     for point in points or ():
         yield from _components(case, what, point=point)
+    names = body_names(case.bodies)
     if isinstance(probe, RunUp) and probe.points is not None:
+        if any(len(point) != case.dim for point in probe.points):
+            return
         if any(one == other for one, other in zip(probe.points, probe.points[1:])):
             yield f"{what}: points: two that follow each other must be two points"
+        else:
+            yield from _within(case, what, "points", probe.points)
+        if probe.on not in ("tank", *names):
+            yield f"{what}: on = {probe.on!r}: there is no body of this name; there is {', '.join(map(repr, names))}"
         return
-    names = body_names(case.bodies)
     if not names:
         yield f"{what}: there is no tank; give walls=Tank(...) or leave the probe out"
     elif probe.on not in names:
         yield f"{what}: on = {probe.on!r}: there is no body of this name; there is {', '.join(map(repr, names))}"
-    elif not isinstance(case.bodies[names.index(probe.on)], Tank):
-        if isinstance(probe, RunUp):
-            if case.bodies[names.index(probe.on)].kind != "profile":
-                yield f"{what}: on = {probe.on!r}: give the points of the line along it, from below the water upwards"
-        elif probe.side is not None:
-            yield f"{what}: side = {probe.side!r}: only a tank has sides; leave it out"
+    else:
+        yield from _side(case, probe, what, case.bodies[names.index(probe.on)].kind)
+
+
+def _side(case: Scene, probe: RunUp | Force, what: str, kind: str) -> Iterator[str]:
+    if isinstance(probe, RunUp):
+        if probe.side is None and kind not in ("piston", "flap"):
+            yield f"{what}: on = {probe.on!r}: give the side of it, side='left' or 'right', or the points of a line"
+        elif probe.side is not None and kind in ("piston", "flap"):
+            yield f"{what}: side = {probe.side!r}: {probe.on} has fluid on one side only; leave it out"
+    elif kind != "tank" and probe.side is not None:
+        yield f"{what}: side = {probe.side!r}: only a tank has sides; leave it out"
     elif probe.side == "lid" and not case.lidded:
         yield f"{what}: side = 'lid': the tank has none; give it one, or choose another side"

@@ -66,6 +66,9 @@ class PressureTap(Probe):
 
     diameter : [m] of a round sensor, over whose disc the pressure is averaged instead: in 2D over a stretch, with
         the chord of the disc at each place as its weight
+    side : of a Plate, as seen along its points
+
+    On a body that moves, `at` is where the tap is at t = 0; it moves with the body.
 
     Examples
     --------
@@ -82,6 +85,7 @@ class PressureTap(Probe):
     radius: Union[float, None] = Field(
         None, gt=0, description="radius of the face of the tap [m]; one spacing if it is less; default 3 spacings")
     diameter: Optional[float] = Field(None, gt=0, description="diameter of the disc of the sensor [m]")
+    side: Optional[Literal["left", "right"]] = Field(None, description="side of a plate, as seen along its points")
     arrival: Arrival = None
 
     @model_validator(mode="after")
@@ -210,12 +214,14 @@ class VelocityPoint(Probe):
 class RunUp(Probe):
     """Height y [m] of the highest point at which water touches a wall, and its x [m].
 
-    The water counts that is connected, along the wall, with the lower end of the wall. At a vertical side it is the
-    surface's height as of a SurfaceGauge; along a line of points, the surface is continued straight to the line.
+    The water counts that is connected, along the wall, with the lower end of the wall. At a vertical side of a tank it
+    is the surface's height as of a SurfaceGauge; along a line, the surface is continued straight to the line. The line
+    moves with its body.
 
-    on : name of the body, a Tank or a Profile
-    side : of the tank; or the end of the profile, to which the line goes from its lowest point
-    points : the line itself [m], from below the water upwards, in place of a side
+    on : name of the body
+    side : of a Tank, an Obstacle or a Plate; or the end of a Profile, to which the line goes from its lowest point. A
+        Piston and a Flap need none
+    points : the line itself [m], from below the water upwards, in place of a side, as it is at t = 0
 
     Examples
     --------
@@ -227,7 +233,7 @@ class RunUp(Probe):
 
     kind: Literal["run_up"] = "run_up"
     on: str = Field("tank", description="name of the body")
-    side: Optional[Literal["left", "right"]] = Field(None, description="side of the tank, or end of the profile")
+    side: Optional[Literal["left", "right"]] = Field(None, description="side of the body, or end of the profile")
     points: Optional[tuple[Point, ...]] = Field(None, min_length=2, max_length=10_000,
                                                 description="line along the wall, from below the water upwards [m]")
     truth: Union[Truth, Peaks, None] = None
@@ -236,7 +242,8 @@ class RunUp(Probe):
 
     @model_validator(mode="after")
     def _one_line(self) -> "RunUp":
-        if (self.side is None) == (self.points is None):
+        neither = self.side is None and self.points is None and self.on == "tank"
+        if neither or (self.side is not None and self.points is not None):
             raise ValueError("give either a side of the tank, side='left' or 'right', or the points of a line")
         return self
 

@@ -8,19 +8,14 @@ import numpy as np
 from parisph.base.errors import CaseError
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
-from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
-from parisph.geometry import feasible
+from parisph.geometry import feasible, probe_places
 from parisph.geometry.build import domain, fillings, samples
-from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import WallMesh, chains_of, wall_mesh
-from parisph.geometry.outline import Wall, in_fluid, outline_of
+from parisph.geometry.mesh import chains_of, wall_mesh
 from parisph.geometry.standing import standing
 
-TAP = 0.25      # spacings: a pressure tap this near to a wall is on it, as discs have flat elements
 STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
-HEIGHTS = 400   # places along an upright line at which fluid is looked for
 
 
 @dataclass(frozen=True)
@@ -58,7 +53,7 @@ def faults(case: Case) -> list[str]:
     except CaseError as error:
         return [str(error)]
     found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing)
-    return found or [*_probes(case, walls)]
+    return found or [*probe_places.faults(case, walls)]
 
 
 def warnings(case: Case) -> list[str]:
@@ -107,33 +102,3 @@ def _advice(case: Case) -> Iterator[str]:
             if misfit(length, s) > FIT and abs(step - s) > STRETCH * s:
                 yield (f"{name}.shape.{field} = {length:g} is {length / s:.3g} spacings: its particles start "
                        f"{step:.3g} m apart, not {s:g}; a spacing of {step:.6g} divides it")
-
-
-def _probes(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
-    """Probes that are not on a wall, or in none of the space that fluid may fill."""
-    mesh = wall_mesh(walls, case.numerics.spacing) if walls else None
-    for probe in case.probes:
-        if isinstance(probe, PressureTap) and mesh is not None:
-            yield from _tap(case, probe, mesh)
-        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and not _has_room(case, walls, probe.at):
-            yield f"probe {probe.name!r}: at = {probe.at:g}: there is no room for fluid above or below it; move it"
-        elif isinstance(probe, VelocityProfile):
-            outlines = [outline_of(wall) for wall in walls]
-            if not in_fluid(outlines, probe.places).any():
-                yield (f"probe {probe.name!r}: no point from {probe.start} to {probe.end} is in front of the walls; "
-                       "move it")
-
-
-def _tap(case: Case, probe: PressureTap, mesh: WallMesh) -> Iterator[str]:
-    apart, element, foot = nearest(np.array([probe.at]), mesh.corners())
-    if apart[0] > TAP * case.numerics.spacing:
-        name = mesh.bodies[mesh.element_body[element[0]]].name
-        yield (f"probe {probe.name!r}: at = {probe.at} is not on a wall; the nearest place on one is "
-               f"({foot[0, 0]:.6g}, {foot[0, 1]:.6g}) on {name}")
-
-
-def _has_room(case: Case, walls: tuple[Wall, ...], x: float) -> bool:
-    lower, upper = domain(case)
-    y = np.linspace(lower[1], max(upper[1], case.fluid_bounds[1][1]), HEIGHTS)
-    outlines, beside = [outline_of(wall) for wall in walls], 0.01 * case.numerics.spacing    # it may be at a wall
-    return any(in_fluid(outlines, np.stack([np.full(HEIGHTS, at), y], axis=1)).any() for at in (x - beside, x + beside))

@@ -24,7 +24,8 @@ HEIGHT, BODY, TOP = 0.0, 1.0, 2.0
 class _Column(Sampler):
     """Bodies of water in the column at x = `at`.
 
-    Above a particle inside the fluid is water: there a body may have gaps that are longer by `stretch`.
+    Above a particle inside the fluid is water: there a body may have gaps that are longer by `stretch`. Water below a
+    floor, such as an obstacle that does not stand on the bed, is no part of the water on it.
     """
 
     columns = {"y": "m"}
@@ -33,32 +34,43 @@ class _Column(Sampler):
     def __init__(self, probe, scene, at):
         super().__init__(probe, scene)
         self.at = at
-        bed = scene.bed_at(np.array([float(at)]))
-        self.bed = None if bed is None else float(bed[0])
+        self.floors = scene.floors_at(at, 0.0)
+
+    def place(self, time: float) -> None:
+        if self.scene.now is not None and self.scene.now.moving:
+            self.floors = self.scene.floors_at(self.at, time)
+
+    def _layer(self, y):
+        """Return above how many floors heights (n,) are: those below all floors do not count, unless there is none."""
+        return np.searchsorted(self.floors, y, side="right")
 
     def rows(self, view):
         (x, y), s = view.body, self.scene.spacing
         chosen = np.abs(x - self.at) <= COLUMN * s * ROUNDING
         y, inside = y[chosen], view.inside[chosen]
-        ends = y + self.stretch * s * inside
-        found = bodies(y, self.gap * s, counts=np.ones(len(y)), ends=ends)
-        tops = np.zeros((len(found), WIDTH - 1))
-        tops[:, 0], tops[:, 1] = TOP, [y[(y >= low) & (y <= end)].max() for low, end, _ in found]
-        return np.concatenate([body_rows(found), tops])
+        found = []
+        for number in range(len(self.floors) + 1):
+            own = self._layer(y) == number
+            layer = bodies(y[own], self.gap * s, counts=np.ones(own.sum()), ends=(y + self.stretch * s * inside)[own])
+            tops = np.zeros((len(layer), WIDTH - 1))
+            tops[:, 0], tops[:, 1] = TOP, [y[own][(y[own] >= low) & (y[own] <= end)].max() for low, end, _ in layer]
+            found += [body_rows(layer), tops]
+        return np.concatenate(found)
 
     def top(self, rows):
-        """Return the height of the water that stands on the bed, or of the largest body without a bed [m].
+        """Return the height of the water on the highest floor on which some stands [m], and whether there is any.
 
-        The bed itself where it is dry; nan where there is no water and no bed.
+        That is the lowest floor where all are dry. Without walls it is the top of the largest body, nan without one.
         """
-        found, bed = bodies_of_all(rows[rows[:, 0] == BODY], self.gap * self.scene.spacing), self.bed
-        if bed is not None and not (len(found) and found[0, 0] <= bed + BED_GAP * self.scene.spacing):
-            return bed
-        if not len(found):
-            return np.nan
-        low, end, _ = found[0] if bed is not None else found[np.argmax(found[:, 2])]
-        tops = rows[rows[:, 0] == TOP, 1]
-        return tops[(tops >= low) & (tops <= end)].max()
+        layer, s = self._layer(rows[:, 1]), self.scene.spacing
+        for number in range(len(self.floors), -1 if not len(self.floors) else 0, -1):
+            own = rows[layer == number]
+            found, tops = bodies_of_all(own[own[:, 0] == BODY], self.gap * s), own[own[:, 0] == TOP, 1]
+            if not len(found) or (number and found[0, 0] > self.floors[number - 1] + BED_GAP * s):
+                continue
+            low, end, _ = found[0] if number else found[np.argmax(found[:, 2])]
+            return tops[(tops >= low) & (tops <= end)].max(), True
+        return (self.floors[0] if len(self.floors) else np.nan), False
 
 
 class ColumnHeight(_Column):
@@ -75,7 +87,7 @@ class ColumnHeight(_Column):
         self.title = f"Height of the water column at x = {probe.at:g} m"
 
     def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
-        return (self.top(rows),)
+        return (self.top(rows)[0],)
 
 
 class SurfaceGauge(_Column):
@@ -90,9 +102,15 @@ class SurfaceGauge(_Column):
     def __init__(self, probe: probes.SurfaceGauge | probes.RunUp, scene: Scene, at: float | None = None) -> None:
         super().__init__(probe, scene, probe.at if at is None else at)
         self.title = f"Height of the free surface above x = {self.at:g} m"
-        reach = NODES * scene.spacing
-        sides = (scene.lower[0], scene.upper[0]) if scene.tank else ()
-        self.mirrors = [side for side in sides if abs(side - self.at) < reach]
+        self.mirrors = self._mirrors(0.0)
+
+    def _mirrors(self, time):
+        return [side for side in self.scene.sides_at(time) if abs(side - self.at) < NODES * self.scene.spacing]
+
+    def place(self, time: float) -> None:
+        super().place(time)
+        if self.scene.now is not None and self.scene.now.moving:
+            self.mirrors = self._mirrors(time)
 
     def rows(self, view: View) -> np.ndarray:
         x, y = view.surface
@@ -103,8 +121,8 @@ class SurfaceGauge(_Column):
 
     def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         height = rows[:, 0] == HEIGHT
-        top = self.top(rows[~height])
-        if not height.any() or not top > (-np.inf if self.bed is None else self.bed):
+        top, wet = self.top(rows[~height])
+        if not height.any() or not wet:
             return (top,)
         return (surface_height(self.at, rows[height, 1], rows[height, 2], top, self.scene.spacing, self.mirrors),)
 
@@ -124,9 +142,14 @@ class WaterFront(Sampler):
         self.title = ("Position of the water's foremost particle along the bed" if scene.tank or scene.mesh is not None
                       else "Foremost position of the fluid")
 
+        self._time = 0.0
+
+    def place(self, time: float) -> None:
+        self._time = time
+
     def rows(self, view: View) -> np.ndarray:
         x, y = view.body
-        bed = self.scene.bed_at(x)
+        bed = self.scene.bed_at(x, self._time)
         if bed is not None:
             x = x[y <= bed + BED * self.scene.spacing * ROUNDING]
         return body_rows(bodies(x, BED_GAP * self.scene.spacing))

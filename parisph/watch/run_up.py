@@ -6,7 +6,8 @@ import numpy as np
 
 from parisph.base.errors import CaseError
 from parisph.case import probes
-from parisph.geometry.mesh import WallMesh
+from parisph.case.motion import AtRest, Motion
+from parisph.geometry.probe_places import run_up_line
 from parisph.watch.elevation import bodies
 from parisph.watch.gauges import BODY, COLUMN_GAP, HEIGHT, SurfaceGauge, bodies_of_all, body_rows
 from parisph.watch.sampling import WIDTH, Sampler, Scene, View
@@ -18,36 +19,26 @@ ASIDE = 0.1       # the second of two such particles is farther from the line th
 APART = (0.5, 2.6)    # and as far from it
 AHEAD = 1.0       # the surface is continued by this height at most
 
-FLAT = 1e-9       # of the height of a profile: what is no more above its lowest node is as low
-
 COLUMNS = {"y": "m", "x": "m"}
 
 
 def run_up(probe: probes.RunUp, scene: Scene) -> Sampler:
     """Return the sampler of a RunUp.
 
-    Raises CaseError for a profile that moves, or is not there.
+    Raises CaseError for a line that does not exist.
     """
-    if probe.points is not None:
-        return LineRunUp(probe, scene, np.array(probe.points, dtype=float))
-    if scene.mesh is not None and probe.on in scene.profiles:
-        return LineRunUp(probe, scene, _slope(probe, scene.mesh))
-    return SideRunUp(probe, scene, float((scene.lower if probe.side == "left" else scene.upper)[0]))
-
-
-def _slope(probe: probes.RunUp, mesh: WallMesh) -> np.ndarray:
-    """Return the nodes (n, 2) [m] of a profile from its lowest one to one of its ends."""
-    number = [body.name for body in mesh.bodies].index(probe.on)
-    mine = mesh.elements[mesh.element_body == number]
-    if mesh.bodies[number].motion or not len(mine):
-        raise CaseError(f"probe {probe.name!r}: on = {probe.on!r}: moves, or no fluid touches it; give another wall")
-    x = mesh.x0[np.append(mine[:, 0], mine[-1, 1])]    # with the fluid on the left, from left to right
-    x = x if probe.side == "right" else x[::-1]
-    lowest = np.flatnonzero(x[:, 1] <= x[:, 1].min() + FLAT * (x[:, 1].max() - x[:, 1].min()))[-1]
-    if lowest == len(x) - 1:
-        raise CaseError(f"probe {probe.name!r}: side = {probe.side!r}: {probe.on} is lowest at this end; "
-                        "choose the other one")
-    return x[lowest:]
+    kind, now, line = scene.kinds.get(probe.on), scene.now, probe.points
+    if now is None or kind is None:
+        at = float((scene.lower if probe.side == "left" else scene.upper)[0])
+        return SideRunUp(probe, scene, at) if line is None else LineRunUp(probe, scene, np.array(line, dtype=float))
+    number = now.number(probe.on)
+    if kind == "tank" and line is None and now.upright(number):
+        return SideRunUp(probe, scene, scene.sides_at(0.0)[probe.side == "right"], now.motion_of(number))
+    try:
+        points = run_up_line(now.mesh, number, kind, probe.side) if line is None else np.array(line, dtype=float)
+    except ValueError as error:
+        raise CaseError(f"probe {probe.name!r}: on = {probe.on!r}, side = {probe.side!r}: {error}") from None
+    return LineRunUp(probe, scene, points, now.motion_of(number))
 
 
 class SideRunUp(SurfaceGauge):
@@ -55,9 +46,14 @@ class SideRunUp(SurfaceGauge):
 
     columns = COLUMNS
 
-    def __init__(self, probe: probes.RunUp, scene: Scene, at: float) -> None:
+    def __init__(self, probe: probes.RunUp, scene: Scene, at: float, motion: Motion = AtRest()) -> None:
+        self._start, self._motion = at, motion
         super().__init__(probe, scene, at)
         self.title = f"Highest water at the {probe.side} side of the {probe.on}"
+
+    def place(self, time: float) -> None:
+        self.at = float(self._motion.placed(np.array([(self._start, 0.0)]), time)[0, 0])
+        super().place(time)
 
     def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         return (*super().values(sums, rows), self.at)
@@ -74,12 +70,15 @@ class LineRunUp(Sampler):
     columns = COLUMNS
     dims = (2,)
 
-    def __init__(self, probe: probes.RunUp, scene: Scene, points: np.ndarray) -> None:
+    def __init__(self, probe: probes.RunUp, scene: Scene, points: np.ndarray, motion: Motion = AtRest()) -> None:
         super().__init__(probe, scene)
-        self.points = points
+        self.points, self._start, self._motion = points, points, motion
         self.ends = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
         self.title = (f"Highest water along the line from ({points[0, 0]:g}, {points[0, 1]:g}) to "
                       f"({points[-1, 0]:g}, {points[-1, 1]:g}) m")
+
+    def place(self, time: float) -> None:
+        self.points = self._motion.placed(self._start, time)
 
     def rows(self, view: View) -> np.ndarray:
         s = self.scene.spacing

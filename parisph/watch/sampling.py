@@ -5,8 +5,8 @@ water, the surface particles at a gauge). One Allreduce adds the sums of all pro
 Allgatherv collects their rows, for any number of probes.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -19,10 +19,11 @@ from parisph.case.probes import AnyProbe, ProbeArray
 from parisph.case.scenery import body_names
 from parisph.case.schema import Case
 from parisph.geometry import build
-from parisph.geometry.columns import beds
 from parisph.geometry.mesh import CONVEX, WallMesh
+from parisph.geometry.standing import standing
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
+from parisph.watch.walls_now import WallsNow
 
 WIDTH = 5  # numbers of a row: its probe, what it is, and three more
 
@@ -44,6 +45,8 @@ def sample_all(samplers: "Sequence[Sampler]", particles: Particles, domain: Doma
         domain.update(*stale)
     view = View(particles, domain)
     members = [member for sampler in samplers for member in sampler.members]
+    for member in members:
+        member.place(time)
     parts = [np.asarray(member.sums(view), float) for member in members]
     rows = [_numbered(number, member.rows(view)) for number, member in enumerate(members)]
     sums, rows = _together(particles.comm, np.concatenate(parts), np.concatenate(rows))
@@ -82,7 +85,8 @@ class Scene:
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
     the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2],
     zero unless the body force is uniform and constant in the tank's frame; lid : whether the tank is closed above;
-    mesh : of the walls, None in a plain scene, whose walls are those of the tank; profiles : names of those bodies.
+    now : the walls and where they are, None in a plain scene, whose walls are those of the tank; sides : x of both
+    sides of the first tank as at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
     """
 
     dim: int
@@ -94,17 +98,24 @@ class Scene:
     tank: bool
     gravity: np.ndarray
     lid: bool = False
-    mesh: WallMesh | None = None
-    profiles: tuple[str, ...] = ()
+    now: WallsNow | None = None
+    sides: tuple[float, ...] = ()
+    kinds: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, case: Case) -> "Scene":
         """Return the Scene of a Case."""
-        s = case.numerics.spacing
+        s, mesh = case.numerics.spacing, None if case.plain else build.scene_mesh(case)
+        sides = () if case.tank is None else tuple(float(corner[0]) for corner in case.tank.bounds)
         return cls(case.dim, s, build.lattice_step(case), case.density,
                    *build.domain(case), case.tank is not None, _uniform(case), case.lidded,
-                   None if case.plain else build.scene_mesh(case),
-                   tuple(name for name, body in zip(body_names(case.bodies), case.bodies) if body.kind == "profile"))
+                   None if mesh is None else WallsNow(mesh, standing(case)), sides,
+                   {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)})
+
+    @property
+    def mesh(self) -> WallMesh | None:
+        """The mesh of the walls as at t = 0, None in a plain scene."""
+        return None if self.now is None else self.now.mesh
 
     @property
     def walls(self) -> tuple[np.ndarray, np.ndarray]:
@@ -120,15 +131,31 @@ class Scene:
         """Height of the tank's bed [m], or None."""
         return self.lower[-1] if self.tank else None
 
-    def bed_at(self, x: np.ndarray) -> np.ndarray | None:
-        """Return the height (n,) [m] of the highest wall at rest at x (n,) with fluid above it, or None without walls.
+    def bed_at(self, x: np.ndarray, time: float = 0.0) -> np.ndarray | None:
+        """Return the height (n,) [m] of the highest wall at x (n,) with fluid above it, or None without walls.
 
         Where there is none, as beyond the end of a bed, it is the lowest place of the scene.
         """
-        if self.mesh is None:
+        if self.now is None:
             return None if self.bed is None else np.full(len(x), self.bed)
-        rests = np.array([body.motion == 0 for body in self.mesh.bodies])
-        return beds(self.mesh.corners()[rests[self.mesh.element_body]], x, np.inf)
+        return self.now.bed(x, time)
+
+    def floors_at(self, at: float, time: float) -> np.ndarray:
+        """Return the heights (n,) [m], upwards, of all walls with fluid above them at x = `at` [m]."""
+        if self.now is None:
+            return np.array([] if self.bed is None else [self.bed])
+        return self.now.floors(at, time)
+
+    def sides_at(self, time: float) -> tuple[float, ...]:
+        """Return x of the upright sides of the first tank [m]."""
+        if self.now is None or not self.sides:
+            return self.sides
+        tank = next(name for name, kind in self.kinds.items() if kind == "tank")
+        number = self.now.number(tank)
+        if not self.now.upright(number):
+            return ()
+        moved = self.now.motion_of(number).placed(np.array([(side, 0.0) for side in self.sides]), time)
+        return tuple(float(x) for x in moved[:, 0])
 
 
 def _uniform(case):
@@ -177,14 +204,10 @@ class View:
         p, wall = self.particles, self._wall
         return p.x[wall], np.where(p.role[wall] == DRY, 0.0, p.p[wall])
 
-    @cached_property
-    def walls_at_rest(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """As walls, but where they are in bodies at rest, and the number of the motion (n,) of each, 0 for none."""
-        (x, p), elements = self.walls, self.domain.elements
-        if elements is None:
-            return x, p, np.zeros(len(x), np.int64)
-        node = self.particles.id[self._wall] - elements.first
-        return elements.mesh.x0[node], p, elements.node_motion[node]
+    @property
+    def wall_faces(self) -> tuple[np.ndarray, np.ndarray]:
+        """Normals (n, dim) of the particles of `walls`, and the numbers of their bodies (n,), where these have any."""
+        return self.particles.normal[self._wall], self.particles.body[self._wall]
 
     @cached_property
     def _wall(self):
@@ -222,6 +245,9 @@ class Sampler:
     def sample(self, particles: Particles, domain: Domain, time: float) -> tuple[float, ...]:
         """Return the values, a tuple of floats in the order of `columns`. Collective; as sample_all."""
         return sample_all([self], particles, domain, time)[self.name]
+
+    def place(self, time: float) -> None:
+        """Put what moves with a wall to where it is at a time [s], before each sample. Not collective."""
 
     def sums(self, view: "View") -> Sequence[float] | np.ndarray:
         """Return the numbers to be added over the ranks. Not collective."""

@@ -5,21 +5,22 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from parisph.case import probes
-from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import area_vectors
+from parisph.geometry.probe_places import tap_element
 from parisph.watch.sampling import WIDTH, Sampler, Scene, View
 
 # Sides of a tank: the axis across them, and the sign of the normal into the fluid.
 SIDES = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
 
 FACE = 3.0    # radius [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
+FACING = 1e-6    # cosine between the normals of a tap and of a node of its wall; that of a sharp corner is small
 
 
 class PressureTap(Sampler):
     """Pressure on a wall, by least squares of a linear pressure on the wall particles within the radius.
 
     The weight is (1 - r^2/radius^2)^2. A dry wall has p = 0. Only the wall of the tap counts; in a corner, only
-    the particles of both walls. A tap on a body that moves moves with it: all is measured in the body at rest.
+    the particles of both walls.
     """
 
     columns = {"pressure": "Pa"}
@@ -32,19 +33,41 @@ class PressureTap(Sampler):
         tolerance = 1e-6 * np.max(scene.upper - scene.lower)
         self.across = (np.abs(self.at - scene.lower) <= tolerance) | (np.abs(self.at - scene.upper) <= tolerance)
         self.axes = np.eye(scene.dim)    # the first across the wall
-        self.motion = 0
-        if scene.mesh is not None:
-            self.axes, self.motion = _axes_on(scene.mesh, self.at)
-            self.across = np.arange(scene.dim) == 0
+        self._start = None
+        if scene.now is not None:
+            self._begin(probe, scene.now)
 
-    def _wall(self, view):
-        """Return places in the body at rest (n, dim) [m] and pressures (n,) [Pa] of what moves as the wall of the tap
-        does."""
-        x, p, motion = view.walls_at_rest
-        return x[motion == self.motion], p[motion == self.motion]
+    def _begin(self, probe, now):
+        """Find the wall of the tap as it is at t = 0: then it and its nodes move with its body."""
+        element = tap_element(now.mesh, now.walls, probe, self.scene.spacing)
+        normal = area_vectors(now.mesh.corners()[[element]])[0]
+        normal /= np.linalg.norm(normal)
+        self.axes = np.array([normal, [-normal[1], normal[0]]])
+        self.across = np.arange(2) == 0
+        motions = np.array([body.motion for body in now.mesh.bodies])
+        number = now.mesh.element_body[element]
+        self._alike = np.flatnonzero(motions == motions[number])    # bodies that move as that of the tap does
+        self._motion, self._start = now.motion_of(number), (self.at, self.axes)
+
+    def place(self, time: float) -> None:
+        if self._start is not None:
+            at, axes = self._start
+            self.at, self.axes = self._motion.placed(at[None], time)[0], self._motion.turned(axes, time)
+
+    def _nodes(self, view):
+        """Return positions (n, dim) [m] and pressures (n,) [Pa] of wall particles that may be of the wall of the tap.
+
+        Where walls have elements, these face as the tap does, not as the other side of a plate, and move with it.
+        """
+        x, p = view.walls
+        if self._start is None:
+            return x, p
+        normal, body = view.wall_faces
+        own = (normal @ self.axes[0] > FACING) & np.isin(body, self._alike)
+        return x[own], p[own]
 
     def sums(self, view: View) -> np.ndarray:
-        x, p = self._wall(view)
+        x, p = self._nodes(view)
         away = (x - self.at) @ self.axes.T
         d = away / self.radius
         same_wall = (np.abs(away) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
@@ -77,7 +100,7 @@ class DiscTap(PressureTap):
         return np.empty(0)
 
     def rows(self, view: View) -> np.ndarray:
-        x, p = self._wall(view)
+        x, p = self._nodes(view)
         d = (x - self.at) @ self.axes.T
         near = (np.abs(d) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
         near &= (np.abs(d) < self.radius + 1.5 * self.scene.step)[:, ~self.across].all(axis=1)
@@ -92,15 +115,6 @@ class DiscTap(PressureTap):
 def pressure_tap(probe: probes.PressureTap, scene: Scene) -> PressureTap:
     """Return the sampler of a tap: a fit, or the mean over a disc."""
     return PressureTap(probe, scene) if probe.diameter is None else DiscTap(probe, scene)
-
-
-def _axes_on(mesh, at):
-    """Return the normal of the element nearest to a place, and the direction along it, (2, 2): its rows; and the number
-    of its motion."""
-    element = nearest(at[None], mesh.corners())[1][0]
-    normal = area_vectors(mesh.corners()[[element]])[0]
-    normal /= np.linalg.norm(normal)
-    return np.array([normal, [-normal[1], normal[0]]]), mesh.bodies[mesh.element_body[element]].motion
 
 
 def disc_mean(z: np.ndarray, p: np.ndarray, radius: float) -> float:

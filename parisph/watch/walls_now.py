@@ -1,0 +1,73 @@
+"""The walls of a scene that is not plain as probes see them: where they are at a time (2D)."""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from parisph.case.motion import AtRest, Motion, Translation
+from parisph.geometry.columns import beds, crossings
+from parisph.geometry.mesh import WallMesh, motions_of
+from parisph.geometry.outline import Wall
+
+BESIDE = 1e-6    # of the width of the walls: so far beside a place its floor is looked for where pieces end
+
+
+class WallsNow:
+    """Elements and bodies where they are at a time. Nothing here is collective.
+
+    mesh : of the walls, `geometry.standing.standing` of a case
+    """
+
+    def __init__(self, mesh: WallMesh, walls: Sequence[Wall]) -> None:
+        self.mesh, self.walls, motions = mesh, walls, motions_of(walls)
+        self._motions = motions
+        moving = np.array([body.motion for body in mesh.bodies])[mesh.body]
+        self._moving = [(motions[number], np.flatnonzero(moving == number)) for number in np.unique(moving[moving > 0])]
+
+    @property
+    def moving(self) -> bool:
+        """Whether any wall moves."""
+        return bool(self._moving)
+
+    def corners(self, time: float) -> np.ndarray:
+        """Return the corners (M, 2, 2) [m] of the elements at a time [s]."""
+        if not self.moving:
+            return self.mesh.corners()
+        x = self.mesh.x0.copy()
+        for motion, own in self._moving:
+            x[own] = motion.placed(x[own], time)
+        return self.mesh.corners(x)
+
+    def bed(self, x: np.ndarray, time: float) -> np.ndarray:
+        """Return the height (n,) [m] of the highest wall with fluid above it at x (n,), as `columns.beds`."""
+        return beds(self.corners(time), x, np.inf)
+
+    def floors(self, at: float, time: float) -> np.ndarray:
+        """Return the heights (n,) [m], upwards, of all walls with fluid above them at x = `at` [m].
+
+        Where there is none, as beyond the end of a bed, it is the lowest place of the walls.
+        """
+        corners = self.corners(time)
+        up, aside = corners[corners[:, 0, 0] < corners[:, 1, 0]], BESIDE * self._width
+        for place in (at, at - aside, at + aside):
+            found = crossings(up[:, 0], up[:, 1], np.array([place]))[1]
+            if len(found):
+                return np.sort(found)
+        return np.array([corners[:, :, 1].min()])
+
+    @cached_property
+    def _width(self):
+        return float(np.ptp(self.mesh.x0[:, 0]))
+
+    def number(self, name: str) -> int:
+        """Return the number of the body of this name."""
+        return [body.name for body in self.mesh.bodies].index(name)
+
+    def motion_of(self, number: int) -> Motion:
+        """Return the motion of a body."""
+        return self._motions[self.mesh.bodies[number].motion]
+
+    def upright(self, number: int) -> bool:
+        """Whether what is upright of a body at the start stays so."""
+        return isinstance(self.motion_of(number), (AtRest, Translation))
