@@ -9,6 +9,7 @@ from parisph.base.errors import CaseError
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
 from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
+from parisph.case.scenery import fluid_names
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
 from parisph.geometry import feasible
@@ -57,7 +58,8 @@ def faults(case: Case) -> list[str]:
         walls = standing(case)
     except CaseError as error:
         return [str(error)]
-    found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing)
+    found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
+                            [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
     return found or [*_probes(case, walls)]
 
 
@@ -98,8 +100,7 @@ def _airless(case: Case) -> Iterator[str]:
 def _advice(case: Case) -> Iterator[str]:
     """Boxes whose edges are not a whole number of spacings long, so that their lattice is stretched."""
     s = case.numerics.spacing
-    for number, fluid in enumerate(case.fluids):
-        name = f"fluid[{number}]" if isinstance(case.fluid, tuple) else "fluid"
+    for name, fluid in fluid_names(case):
         if not isinstance(fluid.shape, Box):
             continue
         for field, length in (("width", fluid.shape.width), ("height", fluid.shape.height)):

@@ -6,6 +6,7 @@ import pytest
 from parisph import (
     Box,
     Case,
+    Disc,
     Fluid,
     Numerics,
     Profile,
@@ -15,6 +16,7 @@ from parisph import (
     Sway,
     Tank,
 )
+from parisph.base.errors import CaseError
 from parisph.case.motion import Moved
 from parisph.driver.preview import describe
 from parisph.geometry import build
@@ -49,3 +51,15 @@ def test_fluid_above_the_highest_wall_has_its_volume(points):
 ])
 def test_walls_are_looked_at_wherever_they_move(motion, end_time, right):
     assert build.domain(scene(Tank(2.0, 1.0, motion=motion), end_time=end_time))[1][0] >= right - 1e-3
+
+
+def refused(case):
+    """Return the one error with which the case is refused, before any work."""
+    with pytest.raises(CaseError) as error:
+        describe(case)
+    return str(error.value)
+
+
+def test_holes_that_leave_no_fluid_are_named():
+    said = refused(scene(TANK, Fluid(Box(0.5, 0.5), 1000.0, holes=(Disc(2.0, at=(0.2, 0.2)),))))
+    assert said == "fluid.holes: they leave none of its particles; make them smaller, or leave this fluid out"

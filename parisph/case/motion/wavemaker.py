@@ -187,7 +187,8 @@ class PistonStroke(Translation):
     def instants(self, stop: float) -> Floats:
         """See Motion."""
         if isinstance(self.wave, SolitaryWave):    # it goes one way
-            return np.unique(np.minimum(_solitary(self.wave, self.tail)[0].t, stop))
+            knots: Floats = np.unique(np.minimum(_solitary(self.wave, self.tail)[0].t, stop))
+            return knots
         return _instants(self, stop)
 
     @property
