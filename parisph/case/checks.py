@@ -15,11 +15,12 @@ from parisph.base.text import shown
 from parisph.case import absorb, probe_checks, scenery, size
 from parisph.case.bodies import StillWater
 from parisph.case.expressions import uniform_field, vector_field
-from parisph.case.fluids import Fluid, check_components
+from parisph.case.fluids import check_components
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.methods import METHODS
 from parisph.case.motion import SHARE, Translation
 from parisph.case.scene import Scene
+from parisph.case.scenery import fluid_names
 from parisph.case.shapes import Box
 from parisph.case.values import LARGEST
 
@@ -157,7 +158,7 @@ def _inside(case: Scene) -> Iterator[str]:
         return
     what = "the tank" if case.plain else "the walls"
     tolerance = FIT * case.numerics.spacing
-    for name, fluid in _named(case):
+    for name, fluid in fluid_names(case):
         if not isinstance(fluid.shape, StillWater):    # which is where the walls are
             yield from _within(case, f"{name}.shape", fluid.shape.bounds, what, tolerance)
 
@@ -217,14 +218,8 @@ def _far(case: Scene) -> Iterator[str]:
             return
 
 
-def _named(case: Scene) -> Iterator[tuple[str, Fluid]]:
-    """Yield the bodies of fluid with their names in messages: fluid, or fluid[0], fluid[1], ... of several."""
-    for number, fluid in enumerate(case.fluids):
-        yield (f"fluid[{number}]" if isinstance(case.fluid, tuple) else "fluid"), fluid
-
-
 def _elevation(case: Scene) -> Iterator[str]:
-    for name, fluid in _named(case):
+    for name, fluid in fluid_names(case):
         if not fluid.raised:
             continue
         lower, upper = case.bounds_of(fluid)
@@ -248,7 +243,7 @@ def _elevation(case: Scene) -> Iterator[str]:
 def _wave(case: Scene) -> Iterator[str]:
     """A wave starts well only under its own gravity, and in water as deep as its own."""
     gravity = uniform_field(case.gravity)
-    for name, fluid in _named(case):
+    for name, fluid in fluid_names(case):
         wave = fluid.wave
         if wave is None:
             continue
@@ -270,7 +265,7 @@ def _sample(case: Scene) -> list[Floats]:
 def _finite(case: Scene) -> Iterator[str]:
     """Expressions must give finite numbers where there is fluid."""
     x = _sample(case)
-    asked = [(f"{name}.velocity", fluid.velocity, False, own) for (name, fluid), own in zip(_named(case), x)]
+    asked = [(f"{name}.velocity", fluid.velocity, False, own) for (name, fluid), own in zip(fluid_names(case), x)]
     for name, components, with_time, places in (*asked, ("gravity", case.gravity, True, np.concatenate(x))):
         values = vector_field(components, with_time)(places)
         for axis, component in enumerate(components):

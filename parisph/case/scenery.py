@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from parisph.base.text import shown
 from parisph.case.bodies import Body, Flap, Piston, motion_of
+from parisph.case.fluids import Fluid
 from parisph.case.methods import METHODS
 from parisph.case.scene import Scene
 from parisph.case.shapes import Tank
@@ -15,6 +16,12 @@ CLOSE = 1e-9    # [m], [rad]: a motion begins where the body is
 def body_names(bodies: tuple[Body, ...]) -> list[str]:
     """Return the names of bodies: as given, or tank, obstacle-1, ... after their kinds and places in the list."""
     return [body.name or body.kind + (f"-{number}" if number else "") for number, body in enumerate(bodies)]
+
+
+def fluid_names(case: Scene) -> Iterator[tuple[str, Fluid]]:
+    """Yield the bodies of fluid with their names in messages: fluid, or fluid[0], fluid[1], ... of several."""
+    for number, fluid in enumerate(case.fluids):
+        yield (f"fluid[{number}]" if isinstance(case.fluid, tuple) else "fluid"), fluid
 
 
 def wall_speed(case: Scene) -> float:

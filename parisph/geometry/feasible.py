@@ -23,12 +23,16 @@ def findings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacin
 
     walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
     """
-    found = faults(walls, fluids, spacing)
+    found = faults(walls, fluids, spacing, [()] * len(fluids), [f"fluid[{number}]" for number in range(len(fluids))])
     return found if not walls or _nothing_touched(walls, spacing) else [*found, *warnings(walls, fluids, spacing)]
 
 
-def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
-    """Return what makes a scene impossible to compute, one sentence each with a remedy; see `findings`."""
+def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,
+           holes: Sequence[Sequence[Shape]], titles: Sequence[str]) -> list[str]:
+    """Return what makes a scene impossible to compute, one sentence each with a remedy; see `findings`.
+
+    holes : of each body of fluid; titles : their names in messages
+    """
     if walls and _nothing_touched(walls, spacing):
         return ["no wall touches fluid: each body lies inside another"]
     found, mesh = [], None
@@ -37,7 +41,7 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
         names = [body.name for body in mesh.bodies]
         found += [*_hidden(chains, names), *_wrong_sides(mesh, walls, names, spacing),
                   *_open_ends(chains, mesh, walls, fluids, spacing)]
-    return [*found, *_filled(walls, fluids, mesh, spacing)]
+    return [*found, *_filled(walls, fluids, mesh, spacing, holes, titles)]
 
 
 def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
@@ -222,23 +226,26 @@ def _is_near(fluid, x, spacing):
     return isinstance(fluid, StillWater) or bool(fluid.inside(x[None], 1.5 * spacing)[0])
 
 
-def _filled(walls, fluids, mesh, spacing) -> Iterator[str]:
+def _filled(walls, fluids, mesh, spacing, holes, titles) -> Iterator[str]:
     """Bodies of fluid without particles, or with those of another. Still water gives way to other fluid."""
     seen, shapes = [], [fluid for fluid in fluids if not isinstance(fluid, StillWater)]
-    for number, fluid in enumerate(fluids):
+    for fluid, own, title in zip(fluids, holes, titles):
         still = isinstance(fluid, StillWater)
         if still and mesh is None:
-            yield f"still water at level {fluid.level:g}: there are no walls to hold it"
+            yield f"{title}: still water at level {fluid.level:g}: there are no walls to hold it; give walls, or a Box"
             continue
-        fill = Filling(fluid, walls, mesh, spacing, (), shapes if still else ())
-        name = f"fluid {number + 1} ({fluid.kind})"
+        others = shapes if still else ()
+        fill = Filling(fluid, walls, mesh, spacing, own, others)
         if fill.count == 0:
-            yield (f"{name}: it has no particles: it is thinner than a spacing, or behind the walls; use a smaller "
-                   "spacing, or move it")
+            if own and Filling(fluid, walls, mesh, spacing, (), others).count:
+                yield f"{title}.holes: they leave none of its particles; make them smaller, or leave this fluid out"
+            else:
+                yield (f"{title} ({fluid.kind}): it has no particles: it is thinner than a spacing, or behind the "
+                       "walls; use a smaller spacing, or move it")
         for other, kind in seen:
             if still == isinstance(other, StillWater) and fill.count and _overlap(fluid, other, fill, spacing):
-                yield f"{name}: it overlaps fluid {kind}; make them disjoint"
-        seen.append((fluid, f"{number + 1} ({fluid.kind})"))
+                yield f"{title} ({fluid.kind}): it overlaps {kind}; make them disjoint"
+        seen.append((fluid, f"{title} ({fluid.kind})" if len(titles) > 1 else title))
 
 
 def _overlap(fluid, other, fill, spacing, some=4096):

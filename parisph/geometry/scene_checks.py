@@ -8,11 +8,15 @@ import numpy as np
 from parisph.base.errors import CaseError
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
+from parisph.case.motion import Rotation
+from parisph.case.scenery import fluid_names
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
 from parisph.geometry import feasible, probe_places
 from parisph.geometry.build import domain, fillings, samples
+from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.mesh import chains_of, wall_mesh
+from parisph.geometry.outline import Wall
 from parisph.geometry.standing import standing
 
 STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
@@ -52,8 +56,9 @@ def faults(case: Case) -> list[str]:
         walls = standing(case)
     except CaseError as error:
         return [str(error)]
-    found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing)
-    return found or [*probe_places.faults(case, walls)]
+    found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
+                            [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
+    return found or [*_reached(case, walls), *probe_places.faults(case, walls)]
 
 
 def warnings(case: Case) -> list[str]:
@@ -62,7 +67,7 @@ def warnings(case: Case) -> list[str]:
         return []
     walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
     own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
-    return [*own, *_airless(case), *_advice(case)]
+    return [*own, *_neared(case, walls), *_airless(case), *_advice(case)]
 
 
 def facts(case: Case) -> Facts | None:
@@ -83,6 +88,40 @@ def facts(case: Case) -> Facts | None:
     return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume, lattice)
 
 
+def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Walls that move into others."""
+    for met in _met(walls, case):
+        if met.distance == 0.0:
+            one, other = walls[met.one], walls[met.other]
+            yield (f"walls, {one.name}: its {_moves(one)} brings it to {other.name} at t = {met.time:.3g} s, at "
+                   f"({met.at[0]:.3g}, {met.at[1]:.3g}), {_amount(one, met.value)} from where it starts; must stay "
+                   "clear of it: move less far, move one of them, or let both move alike")
+
+
+def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Walls that move and leave too little room for fluid."""
+    s = case.numerics.spacing
+    for met in _met(walls, case):
+        if 0.0 < met.distance < feasible.GAP * s:
+            one, other = walls[met.one], walls[met.other]
+            yield (f"walls, {one.name}: its {_moves(one)} leaves {met.distance:.3g} m, {met.distance / s:.2g} spacings,"
+                   f" between it and {other.name} at t = {met.time:.3g} s, at ({met.at[0]:.3g}, {met.at[1]:.3g}): flow "
+                   f"through it needs {feasible.GAP:g}; move less far, or use a spacing of at most "
+                   f"{met.distance / feasible.GAP:.3g}")
+
+
+def _met(walls: tuple[Wall, ...], case: Case) -> list[Encounter]:
+    return encounters(walls, case.numerics.spacing, case.end_time, feasible.GAP * case.numerics.spacing)
+
+
+def _moves(wall: Wall) -> str:
+    return type(wall.motion).__name__
+
+
+def _amount(wall: Wall, value: float) -> str:
+    return f"{abs(value):.3g} {'rad' if isinstance(wall.motion, Rotation) else 'm'}"
+
+
 def _airless(case: Case) -> Iterator[str]:
     """Fluid up to a lid, in a scene that is not known to be full."""
     tank, s = case.tank, case.numerics.spacing
@@ -93,8 +132,7 @@ def _airless(case: Case) -> Iterator[str]:
 def _advice(case: Case) -> Iterator[str]:
     """Boxes whose edges are not a whole number of spacings long, so that their lattice is stretched."""
     s = case.numerics.spacing
-    for number, fluid in enumerate(case.fluids):
-        name = f"fluid[{number}]" if isinstance(case.fluid, tuple) else "fluid"
+    for name, fluid in fluid_names(case):
         if not isinstance(fluid.shape, Box):
             continue
         for field, length in (("width", fluid.shape.width), ("height", fluid.shape.height)):

@@ -143,7 +143,7 @@ def test_faults_of_a_case_are_named(make, words):
      "probe 'tap': at = \\(1.2, 0.3\\) is not on a wall; the nearest place on one is \\(1.2, 0.2\\) on box"),
     (lambda: scene(walls=(TANK, Obstacle(Box(0.5, 1.5, at=(1.0, 0.0)))), probes=[SurfaceGauge("dry", at=1.2)]),
      "probe 'dry': at = 1.2: there is no room for fluid"),
-    (lambda: scene(Fluid(Box(0.4, 0.1, at=(1.05, 0.05)), 1000.0)), "fluid 1 \\(box\\): it has no particles"),
+    (lambda: scene(Fluid(Box(0.4, 0.1, at=(1.05, 0.05)), 1000.0)), "fluid \\(box\\): it has no particles"),
 ])
 def test_faults_of_the_geometry_are_named(case, words):
     with pytest.raises(CaseError, match=words):

@@ -1,0 +1,123 @@
+"""Scenes at their limits: how far fluid and walls reach, and what is refused before any work."""
+
+import numpy as np
+import pytest
+
+from parisph import (
+    Airy,
+    Box,
+    Case,
+    Disc,
+    Flap,
+    Fluid,
+    Heave,
+    Numerics,
+    Obstacle,
+    Piston,
+    Plate,
+    Profile,
+    Roll,
+    Series,
+    StillWater,
+    Sway,
+    Tank,
+)
+from parisph.base.errors import CaseError
+from parisph.case.motion import AtRest, Moved
+from parisph.driver.preview import describe
+from parisph.geometry import build, scene_checks
+
+S = 0.05
+TANK = Tank(2.0, 1.0)
+COLUMN = Fluid(Box(0.5, 0.5, at=(0.5, 0.0)), 1000.0)
+WATER = Fluid(StillWater(0.4), 1000.0)
+
+
+def scene(walls, fluid=WATER, end_time=1.0, spacing=S, **more):
+    return Case(title="scene", fluid=fluid, walls=walls, gravity=(0.0, -9.81), end_time=end_time,
+                numerics=Numerics(spacing=spacing, **more.pop("numerics", {})), **more)
+
+
+def sampled(case):
+    return sum(volume.sum() for _, volume in build.samples(case, (-9.0, -9.0), (9.0, 9.0)))
+
+
+@pytest.mark.parametrize("points", [[(0.0, 0.2), (0.0, 0.0), (2.0, 0.0), (2.0, 0.2)], [(0.0, 0.0), (2.0, 0.0)]])
+def test_fluid_above_the_highest_wall_has_its_volume(points):
+    case = scene(Profile(points), COLUMN)
+    assert sampled(case) == pytest.approx(0.25, rel=1e-9)
+    assert build.domain(case)[1][1] == 0.5
+    assert "0.25 m2 exactly" in describe(case)
+
+
+@pytest.mark.parametrize("motion, end_time, right", [
+    (Sway(0.3, 2.0 * np.pi), 399.0, 2.6),
+    (Roll(0.5 * np.pi, 2.0 * np.pi, centre=(2.0, 0.0)), 399.0, 3.0),
+    (Moved(Series(times=(0.0, 100.0, 100.1, 100.2, 100.3, 400.0), values=(0.0, 0.0, 0.3, 0.3, 0.0, 0.0))), 400.0, 2.3),
+])
+def test_walls_are_looked_at_wherever_they_move(motion, end_time, right):
+    assert build.domain(scene(Tank(2.0, 1.0, motion=motion), end_time=end_time))[1][0] >= right - 1e-3
+
+
+def refused(case):
+    """Return the one error with which the case is refused, before any work."""
+    with pytest.raises(CaseError) as error:
+        describe(case)
+    return str(error.value)
+
+
+def test_holes_that_leave_no_fluid_are_named():
+    said = refused(scene(TANK, Fluid(Box(0.5, 0.5), 1000.0, holes=(Disc(2.0, at=(0.2, 0.2)),))))
+    assert said == "fluid.holes: they leave none of its particles; make them smaller, or leave this fluid out"
+
+
+def box(motion, at=(1.0, 0.2)):
+    return Obstacle(Box(0.2, 0.2, at=at), name="box", motion=motion)
+
+
+def piston(amplitude, at=0.2):
+    return Piston(at=at, motion=Sway(amplitude, 2.0), side="right", name="piston")
+
+
+def flap(angle):
+    return Flap(hinge=(0.5, 0.0), motion=Roll(angle, 2.0, centre=(0.5, 0.0)), side="right", name="flap")
+
+
+PLATE = Plate([(1.0, 0.0), (1.0, 0.3)], name="plate")
+
+
+@pytest.mark.parametrize("walls, words", [
+    ((TANK, box(Sway(2.0, 3.0))), "box: its Sway brings it to tank at t = 0.308 s"),
+    ((TANK, box(Heave(-0.2, 3.0))), "box: its Heave brings it to tank"),
+    ((Tank(2.0, 1.0, lid=True), piston(3.0)), "piston: its Sway brings it to tank at t = 0.583 s"),
+    ((TANK, piston(0.4), box(AtRest(), at=(0.6, 0.0))), "piston: its Sway brings it to box at t = 0.778 s"),
+    ((TANK, piston(0.6), PLATE), "piston: its Sway brings it to plate"),
+    ((TANK, Piston(at=0.0, wave=Airy(0.1, 1.0, 0.4), name="piston")), "piston: its PistonStroke brings it to tank"),
+    ((TANK, flap(2.0)), "flap: its Roll brings it to tank at t = 2.2 s"),
+    ((Tank(2.0, 1.0, motion=Sway(0.5, 2.0)), box(AtRest(), at=(1.0, 0.0))),
+     "tank: its Sway brings it to box at t = 1.57"),
+    ((TANK, box(Sway(0.2, 2.0), at=(0.5, 0.2)), Obstacle(Box(0.2, 0.2, at=(1.3, 0.2)), name="other",
+                                                         motion=Sway(-0.2, 2.0))), "box: its Sway brings it to other"),
+])
+def test_walls_that_move_into_others_are_refused(walls, words):
+    said = refused(scene(walls, end_time=3.0))
+    assert words in said and "move less far" in said and "\n" not in said
+
+
+@pytest.mark.parametrize("walls", [
+    (TANK, piston(0.4)), (TANK, flap(0.3)), (TANK, piston(0.3, at=0.0)), (TANK, box(Sway(0.3, 2.0), at=(1.0, 0.0))),
+    (Tank(2.0, 1.0, motion=Sway(0.5, 2.0)), box(Sway(0.5, 2.0), at=(1.0, 0.0))),
+    (TANK, box(Heave(0.4, 2.0), at=(1.0, -0.1))), (TANK, box(Sway(0.3, 2.0), at=(1.0, -0.1))),
+    (TANK, Plate([(1.0, 0.0), (1.0, 0.8)], name="gate", motion=Heave(0.4, 3.0))),
+])
+def test_walls_that_slide_along_others_are_fine(walls):
+    assert "brings it" not in describe(scene(walls, end_time=3.0)) and not scene_checks.warnings(
+        scene(walls, end_time=3.0))
+
+
+@pytest.mark.parametrize("walls, words", [
+    ((TANK, box(Heave(-0.07, 3.0))), "box: its Heave leaves 0.06 m, 1.2 spacings, between it and tank at t = 1.05 s"),
+    ((TANK, piston(0.875)), "piston: its Sway leaves 0.05 m, 1 spacings, between it and tank"),
+])
+def test_walls_that_move_too_near_to_others_warn(walls, words):
+    assert words in "\n".join(scene_checks.warnings(scene(walls, end_time=3.0)))
