@@ -47,7 +47,7 @@ def case(
     cotangent, unit = 1.0 / tan(radians(angle)), sqrt(rise / 9.81)
     printed = Peaks(
         (PeakBand(start=16.5 * unit, end=20.5 * unit, when=18.5 * unit),
-         PeakBand(start=20.5 * unit, end=25.0 * unit, when=22.5 * unit)), name="Z17, Sec. 6.1",
+         PeakBand(start=21.5 * unit, end=24.5 * unit, when=22.5 * unit)), name="Z17, Sec. 6.1",
         note="The paper prints no numbers but these times, and neither the height of its sensor nor when its time "
              "starts: here the piston starts at t = 0.",
     ) if (height, angle, length) == (0.15, 60.0, 10.0) else None

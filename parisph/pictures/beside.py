@@ -79,7 +79,7 @@ def plot_profiles(run: Run, probe: ProbeArray, path: AnyPath | None = None, colu
     picture = style.drawing().Figure(figsize=(9.0, 0.8 + 1.7 * rows), layout="constrained")
     grid = picture.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     for axes, (time, places, ours, _) in zip(grid.flat, found):
-        axes.plot(*lines[time], **curves.marks(len(lines[time][0])), color="black", linewidth=1.0,
+        axes.plot(*lines[time], color="black", linestyle=(0, (3, 1.5)), linewidth=1.0,
                   label=style.literal(truth.name or "reference"))
         axes.plot(places, ours, color=style.LINES[0], linewidth=1.4, label="run")
         axes.set_title(f"t = {time:.4g} s", loc="left", fontsize=9)

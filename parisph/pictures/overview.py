@@ -76,7 +76,7 @@ def plot_solver(run: Run, path: AnyPath | None = None) -> "Figure":
 
 def _height(view, width):
     (left, right), (low, high) = view.window
-    return min(0.85 * width * view.stretch * (high - low) / (right - left) + 0.7, 6.0)
+    return min(0.8 * width * view.stretch * (high - low) / (right - left) + 0.5, 6.0)
 
 
 def _draw_moments(flow, view, moments, columns):

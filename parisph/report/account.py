@@ -18,7 +18,7 @@ ALIGNMENT = (
 ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", "to [s]", "both smoothed over [s]",
               "samples", "best published", "best shift [s]", "error if so shifted")
 PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
-             "band from", "to", "beyond the band by", "others have it at [s]", "whose numbers")
+             "band from", "to", "beyond the band by", "others have it at [s]", "truth")
 PROFILE_HEAD = ("profiles", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
 Probes = Sequence[AnyProbe]
 AnyTruth = Truth | WaveTruth | Peaks | Profiles

@@ -19,7 +19,7 @@ from parisph.report.page import Subject, subject
 
 START, END = "<!-- gallery -->", "<!-- end of the gallery -->"
 PICTURES = "pictures"    # folder beside a file that a gallery is put into
-HEAD = ("probe", "truth", "error, greatest value or time", "best published")
+HEAD = ("probe", "truth", "error, greatest value or time", "best published", "error against further references")
 
 
 def found(folders: Sequence[AnyPath]) -> list[Path]:
@@ -47,7 +47,7 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
     for name, about in _subjects(folders):
         path = _picture(about.run, _folder(place) / f"{name}.png")
         pages += [markup.heading(about.title), *([markup.picture(path, _caption(about.run))] if path else []),
-                  markup.table(_facts(about)), markup.table(_table(about))]
+                  markup.table(_facts(about)), *_shown(_table(about))]
         texts += [f"## {about.title}", "", *_text(name, about, f"{name}.png" if path else "")]
     try:
         write_text(place / "gallery.html", markup.page("Gallery", [markup.paragraph(_words()), *pages]))
@@ -132,20 +132,31 @@ def _facts(about: Subject) -> Table:
 
 def _table(about: Subject) -> Table:
     """Return the truths of a run, a line for each: errors, greatest values with what others report, arrivals."""
-    rows: list[tuple[Cell, ...]] = [(row[0], row[1], row[2], row[7])
-                                    for row in account.errors(about.probes, about.case, about.summary).rows]
+    judged: dict[str, list[tuple[Cell, ...]]] = {}
+    for row in account.errors(about.probes, about.case, about.summary).rows:
+        judged.setdefault(row[0].text, []).append(row)
+    rows = [(first[0], first[1], first[2], first[7],
+             _joined("; ".join(f"{row[1].text}: {row[2].text}" for row in others) or "-", *(row[2] for row in others)))
+            for first, *others in judged.values()]
     for row in account.peaks(about.probes, about.summary).rows:
         smoothed = "" if row[3].text == "-" else f", smoothed over {row[3].text} s"
-        rows.append((Cell(row[0].text + smoothed), _joined(f"{row[10].text}: {_reported(row)}", *row[6:10]),
-                     _joined(f"{row[4].text} at {row[5].text} s{_beyond(row[8])}", *row[4:6], row[8]), Cell("-")))
+        rows.append((Cell(row[0].text + smoothed), _joined(_reported(row), *row[6:10]),
+                     _joined(f"{row[4].text} at {row[5].text} s{_beyond(row[8])}", *row[4:6], row[8]),
+                     Cell("-"), Cell("-")))
     for row in account.arrivals(about.summary).rows:
-        rows.append((row[0], Cell("when it passes its level"), row[1], Cell("-")))
-    return Table(HEAD, tuple(rows or [(Cell("-"), Cell("none"), Cell("-"), Cell("-"))]))
+        rows.append((row[0], Cell("when it passes its level"), row[1], Cell("-"), Cell("-")))
+    wide = any(row[4].text != "-" for row in rows)
+    return Table(HEAD if wide else HEAD[:4], tuple(row if wide else row[:4] for row in rows))
+
+
+def _shown(content: Table) -> list[str]:
+    return [markup.table(content) if content.rows else markup.paragraph("No truth.")]
 
 
 def _reported(row: tuple[Cell, ...]) -> str:
-    low, high, when = row[6].text, row[7].text, row[9].text
-    return f"{low} to {high}" if when == "-" else f"at {when} s" if low == "-" else f"{low} to {high} at {when} s"
+    low, high, when, whose = row[6].text, row[7].text, row[9].text, row[10].text
+    band = "" if low == "-" else f"greatest value {low} to {high}"
+    return band + (f"{', ' if band else ''}{whose}: at {when} s" if when != "-" else "")
 
 
 def _beyond(cell: Cell) -> str:
@@ -159,11 +170,13 @@ def _joined(text: str, *cells: Cell) -> Cell:
 
 def _text(alternative: str, about: Subject, picture: str) -> list[str]:
     """Return the lines of a run: its picture, its size and cost, its truths."""
-    facts = _facts(about)
-    told = "; ".join(f"{name} {cell.text}" for name, cell in zip(facts.head, facts.rows[0]))
-    return [*([f"![{alternative}]({picture})", ""] if picture else []),
-            *([f"{about.title}. "] if alternative == about.title else []), f"{told}.", "",
-            _markdown(_table(about)), ""]
+    particles, spacing, steps, time, cost, low, high, *energy = (cell.text for cell in _facts(about).rows[0])
+    told = (f"{about.title}. " if alternative == about.title else "") + (
+        f"{particles} particles, spacing {spacing}; {steps} steps to t = {time}, {cost} of CPU time; "
+        f"volume {low} to {high}" + (f", energy at most {energy[0]}" if energy else ""))
+    content = _table(about)
+    return [*([f"![{alternative}]({picture})", ""] if picture else []), f"{told}.", "",
+            *([_markdown(content)] if content.rows else ["No truth."]), ""]
 
 
 def _markdown(content: Table) -> str:

@@ -123,7 +123,7 @@ def test_a_gallery_shows_every_run(made, tmp_path):
     assert [path.name for path in paths] == ["gallery.html", "gallery.md"]
     pages, text = (path.read_text(encoding="utf-8") for path in paths)
     error = json.loads((made / "summary.json").read_text())["errors"]["tap"]["relative_l2"]
-    assert f"{error:.3g}" in pages and f"| tap | <a> | {error:.3g} | 0.123 (others) |" in text
+    assert f"{error:.3g}" in pages and f"| tap | <a> | {error:.3g} | 0.123 (others) | <b>: " in text
     assert "![run](run.png)" in text and "## Still & <calm>" in text
     assert (tmp_path / "run.png").read_bytes() in [
         base64.b64decode(data) for data in re.findall('base64,(.*?)"', pages)]
@@ -143,8 +143,8 @@ def test_a_gallery_is_put_between_the_marks_of_a_file_and_replaces_what_was_ther
     assert "### run" in once and "![Still & <calm>](pictures/run.png)" in once and "Still & <calm>. " in once
     summary = json.loads((made / "summary.json").read_text())
     peaks = summary["errors"]["tap"]["peaks"]
-    assert f"particles {summary['particles']}; " in once and f"| {peaks[1]['found']:.4g} at " in once
-    assert "<a>: 1000 to 3000 |" in once and ", inside | - |" in once and " beyond | - |" in once
+    assert f"{summary['particles']} particles, spacing 0.1 m; " in once and f"| {peaks[1]['found']:.4g} at " in once
+    assert "greatest value 1000 to 3000 |" in once and ", inside | - | - |" in once and " beyond | - | - |" in once
     assert (tmp_path / "pictures" / "run.png").stat().st_size < 60_000
     gallery.put_into([made], file)
     assert file.read_text() == once
