@@ -25,10 +25,13 @@ VIOLENT = {"sway": Sway(amplitude=0.05, frequency=2.0 * np.pi / PERIOD),
 IMPACT = {"sway": 1.3, "roll": 1.7}    # [s], before it
 
 
-def gentle(kind, moving, spacing, **numerics):
-    """Return the Case of a gentle motion over three periods, of the tank as the frame or of its walls."""
+def gentle(kind, moving, spacing, step=0.1):
+    """Return the Case of a gentle motion over three periods, of the tank as the frame or of its walls.
+
+    step : time step over sqrt(s/g)
+    """
     return tank_case(GENTLE[kind], moving, (LENGTH, HEIGHT, DEPTH), THREE_PERIODS, spacing=spacing, preset="gentle",
-                     time_step=0.1 * np.sqrt(spacing / G), **numerics)
+                     time_step=step * np.sqrt(spacing / G))
 
 
 def violent(kind, moving, spacing):

@@ -47,9 +47,8 @@ def test_moving_walls_are_a_moving_frame(motion, preset, bound):
 @pytest.mark.parametrize("kind", ["sway", "roll"])
 def test_gentle_motion_over_three_periods_by_walls_and_by_the_frame(kind):
     """Levels and pressures at both ends; seen from the tank, its walls are those of a plain tank."""
-    walls, frame = (moving_tanks.histories(moving_tanks.gentle(kind, moving, 0.05)) for moving in (True, False))
-    found = moving_tanks.differences(walls, frame)
-    assert max(found.values()) < 0.01
+    walls, frame = (moving_tanks.histories(moving_tanks.gentle(kind, moving, 0.05, 0.2)) for moving in (True, False))
+    assert max(moving_tanks.differences(walls, frame).values()) < 0.005    # asked for: 0.01
     assert np.ptp(frame[1][0]) > 0.09 * moving_tanks.DEPTH
 
 
