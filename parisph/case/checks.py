@@ -13,7 +13,7 @@ from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
 from parisph.case import absorb, probe_checks, scenery, size
-from parisph.case.bodies import StillWater
+from parisph.case.bodies import Flap, Piston, StillWater
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import check_components
 from parisph.case.lattice import FIT, misfit, nearest_spacings
@@ -23,6 +23,7 @@ from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
 from parisph.case.shapes import Box
 from parisph.case.values import LARGEST
+from parisph.case.waves.wavefield import WaveField
 
 SOUND = 10.0    # speed of sound of weakly compressible fluid, over the fastest speed to expect
 ABSURD = 10.0   # a fixed time step this many times the stable one is taken for a mistake
@@ -77,8 +78,7 @@ def _absorbing(case: Scene) -> Iterator[str]:
     if case.wall_bounds is None:
         yield "absorb: there is no tank; give walls=Tank(...) or leave the zones out"
         return
-    low, high = case.wall_bounds
-    yield from absorb.problems(case.absorb, (float(low[0]), float(high[0])))
+    yield from absorb.problems(case.absorb, case.ends)
     if METHODS[case.numerics.method].step == "compressible":
         yield "absorb: weakly compressible SPH has no zones; choose a projection method, or leave them out"
     elif "absorb" not in (case.numerics.resolved().forces or ()):
@@ -241,19 +241,34 @@ def _elevation(case: Scene) -> Iterator[str]:
 
 
 def _wave(case: Scene) -> Iterator[str]:
-    """A wave starts well only under its own gravity, and in water as deep as its own."""
+    """A wave starts well only under its own gravity, and in water as deep as its own.
+
+    The depth where waves are made is for geometry.wave_places.
+    """
     gravity = uniform_field(case.gravity)
-    for name, fluid in fluid_names(case):
-        wave = fluid.wave
-        if wave is None:
-            continue
+    for name, wave in _waves(case):
         own = np.array([*[0.0] * (case.dim - 1), -wave.g])
         if gravity is None or np.abs(gravity - own).max() > 1e-6 * wave.g:
-            yield f"{name}.wave.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
+            yield f"{name}.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
+    for name, fluid in fluid_names(case):
         lower, upper = case.bounds_of(fluid)
-        if isinstance(fluid.shape, StillWater) and abs(wave.depth - (upper - lower)[-1]) > 1e-6 * wave.depth:
-            yield (f"{name}.wave.depth = {wave.depth:g}: the still water is {(upper - lower)[-1]:g} m deep where it is "
+        deepest, wave = float((upper - lower)[-1]), fluid.wave
+        if wave and isinstance(fluid.shape, StillWater) and abs(wave.depth - deepest) > 1e-6 * wave.depth:
+            yield (f"{name}.wave.depth = {wave.depth:g}: the still water is {deepest:g} m deep where it is "
                    "deepest; change one of them")
+
+
+def _waves(case: Scene) -> Iterator[tuple[str, WaveField]]:
+    """Yield the waves of a case with their names in messages: those at the start, of wavemakers and of zones."""
+    for name, fluid in _named(case):
+        if fluid.wave is not None:
+            yield f"{name}.wave", fluid.wave
+    for name, body in zip(scenery.body_names(case.bodies), case.bodies):
+        if isinstance(body, (Piston, Flap)) and body.wave is not None:
+            yield f"walls, {name}: wave", body.wave
+    for number, zone in enumerate(case.absorb):
+        if isinstance(zone, absorb.Relaxation):
+            yield f"absorb[{number}].wave", zone.wave
 
 
 def _sample(case: Scene) -> list[Floats]:

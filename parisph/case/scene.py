@@ -114,12 +114,19 @@ class Scene(Model):
         if not isinstance(fluid.shape, StillWater):
             return fluid.shape.bounds
         lower, upper = (corner.copy() for corner in self.wall_bounds or (np.zeros(2), np.zeros(2)))
+        lower[0], upper[0] = self.ends
         upper[-1] = fluid.shape.level
+        return lower, np.maximum(upper, lower)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Least and greatest x [m] between the walls, but for what is behind a wavemaker; 0 without walls."""
+        lower, upper = self.wall_bounds or (np.zeros(2), np.zeros(2))
+        ends = [float(lower[0]), float(upper[0])]
         for body in self.bodies:
             if isinstance(body, (Piston, Flap)):
-                side = upper if body.fluid_on_left else lower
-                side[0] = body.place
-        return lower, np.maximum(upper, lower)
+                ends[body.fluid_on_left] = body.place
+        return ends[0], ends[1]
 
     @property
     def fluid_bounds(self) -> tuple[Floats, Floats]:
@@ -162,10 +169,10 @@ class Scene(Model):
         """What zones that absorb waves do to water, or None."""
         if not self.absorb or self.wall_bounds is None:
             return None
-        (lower, upper), walls = self.fluid_bounds, self.wall_bounds
-        ends, level = [float(corner[0]) for corner in walls], float(upper[-1])
+        lower, upper = self.fluid_bounds
+        level = float(upper[-1])
         g = float(np.linalg.norm(self.body_force(np.array([upper], dtype=float), 0.0)))
-        return Absorber(self.absorb, (ends[0], ends[1]), level, level - float(lower[-1]), g)
+        return Absorber(self.absorb, self.ends, level, level - float(lower[-1]), g)
 
     def body_force(self, x: Floats, t: float) -> Floats:
         """Body force (n, dim) [m/s2] at x (n, dim) [m] and t [s] in the tank's frame: gravity and what its motion adds.

@@ -12,7 +12,7 @@ from parisph.case.motion import Rotation
 from parisph.case.scenery import fluid_names
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
-from parisph.geometry import feasible, probe_places
+from parisph.geometry import feasible, probe_places, wave_places
 from parisph.geometry.build import domain, fillings, samples
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.mesh import chains_of, wall_mesh
@@ -42,12 +42,11 @@ class Facts:
 def check(case: Case) -> None:
     """Raise CaseError if the geometry of a case cannot be computed, with one line for each fault. Not collective.
 
-    A plain scene has been checked when the case was made.
+    Of a plain scene all but the waves that are made has been checked when the case was made.
     """
-    if not case.plain:
-        found = faults(case)
-        if found:
-            raise CaseError(first_lines(found))
+    found = [*wave_places.faults(case, standing(case))] if case.plain else faults(case)
+    if found:
+        raise CaseError(first_lines(found))
 
 
 def faults(case: Case) -> list[str]:
@@ -58,7 +57,7 @@ def faults(case: Case) -> list[str]:
         return [str(error)]
     found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
                             [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
-    return found or [*_reached(case, walls), *probe_places.faults(case, walls)]
+    return found or [*_reached(case, walls), *probe_places.faults(case, walls), *wave_places.faults(case, walls)]
 
 
 def warnings(case: Case) -> list[str]:

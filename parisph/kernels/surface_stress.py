@@ -7,7 +7,7 @@ import numpy as np
 from parisph.base.fields import SURFACE
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.moments import cholesky_solve, invert
-from parisph.kernels.moving_mirrors import gather_moving
+from parisph.kernels.moving_mirrors import Solids, gather_moving
 from parisph.kernels.near import room_for
 from parisph.kernels.smoothing import quartic_weight
 from parisph.kernels.viscous import STRETCH, factor_quadratics
@@ -24,7 +24,7 @@ POOR = 22.0
 @kernel
 def stress_free(out: np.ndarray, tension: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kind: np.ndarray,
                 corner: np.ndarray, normal: np.ndarray, role: np.ndarray, no_slip: np.ndarray, radius: float,
-                indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+                solids: Solids, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Replace the viscous acceleration of surface particles by that at a surface without stress.
 
     With the normal n out of the fluid and its unit tangents t, t . (grad u + (grad u)^T) . n = 0, and
@@ -52,7 +52,7 @@ def stress_free(out: np.ndarray, tension: np.ndarray, u: np.ndarray, nu: np.ndar
         if role[i] != SURFACE:
             continue
         n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
-                          radius, False, indptr, indices, axes)
+                          radius, False, solids, indptr, indices, axes)
         if not _fit(fit, work, basis, weight, near, du, n, axes) or not _inward(mean, near, weight, n, axes):
             continue
         _outward(away, mean, moment, inverse, i, x, role, radius, indptr, indices, axes)

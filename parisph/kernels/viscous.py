@@ -14,7 +14,7 @@ import numpy as np
 from parisph.base.fields import FLUID, INNER, WALL
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.moments import cholesky, cholesky_solve
-from parisph.kernels.moving_mirrors import gather_moving
+from parisph.kernels.moving_mirrors import Solids, gather_moving
 from parisph.kernels.near import room_for
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
 
@@ -28,8 +28,8 @@ STRETCH = 3.0       # of squares in units of the radius, so that they are about 
 
 @kernel
 def morris(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
-           normal: np.ndarray, no_slip: np.ndarray, h: float, volume: float, indptr: np.ndarray, indices: np.ndarray,
-           axes: tuple[int, ...]) -> None:
+           normal: np.ndarray, no_slip: np.ndarray, h: float, volume: float, solids: Solids, indptr: np.ndarray,
+           indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Viscous acceleration of owned fluid by the form of Morris et al. (1997, Eq. 22), at one density.
 
     a_i = sum_j V (nu_i + nu_j) (r_ij . grad_i W_ij)/(r_ij^2 + 0.01 h^2) (u_i - u_j)
@@ -43,6 +43,7 @@ def morris(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kind: 
     x, normal : (n_all, dim); kind, corner : (n_all,); kind ABSENT is left out
     no_slip : (n_all,) of walls 1 for no-slip, 0 for free-slip; a corner of both is no-slip
     h : smoothing length [m] of the cubic spline, with support 2 h; volume : of a particle [m^dim]
+    solids : of walls of any shape; corner is then 1 for nodes on convex edges, too
     """
     dim = len(axes)
     room = room_for(indptr) * 2**dim
@@ -53,14 +54,14 @@ def morris(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kind: 
         if kind[i] != FLUID:
             continue
         n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
-                          h, True, indptr, indices, axes)
+                          h, True, solids, indptr, indices, axes)
         _morris_sum(out, i, near, du, n, h, volume, axes)
 
 
 @kernel
 def corrected(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
               normal: np.ndarray, role: np.ndarray, no_slip: np.ndarray, radius: float, h: float, volume: float,
-              indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+              solids: Solids, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Viscous acceleration of owned fluid by a quadratic fit (generalised finite differences).
 
     The Laplacian is exact for quadratic velocities on any set of particles, also beside walls. Where the
@@ -82,11 +83,11 @@ def corrected(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kin
             continue
         if role[i] == INNER:
             n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
-                              radius, False, indptr, indices, axes)
+                              radius, False, solids, indptr, indices, axes)
             if _fit_laplacian(out, i, near, du, weight, basis, work, pick, n, radius, axes):
                 continue
         n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
-                          h, True, indptr, indices, axes)
+                          h, True, solids, indptr, indices, axes)
         _morris_sum(out, i, near, du, n, h, volume, axes)
 
 

@@ -9,6 +9,8 @@ itself. Kites have signs, so that those of a triangle add up to its area also if
 sum over all particles is then exactly the area of all triangles.
 """
 
+import math
+
 import numpy as np
 
 from parisph.base.fields import FLUID, WET
@@ -18,23 +20,28 @@ MOST = 256       # sides of a cell that are looked at, and wet wall particles; f
 GAP = 1.0        # spacings: circumradius of the largest triangle that is fluid; stretched jets have larger ones
 NEAR_WALL = 0.75 # spacings: a corner on a wall is wet if a wet wall particle is as near
 NEAR_SIDE = 1.6  # spacings: neighbours that bound most of a cell
+ON = 1e-6        # of an element's length: what is no farther beyond its end is on it
 BOX = -1         # side of the box from which cells are cut: there the cell is open
 
 
 @kernel
 def current_volumes(out: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, lower: np.ndarray,
-                    upper: np.ndarray, spacing: float, reach: float, indptr: np.ndarray, indices: np.ndarray) -> None:
+                    upper: np.ndarray, spacing: float, reach: float, corners: np.ndarray, concave: np.ndarray,
+                    element_indptr: np.ndarray, element_indices: np.ndarray, indptr: np.ndarray,
+                    indices: np.ndarray) -> None:
     """Write the volume out (n_owned,) [m^2] that owned fluid particles represent now, 0 for walls.
 
     A particle in no triangle, such as a drop, represents one cell of the lattice.
 
     x : (n_all, 2) [m]; kind, role : (n_all,); lower, upper : (2,) where walls are [m], infinite where there is none
     spacing, reach : [m]; the lists contain all neighbours within `reach`, at least 2.6 spacings
+    corners, element_indptr, element_indices : walls as elements, as in `solids`; or none
+    concave : (M, 2) bool, whether the fluid has a concave corner at this end of an element
     """
     nx, ny, limit, member = np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST, np.int64)
     px, py, edge = np.empty(MOST), np.empty(MOST), np.empty(MOST, np.int64)
     qx, qy, qedge = np.empty(MOST), np.empty(MOST), np.empty(MOST, np.int64)
-    wet = np.empty((MOST, 2))
+    wet, foot = np.empty((MOST, 2)), np.empty(2)
     near_side = 0.5 * (NEAR_SIDE * spacing) ** 2
     gap2, near2 = (GAP * spacing) ** 2, (NEAR_WALL * spacing) ** 2
     for i in range(len(indptr) - 1):
@@ -43,15 +50,17 @@ def current_volumes(out: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.n
             continue
         out[i] = spacing * spacing
         sides, walls = _sides(nx, ny, limit, member, wet, i, x, kind, role, lower, upper, reach, indptr, indices)
-        corners, far2 = _box(px, py, edge, reach), 2.0 * reach * reach
+        sides = _element_sides(nx, ny, limit, member, foot, sides, i, x, reach, corners, concave, element_indptr,
+                               element_indices)
+        count, far2 = _box(px, py, edge, reach), 2.0 * reach * reach
         for far in (False, True):    # near sides first: far ones do not reach the cell then
             for k in range(sides):
                 if (limit[k] > near_side) == far and (member[k] < 0 or limit[k] < 2.0 * far2):
-                    corners = _cut(px, py, edge, corners, qx, qy, qedge, nx[k], ny[k], limit[k], k)
-                    far2 = _farthest(px, py, corners)
+                    count = _cut(px, py, edge, count, qx, qy, qedge, nx[k], ny[k], limit[k], k)
+                    far2 = _farthest(px, py, count)
         area, kept = 0.0, 0
-        for m in range(corners):
-            a, b = edge[m - 1 if m else corners - 1], edge[m]
+        for m in range(count):
+            a, b = edge[m - 1 if m else count - 1], edge[m]
             if a == BOX or b == BOX:
                 continue
             if _is_fluid(px[m], py[m], a, b, member, wet, walls, gap2, near2):
@@ -73,7 +82,7 @@ def _sides(nx, ny, limit, member, wet, i, x, kind, role, lower, upper, reach, in
         j = indices[k]
         dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
         d2 = dx * dx + dy * dy
-        if n == MOST - 4 or w == MOST or not d2 < reach * reach:
+        if n == MOST // 2 or w == MOST or not d2 < reach * reach:
             continue
         if kind[j] == FLUID and d2 > 0.0:
             nx[n], ny[n], limit[n], member[n] = dx, dy, 0.5 * d2, j
@@ -89,6 +98,39 @@ def _sides(nx, ny, limit, member, wet, i, x, kind, role, lower, upper, reach, in
                 limit[n], member[n] = away, -1
                 n += 1
     return n, w
+
+
+@kernel
+def _element_sides(nx, ny, limit, member, foot, n, i, x, reach, corners, concave, element_indptr, element_indices):
+    """Write sides on walls of elements after the first n; return how many sides there are now.
+
+    Those are on the walls that the particle faces squarely, as far as they lead straight on, and on those behind a
+    concave corner. A particle ahead of an edge has a side through the edge, at right angles to the way there.
+    """
+    nearest, ahead = reach, False
+    for k in range(element_indptr[i], element_indptr[i + 1]):
+        e = element_indices[k]
+        ax, ay = corners[e, 0, 0] - x[i, 0], corners[e, 0, 1] - x[i, 1]
+        sx, sy = corners[e, 1, 0] - corners[e, 0, 0], corners[e, 1, 1] - corners[e, 0, 1]
+        length = math.sqrt(sx * sx + sy * sy)
+        height = (sy * ax - sx * ay) / length
+        if height < -ON * length or n == MOST - 1:
+            continue
+        t = -(ax * sx + ay * sy) / (length * length)
+        within = min(max(t, 0.0), 1.0)
+        dx, dy = ax + within * sx, ay + within * sy
+        apart = math.sqrt(dx * dx + dy * dy)
+        square = -ON <= t <= 1.0 + ON
+        if apart < nearest * (1.0 - ON) or (square and apart < nearest * (1.0 + ON)):
+            nearest, ahead = apart, not square
+            foot[0], foot[1] = dx, dy
+        if height < reach and (square or (t < 0.0 and concave[e, 0]) or (t > 1.0 and concave[e, 1])):
+            nx[n], ny[n], limit[n], member[n] = sy / length, -sx / length, height, -1
+            n += 1
+    if ahead and nearest > 0.0:
+        nx[n], ny[n], limit[n], member[n] = foot[0] / nearest, foot[1] / nearest, nearest, -1
+        n += 1
+    return n
 
 
 @inlined

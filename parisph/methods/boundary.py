@@ -1,6 +1,6 @@
 """What walls are to the parts of a method: they complete sums of kernels, keep fluid off, and close angular gaps.
 
-`methods.wall_images` are flat walls in which fluid is mirrored, `methods.wall_elements` walls of any shape.
+`methods.wall_images` are flat walls in which fluid is mirrored, `methods.wall_solids` walls of any shape.
 """
 
 from abc import ABC, abstractmethod
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
+from parisph.kernels.moving_mirrors import Solids, no_solids
 from parisph.methods.parts import Gradient
 
 if TYPE_CHECKING:
@@ -38,6 +39,13 @@ class Boundary(ABC):
     def cover(self, flow: "Flow") -> tuple[str, ...]:
         """Find what the fluid in front of walls has to do with them; return the names of fields that ghosts need."""
         return ()
+
+    def frictional(self, flow: "Flow", seen: np.ndarray) -> tuple[np.ndarray, Solids]:
+        """Return which particles the viscous force sees, kind (n_all,) or ABSENT, and the elements of walls.
+
+        seen : (n_all,) kind, ABSENT for walls behind air
+        """
+        return seen, no_solids(flow.particles.dim)
 
     @abstractmethod
     def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:

@@ -132,14 +132,21 @@ class Parts:
 
         plain : whether the walls are those of a tank alone
         """
-        for part in self:
+        for field, part in self._named():
             if not (plain or part.shapes):
-                raise CaseError(f"{part.name!r} works in a scene of one Tank with one Box, Disc or Polygon only: "
-                                "choose another part")
+                raise CaseError(f"numerics.{field} = {part.name}: works in a scene of one Tank with one Box, Disc or "
+                                f"Polygon only, not beside other walls; choose another {field}, or another method than "
+                                f"{self.numerics.method}")
             if dim not in part.dims:
                 known = " and ".join(f"{n}D" for n in part.dims)
                 raise CaseError(f"{part.name!r} works in {known} only, and this scene has {dim} dimensions: "
                                 "choose another part")
+
+    def _named(self) -> Iterator[tuple[str, Part]]:
+        """Yield each part with the field of Numerics that names it."""
+        single = ("laplacian", "divergence", "wall_rows", "gradient", "surface_gradient", "surface_rule", "source")
+        fields = (*single, *("forces" for _ in self.forces), *("regularisers" for _ in self.regularisers))
+        yield from zip(fields, self)
 
 
 class CompressibleParts:

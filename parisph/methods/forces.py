@@ -7,6 +7,7 @@ import numpy as np
 from parisph.base.fields import ABSENT, FLUID, WALL
 from parisph.case.numerics import Numerics
 from parisph.kernels import gradient, surface_stress, turbulence, viscous, wetness
+from parisph.kernels.moving_mirrors import Solids
 from parisph.methods import lengths, straining
 from parisph.methods.parts import FORCES, SURFACES, Force
 
@@ -58,7 +59,7 @@ class Viscous(Force):
     """
 
     name, source, reach, viscous, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, True, "viscous force"
-    fields, shapes = ("no_slip", "wall_u", "nu", "viscous"), False
+    fields = "no_slip", "wall_u", "nu", "viscous"
     open_fields: tuple[str, ...] = ("touched", "surface_pressure")    # beside them, with a free surface
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
@@ -70,25 +71,25 @@ class Viscous(Force):
         wall = p.kind == WALL
         p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
         self._write_viscosity(flow)
-        self.laplacian(p.viscous, flow, self._update(flow))
+        self.laplacian(p.viscous, flow, *self._update(flow))
         d.update(*(name for name in ("viscous", "surface_pressure") if name in p.fields))
         viscous.continue_to_walls(p.viscous_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, lengths.WALL * s,
                                   d.indptr, d.indices, flow.axes)
         d.update("viscous")
         out += p.viscous_all
 
-    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray) -> None:
+    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray, solids: Solids) -> None:
         """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2], and surface_pressure if there is this field.
 
-        seen : (n_all,) kind, ABSENT for walls behind air
+        seen : (n_all,) kind, ABSENT for walls behind air; solids : walls as elements
         """
         p, d, s = flow.particles, flow.domain, flow.spacing
         viscous.corrected(out, p.u_all, p.nu_all, p.x_all, seen, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
-                          lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
+                          lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, solids, d.indptr, d.indices, flow.axes)
         if "surface_pressure" in p.fields:
             surface_stress.stress_free(out, p.surface_pressure, p.u_all, p.nu_all, p.x_all, seen, p.corner_all,
-                                       p.normal_all, p.role_all, p.no_slip_all, lengths.VISCOUS * s, d.indptr,
-                                       d.indices, flow.axes)
+                                       p.normal_all, p.role_all, p.no_slip_all, lengths.VISCOUS * s, solids,
+                                       d.indptr, d.indices, flow.axes)
             p.surface_pressure *= flow.density
 
     def longest_step(self, flow: "Flow") -> float:
@@ -97,18 +98,17 @@ class Viscous(Force):
         return viscous.STABLE * flow.spacing**2 / nu if nu > 0.0 else np.inf
 
     def _update(self, flow):
-        """Send what the Laplacian needs to the ghosts; return kind (n_all,), ABSENT for walls behind air.
-
-        Collective.
+        """Send what the Laplacian needs to the ghosts; return kind (n_all,), ABSENT for walls behind air, and the walls
+        as elements. Collective.
         """
         p, d = flow.particles, flow.domain
         if "touched" not in p.fields:    # a full closed tank, all of whose walls are wet
             d.update("u", "nu", "role")
-            return p.kind_all
+            return flow.walls.frictional(flow, p.kind_all)
         wetness.touched_walls(p.touched, p.role_all, p.x_all, p.kind_all, p.normal_all, flow.spacing,
                               d.indptr, d.indices, flow.axes)
         d.update("u", "nu", "role", "touched")
-        return np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all)
+        return flow.walls.frictional(flow, np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all))
 
     def _write_viscosity(self, flow):
         """Write nu of owned particles, that of eddies by the velocity gradient of the step before included."""
@@ -127,10 +127,10 @@ class MorrisViscous(Viscous):
     name, source, words = "viscous_morris", "Morris et al. 1997, Eq 22", "viscous force of Morris"
     open_fields = ("touched",)
 
-    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray) -> None:
+    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray, solids: Solids) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
         viscous.morris(out, p.u_all, p.nu_all, p.x_all, seen, p.corner_all, p.normal_all, p.no_slip_all,
-                       lengths.DENSITY * s, s**p.dim, d.indptr, d.indices, flow.axes)
+                       lengths.DENSITY * s, s**p.dim, solids, d.indptr, d.indices, flow.axes)
 
 
 for part in (Body(), Coriolis(), Viscous(), MorrisViscous()):

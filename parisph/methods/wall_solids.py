@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.base.fields import DRY, WALL
+from parisph.base.fields import ABSENT, DRY, WALL
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import density, gradient, solids, wetness
+from parisph.kernels.moving_mirrors import GONE, SLIPS, STICKS, Solids
 from parisph.methods import lengths
 from parisph.methods.boundary import Boundary, Directions
 from parisph.methods.operators import LeastSquares
@@ -55,6 +56,17 @@ class WallSolids(Boundary):
         if "closing" not in p.fields:    # a full closed tank
             return np.ones(p.n_all)
         return np.where((p.kind_all == WALL) & (p.closing_all < least), 0.0, p.covered_all)
+
+    def frictional(self, flow: "Flow", seen: np.ndarray) -> tuple[np.ndarray, Solids]:
+        p, e = flow.particles, self.elements
+        here = e.nodes >= 0
+        there = (here & (seen[e.nodes] != ABSENT)).any(axis=1)
+        sticks = (p.no_slip_all[e.nodes] == 1).all(axis=1)
+        u = np.where(sticks[:, None], p.u_all[e.nodes].mean(axis=1), e.velocity)
+        state = np.where(there, np.where(sticks, STICKS, SLIPS), GONE).astype(np.int8)
+        # the velocity of free water is not known on a convex edge, whose nodes carry no row
+        unknown = (p.kind_all == WALL) & (p.edge_all == CONVEX) & (p.no_slip_all == 0)
+        return np.where(unknown, np.int8(ABSENT), seen), Solids(e.corners, u, state, e.indptr, e.indices)
 
     def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:
         self._complete(density.completed_density, out, flow, least)

@@ -49,6 +49,11 @@ class WallElements:
         self._place()
 
     @property
+    def edges(self) -> np.ndarray:
+        """What edges the corners of the elements near this rank's particles are, (M, dim) int8 (geometry.mesh)."""
+        return self.mesh.edge[self.mesh.elements[self._near]]
+
+    @property
     def moving(self) -> bool:
         """Whether any wall moves."""
         return bool(self._moving)

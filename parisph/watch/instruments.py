@@ -10,8 +10,10 @@ import numpy as np
 
 from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, agree
+from parisph.base.fields import WET
 from parisph.case import probes
 from parisph.case.schema import Case
+from parisph.geometry.mesh import CONCAVE, CONVEX
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
 from parisph.watch.body_force import force_on
@@ -96,7 +98,14 @@ class Energy(Sampler):
     def _current_volumes(self, view):
         p, d, s = view.particles, view.domain, self.scene
         volume, reach = np.empty(p.n_owned), min(d.radius, CELL * s.spacing)
-        current_volumes(volume, p.x_all, p.kind_all, p.role_all, *s.walls, s.spacing, reach, d.indptr, d.indices)
+        e, role, planes = d.elements, p.role_all, s.walls
+        if e is None:
+            none = np.zeros(0, np.int32)
+            walls = np.empty((0, 2, 2)), np.empty((0, 2), bool), np.zeros(p.n_owned + 1, np.int32), none
+        else:
+            role, planes = _with_edges(role, e.nodes, e.edges), (np.full(2, -np.inf), np.full(2, np.inf))
+            walls = e.corners, e.edges == CONCAVE, e.indptr, e.indices
+        current_volumes(volume, p.x_all, p.kind_all, role, *planes, s.spacing, reach, *walls, d.indptr, d.indices)
         return volume
 
     def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
@@ -105,6 +114,16 @@ class Energy(Sampler):
             kinetic, potential = self.scene.density * kinetic, self.scene.density * potential
             found += kinetic, potential, kinetic + potential, volume
         return found[:3] + found[4:]    # the volumes at the start add up to a constant
+
+
+def _with_edges(role, nodes, edges):
+    """Return roles (n_all,) in which nodes on convex edges, which are always dry, are wet beside a wet node."""
+    found, there = role.copy(), (nodes >= 0).all(axis=1)
+    for end in (0, 1):
+        wet = there & (edges[:, end] == CONVEX)
+        wet[wet] = role[nodes[wet, 1 - end]] == WET
+        found[nodes[wet, end]] = WET
+    return found
 
 
 class Momentum(Sampler):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph import StillWater
 from parisph.base import memory
 from parisph.base.errors import CaseError
 from parisph.case import elsewhere
@@ -31,6 +32,14 @@ def test_every_case_is_described(path):
     lines = dict(line.split(None, 1) for line in describe(case).splitlines()
                  if not line.startswith(("end time", " ")))
     assert lines["case"] and "fluid" in lines["particles"] and "solve" in lines["stages"] and "MB" in lines["memory"]
+
+
+def test_a_part_that_other_walls_do_not_have_is_refused_by_the_check_too():
+    tank = scene("hydrostatic").changed(**{"numerics.method": "Z14_ISPH_R"})
+    still = tank.changed(**{"fluid.shape": StillWater(tank.fluid_bounds[1][1])})
+    assert describe(tank)
+    with pytest.raises(CaseError, match="numerics.surface_rule = auxiliary: works in a scene of one Tank .* than Z14"):
+        describe(still)
 
 
 def test_stages_are_those_that_the_scene_has():

@@ -5,6 +5,7 @@ import pytest
 
 from parisph.base.fields import ABSENT, FLUID, SURFACE, WALL
 from parisph.kernels import surface_stress, viscous
+from parisph.kernels.moving_mirrors import no_solids
 from tests.pools import block, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -17,8 +18,8 @@ def found(pool, u, nu=1.0, no_slip=0):
     s, out, tension = pool.spacing, np.full((pool.n, pool.dim), np.nan), np.full(pool.n, np.nan)
     nu, slip = np.broadcast_to(nu, pool.n) + 0.0, ((pool.kind == WALL) * np.asarray(no_slip)).astype(np.int8)
     fields = u, nu, *pool.walls, pool.role, slip
-    viscous.corrected(out, *fields, RADIUS * s, H * s, s**pool.dim, *pool.csr)
-    surface_stress.stress_free(out, tension, *fields, RADIUS * s, *pool.csr)
+    viscous.corrected(out, *fields, RADIUS * s, H * s, s**pool.dim, no_solids(pool.dim), *pool.csr)
+    surface_stress.stress_free(out, tension, *fields, RADIUS * s, no_solids(pool.dim), *pool.csr)
     return out, tension
 
 
@@ -45,7 +46,8 @@ def test_a_drop_that_turns_as_one_body_feels_nothing(dim, jitter):
     felt = np.abs(out).max(axis=1) > 1e-10
     assert not np.any(felt[drop & ~top]) and felt[top].mean() <= (0.17 if jitter else 0.0)
     np.testing.assert_allclose(tension, 0.0, atol=1e-9)
-    viscous.morris(out, u, np.ones(pool.n), *pool.walls, np.zeros(pool.n, np.int8), H, 1.0, *pool.csr)
+    viscous.morris(out, u, np.ones(pool.n), *pool.walls, np.zeros(pool.n, np.int8), H, 1.0, no_solids(dim),
+                   *pool.csr)
     assert np.all(np.abs(out[top]).max(axis=1) > 0.1)
 
 
@@ -97,7 +99,7 @@ def test_ill_supported_particles_keep_what_they_have():
     pool.role[:] = SURFACE
     out, tension = np.full((pool.n, 2), 5.0), np.full(pool.n, 5.0)
     surface_stress.stress_free(out, tension, pool.x.copy(), np.ones(pool.n), *pool.walls, pool.role,
-                               np.zeros(pool.n, np.int8), RADIUS, *pool.csr)
+                               np.zeros(pool.n, np.int8), RADIUS, no_solids(pool.dim), *pool.csr)
     assert np.all(out == 5.0) and np.all(tension == 0.0)
 
 

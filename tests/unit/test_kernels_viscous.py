@@ -5,6 +5,7 @@ import pytest
 
 from parisph.base.fields import ABSENT, BALLISTIC, FLUID, WALL
 from parisph.kernels import viscous
+from parisph.kernels.moving_mirrors import no_solids
 from tests.manufactured import orders
 from tests.pools import block, monomials, tank
 
@@ -19,9 +20,9 @@ def found(form, pool, u, nu=1.0, no_slip=1):
     fields = u, np.broadcast_to(nu, pool.n) + 0.0, *pool.walls
     slip = ((pool.kind == WALL) * np.asarray(no_slip)).astype(np.int8)
     if form is viscous.morris:
-        form(out, *fields, slip, H * s, s**pool.dim, *pool.csr)
+        form(out, *fields, slip, H * s, s**pool.dim, no_solids(pool.dim), *pool.csr)
     else:
-        form(out, *fields, pool.role, slip, RADIUS * s, H * s, s**pool.dim, *pool.csr)
+        form(out, *fields, pool.role, slip, RADIUS * s, H * s, s**pool.dim, no_solids(pool.dim), *pool.csr)
     return out
 
 

@@ -9,6 +9,8 @@ from parisph import (
     Case,
     CaseError,
     ColumnHeight,
+    Disc,
+    Energy,
     Fluid,
     Numerics,
     Obstacle,
@@ -18,6 +20,7 @@ from parisph import (
     Profile,
     Roll,
     RunUp,
+    Simulation,
     StillWater,
     SurfaceGauge,
     Sway,
@@ -27,6 +30,7 @@ from parisph import (
 )
 from parisph.base.fields import WALL, WET
 from parisph.geometry import scene_checks
+from parisph.watch.instruments import build, sample_all
 from tests.watched import DENSITY, G, Watch
 
 S, LEVEL = 0.05, 0.6
@@ -148,3 +152,19 @@ def test_places_that_no_fluid_comes_to_are_refused(walls, probe, words):
 ])
 def test_places_that_fluid_comes_to_are_not(walls, probe):
     scene_checks.check(scene(walls, [probe]))
+
+
+@pytest.mark.parametrize("walls, area", [
+    (Profile([(0.0, 1.0), (0.6, 0.0), (1.4, 0.0), (2.4, 1.0)]), 0.768),
+    ((TANK, Obstacle(Box(0.4, 0.2, at=(0.8, 0.0)))), 1.12),
+    ((TANK, Obstacle(Disc(0.1, at=(1.0, 0.25)))), 1.2 - 0.01 * np.pi),
+    ((TANK, PLATE), 1.2),
+    ((TANK, MAKER), 0.9),
+])
+def test_current_volumes_end_at_walls_of_any_shape(walls, area):
+    simulation = Simulation(scene(walls, [Energy("e", current=True)]), MPI.COMM_SELF)
+    simulation.solve_start()
+    found = sample_all(build(simulation.case, simulation.comm), simulation.particles, simulation.domain, 0.0)["e"]
+    simulation.destroy()
+    assert found[6] == pytest.approx(area, rel=6e-3)
+    assert found[4] == pytest.approx(found[1], rel=1.5e-2)

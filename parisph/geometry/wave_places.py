@@ -1,0 +1,49 @@
+"""Whether wavemakers and zones make their waves in water as deep as these waves need (2D)."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from parisph.case.absorb import Relaxation
+from parisph.case.bodies import Flap, Piston
+from parisph.case.motion import AtRest
+from parisph.case.scene import Scene
+from parisph.case.scenery import body_names
+from parisph.geometry.columns import beds
+from parisph.geometry.outline import Wall, outline_of
+
+CLOSE = 0.01    # of the depth of a wave: how far the water may differ
+PLACES = 9      # along a zone
+
+
+def faults(case: Scene, walls: Sequence[Wall]) -> Iterator[str]:
+    """Yield one line for each wave that is made in water of another depth.
+
+    walls : geometry.standing.standing of the case
+    """
+    for name, maker, face in zip(body_names(case.bodies), case.bodies, walls):
+        if isinstance(maker, (Piston, Flap)) and maker.wave is not None:
+            bed = float(np.min(np.array(face.points)[:, 1]))
+            if isinstance(maker, Flap) and maker.bed is not None:
+                bed = maker.bed
+            yield from _depth(case, f"walls, {name}", maker.wave.depth, np.array([maker.place]), np.array([bed]), None)
+    resting = [outline_of(wall) for wall in walls if isinstance(wall.motion, AtRest)]
+    for number, zone in enumerate(case.absorb):
+        if isinstance(zone, Relaxation) and resting:
+            x = np.linspace(zone.start, zone.end, PLACES + 2)[1:-1]
+            corners = np.concatenate([np.stack([outline.starts, outline.ends], axis=1) for outline in resting])
+            yield from _depth(case, f"absorb[{number}]", zone.wave.depth, x, beds(corners, x, np.inf), zone.level)
+
+
+def _depth(case, where, depth, x, bed, level) -> Iterator[str]:
+    """Compare the depth of a wave with those of the water at places x (n,) above beds (n,) [m]."""
+    if level is None:
+        boxes = [case.bounds_of(fluid) for fluid in case.fluids]
+        tops = [top[-1] for low, top in boxes if np.any((x >= low[0] - 1e-9) & (x <= top[0] + 1e-9))]
+        if not tops:
+            return
+        level = max(tops)
+    deep = level - bed
+    if not deep.min() - CLOSE * depth <= depth <= deep.max() + CLOSE * depth:
+        there = f"{deep.min():g}" if np.ptp(deep) <= CLOSE * depth else f"{deep.min():g} to {deep.max():g}"
+        yield f"{where}: wave.depth = {depth:g}: the water is {there} m deep there; change one of them"
