@@ -31,6 +31,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
     parameters : {name: value} of the case file (case.load.arguments), which --set can change
     """
     scene_checks.check(case)
+    _parts(case).check(case.dim, case.plain)
     numerics = case.numerics.resolved()
     count = build.counts(case)
     expected = scales.expected(case)
@@ -99,9 +100,12 @@ def _memory(particles: int) -> str:
 
 def stages(case: Case) -> list[str]:
     """Return the names of the stages that a step of this case has, in order."""
-    parts = catalogue.parts_of(case.complete_numerics(), case.viscosity, case.turns, bool(case.absorb))
-    names: list[str] = parts.stages(case.closed)
+    names: list[str] = _parts(case).stages(case.closed)
     return names
+
+
+def _parts(case: Case) -> Any:
+    return catalogue.parts_of(case.complete_numerics(), case.viscosity, case.turns, bool(case.absorb))
 
 
 def _text(name: str, value: Any) -> str:

@@ -36,11 +36,16 @@ from parisph.methods.parts import (
     Gradient,
     Laplacian,
     Part,
+    Registry,
     Regulariser,
     Source,
     Surface,
     WallRows,
 )
+
+WORDS: dict[str, Registry[Any]] = {    # the fields of Numerics that name one part
+    "laplacian": LAPLACIANS, "divergence": DIVERGENCES, "wall_rows": WALL_ROWS, "gradient": GRADIENTS,
+    "surface_gradient": SURFACE_GRADIENTS, "surface_rule": SURFACES, "source": SOURCES}
 
 
 @dataclass(frozen=True)
@@ -132,14 +137,36 @@ class Parts:
 
         plain : whether the walls are those of a tank alone
         """
-        for part in self:
+        for field, part in self._asked():
             if not (plain or part.shapes):
-                raise CaseError(f"{part.name!r} works in a scene of one Tank with one Box, Disc or Polygon only: "
-                                "choose another part")
+                raise CaseError(f"{field}: works in a scene of one Tank with one Box, Disc or Polygon only, and this "
+                                f"scene has other walls or fluid; {self._remedy(part, dim, plain)}")
             if dim not in part.dims:
                 known = " and ".join(f"{n}D" for n in part.dims)
-                raise CaseError(f"{part.name!r} works in {known} only, and this scene has {dim} dimensions: "
-                                "choose another part")
+                raise CaseError(f"{field}: works in {known} only, and this scene has {dim} dimensions; "
+                                f"{self._remedy(part, dim, plain)}")
+
+    def _asked(self) -> Iterator[tuple[str, Part]]:
+        """Yield the parts, each with what of the case asks for it."""
+        n = self.numerics
+        for field in WORDS:
+            word = getattr(n, field)
+            own = f", of method {n.method}" if METHODS[n.method].values.get(field) == word else ""
+            yield f"numerics.{field} = {word}{own}", WORDS[field][word]
+        for force in self.forces:
+            yield ("fluid.viscosity or numerics.smagorinsky" if force.viscous else f"numerics.forces = {force.name}",
+                   force)
+        for part in self.regularisers:
+            yield f"numerics.regularisers = {part.name}", part
+
+    def _remedy(self, part: Part, dim: int, plain: bool) -> str:
+        """Return what to do about a part that does not work."""
+        field = next((field for field in WORDS if WORDS[field].get(part.name) is part), None)
+        if field is None:
+            return "leave it out" if not getattr(part, "viscous", False) else "leave them out"
+        fit = [name for name, other in WORDS[field].items() if (plain or other.shapes) and dim in other.dims
+               and not (field == "surface_rule" and name == "none")]
+        return f"give numerics.{field} = {' or '.join(fit)}, or choose another method"
 
 
 class CompressibleParts:
