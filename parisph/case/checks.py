@@ -25,6 +25,7 @@ from parisph.case.shapes import Box
 from parisph.case.values import LARGEST
 
 SOUND = 10.0    # speed of sound of weakly compressible fluid, over the fastest speed to expect
+LEAP = 0.5      # spacings that a wall may move in a fixed time step
 ABSURD = 10.0   # a fixed time step this many times the stable one is taken for a mistake
 LEAST = 4       # particles in a body of fluid
 FAR = 1e9       # spacings from the origin at which float64 still tells places apart well
@@ -292,6 +293,11 @@ def _times(case: Scene) -> Iterator[str]:
             f"numerics.time_step = {dt:g} s: is {dt / limit:.0f} times the step of {limit:.3g} s that {reason}; "
             "use a smaller one, or None to adapt it"
         )
+    speed = scenery.wall_speed(case)
+    if dt is not None and speed * dt > LEAP * case.numerics.spacing:
+        yield (f"numerics.time_step = {dt:g} s: a wall at its greatest speed of {speed:.3g} m/s moves "
+               f"{speed * dt / case.numerics.spacing:.2g} spacings in a step, at most {LEAP:g}; use at most "
+               f"{LEAP * case.numerics.spacing / speed:.2g} s, or None to adapt it")
     for name, value in (("numerics.time_step", dt), ("numerics.max_time_step", case.numerics.max_time_step)):
         if value is not None and value > case.end_time:
             yield f"{name} = {value:g} s: is longer than the run, end_time = {case.end_time:g} s"

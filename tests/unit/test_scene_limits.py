@@ -26,6 +26,7 @@ from parisph.base.errors import CaseError
 from parisph.case.motion import AtRest, Moved
 from parisph.driver.preview import describe
 from parisph.geometry import build, scene_checks
+from parisph.geometry.standing import standing
 
 S = 0.05
 TANK = Tank(2.0, 1.0)
@@ -121,3 +122,44 @@ def test_walls_that_slide_along_others_are_fine(walls):
 ])
 def test_walls_that_move_too_near_to_others_warn(walls, words):
     assert words in "\n".join(scene_checks.warnings(scene(walls, end_time=3.0)))
+
+
+SILL = Obstacle(Box(0.2, 0.2, at=(1.0, 0.0)), name="sill")
+
+
+@pytest.mark.parametrize("make, words", [
+    (lambda: scene((TANK, SILL), numerics={"method": "Z14_ISPH_R"}), "numerics.surface_rule = auxiliary, of method "
+     "Z14_ISPH_R: works in a scene of one Tank with one Box, Disc or Polygon only, and this scene has other walls or "
+     "fluid; give numerics.surface_rule = gap or "),
+    (lambda: scene((TANK, SILL), numerics={"surface_rule": "divergence"}), "numerics.surface_rule = divergence: works"),
+    (lambda: scene((TANK, Obstacle(Box(0.001, 0.001, at=(1.0, 0.1)), name="grain"))),
+     "walls, grain: is 0.0005 m thick, 0.01 spacings, must be at least 0.1, 0.005 m; give a Plate"),
+    (lambda: scene((Profile([(0.0, 1.0), (0.0, 0.1), (1.0, 0.1)], name="one"),
+                    Profile([(1.0, 0.1), (2.0, 0.0), (2.0, 1.0)], name="two"))),
+     "walls, one and two: both end at (1, 0.1), and one lies behind the other, as a Profile goes on straight beyond "
+     "its ends; give them as one Profile"),
+])
+def test_what_run_refuses_check_refuses_in_words_of_the_case(make, words):
+    said = refused(make())
+    assert said.startswith(words) and "\n" not in said
+
+
+@pytest.mark.parametrize("make, words", [
+    (lambda: Piston(at=0.2, wave=Airy(0.1, 5.0, 0.4)).moved, "as motion a PistonStroke with second_order=False"),
+    (lambda: scene((TANK, Piston(at=0.4, motion=Sway(0.3, 20.0), side="right")), numerics={"time_step": 0.02}),
+     "numerics.time_step = 0.02 s: a wall at its greatest speed of 6 m/s moves 2.4 spacings in a step, at most 0.5; "
+     "use at most 0.0042 s, or None to adapt it"),
+])
+def test_what_a_case_cannot_have_is_said_when_it_is_made(make, words):
+    with pytest.raises(CaseError) as error:
+        make()
+    assert words in str(error.value)
+
+
+@pytest.mark.parametrize("others, foot", [
+    ((), 0.0), ((Obstacle(Box(0.4, 0.1, at=(0.0, 0.5))),), 0.0),
+    ((Obstacle(Box(0.4, 0.1)), Obstacle(Box(0.4, 0.1, at=(0.0, 0.1)))), 0.2),
+])
+def test_a_piston_stands_on_the_bed_not_on_what_hangs_above(others, foot):
+    face = standing(scene((TANK, *others, piston(0.1))))[-1]
+    assert min(y for _, y in face.points) == pytest.approx(foot)
