@@ -16,6 +16,7 @@ GAP = 2.0        # spacings: fluid between walls that are nearer has no particle
 THIN = 0.1       # spacings: in front of thinner solids is what is behind them
 WEDGE = 15.0     # degrees: in a sharper corner particles see too little fluid
 SHORT = 0.6      # spacings: a shorter element crowds its nodes
+PAIRS = 2**20    # of an element and a piece that are looked at in one go
 NEAR = 0.02      # spacings: so far in front of an element its fluid is looked for
 
 
@@ -74,27 +75,36 @@ def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[float, np.nda
     It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
     another.
     """
-    if not chains:
-        return np.inf, np.full(2, np.nan), -1, -1
-    a, b, owner = _pieces(chains)
-    normal = area_vectors(np.stack([a, b], axis=1))
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    corners = mesh.corners()
-    middle, way = corners.mean(axis=1), area_vectors(corners)
-    way = way / np.linalg.norm(way, axis=1)[:, None]
     best = np.inf, np.full(2, np.nan), -1, -1
-    for m, n, body in zip(middle, way, mesh.element_body):
-        e = b - a
-        slant = n[0] * e[:, 1] - n[1] * e[:, 0]
+    if not chains or not len(mesh.elements):
+        return best
+    a, b, owner = _pieces(chains)
+    corners = mesh.corners()
+    middle, way = corners.mean(axis=1), _unit_normals(corners)
+    normal, e = _unit_normals(np.stack([a, b], axis=1)), b - a
+    rows = max(PAIRS // len(a), 1)
+    for low in range(0, len(middle), rows):
+        m, n = middle[low : low + rows, None], way[low : low + rows, None]
+        apart, slant = a - m, n[..., 0] * e[:, 1] - n[..., 1] * e[:, 0]
         with np.errstate(divide="ignore", invalid="ignore"):
-            t = ((a - m)[:, 0] * e[:, 1] - (a - m)[:, 1] * e[:, 0]) / slant
-            u = ((a - m)[:, 0] * n[1] - (a - m)[:, 1] * n[0]) / slant
-        hit = (t > 1e-9) & (u >= 0.0) & (u <= 1.0) & (normal @ n < 0.0)
-        if hit.any():
-            first = np.flatnonzero(hit)[np.argmin(t[hit])]
-            if t[first] < best[0] and not _meet(a, b, first, m):
-                best = float(t[first]), m + 0.5 * t[first] * n, int(body), int(owner[first])
+            t = (apart[..., 0] * e[:, 1] - apart[..., 1] * e[:, 0]) / slant
+            u = (apart[..., 0] * n[..., 1] - apart[..., 1] * n[..., 0]) / slant
+        hit = (t > 1e-9) & (u >= 0.0) & (u <= 1.0) & (way[low : low + rows] @ normal.T < 0.0)
+        t = np.where(hit, t, np.inf)
+        first = t.argmin(axis=1)
+        gap = t[np.arange(len(t)), first]
+        for k in np.argsort(gap, kind="stable"):    # the least first, so that few are looked at
+            if not gap[k] < best[0]:
+                break
+            if not _meet(a, b, first[k], middle[low + k]):
+                best = (float(gap[k]), middle[low + k] + 0.5 * gap[k] * way[low + k],
+                        int(mesh.element_body[low + k]), int(owner[first[k]]))
     return best
+
+
+def _unit_normals(corners):
+    normal = area_vectors(corners)
+    return normal / np.linalg.norm(normal, axis=1)[:, None]
 
 
 def _meet(a, b, piece, m):

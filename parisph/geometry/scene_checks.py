@@ -14,7 +14,7 @@ from parisph.case.scenery import fluid_names
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
 from parisph.geometry import feasible
-from parisph.geometry.build import domain, fillings, samples
+from parisph.geometry.build import domain, fillings, volume
 from parisph.geometry.distance import nearest
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.mesh import WallMesh, chains_of, wall_mesh
@@ -83,13 +83,10 @@ def facts(case: Case) -> Facts | None:
     gap, _, one, other = feasible.thinnest_gap(*feasible.resting(mesh, chains))
     names = [body.name for body in mesh.bodies]
     fills = fillings(case, walls, mesh)
-    box = domain(case)
-    far = float(np.ptp(box)) + 1.0
-    volume = sum(float(part.sum()) for _, part in samples(case, box[0] - far, box[1] + far))
     lattice = sum(fill.count * float(fill.step.prod()) for fill in fills)
     shores = [angle for angle, _, _ in feasible.shores(mesh, [fluid.top for fluid in case.fluids])]
     wedge = min([float(np.degrees(chain.angle.min())) for chain in chains] + shores)
-    return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume, lattice)
+    return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume(case), lattice)
 
 
 def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:

@@ -26,6 +26,7 @@ from parisph.base.errors import CaseError
 from parisph.case.motion import AtRest, Moved
 from parisph.driver.preview import describe
 from parisph.geometry import build, scene_checks
+from parisph.geometry.columns import overlapping
 from parisph.geometry.standing import standing
 
 S = 0.05
@@ -163,3 +164,25 @@ def test_what_a_case_cannot_have_is_said_when_it_is_made(make, words):
 def test_a_piston_stands_on_the_bed_not_on_what_hangs_above(others, foot):
     face = standing(scene((TANK, *others, piston(0.1))))[-1]
     assert min(y for _, y in face.points) == pytest.approx(foot)
+
+
+@pytest.mark.parametrize("fluid", [WATER, Fluid(StillWater(0.4), 1000.0, elevation="0.1*cos(pi*x) + 0.02"),
+                                   (Fluid(Box(0.5, 0.5), 1000.0), WATER)])
+def test_exact_volume_is_that_of_all_places(fluid):
+    case = scene((TANK, SILL), fluid)
+    assert build.volume(case) == pytest.approx(sampled(case), rel=1e-9)
+
+
+@pytest.mark.parametrize("some", [1, 50, 10**6])
+def test_all_boxes_that_overlap_are_found_once(some):
+    lower = np.random.default_rng(1).random((60, 2))
+    upper = lower + 0.2 * np.random.default_rng(2).random((60, 2))
+    found = [tuple(sorted(pair)) for one, other in overlapping(lower, upper, some) for pair in zip(one, other)]
+    expected = [(i, j) for i in range(60) for j in range(i + 1, 60)
+                if np.all(lower[i] <= upper[j]) and np.all(lower[j] <= upper[i])]
+    assert sorted(found) == expected
+
+
+def test_the_mesh_of_the_same_walls_is_made_once():
+    case = scene((TANK, SILL))
+    assert build.scene_mesh(case) is build.scene_mesh(case.changed(end_time=2.0))
