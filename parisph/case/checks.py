@@ -160,7 +160,11 @@ def _inside(case: Scene) -> Iterator[str]:
     what = "the tank" if case.plain else "the walls"
     tolerance = FIT * case.numerics.spacing
     for name, fluid in fluid_names(case):
-        if not isinstance(fluid.shape, StillWater):    # which is where the walls are
+        if isinstance(fluid.shape, StillWater):    # which is where the walls are
+            if case.tank is not None and case.tank.closed and fluid.top > case.tank.bounds[1][-1] + tolerance:
+                yield (f"{name}.shape.level = {fluid.top:g}: is above the lid of the tank, must be at most "
+                       f"{case.tank.bounds[1][-1]:g}")
+        else:
             yield from _within(case, f"{name}.shape", fluid.shape.bounds, what, tolerance)
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from parisph.base.arrays import Ints
 from parisph.base.errors import ParticleLost, agree
 from parisph.base.fields import FLUID
 from parisph.geometry.distance import heights
@@ -29,7 +30,7 @@ def find(domain: Domain) -> None:
     agree(p.comm, _loss(p, elements, lost, worst) if len(lost) else None)
 
 
-def _loss(p: Particles, elements: WallElements, lost: np.ndarray, worst: float) -> ParticleLost:
+def _loss(p: Particles, elements: WallElements, lost: Ints, worst: float) -> ParticleLost:
     more = f", and {len(lost) - 1} more" if len(lost) > 1 else ""
     name = elements.name_near(p.x[lost[0]])
     return ParticleLost(f"particle {p.id[lost[0]]} at {np.round(p.x[lost[0]], 6).tolist()} m: in {name}, or behind it, "

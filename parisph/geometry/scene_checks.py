@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.base.errors import CaseError
+from parisph.case.bodies import StillWater
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
 from parisph.case.motion import Rotation
@@ -19,6 +20,7 @@ from parisph.geometry.distance import nearest
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.mesh import WallMesh, chains_of, wall_mesh
 from parisph.geometry.outline import Wall, in_fluid, outline_of
+from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.standing import standing
 
 TAP = 0.25      # spacings: a pressure tap this near to a wall is on it, as discs have flat elements
@@ -62,7 +64,7 @@ def faults(case: Case) -> list[str]:
         return [str(error)]
     found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
                             [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
-    return found or [*_reached(case, walls), *_probes(case, walls)]
+    return found or [*_full(case, walls), *_reached(case, walls), *_probes(case, walls)]
 
 
 def warnings(case: Case) -> list[str]:
@@ -123,10 +125,26 @@ def _amount(wall: Wall, value: float) -> str:
     return f"{abs(value):.3g} {'rad' if isinstance(wall.motion, Rotation) else 'm'}"
 
 
+def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Tanks that other fluid than still water fills up to the lid: they are not known to be closed."""
+    if case.closed or not _at_lid(case):
+        return
+    tank, s = case.tank, case.numerics.spacing
+    top, width = float(tank.bounds[1][1]), tank.width
+    if fluid_area(StillWater(level=top), walls, *domain(case), s) - volume(case) < 0.5 * s * width:
+        yield (f"fluid: it fills the tank up to its lid at y = {top:g}, and none of it has a surface; give "
+               f"StillWater(level={top:g}), which is computed without one, or leave at least a spacing of air, "
+               f"{s:g} m")
+
+
+def _at_lid(case: Case) -> bool:
+    tank = case.tank
+    return tank is not None and tank.closed and case.fluid_bounds[1][1] > tank.bounds[1][1] - case.numerics.spacing
+
+
 def _airless(case: Case) -> Iterator[str]:
     """Fluid up to a lid, in a scene that is not known to be full."""
-    tank, s = case.tank, case.numerics.spacing
-    if tank is not None and tank.closed and case.fluid_bounds[1][1] > tank.bounds[1][1] - s:
+    if not case.closed and _at_lid(case):
         yield "the fluid reaches the lid: leave a spacing of air, where its surface is to be"
 
 

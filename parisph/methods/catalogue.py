@@ -9,6 +9,7 @@ from parisph.base.errors import CaseError
 from parisph.base.fields import FieldSet
 from parisph.case.methods import METHODS
 from parisph.case.numerics import Numerics
+from parisph.case.presets import PRESETS
 from parisph.methods import (  # noqa: F401 (they register)
     absorbing,
     forces,
@@ -157,13 +158,16 @@ class Parts:
             yield ("fluid.viscosity or numerics.smagorinsky" if force.viscous else f"numerics.forces = {force.name}",
                    force)
         for part in self.regularisers:
-            yield f"numerics.regularisers = {part.name}", part
+            own = f", of preset {n.preset}" if part.name in PRESETS[n.preset].get("regularisers", ()) else ""
+            yield f"numerics.regularisers = {part.name}{own}", part
 
     def _remedy(self, part: Part, dim: int, plain: bool) -> str:
         """Return what to do about a part that does not work."""
         field = next((field for field in WORDS if WORDS[field].get(part.name) is part), None)
         if field is None:
-            return "leave it out" if not getattr(part, "viscous", False) else "leave them out"
+            if isinstance(part, Regulariser):
+                return "choose another preset, or give numerics.regularisers without it"
+            return "leave them out" if getattr(part, "viscous", False) else "leave it out"
         fit = [name for name, other in WORDS[field].items() if (plain or other.shapes) and dim in other.dims
                and not (field == "surface_rule" and name == "none")]
         return f"give numerics.{field} = {' or '.join(fit)}, or choose another method"

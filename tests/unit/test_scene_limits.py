@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 
 from parisph import (
     Airy,
@@ -23,7 +24,9 @@ from parisph import (
     Tank,
 )
 from parisph.base.errors import CaseError
+from parisph.base.fields import FLUID
 from parisph.case.motion import AtRest, Moved
+from parisph.driver import Simulation
 from parisph.driver.preview import describe
 from parisph.geometry import build, scene_checks
 from parisph.geometry.columns import overlapping
@@ -186,3 +189,40 @@ def test_all_boxes_that_overlap_are_found_once(some):
 def test_the_mesh_of_the_same_walls_is_made_once():
     case = scene((TANK, SILL))
     assert build.scene_mesh(case) is build.scene_mesh(case.changed(end_time=2.0))
+
+
+LIDDED = Tank(2.0, 1.0, lid=True)
+FULL = Fluid(StillWater(1.0), 1000.0)
+
+
+def test_still_water_up_to_the_lid_is_closed_beside_any_walls():
+    case = scene((LIDDED, box(AtRest(), at=(0.8, 0.3))), FULL, spacing=0.1)
+    assert case.closed and "null space" in describe(case) and not scene_checks.warnings(case)
+    run = Simulation(case, MPI.COMM_SELF)
+    while run.steps < 3:
+        run.advance()
+    p, fluid = run.particles, run.particles.kind == FLUID
+    head = p.p[fluid] + 9810.0 * p.x[fluid, 1]
+    assert np.ptp(head) < 1e-3 * 9810.0 and p.volume.sum() == pytest.approx(1.96)
+    run.destroy()
+
+
+@pytest.mark.parametrize("make, words", [
+    (lambda: refused(scene((LIDDED, SILL), Fluid(Box(2.0, 1.0), 1000.0))),
+     "fluid: it fills the tank up to its lid at y = 1, and none of it has a surface; give StillWater(level=1), which"),
+    (lambda: refused(scene((LIDDED, SILL), FULL, numerics={"preset": "closed"})),
+     "numerics.regularisers = shift_tensile, of preset closed: works in a scene of one Tank"),
+])
+def test_full_tanks_that_are_not_computed_are_refused(make, words):
+    assert words in make()
+
+
+@pytest.mark.parametrize("walls, fluid, words", [
+    (LIDDED, Fluid(StillWater(1.5), 1000.0),
+     "fluid.shape.level = 1.5: is above the lid of the tank, must be at most 1"),
+    ((LIDDED, piston(0.1)), FULL, "walls, piston: the fluid fills the tank up to its lid, and has no room for"),
+])
+def test_full_tanks_that_cannot_be(walls, fluid, words):
+    with pytest.raises(CaseError) as error:
+        scene(walls, fluid)
+    assert words in str(error.value)
