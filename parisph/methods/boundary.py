@@ -1,6 +1,6 @@
 """What walls are to the parts of a method: they complete sums of kernels, keep fluid off, and close angular gaps.
 
-`methods.wall_images` are flat walls in which fluid is mirrored, `methods.wall_elements` walls of any shape.
+`methods.wall_images` are flat walls in which fluid is mirrored, `methods.wall_solids` walls of any shape.
 """
 
 from abc import ABC, abstractmethod
