@@ -113,7 +113,7 @@ def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
                    f"{met.distance / feasible.GAP:.3g}")
 
 
-def _met(walls: tuple[Wall, ...], case: Case) -> list[Encounter]:
+def _met(walls: tuple[Wall, ...], case: Case) -> tuple[Encounter, ...]:
     return encounters(walls, case.numerics.spacing, case.end_time, feasible.GAP * case.numerics.spacing)
 
 
