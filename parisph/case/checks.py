@@ -23,9 +23,10 @@ from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
 from parisph.case.shapes import Box
 from parisph.case.values import LARGEST
-from parisph.case.waves.wavefield import WaveField
+from parisph.case.waves import AnyWave
 
 SOUND = 10.0    # speed of sound of weakly compressible fluid, over the fastest speed to expect
+LEAP = 0.5      # spacings that a wall may move in a fixed time step
 ABSURD = 10.0   # a fixed time step this many times the stable one is taken for a mistake
 LEAST = 4       # particles in a body of fluid
 FAR = 1e9       # spacings from the origin at which float64 still tells places apart well
@@ -159,7 +160,11 @@ def _inside(case: Scene) -> Iterator[str]:
     what = "the tank" if case.plain else "the walls"
     tolerance = FIT * case.numerics.spacing
     for name, fluid in fluid_names(case):
-        if not isinstance(fluid.shape, StillWater):    # which is where the walls are
+        if isinstance(fluid.shape, StillWater):    # which is where the walls are
+            if case.tank is not None and case.tank.closed and fluid.top > case.tank.bounds[1][-1] + tolerance:
+                yield (f"{name}.shape.level = {fluid.top:g}: is above the lid of the tank, must be at most "
+                       f"{case.tank.bounds[1][-1]:g}")
+        else:
             yield from _within(case, f"{name}.shape", fluid.shape.bounds, what, tolerance)
 
 
@@ -252,15 +257,15 @@ def _wave(case: Scene) -> Iterator[str]:
             yield f"{name}.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
     for name, fluid in fluid_names(case):
         lower, upper = case.bounds_of(fluid)
-        deepest, wave = float((upper - lower)[-1]), fluid.wave
-        if wave and isinstance(fluid.shape, StillWater) and abs(wave.depth - deepest) > 1e-6 * wave.depth:
-            yield (f"{name}.wave.depth = {wave.depth:g}: the still water is {deepest:g} m deep where it is "
+        deepest, start = float((upper - lower)[-1]), fluid.wave
+        if start and isinstance(fluid.shape, StillWater) and abs(start.depth - deepest) > 1e-6 * start.depth:
+            yield (f"{name}.wave.depth = {start.depth:g}: the still water is {deepest:g} m deep where it is "
                    "deepest; change one of them")
 
 
-def _waves(case: Scene) -> Iterator[tuple[str, WaveField]]:
+def _waves(case: Scene) -> Iterator[tuple[str, AnyWave]]:
     """Yield the waves of a case with their names in messages: those at the start, of wavemakers and of zones."""
-    for name, fluid in _named(case):
+    for name, fluid in fluid_names(case):
         if fluid.wave is not None:
             yield f"{name}.wave", fluid.wave
     for name, body in zip(scenery.body_names(case.bodies), case.bodies):
@@ -307,6 +312,11 @@ def _times(case: Scene) -> Iterator[str]:
             f"numerics.time_step = {dt:g} s: is {dt / limit:.0f} times the step of {limit:.3g} s that {reason}; "
             "use a smaller one, or None to adapt it"
         )
+    speed = scenery.wall_speed(case)
+    if dt is not None and speed * dt > LEAP * case.numerics.spacing:
+        yield (f"numerics.time_step = {dt:g} s: a wall at its greatest speed of {speed:.3g} m/s moves "
+               f"{speed * dt / case.numerics.spacing:.2g} spacings in a step, at most {LEAP:g}; use at most "
+               f"{LEAP * case.numerics.spacing / speed:.2g} s, or None to adapt it")
     for name, value in (("numerics.time_step", dt), ("numerics.max_time_step", case.numerics.max_time_step)):
         if value is not None and value > case.end_time:
             yield f"{name} = {value:g} s: is longer than the run, end_time = {case.end_time:g} s"

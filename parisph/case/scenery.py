@@ -55,6 +55,9 @@ def _bodies(case: Scene) -> Iterator[str]:
     if makers and len(makers) == len(bodies):
         yield f"walls: a {type(makers[0]).__name__} stands on a bed; give a Tank or a Profile with it"
     for name, body in zip(body_names(bodies), bodies):
+        if case.closed and isinstance(body, (Piston, Flap)):
+            yield (f"walls, {name}: the fluid fills the tank up to its lid, and has no room for the motion of a "
+                   f"{type(body).__name__}; leave air below the lid")
         away = motion_of(body).law(0.0)[0]
         if abs(away) > CLOSE:
             yield (f"walls, {name}: its motion begins at {away:g}, must begin at 0; describe the body where it is at "

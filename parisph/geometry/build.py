@@ -23,6 +23,7 @@ from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
 from parisph.geometry.plain import lattice, plain_particles, uniform
+from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.quadrature import samples as samples_of
 from parisph.geometry.raised import raised
 from parisph.geometry.standing import standing
@@ -145,6 +146,13 @@ def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iter
             places, factor = raised(fluid, mesh, case.bounds_of(fluid), places)
             near = np.all((places >= low) & (places < high), axis=1)
             yield places[near], (volume * factor)[near]
+
+
+def volume(case: Scene) -> float:
+    """Return the exact volume [m^dim] of all fluid at the start, in a scene that is not plain."""
+    walls, mesh, box, s = standing(case), scene_mesh(case), domain(case), case.numerics.spacing
+    return sum(fluid_area(fluid.shape, walls, *box, s, (*fluid.holes, *_others(case, fluid)),
+                          lambda x, own=fluid: raised(own, mesh, case.bounds_of(own), x)[1]) for fluid in case.fluids)
 
 
 def jitter(case: Scene, number: Ints, surface: Array) -> Floats:

@@ -5,8 +5,9 @@ run: each place is looked at once, however often it is passed. Two that both mov
 on by no more than half of what is between them, so that nothing is missed.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -37,7 +38,8 @@ class Encounter:
     value: float
 
 
-def encounters(walls: Sequence[Wall], spacing: float, stop: float, below: float) -> list[Encounter]:
+@lru_cache(maxsize=4)
+def encounters(walls: tuple[Wall, ...], spacing: float, stop: float, below: float) -> tuple[Encounter, ...]:
     """Return where walls that move against each other reach each other, or come nearer than `below` [m], up to a time.
 
     One for each pair of bodies, each of which is what comes first, or else the nearest. Walls that slide along each
@@ -55,7 +57,7 @@ def encounters(walls: Sequence[Wall], spacing: float, stop: float, below: float)
                     distance, u, at = met
                     found.append(Encounter(one, other, distance, at, pair.when(u),
                                            wall.motion.law(pair.when(u))[0] if pair.timed else u))
-    return found
+    return tuple(found)
 
 
 @dataclass(frozen=True)

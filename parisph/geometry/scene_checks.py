@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.base.errors import CaseError
+from parisph.case.bodies import StillWater
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
 from parisph.case.motion import Rotation
@@ -13,10 +14,11 @@ from parisph.case.scenery import fluid_names
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
 from parisph.geometry import feasible, probe_places, wave_places
-from parisph.geometry.build import domain, fillings, samples
+from parisph.geometry.build import domain, fillings, volume
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.mesh import chains_of, wall_mesh
 from parisph.geometry.outline import Wall
+from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.standing import standing
 
 STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
@@ -57,7 +59,8 @@ def faults(case: Case) -> list[str]:
         return [str(error)]
     found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
                             [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
-    return found or [*_reached(case, walls), *probe_places.faults(case, walls), *wave_places.faults(case, walls)]
+    return found or [*_full(case, walls), *_reached(case, walls), *probe_places.faults(case, walls),
+                     *wave_places.faults(case, walls)]
 
 
 def warnings(case: Case) -> list[str]:
@@ -78,13 +81,10 @@ def facts(case: Case) -> Facts | None:
     gap, _, one, other = feasible.thinnest_gap(*feasible.resting(mesh, chains))
     names = [body.name for body in mesh.bodies]
     fills = fillings(case, walls, mesh)
-    box = domain(case)
-    far = float(np.ptp(box)) + 1.0
-    volume = sum(float(part.sum()) for _, part in samples(case, box[0] - far, box[1] + far))
     lattice = sum(fill.count * float(fill.step.prod()) for fill in fills)
     shores = [angle for angle, _, _ in feasible.shores(mesh, [fluid.top for fluid in case.fluids])]
     wedge = min([float(np.degrees(chain.angle.min())) for chain in chains] + shores)
-    return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume, lattice)
+    return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume(case), lattice)
 
 
 def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
@@ -109,7 +109,7 @@ def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
                    f"{met.distance / feasible.GAP:.3g}")
 
 
-def _met(walls: tuple[Wall, ...], case: Case) -> list[Encounter]:
+def _met(walls: tuple[Wall, ...], case: Case) -> tuple[Encounter, ...]:
     return encounters(walls, case.numerics.spacing, case.end_time, feasible.GAP * case.numerics.spacing)
 
 
@@ -121,10 +121,26 @@ def _amount(wall: Wall, value: float) -> str:
     return f"{abs(value):.3g} {'rad' if isinstance(wall.motion, Rotation) else 'm'}"
 
 
+def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Tanks that other fluid than still water fills up to the lid: they are not known to be closed."""
+    if case.closed or not _at_lid(case):
+        return
+    tank, s = case.tank, case.numerics.spacing
+    top, width = float(tank.bounds[1][1]), tank.width
+    if fluid_area(StillWater(level=top), walls, *domain(case), s) - volume(case) < 0.5 * s * width:
+        yield (f"fluid: it fills the tank up to its lid at y = {top:g}, and none of it has a surface; give "
+               f"StillWater(level={top:g}), which is computed without one, or leave at least a spacing of air, "
+               f"{s:g} m")
+
+
+def _at_lid(case: Case) -> bool:
+    tank = case.tank
+    return tank is not None and tank.closed and case.fluid_bounds[1][1] > tank.bounds[1][1] - case.numerics.spacing
+
+
 def _airless(case: Case) -> Iterator[str]:
     """Fluid up to a lid, in a scene that is not known to be full."""
-    tank, s = case.tank, case.numerics.spacing
-    if tank is not None and tank.closed and case.fluid_bounds[1][1] > tank.bounds[1][1] - s:
+    if not case.closed and _at_lid(case):
         yield "the fluid reaches the lid: leave a spacing of air, where its surface is to be"
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 
 from parisph import (
     Airy,
@@ -23,9 +24,13 @@ from parisph import (
     Tank,
 )
 from parisph.base.errors import CaseError
+from parisph.base.fields import FLUID
 from parisph.case.motion import AtRest, Moved
+from parisph.driver import Simulation
 from parisph.driver.preview import describe
 from parisph.geometry import build, scene_checks
+from parisph.geometry.columns import overlapping
+from parisph.geometry.standing import standing
 
 S = 0.05
 TANK = Tank(2.0, 1.0)
@@ -121,3 +126,103 @@ def test_walls_that_slide_along_others_are_fine(walls):
 ])
 def test_walls_that_move_too_near_to_others_warn(walls, words):
     assert words in "\n".join(scene_checks.warnings(scene(walls, end_time=3.0)))
+
+
+SILL = Obstacle(Box(0.2, 0.2, at=(1.0, 0.0)), name="sill")
+
+
+@pytest.mark.parametrize("make, words", [
+    (lambda: scene((TANK, SILL), numerics={"method": "Z14_ISPH_R"}), "numerics.surface_rule = auxiliary, of method "
+     "Z14_ISPH_R: works in a scene of one Tank with one Box, Disc or Polygon only, and this scene has other walls or "
+     "fluid; give numerics.surface_rule = gap or "),
+    (lambda: scene((TANK, SILL), numerics={"surface_rule": "divergence"}), "numerics.surface_rule = divergence: works"),
+    (lambda: scene((TANK, Obstacle(Box(0.001, 0.001, at=(1.0, 0.1)), name="grain"))),
+     "walls, grain: is 0.0005 m thick, 0.01 spacings, must be at least 0.1, 0.005 m; give a Plate"),
+    (lambda: scene((Profile([(0.0, 1.0), (0.0, 0.1), (1.0, 0.1)], name="one"),
+                    Profile([(1.0, 0.1), (2.0, 0.0), (2.0, 1.0)], name="two"))),
+     "walls, one and two: both end at (1, 0.1), and one lies behind the other, as a Profile goes on straight beyond "
+     "its ends; give them as one Profile"),
+])
+def test_what_run_refuses_check_refuses_in_words_of_the_case(make, words):
+    said = refused(make())
+    assert said.startswith(words) and "\n" not in said
+
+
+@pytest.mark.parametrize("make, words", [
+    (lambda: Piston(at=0.2, wave=Airy(0.1, 5.0, 0.4)).moved, "as motion a PistonStroke with second_order=False"),
+    (lambda: scene((TANK, Piston(at=0.4, motion=Sway(0.3, 20.0), side="right")), numerics={"time_step": 0.02}),
+     "numerics.time_step = 0.02 s: a wall at its greatest speed of 6 m/s moves 2.4 spacings in a step, at most 0.5; "
+     "use at most 0.0042 s, or None to adapt it"),
+])
+def test_what_a_case_cannot_have_is_said_when_it_is_made(make, words):
+    with pytest.raises(CaseError) as error:
+        make()
+    assert words in str(error.value)
+
+
+@pytest.mark.parametrize("others, foot", [
+    ((), 0.0), ((Obstacle(Box(0.4, 0.1, at=(0.0, 0.5))),), 0.0),
+    ((Obstacle(Box(0.4, 0.1)), Obstacle(Box(0.4, 0.1, at=(0.0, 0.1)))), 0.2),
+])
+def test_a_piston_stands_on_the_bed_not_on_what_hangs_above(others, foot):
+    face = standing(scene((TANK, *others, piston(0.1))))[-1]
+    assert min(y for _, y in face.points) == pytest.approx(foot)
+
+
+@pytest.mark.parametrize("fluid", [WATER, Fluid(StillWater(0.4), 1000.0, elevation="0.1*cos(pi*x) + 0.02"),
+                                   (Fluid(Box(0.5, 0.5), 1000.0), WATER)])
+def test_exact_volume_is_that_of_all_places(fluid):
+    case = scene((TANK, SILL), fluid)
+    assert build.volume(case) == pytest.approx(sampled(case), rel=1e-9)
+
+
+@pytest.mark.parametrize("some", [1, 50, 10**6])
+def test_all_boxes_that_overlap_are_found_once(some):
+    lower = np.random.default_rng(1).random((60, 2))
+    upper = lower + 0.2 * np.random.default_rng(2).random((60, 2))
+    found = [tuple(sorted(pair)) for one, other in overlapping(lower, upper, some) for pair in zip(one, other)]
+    expected = [(i, j) for i in range(60) for j in range(i + 1, 60)
+                if np.all(lower[i] <= upper[j]) and np.all(lower[j] <= upper[i])]
+    assert sorted(found) == expected
+
+
+def test_the_mesh_of_the_same_walls_is_made_once():
+    case = scene((TANK, SILL))
+    assert build.scene_mesh(case) is build.scene_mesh(case.changed(end_time=2.0))
+
+
+LIDDED = Tank(2.0, 1.0, lid=True)
+FULL = Fluid(StillWater(1.0), 1000.0)
+
+
+def test_still_water_up_to_the_lid_is_closed_beside_any_walls():
+    case = scene((LIDDED, box(AtRest(), at=(0.8, 0.3))), FULL, spacing=0.1)
+    assert case.closed and "null space" in describe(case) and not scene_checks.warnings(case)
+    run = Simulation(case, MPI.COMM_SELF)
+    while run.steps < 3:
+        run.advance()
+    p, fluid = run.particles, run.particles.kind == FLUID
+    head = p.p[fluid] + 9810.0 * p.x[fluid, 1]
+    assert np.ptp(head) < 1e-3 * 9810.0 and p.volume.sum() == pytest.approx(1.96)
+    run.destroy()
+
+
+@pytest.mark.parametrize("make, words", [
+    (lambda: refused(scene((LIDDED, SILL), Fluid(Box(2.0, 1.0), 1000.0))),
+     "fluid: it fills the tank up to its lid at y = 1, and none of it has a surface; give StillWater(level=1), which"),
+    (lambda: refused(scene((LIDDED, SILL), FULL, numerics={"preset": "closed"})),
+     "numerics.regularisers = shift_tensile, of preset closed: works in a scene of one Tank"),
+])
+def test_full_tanks_that_are_not_computed_are_refused(make, words):
+    assert words in make()
+
+
+@pytest.mark.parametrize("walls, fluid, words", [
+    (LIDDED, Fluid(StillWater(1.5), 1000.0),
+     "fluid.shape.level = 1.5: is above the lid of the tank, must be at most 1"),
+    ((LIDDED, piston(0.1)), FULL, "walls, piston: the fluid fills the tank up to its lid, and has no room for"),
+])
+def test_full_tanks_that_cannot_be(walls, fluid, words):
+    with pytest.raises(CaseError) as error:
+        scene(walls, fluid)
+    assert words in str(error.value)

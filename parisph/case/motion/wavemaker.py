@@ -157,7 +157,7 @@ class PistonStroke(Translation):
                 raise ValueError(
                     f"wave: height length^2/depth^3 = {ursell:.3g}, Madsen's second order holds up to "
                     f"{LONGEST_MADSEN:.3g}; "
-                    "use a shorter or lower wave, or second_order=False"
+                    "use a shorter or lower wave, or as motion a PistonStroke with second_order=False"
                 )
         return self
 
