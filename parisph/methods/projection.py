@@ -170,11 +170,12 @@ class Projection:
 
     def state(self) -> dict[str, float]:
         """Return what a checkpoint needs beside the particles. Not collective."""
-        return {"acceleration": self.flow.top_acceleration}
+        return {"acceleration": self.flow.top_acceleration, "mean_acceleration": self.flow.mean_acceleration}
 
     def resume(self, state: dict) -> None:
         """Continue from the state in a checkpoint. Not collective."""
         self.flow.top_acceleration = state.get("acceleration", 0.0)
+        self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
         self.knows_pressure = True
 
     def about(self) -> dict[str, str | None]:
@@ -363,10 +364,11 @@ class Projection:
         p, second = flow.particles, flow.position_solve
         div = np.empty(p.n_owned)
         self.rows.divergence(div, p.u_all, p.role_all)
-        inner = p.role == INNER
+        inner, fluid = p.role == INNER, p.kind == FLUID
         mine = [div[inner] @ div[inner], inner.sum(), np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC))),
-                flow.collisions]
-        squares, count, surface, collisions = p.comm.allreduce(np.array(mine, float))
+                flow.collisions, np.sqrt(flow.by_pressure[fluid]).sum(), fluid.sum()]
+        squares, count, surface, collisions, roots, particles = p.comm.allreduce(np.array(mine, float))
+        straining.remember(flow, float(roots / max(particles, 1.0)) ** 2, dt)
         again = {} if second is None else {"position_iterations": second.iterations,
                                            "position_residual": second.residual, "position_fallback": second.fallback}
         return ProjectionReport(dt, int(surface), 0, flow.budget.works(p.comm), solve.iterations,

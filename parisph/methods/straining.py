@@ -14,6 +14,8 @@ SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there i
 DOUBT = 0.02  # density error near the surface that is no more than disorder in calm fluid
 RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that, and flow half rapid
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
+MEMORY = 20.0  # time over which the mean acceleration is taken, over sqrt(s/a): longer than an impact
+WHOLE = 0.0175  # length of a step, over sqrt(s/a), in which regularisation may have its full strength
 
 FIELDS = ("grad_u", "strain_rate")
 
@@ -45,6 +47,29 @@ def finish(flow: "Flow", dt: float) -> None:
     flow.rapid = rapid(out, flow.by_pressure / flow.spacing)
     flow.doubt = DOUBT * (1.0 - flow.rapid)
     flow.strained = dt * out * out / np.maximum(out + small, np.finfo(float).tiny)
+    flow.whole = whole(flow, dt)
+
+
+def whole(flow: "Flow", dt: float) -> float:
+    """Return the part of their greatest strengths that regularisers may have in a step of dt [s], 0 to 1.
+
+    Strained fluid soon has the greatest strength. If that were one for steps of any length, short steps would do more
+    of it in a time, and lose more energy. It is in proportion to steps shorter than WHOLE sqrt(s/a), with the mean
+    acceleration a of the fluid by pressure: particles resolve nothing faster. In a full closed tank, whose pressure
+    balances any uniform force, and before a is known, it is whole.
+    """
+    a = flow.mean_acceleration
+    return min(1.0, dt / (WHOLE * np.sqrt(flow.spacing / a))) if a > 0.0 and not flow.closed else 1.0
+
+
+def remember(flow: "Flow", acceleration: float, dt: float) -> None:
+    """Take the mean acceleration [m/s^2] of a step of dt [s] into that of the last steps. Not collective.
+
+    acceleration : the square of the mean of its root, which impacts of a few particles hardly change
+    """
+    before = flow.mean_acceleration
+    share = min(1.0, dt / (MEMORY * np.sqrt(flow.spacing / before))) if before > 0.0 else 1.0
+    flow.mean_acceleration += share * (acceleration - before)
 
 
 def rapid(rate: np.ndarray, square: np.ndarray) -> np.ndarray:
@@ -60,7 +85,10 @@ def rapid(rate: np.ndarray, square: np.ndarray) -> np.ndarray:
 
 
 def strength(flow: "Flow", most: float, per_strain: float) -> np.ndarray:
-    """Return a strength (n,) in proportion to the strain of the step, at most `most`; `most` if per_strain is 0."""
+    """Return a strength (n,) in proportion to the strain of the step, at most `most` in a whole one (`whole`).
+
+    It is `most` if per_strain is 0.
+    """
     if per_strain:
-        return np.minimum(most, per_strain * flow.strained)
+        return np.minimum(flow.whole * most, per_strain * flow.strained)
     return np.full(flow.particles.n_owned, most)
