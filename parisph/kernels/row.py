@@ -51,3 +51,17 @@ def mean_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measur
         for k in range(first, first + n):
             values[k] = 1.0 / n
         count[i], measure[i] = n, 0.0
+
+
+@kernel
+def sort_rows(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> None:
+    """Sort the entries of each row of a CSR matrix by column, in place. Rows are short: by insertion."""
+    for i in range(len(indptr) - 1):
+        first = indptr[i]
+        for k in range(first + 1, indptr[i + 1]):
+            column, value = columns[k], values[k]
+            at = k
+            while at > first and columns[at - 1] > column:
+                columns[at], values[at] = columns[at - 1], values[at - 1]
+                at -= 1
+            columns[at], values[at] = column, value
