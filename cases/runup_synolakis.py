@@ -67,7 +67,8 @@ def case(
             method=method, preset=preset, spacing=spacing * d, jitter=jitter, seed=seed,
             time_step=None if time_step is None else time_step * unit,
         ),
-        output=Output(every=snapshot_every * unit, checkpoint_every=5.0 * unit),
+        # its 56 gauges would cost more than the steps
+        output=Output(every=snapshot_every * unit, checkpoint_every=5.0 * unit, probe_every=5),
         probes=[
             *(SurfaceGauge(name, at=x) for name, x in gauges.items()),
             ProbeArray("profile", [SurfaceGauge(f"at{k}", at=shore - 0.5 * k * d) for k in range(-12, 39)],

@@ -12,7 +12,7 @@ from parisph.base.paths import AnyPath
 from parisph.base.text import named
 from parisph.io.files import write_text
 from parisph.io.reader import Run
-from parisph.pictures import curves, overview
+from parisph.pictures import curves, overview, style
 from parisph.report import account, markup
 from parisph.report.entries import Cell, Table, number
 from parisph.report.page import Subject, subject
@@ -103,7 +103,7 @@ def _folder(place: Path) -> Path:
 def _picture(run: Run, path: Path) -> Path | None:
     if len(run) == 0:
         return None
-    overview.plot_small(run, _moment(run), path)
+    overview.plot_small(run, _moment(run), path, _field(run))
     return path
 
 
@@ -113,7 +113,12 @@ def _moment(run: Run) -> int:
 
 
 def _caption(run: Run) -> str:
-    return f"Pressure at t = {run.times[_moment(run)]:.4g} s"
+    return f"{_field(run).capitalize()} at t = {run.times[_moment(run)]:.4g} s"
+
+
+def _field(run: Run) -> str:
+    """Return what shows a flow best: the pressure, or the speed of a viscous one."""
+    return "speed" if any(fluid.get("viscosity") for fluid in style.fluids_of(run.case)) else "pressure"
 
 
 def _facts(about: Subject) -> Table:
@@ -125,7 +130,7 @@ def _facts(about: Subject) -> Table:
               ("steps", of(["steps"], "d")), ("to t", of(["time"], ".4g", "s")),
               ("CPU time", of(["cpu_seconds"], ".3g", "s")),
               ("volume from", of(["volume_range", "low"], "+.2%")), ("to", of(["volume_range", "high"], "+.2%"))]
-    if not about.summary.get("driven"):
+    if not about.summary.get("driven") and about.summary.get("energy_range"):
         wanted.append(("energy at most", of(["energy_range", "high"], "+.2%")))
     return Table(tuple(name for name, _ in wanted), (tuple(cell for _, cell in wanted),))
 
