@@ -15,6 +15,8 @@ from parisph.methods.wall_solids import WallSolids
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
 
+APART = 4    # times that close pairs of a jittered start are parted, until less than rounding is left
+
 
 def fields(case: Case) -> tuple[str, ...]:
     """Return the names of the fields that particles need beside such walls."""
@@ -58,5 +60,6 @@ def fill(case: Case, flow: Flow) -> None:
         filling.scatter(flow, move)
         apart = KeepApart()
         if apart.name in (case.numerics.regularisers or ()) and apart.wanted(case.numerics):
-            apart.apply(flow, 0.0)
+            for _ in range(APART):
+                apart.apply(flow, 0.0)
             d.refresh()

@@ -12,10 +12,15 @@ from parisph.case.bodies import StillWater
 from parisph.case.lattice import FIT, STRETCH, Lattice
 from parisph.case.shapes import Box, Shape, Tank
 from parisph.geometry.columns import between, crossings, gaps, near_pieces, union
-from parisph.geometry.mesh import WallMesh
+from parisph.geometry.distance import nearest
+from parisph.geometry.mesh import WallMesh, area_vectors
 from parisph.geometry.outline import Wall, corners_of, in_fluid, outline_of
 
 CUT = 0.5        # spacings: fluid is no nearer to a wall
+# The same on the surface where nothing is below: nearer to a slope of 15 degrees, its last particle slides off, by a
+# motion that grows out of rounding by 1 % in a step.
+TIP = 0.7
+LEVEL = 1e-3     # slope of a wall that is level: a thin layer on it stays
 EDGE = 0.01      # spacings: a point this near to the edge of a shape is in it
 THIN = 0.75      # spacings: a thinner box has no lattice of its own
 ROUNDING = 1e-6  # spacings: a point this much nearer to a wall than the cut still counts
@@ -59,6 +64,8 @@ class Filling:
         line, begin, end = line[kept], begin[kept], end[kept]
         middle = np.stack([line + first[0], (begin + end) // 2], axis=1)
         kept = in_fluid(self._outlines, self.position(middle))
+        if mesh is not None and isinstance(shape, StillWater):
+            kept &= ~self._in_tip(middle, begin, end, mesh)
         self._line, self._begin = line[kept], begin[kept]
         self._before = np.concatenate([[0], np.cumsum(end[kept] - begin[kept] + 1)])
         self.count = int(self._before[-1])
@@ -89,6 +96,16 @@ class Filling:
             up = s
         across = s * s / up
         return np.array([across if tank is None else tank.width / max(round(tank.width / across), 1), up])
+
+    def _in_tip(self, middle, begin, end, mesh):
+        """Return which runs are a single point of the surface where it meets a slope, too near to that, (n,) bool."""
+        found = (begin == end) & (end == 0)
+        corners = mesh.corners()
+        apart, element, _ = nearest(self.position(middle[found]), corners, self.spacing)
+        area = area_vectors(corners[element])
+        slopes = np.abs(area[:, 0]) > LEVEL * np.linalg.norm(area, axis=1)
+        found[found] = (apart < (TIP - ROUNDING) * self.spacing) & slopes
+        return found
 
     def _lift(self, x):
         return np.zeros(len(x)) if self._rise is None else self._rise(x)
