@@ -15,16 +15,18 @@ from parisph.base.text import shown
 from parisph.case import absorb, probe_checks, scenery, size
 from parisph.case.bodies import Flap, Piston, StillWater
 from parisph.case.expressions import uniform_field, vector_field
-from parisph.case.fluids import Fluid, check_components
+from parisph.case.fluids import check_components
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.methods import METHODS
 from parisph.case.motion import SHARE, Translation
 from parisph.case.scene import Scene
+from parisph.case.scenery import fluid_names
 from parisph.case.shapes import Box
 from parisph.case.values import LARGEST
-from parisph.case.waves.wavefield import WaveField
+from parisph.case.waves import AnyWave
 
 SOUND = 10.0    # speed of sound of weakly compressible fluid, over the fastest speed to expect
+LEAP = 0.5      # spacings that a wall may move in a fixed time step
 ABSURD = 10.0   # a fixed time step this many times the stable one is taken for a mistake
 LEAST = 4       # particles in a body of fluid
 FAR = 1e9       # spacings from the origin at which float64 still tells places apart well
@@ -157,8 +159,12 @@ def _inside(case: Scene) -> Iterator[str]:
         return
     what = "the tank" if case.plain else "the walls"
     tolerance = FIT * case.numerics.spacing
-    for name, fluid in _named(case):
-        if not isinstance(fluid.shape, StillWater):    # which is where the walls are
+    for name, fluid in fluid_names(case):
+        if isinstance(fluid.shape, StillWater):    # which is where the walls are
+            if case.tank is not None and case.tank.closed and fluid.top > case.tank.bounds[1][-1] + tolerance:
+                yield (f"{name}.shape.level = {fluid.top:g}: is above the lid of the tank, must be at most "
+                       f"{case.tank.bounds[1][-1]:g}")
+        else:
             yield from _within(case, f"{name}.shape", fluid.shape.bounds, what, tolerance)
 
 
@@ -217,14 +223,8 @@ def _far(case: Scene) -> Iterator[str]:
             return
 
 
-def _named(case: Scene) -> Iterator[tuple[str, Fluid]]:
-    """Yield the bodies of fluid with their names in messages: fluid, or fluid[0], fluid[1], ... of several."""
-    for number, fluid in enumerate(case.fluids):
-        yield (f"fluid[{number}]" if isinstance(case.fluid, tuple) else "fluid"), fluid
-
-
 def _elevation(case: Scene) -> Iterator[str]:
-    for name, fluid in _named(case):
+    for name, fluid in fluid_names(case):
         if not fluid.raised:
             continue
         lower, upper = case.bounds_of(fluid)
@@ -255,17 +255,19 @@ def _wave(case: Scene) -> Iterator[str]:
         own = np.array([*[0.0] * (case.dim - 1), -wave.g])
         if gravity is None or np.abs(gravity - own).max() > 1e-6 * wave.g:
             yield f"{name}.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
-    for name, fluid in _named(case):
+    for name, fluid in fluid_names(case):
         lower, upper = case.bounds_of(fluid)
-        deepest, wave = float((upper - lower)[-1]), fluid.wave
-        if wave and isinstance(fluid.shape, StillWater) and abs(wave.depth - deepest) > 1e-6 * wave.depth:
-            yield (f"{name}.wave.depth = {wave.depth:g}: the still water is {deepest:g} m deep where it is "
+        deepest, own_wave = float((upper - lower)[-1]), fluid.wave
+        if own_wave is None or not isinstance(fluid.shape, StillWater):
+            continue
+        if abs(own_wave.depth - deepest) > 1e-6 * own_wave.depth:
+            yield (f"{name}.wave.depth = {own_wave.depth:g}: the still water is {deepest:g} m deep where it is "
                    "deepest; change one of them")
 
 
-def _waves(case: Scene) -> Iterator[tuple[str, WaveField]]:
+def _waves(case: Scene) -> Iterator[tuple[str, AnyWave]]:
     """Yield the waves of a case with their names in messages: those at the start, of wavemakers and of zones."""
-    for name, fluid in _named(case):
+    for name, fluid in fluid_names(case):
         if fluid.wave is not None:
             yield f"{name}.wave", fluid.wave
     for name, body in zip(scenery.body_names(case.bodies), case.bodies):
@@ -285,7 +287,7 @@ def _sample(case: Scene) -> list[Floats]:
 def _finite(case: Scene) -> Iterator[str]:
     """Expressions must give finite numbers where there is fluid."""
     x = _sample(case)
-    asked = [(f"{name}.velocity", fluid.velocity, False, own) for (name, fluid), own in zip(_named(case), x)]
+    asked = [(f"{name}.velocity", fluid.velocity, False, own) for (name, fluid), own in zip(fluid_names(case), x)]
     for name, components, with_time, places in (*asked, ("gravity", case.gravity, True, np.concatenate(x))):
         values = vector_field(components, with_time)(places)
         for axis, component in enumerate(components):
@@ -312,6 +314,11 @@ def _times(case: Scene) -> Iterator[str]:
             f"numerics.time_step = {dt:g} s: is {dt / limit:.0f} times the step of {limit:.3g} s that {reason}; "
             "use a smaller one, or None to adapt it"
         )
+    speed = scenery.wall_speed(case)
+    if dt is not None and speed * dt > LEAP * case.numerics.spacing:
+        yield (f"numerics.time_step = {dt:g} s: a wall at its greatest speed of {speed:.3g} m/s moves "
+               f"{speed * dt / case.numerics.spacing:.2g} spacings in a step, at most {LEAP:g}; use at most "
+               f"{LEAP * case.numerics.spacing / speed:.2g} s, or None to adapt it")
     for name, value in (("numerics.time_step", dt), ("numerics.max_time_step", case.numerics.max_time_step)):
         if value is not None and value > case.end_time:
             yield f"{name} = {value:g} s: is longer than the run, end_time = {case.end_time:g} s"

@@ -10,6 +10,7 @@ from parisph.case.absorb import Absorber, AnyZone
 from parisph.case.bodies import Body, Flap, Piston, StillWater, Walls, motion_of
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import Fluid
+from parisph.case.lattice import FIT
 from parisph.case.model import Model
 from parisph.case.motion import AtRest, Frame, Rotation
 from parisph.case.numerics import Numerics, Output
@@ -147,8 +148,14 @@ class Scene(Model):
 
     @property
     def closed(self) -> bool:
-        """True for a tank with a lid that is full: no free surface, pressure up to a constant."""
+        """True for a tank with a lid that is full: no free surface, pressure up to a constant.
+
+        One with other bodies in it is full if still water reaches its lid.
+        """
         shape, tank = self.fluids[0].shape, self.tank
+        if isinstance(shape, StillWater) and tank is not None and tank.closed:
+            up_to_lid = abs(shape.level - float(tank.bounds[1][-1])) <= FIT * self.numerics.spacing
+            return up_to_lid and len(self.fluids) == 1 and not self.fluids[0].raised and not self.fluids[0].holes
         if not self.plain or tank is None or not tank.closed or not isinstance(shape, Box) or self.fluids[0].raised:
             return False
         gaps = np.abs(np.array(shape.bounds) - np.array(tank.bounds))

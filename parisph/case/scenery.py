@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from parisph.base.text import shown
 from parisph.case.bodies import Body, Flap, Piston, motion_of
+from parisph.case.fluids import Fluid
 from parisph.case.methods import METHODS
 from parisph.case.scene import Scene
 from parisph.case.shapes import Tank
@@ -15,6 +16,12 @@ CLOSE = 1e-9    # [m], [rad]: a motion begins where the body is
 def body_names(bodies: tuple[Body, ...]) -> list[str]:
     """Return the names of bodies: as given, or tank, obstacle-1, ... after their kinds and places in the list."""
     return [body.name or body.kind + (f"-{number}" if number else "") for number, body in enumerate(bodies)]
+
+
+def fluid_names(case: Scene) -> Iterator[tuple[str, Fluid]]:
+    """Yield the bodies of fluid with their names in messages: fluid, or fluid[0], fluid[1], ... of several."""
+    for number, fluid in enumerate(case.fluids):
+        yield (f"fluid[{number}]" if isinstance(case.fluid, tuple) else "fluid"), fluid
 
 
 def wall_speed(case: Scene) -> float:
@@ -48,6 +55,9 @@ def _bodies(case: Scene) -> Iterator[str]:
     if makers and len(makers) == len(bodies):
         yield f"walls: a {type(makers[0]).__name__} stands on a bed; give a Tank or a Profile with it"
     for name, body in zip(body_names(bodies), bodies):
+        if case.closed and isinstance(body, (Piston, Flap)):
+            yield (f"walls, {name}: the fluid fills the tank up to its lid, and has no room for the motion of a "
+                   f"{type(body).__name__}; leave air below the lid")
         away = motion_of(body).law(0.0)[0]
         if abs(away) > CLOSE:
             yield (f"walls, {name}: its motion begins at {away:g}, must begin at 0; describe the body where it is at "

@@ -104,7 +104,7 @@ def stages(case: Case) -> list[str]:
     return names
 
 
-def _parts(case: Case) -> catalogue.Parts | catalogue.CompressibleParts:
+def _parts(case: Case) -> Any:
     return catalogue.parts_of(case.complete_numerics(), case.viscosity, case.turns, bool(case.absorb))
 
 

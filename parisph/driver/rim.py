@@ -6,18 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from parisph.base.arrays import Flags, Floats
+from parisph.base.arrays import Flags
 from parisph.base.errors import ParticleLost, agree
 from parisph.base.fields import FLUID
 from parisph.base.log import logger
 from parisph.case.schema import Case
-from parisph.geometry.build import scene_mesh
+from parisph.geometry.rims import Face, Rim, faces_of, rim_of
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.watch.sampling import Scene
-
-OUTSIDE = 0.5    # spacings beyond a side wall, from where on water above the rim has left
-BELOW = 1.0      # spacings below the rim that water may have fallen in the step that took it out
 
 
 @dataclass
@@ -34,20 +31,19 @@ class Left:
 
 @dataclass
 class OpenTank:
-    """The rim of walls without a lid.
+    """What water may leave a scene over.
 
     Attributes
     ----------
-    lower, upper : (dim,) corners of the box around the walls [m]
-    rims : heights of the walls at its lower and its upper x [m]
+    rim : of what holds the water, None under a lid
+    faces : of wavemakers, behind which it is dry
     spacing, reach [m] : the second is how far behind a wall a particle is lost
     scene : for the energy
     left : Left
     """
 
-    lower: Floats
-    upper: Floats
-    rims: tuple[float, float]
+    rim: Rim | None
+    faces: tuple[Face, ...]
     spacing: float
     reach: float
     scene: Scene
@@ -56,18 +52,18 @@ class OpenTank:
     @classmethod
     def of(cls, case: Case, domain: Domain, state: Mapping[str, Any] | None = None) -> "OpenTank | None":
         """Return the open tank of a case, None if it has none. state : the Left of a checkpoint, as a dict."""
-        if case.walls is None or case.lidded:
+        rim, faces = rim_of(case), faces_of(case)
+        if rim is None and not faces:
             return None
-        return cls(domain.lower, domain.upper, _rims(case, domain), case.numerics.spacing, domain.radius,
-                   Scene.of(case), Left(**(state or {})))
+        return cls(rim, faces, case.numerics.spacing, domain.radius, Scene.of(case), Left(**(state or {})))
 
-    def let_leave(self, domain: Domain) -> None:
-        """Remove the fluid that is out over the rim, and count it. Collective.
+    def let_leave(self, domain: Domain, time: float = 0.0) -> None:
+        """Remove the fluid that is out over the rim at a time [s], and count it. Collective.
 
         Raises ParticleLost on every rank: a particle is behind a wall or below the bed, or all fluid has left.
         """
         p = domain.particles
-        gone, lost = self._gone_and_lost(p)
+        gone, lost = self._gone_and_lost(p, time)
         counts = np.array([gone.sum(), lost.sum(), np.count_nonzero(p.kind == FLUID)])
         if p.comm.size > 1:
             counts = p.comm.allreduce(counts)
@@ -80,14 +76,12 @@ class OpenTank:
                 raise ParticleLost("all water has left the tank over its rim; end the run earlier, "
                                    "or make the tank higher")
 
-    def _gone_and_lost(self, p: Particles) -> tuple[Flags, Flags]:
-        x, up = p.x, p.x[:, -1]
-        beyond = np.maximum(self.lower[:-1] - x[:, :-1], x[:, :-1] - self.upper[:-1]).max(axis=1)
-        rim = np.where(x[:, 0] < 0.5 * (self.lower[0] + self.upper[0]), *self.rims)
-        gone = np.where(up >= rim, beyond > OUTSIDE * self.spacing, (beyond > 0.0) & (up > rim - BELOW * self.spacing))
-        gone &= p.kind == FLUID
-        lost = ~gone & ((beyond > self.reach) | (up < self.lower[-1] - self.reach))
-        return gone, lost
+    def _gone_and_lost(self, p: Particles, time: float) -> tuple[Flags, Flags]:
+        fluid, none = p.kind == FLUID, np.zeros(p.n_owned, dtype=bool)
+        gone, lost = (none, none) if self.rim is None else self.rim.out(p.x, time, self.spacing, self.reach)
+        for face in self.faces:
+            gone = gone | face.out(p.x, time, self.spacing)
+        return gone & fluid, lost & ~gone & fluid
 
     def _loss(self, p: Particles, lost: Flags) -> ParticleLost | None:
         which = np.flatnonzero(lost)
@@ -106,13 +100,3 @@ class OpenTank:
             logger.warning("water leaves the tank over its rim; it is removed and counted")
         self.left = Left(self.left.particles + int(particles), self.left.volume + float(volume),
                          self.left.energy + float(energy))
-
-
-def _rims(case: Case, domain: Domain) -> tuple[float, float]:
-    """Return the heights [m] at which walls end at the lower and at the upper x of the box around them at the start."""
-    mesh = None if case.plain else scene_mesh(case)
-    if mesh is None:
-        return float(domain.upper[-1]), float(domain.upper[-1])
-    x, s = mesh.x0[:, 0], case.numerics.spacing
-    left, right = (float(mesh.x0[side, -1].max()) for side in (x < x.min() + s, x > x.max() - s))
-    return left, right

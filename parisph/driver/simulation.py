@@ -15,7 +15,7 @@ from parisph.base.fields import FLUID, FieldSet
 from parisph.case import scales
 from parisph.case.checks import sound_speed, stable_time_step
 from parisph.case.schema import Case
-from parisph.driver import room, solid_walls, warmup
+from parisph.driver import astray, room, solid_walls, warmup
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
@@ -175,9 +175,12 @@ class Simulation:
         self.time = after
         self.steps += 1
         self.dt = limit     # not a step shortened to reach a given time: later steps must not depend on it
+        if self._open_tank is not None:
+            self._open_tank.let_leave(self.domain, self.time)
+        if self.steps % astray.EVERY == 0:
+            astray.find(self.domain)
         if self._open_tank is None:
             return report
-        self._open_tank.let_leave(self.domain)
         return replace(report, left=self.left.particles)
 
     @property

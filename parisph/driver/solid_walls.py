@@ -1,6 +1,7 @@
 """Walls of any shape in a simulation: their elements, and fluid that fills what they leave, before the first step."""
 
 import numpy as np
+from mpi4py import MPI
 
 from parisph.base.fields import FLUID, INNER
 from parisph.case.schema import Case
@@ -30,7 +31,7 @@ def elements_of(case: Case, particles: Particles) -> WallElements | None:
     mesh = None if case.plain else build.scene_mesh(case)
     if mesh is None:
         return None
-    last = max(particles.comm.allgather(int(particles.id.max(initial=-1))))
+    last = particles.comm.allreduce(int(particles.id.max(initial=-1)), op=MPI.MAX)
     return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, build.scene_motions(case))
 
 

@@ -15,7 +15,7 @@ from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case import size as case_size
 from parisph.case.bodies import StillWater
 from parisph.case.fluids import Fluid
-from parisph.case.motion import Motion
+from parisph.case.motion import Motion, Rotation, course
 from parisph.case.scene import Scene
 from parisph.case.schema import Case
 from parisph.case.shapes import Lid, Shape, Tank
@@ -23,13 +23,14 @@ from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
 from parisph.geometry.plain import lattice, plain_particles, uniform
+from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.quadrature import samples as samples_of
 from parisph.geometry.raised import raised
 from parisph.geometry.standing import standing
 
 BESIDE = 0.5    # spacings: a wall node this near to the surface is at the contact line
 LIFT = 0.1      # spacings: so far in front of a node its fluid is looked for
-SWEPT = 400     # times at which the places of moving walls are looked at
+TURN = 0.02     # [rad] between two places at which walls that turn are looked at
 
 
 def is_plain(case: Scene) -> bool:
@@ -147,6 +148,13 @@ def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iter
             yield places[near], (volume * factor)[near]
 
 
+def volume(case: Scene) -> float:
+    """Return the exact volume [m^dim] of all fluid at the start, in a scene that is not plain."""
+    walls, mesh, box, s = standing(case), scene_mesh(case), domain(case), case.numerics.spacing
+    return sum(fluid_area(fluid.shape, walls, *box, s, (*fluid.holes, *_others(case, fluid)),
+                          lambda x, own=fluid: raised(own, mesh, case.bounds_of(own), x)[1]) for fluid in case.fluids)
+
+
 def jitter(case: Scene, number: Ints, surface: Array) -> Floats:
     """Return the displacement (n, dim) [m] by which the case jitters fluid particles of these numbers.
 
@@ -167,18 +175,38 @@ def lattice_step(case: Case) -> Floats:
 def domain(case: Scene) -> tuple[Floats, Floats]:
     """Return the lower and the upper corner (dim,) [m] of the walls, wherever they move, or of the fluid without any.
 
-    A scene without a lid is open above.
+    A scene without a lid is open above: the box then also holds the fluid at the start.
     """
     if case.plain or case.wall_bounds is None:
         return case.fluid_bounds if case.wall_bounds is None else case.wall_bounds
     lower, upper = (corner.copy() for corner in case.wall_bounds)
-    times = np.linspace(0.0, case.end_time, SWEPT)
     for wall in standing(case):
         x = outline_of(wall).points
-        for t in times if wall.motion.top_rate > 0.0 else ():
-            at = wall.motion.placed(x, float(t))
+        for value in _visited(wall.motion, case.end_time):
+            at = wall.motion.placed_by(x, value)
             lower, upper = np.minimum(lower, at.min(axis=0)), np.maximum(upper, at.max(axis=0))
+    if not case.lidded:
+        upper[-1] = max(upper[-1], *(_highest(case, fluid) for fluid in case.fluids))
     return lower, upper
+
+
+def _visited(motion: Motion, stop: float) -> Floats:
+    """Return values of the law of a motion: at least its least and its greatest up to a time [s]."""
+    values = course(motion, stop)[1]
+    least, greatest = float(values.min()), float(values.max())
+    if not isinstance(motion, Rotation):    # corners go straight
+        return np.array([least, greatest])
+    places: Floats = np.linspace(least, greatest, 2 + int(min(greatest - least, 2.0 * np.pi) / TURN))
+    return places
+
+
+def _highest(case: Scene, fluid: Fluid) -> float:
+    """Return the height [m] of the highest fluid of a body at the start."""
+    lower, upper = case.bounds_of(fluid)
+    if not fluid.raised:
+        return float(upper[-1])
+    many = 8 + int(8 * (upper - lower)[0] / case.numerics.spacing)
+    return float(upper[-1] + fluid.rise(np.linspace(lower[0], upper[0], min(many, 10000))).max())
 
 
 def _fluid(case: Case, fluid: Fluid, fill: Filling, fills: Sequence[Filling], mesh: WallMesh | None,

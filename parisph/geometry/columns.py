@@ -4,6 +4,8 @@ A scene of N particles has sqrt(N) such lines, so that every rank can look at al
 only. A set of intervals is three arrays: the number of the line, the lower and the upper end.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
 Intervals = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -15,6 +17,26 @@ def _pairs(left, right, lines):
     count = np.maximum(np.searchsorted(lines, right, side="right") - first, 0)
     piece = np.repeat(np.arange(len(left)), count)
     return piece, np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count) + first[piece]
+
+
+def overlapping(lower: np.ndarray, upper: np.ndarray, some: int = 2**20) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield the numbers of all pairs of boxes that overlap or touch, (m,) each, each pair once, about `some` at a time.
+
+    lower, upper : (n, 2) [m], the corners of the boxes
+    """
+    order = np.argsort(lower[:, 0], kind="stable")
+    low, high = lower[order], upper[order]
+    last = np.searchsorted(low[:, 0], high[:, 0], side="right")    # that begin before this one ends
+    count = np.maximum(last - np.arange(len(order)) - 1, 0)
+    before = np.concatenate([[0], np.cumsum(count)])
+    start = 0
+    while start < len(order):
+        stop = max(int(np.searchsorted(before, before[start] + some, side="right")) - 1, start + 1)
+        i = np.repeat(np.arange(start, stop), count[start:stop])
+        j = i + 1 + np.arange(len(i)) - (before[i] - before[start])
+        meet = (low[i, 1] <= high[j, 1]) & (low[j, 1] <= high[i, 1])
+        yield order[i[meet]], order[j[meet]]
+        start = stop
 
 
 def near_pieces(a: np.ndarray, b: np.ndarray, reach: float, lines: np.ndarray) -> Intervals:

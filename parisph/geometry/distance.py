@@ -1,4 +1,4 @@
-"""Distance of points from elements, on which side of them they lie, and the winding number. 2D and 3D.
+"""Distance of points from elements, and on which side of them they lie. 2D and 3D.
 
 Elements are the leaves of a binary tree of boxes. All points go down the tree together, level by level, and leave out
 the boxes that are farther away than something they have seen. So a point looks at a few boxes on each level only.
@@ -8,7 +8,7 @@ import numpy as np
 
 from parisph.geometry.mesh import area_vectors
 
-CHUNK = 2**16      # points that go down the tree together, and pairs of a point and an element for the winding number
+CHUNK = 2**16      # points that go down the tree together
 TIE = 1e-9         # of a distance: elements as near as that are equally near
 BITS = 10          # of the place of an element along each axis, in the order along a curve through all places
 
@@ -32,43 +32,17 @@ def nearest(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> tuple
     return distance, element, foot
 
 
-def signed_distance(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> np.ndarray:
-    """Return the distance (n,) [m] of points from elements, negative behind them; inf beyond `within` [m].
+def heights(x: np.ndarray, corners: np.ndarray, within: float = np.inf) -> np.ndarray:
+    """Return the heights (n,) [m] of points above the planes of the elements nearest to them, inf beyond `within` [m].
 
-    The side is that of the nearest element. Behind both faces of a plate is nothing: there all distances are positive.
+    Behind a wall they are negative. Beside a plate, which has nothing behind it, and beyond its ends they are not.
     """
     distance, element, foot = nearest(x, corners, within)
     found = element >= 0
     normal = area_vectors(corners[element[found]])
-    behind = np.sum((x[found] - foot[found]) * normal, axis=1) < 0.0
-    distance[np.flatnonzero(found)[behind]] *= -1.0
+    normal = normal / np.linalg.norm(normal, axis=1)[:, None]
+    distance[found] = np.sum((x[found] - foot[found]) * normal, axis=1)
     return distance
-
-
-def winding_number(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Return the sum of the angles (3D: solid angles) of elements as seen from points, over the whole angle, (n,).
-
-    Inside closed walls with the fluid inside it is 1, and outside 0; around closed obstacles 0, and in them -1. Walls
-    with a hole have a value between: more than 1/2 on the fluid's side unless the hole is seen under more than half
-    of the whole angle. The work is the number of points times that of elements.
-    """
-    total, rows = np.zeros(len(x)), max(CHUNK // max(len(corners), 1), 1)
-    for low in range(0, len(x), rows):
-        total[low : low + rows] = _angles(corners[None] - x[low : low + rows, None, None, :]).sum(axis=1)
-    return total / (2.0 * np.pi if x.shape[1] == 2 else 4.0 * np.pi)
-
-
-def _angles(p):
-    """Return the angles of elements p (..., dim, dim) as seen from the origin, positive from the fluid's side."""
-    if p.shape[-1] == 2:
-        a, b = p[..., 0, :], p[..., 1, :]
-        return np.arctan2(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0], np.sum(a * b, axis=-1))
-    a, b, c = p[..., 0, :], p[..., 1, :], p[..., 2, :]
-    la, lb, lc = (np.linalg.norm(q, axis=-1) for q in (a, b, c))
-    volume = np.sum(a * np.cross(b, c), axis=-1)
-    # van Oosterom & Strackee (1983), whose corners are anticlockwise as seen from behind
-    return -2.0 * np.arctan2(volume, la * lb * lc + np.sum(a * b, axis=-1) * lc + np.sum(b * c, axis=-1) * la
-                             + np.sum(c * a, axis=-1) * lb)
 
 
 class _Tree:

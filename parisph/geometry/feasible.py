@@ -5,16 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from parisph.case.bodies import StillWater
+from parisph.case.bodies import Obstacle, Profile, StillWater
 from parisph.case.shapes import Shape
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors, chains_of, motion_numbers, wall_mesh
-from parisph.geometry.outline import Wall, in_fluid, outline_of
+from parisph.geometry.outline import Wall, in_fluid, outline_of, signed_area
 from parisph.geometry.polygons import Chain
 
 GAP = 2.0        # spacings: fluid between walls that are nearer has no particle that is not beside both
+THIN = 0.1       # spacings: in front of thinner solids is what is behind them
 WEDGE = 15.0     # degrees: in a sharper corner particles see too little fluid
 SHORT = 0.6      # spacings: a shorter element crowds its nodes
+PAIRS = 2**20    # of an element and a piece that are looked at in one go
 NEAR = 0.02      # spacings: so far in front of an element its fluid is looked for
 
 
@@ -23,21 +25,28 @@ def findings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacin
 
     walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
     """
-    found = faults(walls, fluids, spacing)
+    found = faults(walls, fluids, spacing, [()] * len(fluids), [f"fluid[{number}]" for number in range(len(fluids))])
     return found if not walls or _nothing_touched(walls, spacing) else [*found, *warnings(walls, fluids, spacing)]
 
 
-def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
-    """Return what makes a scene impossible to compute, one sentence each with a remedy; see `findings`."""
+def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,
+           holes: Sequence[Sequence[Shape]], titles: Sequence[str]) -> list[str]:
+    """Return what makes a scene impossible to compute, one sentence each with a remedy; see `findings`.
+
+    holes : of each body of fluid; titles : their names in messages
+    """
     if walls and _nothing_touched(walls, spacing):
         return ["no wall touches fluid: each body lies inside another"]
     found, mesh = [], None
     if walls:
         chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
         names = [body.name for body in mesh.bodies]
+        clear = [*_thin(walls, names, spacing), *_parted(walls, names, spacing)]
+        if clear:    # and all else that is said of these walls would mislead
+            return clear
         found += [*_hidden(chains, names), *_wrong_sides(mesh, walls, names, spacing),
                   *_open_ends(chains, mesh, walls, fluids, spacing)]
-    return [*found, *_filled(walls, fluids, mesh, spacing)]
+    return [*found, *_filled(walls, fluids, mesh, spacing, holes, titles)]
 
 
 def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
@@ -66,27 +75,36 @@ def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[float, np.nda
     It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
     another.
     """
-    if not chains:
-        return np.inf, np.full(2, np.nan), -1, -1
-    a, b, owner = _pieces(chains)
-    normal = area_vectors(np.stack([a, b], axis=1))
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    corners = mesh.corners()
-    middle, way = corners.mean(axis=1), area_vectors(corners)
-    way = way / np.linalg.norm(way, axis=1)[:, None]
     best = np.inf, np.full(2, np.nan), -1, -1
-    for m, n, body in zip(middle, way, mesh.element_body):
-        e = b - a
-        slant = n[0] * e[:, 1] - n[1] * e[:, 0]
+    if not chains or not len(mesh.elements):
+        return best
+    a, b, owner = _pieces(chains)
+    corners = mesh.corners()
+    middle, way = corners.mean(axis=1), _unit_normals(corners)
+    normal, e = _unit_normals(np.stack([a, b], axis=1)), b - a
+    rows = max(PAIRS // len(a), 1)
+    for low in range(0, len(middle), rows):
+        m, n = middle[low : low + rows, None], way[low : low + rows, None]
+        apart, slant = a - m, n[..., 0] * e[:, 1] - n[..., 1] * e[:, 0]
         with np.errstate(divide="ignore", invalid="ignore"):
-            t = ((a - m)[:, 0] * e[:, 1] - (a - m)[:, 1] * e[:, 0]) / slant
-            u = ((a - m)[:, 0] * n[1] - (a - m)[:, 1] * n[0]) / slant
-        hit = (t > 1e-9) & (u >= 0.0) & (u <= 1.0) & (normal @ n < 0.0)
-        if hit.any():
-            first = np.flatnonzero(hit)[np.argmin(t[hit])]
-            if t[first] < best[0] and not _meet(a, b, first, m):
-                best = float(t[first]), m + 0.5 * t[first] * n, int(body), int(owner[first])
+            t = (apart[..., 0] * e[:, 1] - apart[..., 1] * e[:, 0]) / slant
+            u = (apart[..., 0] * n[..., 1] - apart[..., 1] * n[..., 0]) / slant
+        hit = (t > 1e-9) & (u >= 0.0) & (u <= 1.0) & (way[low : low + rows] @ normal.T < 0.0)
+        t = np.where(hit, t, np.inf)
+        first = t.argmin(axis=1)
+        gap = t[np.arange(len(t)), first]
+        for k in np.argsort(gap, kind="stable"):    # the least first, so that few are looked at
+            if not gap[k] < best[0]:
+                break
+            if not _meet(a, b, first[k], middle[low + k]):
+                best = (float(gap[k]), middle[low + k] + 0.5 * gap[k] * way[low + k],
+                        int(mesh.element_body[low + k]), int(owner[first[k]]))
     return best
+
+
+def _unit_normals(corners):
+    normal = area_vectors(corners)
+    return normal / np.linalg.norm(normal, axis=1)[:, None]
 
 
 def _meet(a, b, piece, m):
@@ -107,6 +125,36 @@ def _pieces(chains):
 
 def _at(x):
     return f"({x[0]:g}, {x[1]:g})"
+
+
+def _thin(walls, names, spacing) -> Iterator[str]:
+    """Solids too thin to tell their inside from the fluid."""
+    for wall, name in zip(walls, names):
+        if isinstance(wall, Obstacle):
+            outline = outline_of(wall)
+            around = float(np.linalg.norm(outline.ends - outline.starts, axis=1).sum())
+            thick = 2.0 * abs(signed_area(outline.points)) / around
+            if thick < THIN * spacing:
+                yield (f"walls, {name}: is {thick:.2g} m thick, {thick / spacing:.2g} spacings, must be at least "
+                       f"{THIN:g}, {THIN * spacing:.2g} m; give a Plate, which has no thickness, or make it thicker")
+
+
+def _parted(walls, names, spacing) -> Iterator[str]:
+    """Profiles that share an end, but lie behind each other, as each continues straight beyond its ends."""
+    profiles = [(wall, name, outline_of(wall)) for wall, name in zip(walls, names) if isinstance(wall, Profile)]
+    for number, (wall, name, one) in enumerate(profiles):
+        for beside, also, other in profiles[number + 1 :]:
+            for end in (0, -1):
+                for start in (0, -1):
+                    place = one.points[end]
+                    if wall.motion != beside.motion or np.linalg.norm(place - other.points[start]) > 1e-6 * spacing:
+                        continue
+                    away, back = other.points[1 if start == 0 else -2], one.points[1 if end == 0 else -2]
+                    if not (one.in_front(0.5 * (place + away)[None])[0] and other.in_front(
+                            0.5 * (place + back)[None])[0]):
+                        yield (f"walls, {name} and {also}: both end at {_at(place)}, and one lies behind the other, as "
+                               "a Profile goes on straight beyond its ends; give them as one Profile, or correct the "
+                               "side of their fluid")
 
 
 def _hidden(chains, names) -> Iterator[str]:
@@ -222,23 +270,26 @@ def _is_near(fluid, x, spacing):
     return isinstance(fluid, StillWater) or bool(fluid.inside(x[None], 1.5 * spacing)[0])
 
 
-def _filled(walls, fluids, mesh, spacing) -> Iterator[str]:
+def _filled(walls, fluids, mesh, spacing, holes, titles) -> Iterator[str]:
     """Bodies of fluid without particles, or with those of another. Still water gives way to other fluid."""
     seen, shapes = [], [fluid for fluid in fluids if not isinstance(fluid, StillWater)]
-    for number, fluid in enumerate(fluids):
+    for fluid, own, title in zip(fluids, holes, titles):
         still = isinstance(fluid, StillWater)
         if still and mesh is None:
-            yield f"still water at level {fluid.level:g}: there are no walls to hold it"
+            yield f"{title}: still water at level {fluid.level:g}: there are no walls to hold it; give walls, or a Box"
             continue
-        fill = Filling(fluid, walls, mesh, spacing, (), shapes if still else ())
-        name = f"fluid {number + 1} ({fluid.kind})"
+        others = shapes if still else ()
+        fill = Filling(fluid, walls, mesh, spacing, own, others)
         if fill.count == 0:
-            yield (f"{name}: it has no particles: it is thinner than a spacing, or behind the walls; use a smaller "
-                   "spacing, or move it")
+            if own and Filling(fluid, walls, mesh, spacing, (), others).count:
+                yield f"{title}.holes: they leave none of its particles; make them smaller, or leave this fluid out"
+            else:
+                yield (f"{title} ({fluid.kind}): it has no particles: it is thinner than a spacing, or behind the "
+                       "walls; use a smaller spacing, or move it")
         for other, kind in seen:
             if still == isinstance(other, StillWater) and fill.count and _overlap(fluid, other, fill, spacing):
-                yield f"{name}: it overlaps fluid {kind}; make them disjoint"
-        seen.append((fluid, f"{number + 1} ({fluid.kind})"))
+                yield f"{title} ({fluid.kind}): it overlaps {kind}; make them disjoint"
+        seen.append((fluid, f"{title} ({fluid.kind})" if len(titles) > 1 else title))
 
 
 def _overlap(fluid, other, fill, spacing, some=4096):

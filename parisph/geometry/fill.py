@@ -27,7 +27,7 @@ class Filling:
     Parameters
     ----------
     shape : Box, Disc, Polygon or StillWater
-    walls : the bodies of the scene that do not move at the start, in front of which the fluid is
+    walls : all bodies of the scene, where they are at the start, in front of which the fluid is
     mesh : WallMesh of these walls, None without walls
     spacing : [m]
     holes : shapes without fluid inside this one

@@ -7,6 +7,7 @@ elements (2D).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -81,9 +82,16 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
     Raises
     ------
     CaseError : two bodies leave nothing of one another that touches fluid
+
+    The mesh of the same walls is made once: nobody may change its arrays.
     """
+    return _wall_mesh(tuple(walls), spacing)
+
+
+@lru_cache(maxsize=4)
+def _wall_mesh(walls, spacing):
     bodies = tuple(Body(name, number, _slip(wall))
-                   for name, number, wall in zip(body_names(tuple(walls)), motion_numbers(walls), walls))
+                   for name, number, wall in zip(body_names(walls), motion_numbers(walls), walls))
     chains = chains_of(walls, spacing)
     if not chains:
         names = ", ".join(body.name for body in bodies)
@@ -96,13 +104,19 @@ def wall_mesh(walls: Sequence[Wall], spacing: float) -> WallMesh:
 
 
 def chains_of(walls: Sequence[Wall], spacing: float) -> list[Chain]:
-    """Return the chains of all walls: those that move alike joined, in the order of their motions."""
+    """Return the chains of all walls: those that move alike joined, in the order of their motions. As `wall_mesh`, they
+    are made once."""
+    return list(_chains_of(tuple(walls), spacing))
+
+
+@lru_cache(maxsize=4)
+def _chains_of(walls, spacing):
     numbers, chains = np.array(motion_numbers(walls), dtype=np.int64), []
     for motion in np.unique(numbers):
         members = np.flatnonzero(numbers == motion)
         for chain in joined([outline_of(walls[k]) for k in members], spacing):
             chains.append(replace(chain, body=members[chain.body]))
-    return chains
+    return tuple(chains)
 
 
 def motions_of(walls: Sequence[Wall]) -> tuple[Motion, ...]:

@@ -43,16 +43,27 @@ class Outline:
         """
         if self.two_sided:
             return np.ones(len(x), dtype=bool)
+        if self.closed:
+            return self._in_front_of_closed(x)
         turn = np.zeros(len(x))
         for a, b in zip(self.starts, self.ends):
             turn += _angle(a - x, b - x)
-        if self.closed:
-            clockwise = signed_area(self.points) < 0.0
-            return turn > (-np.pi if clockwise else np.pi)
         first, last = self.points[0] - self.points[1], self.points[-1] - self.points[-2]
         turn += _angle(first[None], self.points[0] - x) + _angle(self.points[-1] - x, last[None])
         whole = _angle(first[None], last[None])[0] % (2.0 * np.pi)
         return turn > (whole if whole > 1e-9 else 2.0 * np.pi) - np.pi
+
+
+    def _in_front_of_closed(self, x: np.ndarray) -> np.ndarray:
+        """As `in_front`: only what is in the box around it may be inside."""
+        clockwise = signed_area(self.points) < 0.0
+        front = np.full(len(x), clockwise)
+        near = np.flatnonzero(((x >= self.points.min(axis=0)) & (x <= self.points.max(axis=0))).all(axis=1))
+        turn = np.zeros(len(near))
+        for a, b in zip(self.starts, self.ends) if len(near) else ():
+            turn += _angle(a - x[near], b - x[near])
+        front[near] = turn > (-np.pi if clockwise else np.pi)
+        return front
 
 
 def outline_of(body: Wall) -> Outline:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parisph.geometry.columns import overlapping
 from parisph.geometry.outline import Outline
 
 CLOSE = 1e-6    # spacings: points nearer than this are one
@@ -70,8 +71,8 @@ def _cut(outlines, close):
     a, b = np.concatenate([o.starts for o in outlines]), np.concatenate([o.ends for o in outlines])
     body = np.repeat(np.arange(len(outlines)), [len(o.starts) for o in outlines])
     places, owner, along = [a, b], [], []
-    for i in range(len(a)):
-        t = _meetings(a, b, body, i, close)
+    for i, others in _near(a, b, body, close):
+        t = _meetings(a, b, i, others, close)
         places.append(a[i] + t[:, None] * (b[i] - a[i]))
         owner.append(np.full(len(t), i))
         along.append(t)
@@ -86,10 +87,19 @@ def _cut(outlines, close):
     return points, np.stack([at[:-1], at[1:]], axis=1)[real], body[owner[:-1][real]]
 
 
-def _meetings(a, b, body, i, close):
-    """Return where along piece i other bodies' pieces touch or cross it, as parts of its length between 0 and 1."""
-    low, high = np.minimum(a[i], b[i]) - close, np.maximum(a[i], b[i]) + close
-    other = (body != body[i]) & (np.minimum(a, b) <= high).all(axis=1) & (np.maximum(a, b) >= low).all(axis=1)
+def _near(a, b, body, close):
+    """Return the pieces that may meet those of other bodies, each with these: [(number, numbers (n,))]."""
+    pairs = list(overlapping(np.minimum(a, b) - close, np.maximum(a, b) + close))
+    one, other = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 1))
+    apart = body[one] != body[other]
+    piece, others = np.concatenate([one[apart], other[apart]]), np.concatenate([other[apart], one[apart]])
+    order = np.lexsort([others, piece])
+    found, first = np.unique(piece[order], return_index=True)
+    return list(zip(found.tolist(), np.split(others[order], first[1:])))
+
+
+def _meetings(a, b, i, other, close):
+    """Return where along piece i other pieces touch or cross it, as parts of its length between 0 and 1."""
     p, q, d = a[other], b[other], b[i] - a[i]
     length = np.hypot(*d)
     touching = np.concatenate([p, q]) - a[i]

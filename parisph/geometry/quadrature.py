@@ -5,13 +5,13 @@ cut into narrow upright strips, so that every corner lies between two strips, an
 sum is the area of the region to round-off where it is bounded by straight lines, whatever the size of the pieces.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from parisph.case.bodies import StillWater
 from parisph.case.shapes import Shape
-from parisph.geometry.columns import between, crossings
+from parisph.geometry.columns import between, crossings, overlapping
 from parisph.geometry.outline import Wall, corners_of, in_fluid, outline_of
 
 FINE = 8          # pieces of a spacing
@@ -19,10 +19,15 @@ CHUNK = 2**18     # pieces that are looked at in one go
 
 
 def fluid_area(shape: Shape | StillWater, walls: Sequence[Wall], lower: Sequence[float], upper: Sequence[float],
-               spacing: float, holes: Sequence[Shape] = ()) -> float:
-    """Return the area [m2] of all fluid; see `samples`."""
-    _, _, width, low, high = _pieces(shape, holes, walls, np.array(lower), np.array(upper), spacing)
-    return float(np.sum(width * (high - low)))
+               spacing: float, holes: Sequence[Shape] = (),
+               stretch: Callable[[np.ndarray], np.ndarray] | None = None) -> float:
+    """Return the area [m2] of all fluid; see `samples`.
+
+    stretch : None, or a function of places (n, 2) that gives the factor (n,) by which columns are stretched there
+    """
+    _, at, width, low, high = _pieces(shape, holes, walls, np.array(lower), np.array(upper), spacing)
+    factor = 1.0 if stretch is None else stretch(np.stack([at, 0.5 * (low + high)], axis=1))
+    return float(np.sum(width * (high - low) * factor))
 
 
 def samples(shape: Shape | StillWater, walls: Sequence[Wall], lower: Sequence[float], upper: Sequence[float],
@@ -95,16 +100,16 @@ def _sides(shape, holes, walls, lower, upper):
 
 def _meetings(a, b):
     """Return the x [m] at which pieces cross: there the height of the fluid has a kink."""
-    found = []
-    for i in range(len(a)):
-        p, d, e = a[i + 1 :] - a[i], b[i] - a[i], b[i + 1 :] - a[i + 1 :]
-        slant = d[0] * e[:, 1] - d[1] * e[:, 0]
+    found = [np.empty(0)]
+    for i, j in overlapping(np.minimum(a, b), np.maximum(a, b)):
+        p, d, e = a[j] - a[i], b[i] - a[i], b[j] - a[j]
+        slant = d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]
         with np.errstate(divide="ignore", invalid="ignore"):
             t = (p[:, 0] * e[:, 1] - p[:, 1] * e[:, 0]) / slant
-            u = (p[:, 0] * d[1] - p[:, 1] * d[0]) / slant
+            u = (p[:, 0] * d[:, 1] - p[:, 1] * d[:, 0]) / slant
         met = (t >= 0.0) & (t <= 1.0) & (u >= 0.0) & (u <= 1.0)
-        found.append(a[i, 0] + t[met] * d[0])
-    return np.concatenate(found) if found else np.empty(0)
+        found.append(a[i[met], 0] + t[met] * d[met, 0])
+    return np.concatenate(found)
 
 
 def _is_wet(shape, holes, walls, x):

@@ -6,13 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.base.errors import CaseError
+from parisph.case.bodies import StillWater
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
+from parisph.case.motion import Rotation
+from parisph.case.scenery import fluid_names
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
 from parisph.geometry import feasible, probe_places, wave_places
-from parisph.geometry.build import domain, fillings, samples
+from parisph.geometry.build import domain, fillings, volume
+from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.mesh import chains_of, wall_mesh
+from parisph.geometry.outline import Wall
+from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.standing import standing
 
 STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
@@ -51,8 +57,10 @@ def faults(case: Case) -> list[str]:
         walls = standing(case)
     except CaseError as error:
         return [str(error)]
-    found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing)
-    return found or [*probe_places.faults(case, walls), *wave_places.faults(case, walls)]
+    found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
+                             [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
+    return found or [*_full(case, walls), *_reached(case, walls), *probe_places.faults(case, walls),
+                     *wave_places.faults(case, walls)]
 
 
 def warnings(case: Case) -> list[str]:
@@ -61,7 +69,7 @@ def warnings(case: Case) -> list[str]:
         return []
     walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
     own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
-    return [*own, *_airless(case), *_advice(case)]
+    return [*own, *_neared(case, walls), *_airless(case), *_advice(case)]
 
 
 def facts(case: Case) -> Facts | None:
@@ -73,27 +81,73 @@ def facts(case: Case) -> Facts | None:
     gap, _, one, other = feasible.thinnest_gap(*feasible.resting(mesh, chains))
     names = [body.name for body in mesh.bodies]
     fills = fillings(case, walls, mesh)
-    box = domain(case)
-    far = float(np.ptp(box)) + 1.0
-    volume = sum(float(part.sum()) for _, part in samples(case, box[0] - far, box[1] + far))
     lattice = sum(fill.count * float(fill.step.prod()) for fill in fills)
     shores = [angle for angle, _, _ in feasible.shores(mesh, [fluid.top for fluid in case.fluids])]
     wedge = min([float(np.degrees(chain.angle.min())) for chain in chains] + shores)
-    return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume, lattice)
+    return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume(case), lattice)
+
+
+def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Walls that move into others."""
+    for met in _met(walls, case):
+        if met.distance == 0.0:
+            one, other = walls[met.one], walls[met.other]
+            yield (f"walls, {one.name}: its {_moves(one)} brings it to {other.name} at t = {met.time:.3g} s, at "
+                   f"({met.at[0]:.3g}, {met.at[1]:.3g}), {_amount(one, met.value)} from where it starts; must stay "
+                   "clear of it: move less far, move one of them, or let both move alike")
+
+
+def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Walls that move and leave too little room for fluid."""
+    s = case.numerics.spacing
+    for met in _met(walls, case):
+        if 0.0 < met.distance < feasible.GAP * s:
+            one, other = walls[met.one], walls[met.other]
+            yield (f"walls, {one.name}: its {_moves(one)} leaves {met.distance:.3g} m, {met.distance / s:.2g} spacings,"
+                   f" between it and {other.name} at t = {met.time:.3g} s, at ({met.at[0]:.3g}, {met.at[1]:.3g}): flow "
+                   f"through it needs {feasible.GAP:g}; move less far, or use a spacing of at most "
+                   f"{met.distance / feasible.GAP:.3g}")
+
+
+def _met(walls: tuple[Wall, ...], case: Case) -> tuple[Encounter, ...]:
+    return encounters(walls, case.numerics.spacing, case.end_time, feasible.GAP * case.numerics.spacing)
+
+
+def _moves(wall: Wall) -> str:
+    return type(wall.motion).__name__
+
+
+def _amount(wall: Wall, value: float) -> str:
+    return f"{abs(value):.3g} {'rad' if isinstance(wall.motion, Rotation) else 'm'}"
+
+
+def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
+    """Tanks that other fluid than still water fills up to the lid: they are not known to be closed."""
+    if case.closed or not _at_lid(case):
+        return
+    tank, s = case.tank, case.numerics.spacing
+    top, width = float(tank.bounds[1][1]), tank.width
+    if fluid_area(StillWater(level=top), walls, *domain(case), s) - volume(case) < 0.5 * s * width:
+        yield (f"fluid: it fills the tank up to its lid at y = {top:g}, and none of it has a surface; give "
+               f"StillWater(level={top:g}), which is computed without one, or leave at least a spacing of air, "
+               f"{s:g} m")
+
+
+def _at_lid(case: Case) -> bool:
+    tank = case.tank
+    return tank is not None and tank.closed and case.fluid_bounds[1][1] > tank.bounds[1][1] - case.numerics.spacing
 
 
 def _airless(case: Case) -> Iterator[str]:
     """Fluid up to a lid, in a scene that is not known to be full."""
-    tank, s = case.tank, case.numerics.spacing
-    if tank is not None and tank.closed and case.fluid_bounds[1][1] > tank.bounds[1][1] - s:
+    if not case.closed and _at_lid(case):
         yield "the fluid reaches the lid: leave a spacing of air, where its surface is to be"
 
 
 def _advice(case: Case) -> Iterator[str]:
     """Boxes whose edges are not a whole number of spacings long, so that their lattice is stretched."""
     s = case.numerics.spacing
-    for number, fluid in enumerate(case.fluids):
-        name = f"fluid[{number}]" if isinstance(case.fluid, tuple) else "fluid"
+    for name, fluid in fluid_names(case):
         if not isinstance(fluid.shape, Box):
             continue
         for field, length in (("width", fluid.shape.width), ("height", fluid.shape.height)):

@@ -5,10 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from parisph.base.errors import CaseError
-from parisph.case.bodies import Flap, Piston, Profile
+from parisph.case.bodies import Flap, Obstacle, Piston, Profile
 from parisph.case.motion import AtRest
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
+from parisph.case.shapes import Tank
+from parisph.geometry.columns import crossings
 from parisph.geometry.outline import Wall, outline_of
 
 ON = 1e-6    # of the height of a wavemaker: so near to a wall its hinge lies on it
@@ -31,10 +33,11 @@ def _face(maker: Piston | Flap, name: str, fixed: Sequence[Wall]) -> Profile:
     bottom = maker.hinge[1] if isinstance(maker, Flap) else maker.bottom
     beds = _beds(fixed, maker.place)
     if bottom is None:
-        if not len(beds):
+        bed = _bed(fixed, maker.place)
+        if bed is None:
             raise CaseError(f"walls, {name}: there is no bed below x = {maker.place:g}; lead a Profile or a Tank under "
                             "it, or give its lower end: bottom=...")
-        bottom = float(beds.max())
+        bottom = bed
     if not top > bottom:
         raise CaseError(f"walls, {name}: its upper end at y = {top:g} is not above the lower one at {bottom:g}; give "
                         "top=...")
@@ -44,6 +47,28 @@ def _face(maker: Piston | Flap, name: str, fixed: Sequence[Wall]) -> Profile:
     ends = (maker.place, bottom), (maker.place, top)
     return Profile(points=ends if maker.fluid_on_left else ends[::-1], side="left", name=name, slip=maker.slip,
                    motion=maker.moved)
+
+
+def _bed(fixed: Sequence[Wall], x: float) -> float | None:
+    """Return the height [m] of the bed at x, with what stands on it, but without what is above it; None without one."""
+    open_ones = [body for body in fixed if isinstance(body, (Profile, Tank))]
+    grounds = _beds(open_ones, x)
+    solids = sorted(pair for body in fixed if isinstance(body, Obstacle) for pair in _spans(body, x))
+    if not len(grounds) and not solids:
+        return None
+    bed = float(grounds.max()) if len(grounds) else solids[0][1]
+    for low, high in solids:
+        if low <= bed + ON * max(abs(bed), high - low):
+            bed = max(bed, high)
+    return bed
+
+
+def _spans(body: Obstacle, x: float) -> list[tuple[float, float]]:
+    """Return the lower and the upper ends [m] of what of a solid is at x."""
+    outline = outline_of(body)
+    _, heights = crossings(outline.starts, outline.ends, np.array([x]))
+    heights = np.sort(heights)
+    return [(float(a), float(b)) for a, b in zip(heights[::2], heights[1::2])]
 
 
 def _beds(fixed: Sequence[Wall], x: float) -> np.ndarray:

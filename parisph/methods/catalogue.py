@@ -9,6 +9,7 @@ from parisph.base.errors import CaseError
 from parisph.base.fields import FieldSet
 from parisph.case.methods import METHODS
 from parisph.case.numerics import Numerics
+from parisph.case.presets import PRESETS
 from parisph.methods import (  # noqa: F401 (they register)
     absorbing,
     forces,
@@ -36,11 +37,16 @@ from parisph.methods.parts import (
     Gradient,
     Laplacian,
     Part,
+    Registry,
     Regulariser,
     Source,
     Surface,
     WallRows,
 )
+
+WORDS: dict[str, Registry[Any]] = {    # the fields of Numerics that name one part
+    "laplacian": LAPLACIANS, "divergence": DIVERGENCES, "wall_rows": WALL_ROWS, "gradient": GRADIENTS,
+    "surface_gradient": SURFACE_GRADIENTS, "surface_rule": SURFACES, "source": SOURCES}
 
 
 @dataclass(frozen=True)
@@ -132,21 +138,39 @@ class Parts:
 
         plain : whether the walls are those of a tank alone
         """
-        for field, part in self._named():
+        for field, part in self._asked():
             if not (plain or part.shapes):
-                raise CaseError(f"numerics.{field} = {part.name}: works in a scene of one Tank with one Box, Disc or "
-                                f"Polygon only, not beside other walls; choose another {field}, or another method than "
-                                f"{self.numerics.method}")
+                raise CaseError(f"{field}: works in a scene of one Tank with one Box, Disc or Polygon only, and this "
+                                f"scene has other walls or fluid; {self._remedy(part, dim, plain)}")
             if dim not in part.dims:
                 known = " and ".join(f"{n}D" for n in part.dims)
-                raise CaseError(f"{part.name!r} works in {known} only, and this scene has {dim} dimensions: "
-                                "choose another part")
+                raise CaseError(f"{field}: works in {known} only, and this scene has {dim} dimensions; "
+                                f"{self._remedy(part, dim, plain)}")
 
-    def _named(self) -> Iterator[tuple[str, Part]]:
-        """Yield each part with the field of Numerics that names it."""
-        single = ("laplacian", "divergence", "wall_rows", "gradient", "surface_gradient", "surface_rule", "source")
-        fields = (*single, *("forces" for _ in self.forces), *("regularisers" for _ in self.regularisers))
-        yield from zip(fields, self)
+    def _asked(self) -> Iterator[tuple[str, Part]]:
+        """Yield the parts, each with what of the case asks for it."""
+        n = self.numerics
+        for field in WORDS:
+            word = getattr(n, field)
+            own = f", of method {n.method}" if METHODS[n.method].values.get(field) == word else ""
+            yield f"numerics.{field} = {word}{own}", WORDS[field][word]
+        for force in self.forces:
+            yield ("fluid.viscosity or numerics.smagorinsky" if force.viscous else f"numerics.forces = {force.name}",
+                   force)
+        for part in self.regularisers:
+            own = f", of preset {n.preset}" if part.name in PRESETS[n.preset].get("regularisers", ()) else ""
+            yield f"numerics.regularisers = {part.name}{own}", part
+
+    def _remedy(self, part: Part, dim: int, plain: bool) -> str:
+        """Return what to do about a part that does not work."""
+        field = next((field for field in WORDS if WORDS[field].get(part.name) is part), None)
+        if field is None:
+            if isinstance(part, Regulariser):
+                return "choose another preset, or give numerics.regularisers without it"
+            return "leave them out" if getattr(part, "viscous", False) else "leave it out"
+        fit = [name for name, other in WORDS[field].items() if (plain or other.shapes) and dim in other.dims
+               and not (field == "surface_rule" and name == "none")]
+        return f"give numerics.{field} = {' or '.join(fit)}, or choose another method"
 
 
 class CompressibleParts:

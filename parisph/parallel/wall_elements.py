@@ -6,6 +6,7 @@ import numpy as np
 
 from parisph.base.fields import WALL
 from parisph.case.motion import Motion
+from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh
 from parisph.kernels import solids
 from parisph.parallel.particles import Particles
@@ -137,6 +138,11 @@ class WallElements:
         self.corners = np.ascontiguousarray(self.x[elements])
         self.velocity, self.acceleration = self._mean[elements].mean(axis=1), self.a[elements].mean(axis=1)
         self.motion = self.node_motion[elements[:, 0]]
+
+    def name_near(self, x: np.ndarray) -> str:
+        """Return the name of the body of the chosen element nearest to x (dim,) [m]."""
+        element = int(nearest(x[None], self.corners)[1][0])
+        return self.mesh.bodies[self.mesh.element_body[self._near[element]]].name
 
     def renew(self, particles: Particles, radius: float) -> None:
         """Make the lists of the elements within the radius [m] of owned particles."""

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from parisph.base.arrays import Floats
+from parisph.base.fields import FLUID
 from parisph.base.paths import AnyPath
 from parisph.case import stored
 from parisph.case.bodies import Profile
@@ -23,7 +25,7 @@ if TYPE_CHECKING:
 
 SOLID = "#d9d9d9"
 WATER = "#9ecae1"
-MOST = 200_000    # particles that a picture of a case shows
+MOST = 200_000    # particles that a picture of a case shows one by one
 
 
 def of_dict(case: Mapping[str, Any]) -> Case:
@@ -61,11 +63,10 @@ def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
     wide, high = upper - lower
     picture = style.drawing().Figure(figsize=(10.0, float(np.clip(8.5 * high / wide, 1.5, 7.0)) + 1.5))
     axes = picture.add_subplot()
-    arrays = build(case, 0, max(1, round(counts(case)["all"] / MOST)))
-    fluid = arrays["kind"] == 0
+    x, size = places_of_water(case, wide * high)
     window = axes.get_window_extent()
-    dot = case.numerics.spacing * 72.0 / picture.dpi * max(window.width / wide, window.height / high)
-    axes.scatter(*arrays["x"][fluid].T, s=dot**2, color=WATER, linewidths=0.0, zorder=1.1)
+    dot = size * 72.0 / picture.dpi * max(window.width / wide, window.height / high)
+    axes.scatter(*x.T, s=dot**2, color=WATER, linewidths=0.0, zorder=1.1)
     draw_bodies(axes, case)
     for wall in standing(case):
         x = outline_of(wall).points
@@ -79,6 +80,25 @@ def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
     axes.set_title(style.literal(case.title), loc="left", fontsize=11)
     style.save(picture, path)
     return picture
+
+
+def places_of_water(case: Case, area: float) -> tuple[Floats, float]:
+    """Return places (n, 2) [m] all over the water at the start, and their distance [m].
+
+    They are its particles, or of more than MOST the squares of a grid in which there are particles, of which only a
+    part is held in memory at a time. area : of the picture [m2]
+    """
+    slices = -(-counts(case)["all"] // MOST)
+    size = case.numerics.spacing if slices == 1 else max(1.5 * case.numerics.spacing, float(np.sqrt(area / MOST)))
+    found: list[Floats] = []
+    for number in range(slices):
+        arrays = build(case, number, slices)
+        x = arrays["x"][arrays["kind"] == FLUID]
+        found.append(x if slices == 1 else np.unique(np.floor(x / size), axis=0))
+    if slices == 1:
+        return found[0], size
+    squares: Floats = (np.unique(np.concatenate(found), axis=0) + 0.5) * size
+    return squares, size
 
 
 def _draw_probes(axes, case, top):

@@ -6,10 +6,24 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph import (
+    Box,
+    Case,
+    Energy,
+    Fluid,
+    Numerics,
+    Obstacle,
+    Output,
+    Piston,
+    Profile,
+    Roll,
+    Sway,
+    Tank,
+)
 from parisph.base.errors import ParticleLost
 from parisph.base.fields import FLUID
-from parisph.case.schema import Box, Case, Energy, Fluid, Numerics, Output, Tank
-from parisph.driver import Simulation
+from parisph.driver import Simulation, astray
+from parisph.geometry.rims import faces_of, rim_of
 from parisph.io import reader
 from tests.scenes import difference, on_ranks
 
@@ -136,3 +150,41 @@ def test_a_restart_goes_on_counting(tmp_path):
     assert b["left"]["energy"] == pytest.approx(a["left"]["energy"], rel=1e-6)
     assert b["energy_drift"] == pytest.approx(a["energy_drift"], abs=1e-6)
     assert json.loads((tmp_path / "part" / "summary.json").read_text())["particles"] == a["particles"]
+
+
+OUT = Obstacle(Box(0.4, 0.2, at=(0.9, 0.0)), name="block")    # it sticks out of the side of the tank
+
+
+def scene(*walls, **more):
+    return Case(title="scene", fluid=Fluid(Box(0.5, 0.3, at=(0.2, 0.0)), density=1000.0), walls=walls,
+                gravity=(0.0, -9.81), numerics=Numerics(spacing=0.05), end_time=1.0, **more)
+
+
+@pytest.mark.parametrize("case, time, gone, kept", [
+    (scene(Tank(1.0, 0.5), OUT), 0.0, (1.04, 0.55), (0.95, 0.55)),
+    (scene(Tank(1.0, 0.5, motion=Sway(0.3, np.pi))), 1.0, (0.56, 0.6), (1.5, 0.6)),
+    (scene(Tank(1.0, 0.5, motion=Roll(0.5 * np.pi, 0.5 * np.pi, ramp=0.0))), 1.0, (-0.6, -0.1), (-0.6, 0.1)),
+    (scene(Profile([(0.0, 0.0), (1.0, 0.0)])), 0.0, (1.04, 0.01), (0.9, 0.01)),
+    (scene(Obstacle(Box(1.0, 0.2))), 0.0, (1.1, -0.5), (0.9, 0.3)),
+])
+def test_water_leaves_over_the_rim_wherever_that_is(case, time, gone, kept):
+    out, lost = rim_of(case).out(np.array([gone, kept]), time, 0.05, 0.15)
+    assert out.tolist() == [True, False] and not lost.any()
+
+
+def test_water_over_a_wavemaker_has_left():
+    face, = faces_of(scene(Tank(2.0, 1.0), Piston(at=0.2, top=0.5, motion=Sway(0.1, np.pi), side="right")))
+    x = np.array([(0.36, 0.6), (0.42, 0.6), (0.3, 0.2)])    # at t = 1 s the face is at 0.4 m
+    assert face.out(x, 1.0, 0.05).tolist() == [True, False, False]
+
+
+def test_fluid_in_a_solid_is_an_error():
+    s = Simulation(scene(Tank(1.0, 0.5), OUT), MPI.COMM_SELF)
+    p = s.particles
+    s.domain.refresh()
+    astray.find(s.domain)
+    p.x[np.flatnonzero(p.kind == FLUID)[3]] = (0.95, 0.1)
+    s.domain.refresh()
+    with pytest.raises(ParticleLost, match=r"particle .* at \[0.95, 0.1\] m: in block, or behind it, by up to 1 spac"):
+        astray.find(s.domain)
+    s.destroy()

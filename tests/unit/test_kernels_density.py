@@ -9,7 +9,6 @@ from parisph import Box, Disc, Polygon, Tank
 from parisph.base.fields import FLUID, INNER, SURFACE
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.lattice import Lattice
-from parisph.geometry.distance import signed_distance
 from parisph.geometry.mesh import block_mesh, wall_mesh
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.density import node_terms
@@ -17,6 +16,7 @@ from parisph.kernels.jit import axes_of
 from parisph.kernels.packing import pack
 from parisph.kernels.smoothing import cubic_spline
 from parisph.kernels.surface import lattice_sum
+from tests.distances import signed_distance
 from tests.wall_scenes import beside, filled
 
 S, H = 0.05, 0.065

@@ -157,7 +157,7 @@ def test_faults_of_a_case_are_named(make, words):
      "absorb\\[0\\]: wave.depth = 3: the water is 0.5 m deep there"),
     (lambda: scene(Fluid(Box(3.0, 0.4), 1000.0), TANK, absorb=Relaxation(start=0.0, length=1.0, wave=AIRY)),
      "absorb\\[0\\]: wave.depth = 0.5: the water is 0.4 m deep there"),
-    (lambda: scene(Fluid(Box(0.4, 0.1, at=(1.05, 0.05)), 1000.0)), "fluid 1 \\(box\\): it has no particles"),
+    (lambda: scene(Fluid(Box(0.4, 0.1, at=(1.05, 0.05)), 1000.0)), "fluid \\(box\\): it has no particles"),
 ])
 def test_faults_of_the_geometry_are_named(case, words):
     with pytest.raises(CaseError, match=words):

@@ -96,9 +96,9 @@ def test_water_leaves_over_the_end_of_a_bed():
     case = scene()
     domain = SimpleNamespace(lower=np.zeros(2), upper=np.array([3.0, 1.2]), radius=0.13)
     rim = OpenTank.of(case, domain)
-    assert rim.rims == pytest.approx((1.2, 0.8))
+    assert (rim.rim.left, rim.rim.right) == pytest.approx((1.2, 0.8))
     x = np.array([(3.1, 0.85), (3.1, 0.5), (-0.1, 1.25), (-0.14, 0.9), (1.5, 2.0), (3.01, 0.79)])
-    gone, lost = rim._gone_and_lost(SimpleNamespace(x=x, kind=np.full(len(x), FLUID)))
+    gone, lost = rim._gone_and_lost(SimpleNamespace(x=x, kind=np.full(len(x), FLUID), n_owned=len(x)), 0.0)
     assert gone.tolist() == [True, False, True, False, False, True]
     assert lost.tolist() == [False, False, False, True, False, False]
 
@@ -122,3 +122,13 @@ def test_pictures_show_walls_where_they_are(tmp_path):
     lower, upper = style.fluid_bounds(stored)
     assert lower.tolist() == [0.0, 0.0] and upper.tolist() == [3.0, 0.5]
     assert style.scales(stored).length == 0.5
+
+
+def test_picture_of_many_particles_shows_all_the_water(monkeypatch):
+    case = scene()
+    few, size = bodies_view.places_of_water(case, 1.0)
+    monkeypatch.setattr(bodies_view, "MOST", len(few) // 3)
+    many, square = bodies_view.places_of_water(case, 1.0)
+    assert len(many) < len(few) and square >= 1.5 * size
+    apart = np.abs(few[:, None] - many).max(axis=2)    # each particle is in a square, and each square has one
+    assert apart.min(axis=1).max() <= (0.5 + 1e-9) * square and apart.min(axis=0).max() <= (0.5 + 1e-9) * square

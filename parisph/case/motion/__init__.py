@@ -10,7 +10,7 @@ from pydantic import Field
 
 from parisph.case.motion.measured import Series
 from parisph.case.motion.oscillations import AtRest, Heave, Moved, Roll, Sway, Tabulated
-from parisph.case.motion.rigid import SHARE, Motion, Rotation, Translation
+from parisph.case.motion.rigid import SHARE, Motion, Rotation, Translation, course
 from parisph.case.motion.wavemaker import FlapStroke, PistonStroke
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "Sway",
     "Tabulated",
     "Translation",
+    "course",
 ]
 
 Frame = Annotated[

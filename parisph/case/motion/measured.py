@@ -15,6 +15,8 @@ from parisph.case.motion.splines import cubic
 from parisph.case.values import LARGEST, SMALLEST
 
 LEAST = 4    # points of a spline
+PARTS = 8    # of a stretch between two times: how often it is looked at how far a motion goes
+MANY = 2000  # times, from which on half a stretch is enough
 
 
 def check_increasing(times: tuple[float, ...], values: tuple[float, ...], what: str) -> None:
@@ -94,12 +96,24 @@ class Series(Model):
             return curve.integral(t), 0.0, 0.0
         return curve.integral(t), *curve.at(t)[:2]
 
+    def knots(self, stop: float) -> Floats:
+        """Return times (n,) [s] up to `stop` that show how far a motion of this series goes."""
+        return between_knots(self.times, stop)
+
     @property
     def top_rate(self) -> float:
         """Greatest rate of the straight lines between the times."""
         if self.rate:
             return float(np.max(np.abs(self.values)))
         return float(np.max(np.abs(np.diff(self.values) / np.diff(self.times))))
+
+
+def between_knots(times: tuple[float, ...], stop: float) -> Floats:
+    """Return times (n,) [s] in order, from 0 to `stop`, several in each stretch between those of a series."""
+    knots = np.unique(np.clip([0.0, *times, stop], 0.0, stop))
+    parts = PARTS if len(knots) < MANY else 2
+    found: Floats = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(parts) / parts).ravel(), stop)
+    return found
 
 
 def _columns(file: str, time: str, value: str) -> tuple[Floats, Floats]:

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
 import numpy as np
 from pydantic import Field, model_validator
 
-from parisph.case.motion.measured import Amount, Series, check_increasing
-from parisph.case.motion.rigid import SHARE, Centre, Direction, Rotation, Translation
+from parisph.base.arrays import Floats
+from parisph.case.motion.measured import Amount, Series, between_knots, check_increasing
+from parisph.case.motion.rigid import SHARE, Centre, Direction, Rotation, Translation, evenly
 from parisph.case.motion.splines import cubic, product, rise
 
 Frequency = Annotated[Optional[float], Field(gt=0, description="angular frequency [rad/s]")]
@@ -50,6 +51,11 @@ class _Harmonic(Translation):
     def top_rate(self) -> float:
         """See Motion."""
         return abs(self.amplitude) * self.frequency
+
+
+    def instants(self, stop: float) -> Floats:
+        """See Motion: one period shows all."""
+        return evenly(self.longest_step / SHARE, min(stop, 2.0 * np.pi / self.frequency))
 
 
 class Sway(_Harmonic):
@@ -139,6 +145,13 @@ class Roll(Rotation):
         """See Motion; while it grows, a roll is less than a tenth faster."""
         return self.angle.top_rate if isinstance(self.angle, Series) else abs(self.angle) * self._omega
 
+    def instants(self, stop: float) -> Floats:
+        """See Motion: one period after its growth shows all."""
+        if isinstance(self.angle, Series):
+            return self.angle.knots(stop)
+        period = 2.0 * np.pi / self._omega
+        return evenly(self.longest_step / SHARE, min(stop, (period if self.ramp is None else self.ramp) + period))
+
     @property
     def _omega(self) -> float:
         return cast(float, self.frequency)    # _harmonic_or_measured has seen that a harmonic roll has it
@@ -166,6 +179,10 @@ class Moved(Translation):
     def top_rate(self) -> float:
         """See Motion."""
         return self.series.top_rate
+
+    def instants(self, stop: float) -> Floats:
+        """See Motion."""
+        return self.series.knots(stop)
 
 
 class Tabulated(Translation):
@@ -195,3 +212,7 @@ class Tabulated(Translation):
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         return cubic(self.times, self.values).at(t)
+
+    def instants(self, stop: float) -> Floats:
+        """See Motion."""
+        return between_knots(self.times, stop)

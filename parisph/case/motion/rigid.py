@@ -5,6 +5,7 @@ are data, so that a stored run can go on without the script that made it. Angles
 """
 
 from abc import abstractmethod
+from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -16,6 +17,7 @@ from parisph.case.model import Model
 from parisph.case.values import SMALLEST
 
 SHARE = 1 / 50    # of the period of a motion: the longest adaptive time step
+FINE = 100        # of a period: times at which it is looked at how far a motion goes
 
 
 def _not_zero(direction: tuple[float, ...]) -> tuple[float, ...]:
@@ -42,8 +44,13 @@ class Motion(Model):
         """Return displacement [m] or angle [rad], its rate, and its second derivative at time t [s]."""
 
     @abstractmethod
+    def placed_by(self, x: Floats, value: float) -> Floats:
+        """Return the positions (n, dim) [m] of points x (n, dim) [m] of the body at rest, where the law has this
+        value."""
+
     def placed(self, x: Floats, t: float) -> Floats:
         """Return the positions (n, dim) [m] at time t [s] of points that are at x (n, dim) [m] in the body at rest."""
+        return self.placed_by(x, self.law(t)[0])
 
     @abstractmethod
     def turned(self, vectors: Floats, t: float) -> Floats:
@@ -78,6 +85,10 @@ class Motion(Model):
         """Greatest rate of the law, [m/s] or [rad/s]."""
         return 0.0
 
+    def instants(self, stop: float) -> Floats:
+        """Return times (n,) [s] in order, from 0 to `stop` or until all has been seen, that show how far it goes."""
+        return evenly(self.longest_step / SHARE, stop)
+
     @abstractmethod
     def top_speed(self, lower: Floats, upper: Floats) -> float:
         """Return the greatest speed [m/s] of points of a body within a box given by two corners (dim,) [m]."""
@@ -106,9 +117,9 @@ class Translation(Motion):
         """Acceleration (dim,) [m/s2] at time t [s]."""
         return self._along(self.law(t)[2])
 
-    def placed(self, x: Floats, t: float) -> Floats:
+    def placed_by(self, x: Floats, value: float) -> Floats:
         """See Motion."""
-        return x + self.displacement(t)
+        return x + self._along(value)
 
     def turned(self, vectors: Floats, t: float) -> Floats:
         """See Motion: they do not turn."""
@@ -141,9 +152,9 @@ class Rotation(Motion):
     if TYPE_CHECKING:    # see Translation
         centre: tuple[float, ...]
 
-    def placed(self, x: Floats, t: float) -> Floats:
+    def placed_by(self, x: Floats, value: float) -> Floats:
         """See Motion."""
-        return self.centre + rotated(np.asarray(x) - self.centre, self.law(t)[0])
+        return self.centre + rotated(np.asarray(x) - self.centre, value)
 
     def turned(self, vectors: Floats, t: float) -> Floats:
         """See Motion."""
@@ -171,6 +182,21 @@ class Rotation(Motion):
         """See Motion."""
         arm = np.maximum(np.abs(np.asarray(lower) - self.centre), np.abs(np.asarray(upper) - self.centre))
         return self.top_rate * float(np.linalg.norm(arm))
+
+
+def evenly(period: float, stop: float) -> Floats:
+    """Return times [s] from 0 to `stop`, FINE in a period [s], which may be infinite."""
+    if not np.isfinite(period):
+        return np.array([0.0])
+    times: Floats = np.append(np.arange(0.0, stop, period / FINE), stop)
+    return times
+
+
+@lru_cache(maxsize=64)
+def course(motion: Motion, stop: float) -> tuple[Floats, Floats]:
+    """Return times [s] up to `stop` and the values of the law at these, [m] or [rad], that show how far it goes."""
+    times = motion.instants(stop)
+    return times, np.array([motion.law(float(t))[0] for t in times])
 
 
 def rotated(vectors: Floats, angle: float) -> Floats:

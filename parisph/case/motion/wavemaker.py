@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from parisph.base.arrays import Floats
-from parisph.case.motion.rigid import SHARE, Centre, Rotation, Translation
+from parisph.case.motion.rigid import SHARE, Centre, Rotation, Translation, evenly
 from parisph.case.motion.splines import Law, Quintic, product, rise
 from parisph.case.waves.airy import Airy
 from parisph.case.waves.jonswap import Jonswap, components_of
@@ -104,6 +104,14 @@ def _sum(stroke: "PistonStroke | FlapStroke", t: float) -> Law:
     return product(rise(t, _train(stroke).period if stroke.ramp is None else stroke.ramp), wave)
 
 
+def _instants(stroke: "PistonStroke | FlapStroke", stop: float) -> Floats:
+    """Return times (n,) [s] up to `stop`; one period after its growth shows all of a regular motion."""
+    wave = _train(stroke)
+    if not isinstance(wave, Jonswap):
+        stop = min(stop, (wave.period if stroke.ramp is None else stroke.ramp) + wave.period)
+    return evenly(wave.period, stop)
+
+
 def _scaled(scale: float, law: Law) -> Law:
     value, rate, second = law
     return scale * value, scale * rate, scale * second
@@ -149,7 +157,7 @@ class PistonStroke(Translation):
                 raise ValueError(
                     f"wave: height length^2/depth^3 = {ursell:.3g}, Madsen's second order holds up to "
                     f"{LONGEST_MADSEN:.3g}; "
-                    "use a shorter or lower wave, or second_order=False"
+                    "use a shorter or lower wave, or as motion a PistonStroke with second_order=False"
                 )
         return self
 
@@ -175,6 +183,13 @@ class PistonStroke(Translation):
         if isinstance(self.wave, SolitaryWave):
             return _scaled(self._sign, _solitary(self.wave, self.tail)[0].at(t))
         return _scaled(self._sign, _sum(self, t))
+
+    def instants(self, stop: float) -> Floats:
+        """See Motion."""
+        if isinstance(self.wave, SolitaryWave):    # it goes one way
+            knots: Floats = np.unique(np.minimum(_solitary(self.wave, self.tail)[0].t, stop))
+            return knots
+        return _instants(self, stop)
 
     @property
     def _sign(self) -> float:
@@ -239,6 +254,10 @@ class FlapStroke(Rotation):
         """See Motion: a displacement towards +x is a turn with the clock."""
         scale = (1.0 if self.wave.leftward else -1.0) / self._arm
         return _scaled(scale, _sum(self, t))
+
+    def instants(self, stop: float) -> Floats:
+        """See Motion."""
+        return _instants(self, stop)
 
     @property
     def longest_step(self) -> float:
