@@ -257,9 +257,11 @@ def _wave(case: Scene) -> Iterator[str]:
             yield f"{name}.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
     for name, fluid in fluid_names(case):
         lower, upper = case.bounds_of(fluid)
-        deepest, start = float((upper - lower)[-1]), fluid.wave
-        if start and isinstance(fluid.shape, StillWater) and abs(start.depth - deepest) > 1e-6 * start.depth:
-            yield (f"{name}.wave.depth = {start.depth:g}: the still water is {deepest:g} m deep where it is "
+        deepest, own_wave = float((upper - lower)[-1]), fluid.wave
+        if own_wave is None or not isinstance(fluid.shape, StillWater):
+            continue
+        if abs(own_wave.depth - deepest) > 1e-6 * own_wave.depth:
+            yield (f"{name}.wave.depth = {own_wave.depth:g}: the still water is {deepest:g} m deep where it is "
                    "deepest; change one of them")
 
 

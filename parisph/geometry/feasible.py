@@ -140,21 +140,28 @@ def _thin(walls, names, spacing) -> Iterator[str]:
 
 
 def _parted(walls, names, spacing) -> Iterator[str]:
-    """Profiles that share an end, but lie behind each other, as each continues straight beyond its ends."""
-    profiles = [(wall, name, outline_of(wall)) for wall, name in zip(walls, names) if isinstance(wall, Profile)]
+    """Profiles that end at one place or in one line, but lie behind each other, as each goes on beyond its ends."""
+    profiles = [(wall, name, outline_of(wall).points) for wall, name in zip(walls, names) if isinstance(wall, Profile)]
     for number, (wall, name, one) in enumerate(profiles):
         for beside, also, other in profiles[number + 1 :]:
-            for end in (0, -1):
-                for start in (0, -1):
-                    place = one.points[end]
-                    if wall.motion != beside.motion or np.linalg.norm(place - other.points[start]) > 1e-6 * spacing:
-                        continue
-                    away, back = other.points[1 if start == 0 else -2], one.points[1 if end == 0 else -2]
-                    if not (one.in_front(0.5 * (place + away)[None])[0] and other.in_front(
-                            0.5 * (place + back)[None])[0]):
-                        yield (f"walls, {name} and {also}: both end at {_at(place)}, and one lies behind the other, as "
-                               "a Profile goes on straight beyond its ends; give them as one Profile, or correct the "
-                               "side of their fluid")
+            pairs = [(p, q) for p in (one, one[::-1]) for q in (other, other[::-1])] if (
+                wall.motion == beside.motion) else []
+            for (end, back), (start, on) in ((p[:2], q[:2]) for p, q in pairs):
+                if np.linalg.norm(start - end) < 1e-6 * spacing:
+                    middles = 0.5 * np.array([[end + on], [start + back]])
+                    if not all(outline_of(w).in_front(x)[0] for w, x in zip((wall, beside), middles)):
+                        yield (f"walls, {name} and {also}: both end at {_at(end)}, and each goes on straight beyond "
+                               "its end, where the other lies; give them as one Profile, or correct the side of their "
+                               "fluid")
+                elif _in_line(end - back, start - end, spacing) and _in_line(end - back, on - end, spacing):
+                    yield (f"walls, {name} and {also}: they lie in one line with a gap from {_at(end)} to "
+                           f"{_at(start)}; give them as one Profile")
+
+
+def _in_line(way, other, spacing):
+    """Return whether a direction (2,) [m] leads the same way as another."""
+    across = abs(way[0] * other[1] - way[1] * other[0])
+    return across < 1e-6 * spacing * np.linalg.norm(way) and way @ other > 0.0
 
 
 def _hidden(chains, names) -> Iterator[str]:

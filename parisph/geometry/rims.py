@@ -35,7 +35,8 @@ class Rim:
 
         reach : [m] behind a wall, from where on a point is lost
         """
-        x = self.motion.placed_by(x, -self.motion.law(t)[0])    # as seen in what holds the water
+        if not isinstance(self.motion, AtRest):    # as seen in what holds the water
+            x = self.motion.placed_by(x, -self.motion.law(t)[0])
         up = x[:, -1]
         beyond = np.maximum(self.lower[:-1] - x[:, :-1], x[:, :-1] - self.upper[:-1]).max(axis=1)
         rim = np.where(x[:, 0] < 0.5 * (self.lower[0] + self.upper[0]), self.left, self.right)

@@ -58,7 +58,7 @@ def faults(case: Case) -> list[str]:
     except CaseError as error:
         return [str(error)]
     found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
-                            [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
+                             [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
     return found or [*_full(case, walls), *_reached(case, walls), *probe_places.faults(case, walls),
                      *wave_places.faults(case, walls)]
 

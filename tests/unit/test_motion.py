@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from parisph.case.motion import AtRest, Sway, Tabulated
+from parisph.case.motion import AtRest, Moved, Series, Sway, Tabulated
 
 
 def derivative(function, t, h=1e-5):
@@ -54,3 +54,14 @@ def test_at_rest():
 def test_a_sway_limits_the_time_step_to_a_share_of_its_period():
     assert Sway(0.02, 2.0 * np.pi * 4.0).longest_step == pytest.approx(0.25 / 50)
     assert Sway(0.0, 3.0).longest_step == AtRest().longest_step == np.inf
+
+
+def test_a_motion_is_the_integral_of_a_column_of_velocities(tmp_path):
+    times = np.linspace(0.0, 2.0, 21)
+    rows = [f"{t!r},{v!r}" for t, v in zip(times.tolist(), (3.0 * times**2).tolist())]
+    (tmp_path / "paddle.csv").write_text("\n".join(["t,velocity", *rows]))
+    series = Series(str(tmp_path / "paddle.csv"), time="t", value="velocity", rate=True)
+    for motion in (Moved(series), Tabulated(tuple(times.tolist()), series.values, rate=True)):
+        assert motion.law(1.5) == pytest.approx((1.5**3, 3.0 * 1.5**2, 6.0 * 1.5))
+        assert motion.law(9.0) == pytest.approx((8.0, 0.0, 0.0))
+        assert motion.top_rate == pytest.approx(12.0)

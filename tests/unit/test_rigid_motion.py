@@ -37,6 +37,7 @@ ALL = [
     Moved(WAVY),
     Moved(RATE, (0.0, 1.0)),
     Tabulated(TIMES, WAVY.values),
+    Tabulated(TIMES, RATE.values, rate=True),
     PistonStroke(LONG),
     PistonStroke(SolitaryWave(0.05, 0.25, "boussinesq", leftward=True)),
     PistonStroke(Airy(0.02, 1.0, 0.25)),

@@ -140,8 +140,11 @@ SILL = Obstacle(Box(0.2, 0.2, at=(1.0, 0.0)), name="sill")
      "walls, grain: is 0.0005 m thick, 0.01 spacings, must be at least 0.1, 0.005 m; give a Plate"),
     (lambda: scene((Profile([(0.0, 1.0), (0.0, 0.1), (1.0, 0.1)], name="one"),
                     Profile([(1.0, 0.1), (2.0, 0.0), (2.0, 1.0)], name="two"))),
-     "walls, one and two: both end at (1, 0.1), and one lies behind the other, as a Profile goes on straight beyond "
-     "its ends; give them as one Profile"),
+     "walls, one and two: both end at (1, 0.1), and each goes on straight beyond its end, where the other lies; give "
+     "them as one Profile"),
+    (lambda: scene((Profile([(0.0, 1.0), (0.0, 0.0), (0.9, 0.0)], name="one"),
+                    Profile([(1.0, 0.0), (2.0, 0.0), (2.0, 1.0)], name="two"))),
+     "walls, one and two: they lie in one line with a gap from (0.9, 0) to (1, 0); give them as one Profile"),
 ])
 def test_what_run_refuses_check_refuses_in_words_of_the_case(make, words):
     said = refused(make())

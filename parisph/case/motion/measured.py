@@ -89,12 +89,7 @@ class Series(Model):
 
     def law(self, t: float) -> tuple[float, float, float]:
         """Return the value, its rate and its second derivative at t [s]."""
-        curve = cubic(self.times, self.values)
-        if not self.rate:
-            return curve.at(t)
-        if t < self.times[0] or t > self.times[-1]:
-            return curve.integral(t), 0.0, 0.0
-        return curve.integral(t), *curve.at(t)[:2]
+        return law_of(self.times, self.values, self.rate, t)
 
     def knots(self, stop: float) -> Floats:
         """Return times (n,) [s] up to `stop` that show how far a motion of this series goes."""
@@ -103,9 +98,22 @@ class Series(Model):
     @property
     def top_rate(self) -> float:
         """Greatest rate of the straight lines between the times."""
-        if self.rate:
-            return float(np.max(np.abs(self.values)))
-        return float(np.max(np.abs(np.diff(self.values) / np.diff(self.times))))
+        return top_rate_of(self.times, self.values, self.rate)
+
+
+def law_of(times: tuple[float, ...], values: tuple[float, ...], rate: bool, t: float) -> tuple[float, float, float]:
+    """Return value, rate and second derivative at t [s] of a motion through values, or with values as its rate."""
+    curve = cubic(times, values)
+    if not rate:
+        return curve.at(t)
+    if t < times[0] or t > times[-1]:
+        return curve.integral(t), 0.0, 0.0
+    return curve.integral(t), *curve.at(t)[:2]
+
+
+def top_rate_of(times: tuple[float, ...], values: tuple[float, ...], rate: bool) -> float:
+    """Return the greatest rate of such a motion, that of the straight lines between the times."""
+    return float(np.max(np.abs(values if rate else np.diff(values) / np.diff(times))))
 
 
 def between_knots(times: tuple[float, ...], stop: float) -> Floats:

@@ -6,9 +6,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from parisph.base.arrays import Floats
-from parisph.case.motion.measured import Amount, Series, between_knots, check_increasing
+from parisph.case.motion.measured import Amount, Series, between_knots, check_increasing, law_of, top_rate_of
 from parisph.case.motion.rigid import SHARE, Centre, Direction, Rotation, Translation, evenly
-from parisph.case.motion.splines import cubic, product, rise
+from parisph.case.motion.splines import product, rise
 
 Frequency = Annotated[Optional[float], Field(gt=0, description="angular frequency [rad/s]")]
 
@@ -188,6 +188,9 @@ class Moved(Translation):
 class Tabulated(Translation):
     """A measured motion: displacement [m] at increasing times [s], joined as a Series of numbers is.
 
+    With rate=True the values are velocities [m/s]; the motion is their integral, from rest at x = 0. A column of a file
+    is read by a Moved: Moved(Series("paddle.csv", time="t", value="velocity", rate=True)).
+
     Examples
     --------
     >>> print(f"{Tabulated(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)).law(1.0)[0]:.3f} m")
@@ -196,22 +199,23 @@ class Tabulated(Translation):
 
     kind: Literal["tabulated"] = "tabulated"
     times: Annotated[tuple[float, ...], Field(min_length=4, description="increasing times [s], at least four")]
-    values: Annotated[tuple[float, ...], Field(min_length=4, description="displacements [m], one for each time")]
+    values: Annotated[tuple[float, ...], Field(min_length=4, description="a displacement [m] or velocity for each")]
     direction: Direction = (1.0, 0.0)
+    rate: bool = Field(False, description="whether the values are velocities [m/s]")
 
     @model_validator(mode="after")
     def _series_is_sound(self) -> "Tabulated":
-        check_increasing(self.times, self.values, "displacements")
+        check_increasing(self.times, self.values, "velocities" if self.rate else "displacements")
         return self
 
     @property
     def top_rate(self) -> float:
         """See Motion: that of the straight lines between the times."""
-        return float(np.max(np.abs(np.diff(self.values) / np.diff(self.times))))
+        return top_rate_of(self.times, self.values, self.rate)
 
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
-        return cubic(self.times, self.values).at(t)
+        return law_of(self.times, self.values, self.rate, t)
 
     def instants(self, stop: float) -> Floats:
         """See Motion."""
