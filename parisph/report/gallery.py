@@ -144,6 +144,8 @@ def _table(about: Subject) -> Table:
              _joined("; ".join(f"{row[1].text}: {row[2].text}" for row in others) or "-", *(row[2] for row in others)))
             for first, *others in judged.values()]
     for row in account.peaks(about.probes, about.summary).rows:
+        if row[4].text == "-":    # the run ends before
+            continue
         smoothed = "" if row[3].text == "-" else f", smoothed over {row[3].text} s"
         rows.append((Cell(row[0].text + smoothed), _joined(_reported(row), *row[6:10]),
                      _joined(f"{row[4].text} at {row[5].text} s{_beyond(row[8])}", *row[4:6], row[8]),
