@@ -14,8 +14,8 @@ SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there i
 DOUBT = 0.02  # density error near the surface that is no more than disorder in calm fluid
 RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that, and flow half rapid
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
-MEMORY = 20.0  # time over which the mean acceleration is taken, over sqrt(s/a): longer than an impact
-WHOLE = 0.0175  # length of a step, over sqrt(s/a), in which regularisation may have its full strength
+MEMORY = 20.0  # time in which the mean acceleration is forgotten, over sqrt(s/a): longer than an impact
+WHOLE = 0.02  # length of a step, over sqrt(s/a), in which regularisation may have its full strength
 
 FIELDS = ("grad_u", "strain_rate")
 
@@ -65,11 +65,13 @@ def whole(flow: "Flow", dt: float) -> float:
 def remember(flow: "Flow", acceleration: float, dt: float) -> None:
     """Take the mean acceleration [m/s^2] of a step of dt [s] into that of the last steps. Not collective.
 
+    It rises at once and falls slowly, so that fluid in free fall between two impacts is not taken for calm.
+
     acceleration : the square of the mean of its root, which impacts of a few particles hardly change
     """
-    before = flow.mean_acceleration
-    share = min(1.0, dt / (MEMORY * np.sqrt(flow.spacing / before))) if before > 0.0 else 1.0
-    flow.mean_acceleration += share * (acceleration - before)
+    if acceleration > 0.0:
+        left = 1.0 - min(1.0, dt / (MEMORY * np.sqrt(flow.spacing / acceleration)))
+        flow.mean_acceleration = max(acceleration, left * flow.mean_acceleration)
 
 
 def rapid(rate: np.ndarray, square: np.ndarray) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.case.schema import Case, Obstacle, Polygon, Tank
 from parisph.geometry.build import scene_mesh
-from parisph.geometry.distance import signed_distance
+from tests.distances import signed_distance
 from tests.hard.flow import Bench, Measured, fluid
 from tests.hard.scene import Scene
 from tests.hard.table import Line
