@@ -21,7 +21,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "residual_strain": 100.0,
         "gamma": 0.0,
         "strain": 1.0,
-        "kappa": 0.7,
+        "kappa": 0.6,
         "kappa_strain": 56.0,
         "shift": 0.2,
         "shift_strain": 28.0,

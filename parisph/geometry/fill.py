@@ -18,7 +18,7 @@ from parisph.geometry.outline import Wall, corners_of, in_fluid, outline_of
 
 CUT = 0.5        # spacings: fluid is no nearer to a wall
 # The same on the surface where nothing is below: nearer to a slope of 15 degrees, its last particle slides off, by a
-# motion that grows out of rounding by 1 % in a step.
+# motion that grows out of rounding by 1 % in a step. Above slopes of more than 45 degrees, fluid stands on both sides.
 TIP = 0.7
 LEVEL = 1e-3     # slope of a wall that is level: a thin layer on it stays
 EDGE = 0.01      # spacings: a point this near to the edge of a shape is in it
@@ -103,7 +103,7 @@ class Filling:
         corners = mesh.corners()
         apart, element, _ = nearest(self.position(middle[found]), corners, self.spacing)
         area = area_vectors(corners[element])
-        slopes = np.abs(area[:, 0]) > LEVEL * np.linalg.norm(area, axis=1)
+        slopes = (np.abs(area[:, 0]) > LEVEL * np.linalg.norm(area, axis=1)) & (np.abs(area[:, 0]) < area[:, 1])
         found[found] = (apart < (TIP - ROUNDING) * self.spacing) & slopes
         return found
 

@@ -139,7 +139,7 @@ def test_ranks_without_particles_take_part(comm):
     p.assign({name: getattr(alone.particles, name)[mine] for name in ("id", "kind", "x", "u", "volume", "p", "role")})
     radius = alone.domain.radius
     indptr, indices = neighbour_lists(p.x_all, p.n_owned, radius)
-    domain = SimpleNamespace(indptr=indptr, indices=indices, radius=radius, update=lambda *names: None)
+    domain = SimpleNamespace(indptr=indptr, indices=indices, radius=radius, elements=None, update=lambda *names: None)
     found, truth = instruments.sample_all(alone.samplers, p, domain, 0.0), alone.sample()
     assert p.n_owned == (alone.particles.n_owned if comm.rank == comm.size - 1 else 0)
     for name in truth:

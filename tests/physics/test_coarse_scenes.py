@@ -26,6 +26,7 @@ COARSE = {
     "rotating_patch": {"spacing": 0.0625, "end_time": 0.8},
     "runup_synolakis": {"spacing": 0.25, "end_time": 0.6},
     "small_sloshing": {"spacing": 0.1, "end_time": 1.5},
+    "solitary_piston": {"spacing": 0.125, "end_time": 0.3},
     "solitary_slope": {"spacing": 0.05, "end_time": 0.2},
     "solitary_wave": {"spacing": 0.2, "end_time": 0.4},
     "standing_wave": {"spacing": 0.1, "end_time": 0.5},
