@@ -13,7 +13,6 @@ from tests.hard.table import Line
 from tests.scenes import scene
 
 RISE = 1e-3     # of the energy over its start, at most
-NEAR = 1.0      # spacings from a solid, within which distances are measured
 # A column of L x 2 L falls against a box or a sill twice as far away as it is wide. It hits it at 0.2 s and the far
 # wall at 0.35 s, and has fallen back over both at 0.9 s. The water of the flume comes to its sill at 1.7 s, passes over
 # it, and strikes the end at 3 s.
@@ -42,7 +41,7 @@ def against(bench: Bench, where: str, particles: int, jitter: float, end: float 
     corners, spacing = scene_mesh(case).corners(), case.numerics.spacing
     apart, energy, count, away = [], [], [], 0
     for s in bench.flow(case):
-        apart.append(signed_distance(s.particles.x[fluid(s)], corners, NEAR * spacing).min())
+        apart.append(signed_distance(s.particles.x[fluid(s)], corners).min())
         energy.append(watch(s)[2] + s.left.energy)
         count.append(fluid(s).sum())
         away = s.left.particles
