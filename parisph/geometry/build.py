@@ -267,7 +267,7 @@ def _roles(case, walls, fills, x, normal, edge):
     """
     s, outlines = case.numerics.spacing, [outline_of(wall) for wall in walls]
 
-    def held(at):
+    def held(at: Floats) -> Array:
         return np.any([fill.holds(at) for fill in fills], axis=0)
     before = x + LIFT * s * normal
     wet, free = held(x) & in_fluid(outlines, before), np.zeros(len(x), dtype=bool)

@@ -44,7 +44,7 @@ class _Column(Sampler):
         """Return above how many floors heights (n,) are: those below all floors do not count, unless there is none."""
         return np.searchsorted(self.floors, y, side="right")
 
-    def rows(self, view):
+    def rows(self, view: View) -> np.ndarray:
         (x, y), s = view.body, self.scene.spacing
         chosen = np.abs(x - self.at) <= COLUMN * s * ROUNDING
         y, inside = y[chosen], view.inside[chosen]
@@ -57,7 +57,7 @@ class _Column(Sampler):
             found += [body_rows(layer), tops]
         return np.concatenate(found)
 
-    def top(self, rows):
+    def top(self, rows: np.ndarray) -> tuple[float, bool]:
         """Return the height of the water on the highest floor on which some stands [m], and whether there is any.
 
         That is the lowest floor where all are dry. Without walls it is the top of the largest body, nan without one.
