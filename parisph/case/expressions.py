@@ -98,9 +98,12 @@ def vector_field(components: tuple[str | float, ...], with_time: bool) -> Vector
     dim = len(components)
     names = variable_names(dim, with_time)
     functions = [compile_expression(component, names) for component in components]
+    uniform = uniform_field(components)
 
     def evaluate(x: Floats, t: float = 0.0) -> Floats:
         x = np.asarray(x, dtype=np.float64)
+        if uniform is not None:    # as gravity nearly always is, and it is asked for in every step
+            return np.full((len(x), dim), uniform)
         variables: dict[str, float | Floats] = {name: x[:, axis] for axis, name in enumerate("xyz"[:dim])}
         if with_time:
             variables["t"] = t

@@ -9,7 +9,7 @@ from typing import Concatenate, ParamSpec, TypeVar
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.arrays import Array, Floats
+from parisph.base.arrays import Array, Floats, sizes
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
 from parisph.case import scales
@@ -281,9 +281,11 @@ class Simulation:
         return force
 
     def _strongest_force(self) -> float:
-        """Return the largest body force on this rank's fluid, for the time step [m/s^2]."""
+        """Return the largest body force on this rank's fluid, for an adaptive time step [m/s^2]."""
+        if self.numerics.time_step is not None:    # nobody asks
+            return 0.0
         p = self.particles
-        return _largest(self._force(p.x[p.kind == FLUID], self.time))
+        return _largest(self._force(p.x.compress(p.kind == FLUID, axis=0), self.time))
 
 
 def _largest(force: Floats) -> float:
@@ -291,7 +293,7 @@ def _largest(force: Floats) -> float:
 
     What is no number sets no step: the step itself says so.
     """
-    size = np.linalg.norm(force, axis=1)
+    size = sizes(force)
     return float(size.max(initial=0.0, where=np.isfinite(size)))
 
 

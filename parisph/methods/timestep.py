@@ -1,10 +1,12 @@
 """The limits on the time step. None of them depends on the end of the run."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import sizes
 from parisph.base.errors import SolverDiverged
 from parisph.base.fields import FLUID
 from parisph.case.numerics import Numerics
@@ -74,7 +76,7 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
     force_at : function of a time after the start [s], the largest body force on this rank's fluid then [m/s^2]
     """
     move, fluid = _longest_move(numerics), particles.kind == FLUID
-    u, a = (np.sqrt((v[fluid] ** 2).sum(axis=1)) for v in (particles.u, acceleration))
+    u, a = (sizes(v[fluid]) for v in (particles.u, acceleration))
     inverse = ((u + np.sqrt(u * u + 4.0 * move / GENTLE * a)) / (2.0 * move)).max(initial=0.0)
     mine = np.array([inverse, a.max(initial=0.0), force_at(0.0)])
     comm.Allreduce(MPI.IN_PLACE, mine, op=MPI.MAX)
@@ -100,7 +102,7 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: n
     force : (n, dim), body force per unit mass on this rank's fluid [m/s^2]
     """
     fastest, strongest, _ = _largest_of_all(comm, _fastest(particles),
-                                            float(np.sqrt((force**2).sum(axis=1).max(initial=0.0))))
+                                            float(sizes(force).max(initial=0.0)))
     rate = max(fastest / (TOLD_MOVE * spacing), np.sqrt(strongest / spacing) / TOLD_FALL)
     return 1.0 / rate if 0.0 < rate < np.inf else 0.0
 
@@ -127,15 +129,12 @@ def _accurate(numerics, acceleration):
 
 
 def _fastest(particles):
-    fluid = particles.kind == FLUID
-    if not fluid.any():
-        return 0.0
-    return float(np.sqrt((particles.u[fluid] ** 2).sum(axis=1).max()))
+    return float(sizes(particles.u)[particles.kind == FLUID].max(initial=0.0))
 
 
 def _largest_of_all(comm, speed, force):
     """Return the largest speed and force on all ranks, and whether any was not a number. Collective."""
-    mine = np.array([speed, force])
-    worst = np.append(np.nan_to_num(mine, nan=0.0, posinf=np.inf), float(np.isnan(mine[0])))
+    worst = np.array([speed, force, math.isnan(speed)], float)
+    worst[np.isnan(worst)] = 0.0
     comm.Allreduce(MPI.IN_PLACE, worst, op=MPI.MAX)
     return worst
