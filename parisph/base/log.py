@@ -105,12 +105,20 @@ class Timers:
             return
         self._open.add(phase)
         self.seconds.setdefault(phase, 0.0)
-        start = perf_counter()
+        start = self.now()
         try:
             yield
         finally:
-            self.seconds[phase] += perf_counter() - start
+            self.count(phase, start)
             self._open.discard(phase)
+
+    def now(self) -> tuple[float, ...]:
+        """Return what the clocks show [s], that of wall time first."""
+        return (perf_counter(),)
+
+    def count(self, phase: str, start: tuple[float, ...]) -> None:
+        """Add to a phase what has passed since the clocks showed `start`."""
+        self.seconds[phase] += perf_counter() - start[0]
 
     def reduce(self, comm: Communicator) -> dict[str, dict[str, float]]:
         """Return {phase: {"max": s, "mean": s}} over the ranks, the same on all. Collective.

@@ -1,7 +1,5 @@
 """Timers for the phases of a step: wall time, as in `log.Timers`, and CPU time."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from time import process_time
 
 from parisph.base.communicator import Communicator
@@ -23,15 +21,14 @@ class PhaseTimers(Timers):
         super().__init__()
         self.cpu: dict[str, float] = {}
 
-    @contextmanager
-    def __call__(self, phase: str) -> Iterator[None]:
-        nested, start = phase in self._open, process_time()
-        try:
-            with super().__call__(phase):
-                yield
-        finally:
-            if not nested:
-                self.cpu[phase] = self.cpu.get(phase, 0.0) + process_time() - start
+    def now(self) -> tuple[float, ...]:
+        """Return what the clocks show [s]: wall time and CPU time."""
+        return *super().now(), process_time()
+
+    def count(self, phase: str, start: tuple[float, ...]) -> None:
+        """Add to a phase what has passed since the clocks showed `start`."""
+        super().count(phase, start)
+        self.cpu[phase] = self.cpu.get(phase, 0.0) + process_time() - start[1]
 
     def reduce_cpu(self, comm: Communicator) -> dict[str, float]:
         """Return {phase: CPU seconds of all ranks together}, the same on all. Collective."""
