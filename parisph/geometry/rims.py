@@ -39,6 +39,8 @@ class Rim:
             x = self.motion.placed_by(x, -self.motion.law(t)[0])
         up = x[:, -1]
         beyond = np.maximum(self.lower[:-1] - x[:, :-1], x[:, :-1] - self.upper[:-1]).max(axis=1)
+        if not (beyond > 0.0).any() and up.min(initial=np.inf) >= self.lower[-1] - reach:    # as in most steps
+            return np.zeros(len(x), bool), np.zeros(len(x), bool)
         rim = np.where(x[:, 0] < 0.5 * (self.lower[0] + self.upper[0]), self.left, self.right)
         gone: Flags = np.where(up >= rim, beyond > OUTSIDE * spacing, (beyond > 0.0) & (up > rim - BELOW * spacing))
         behind: Flags = (beyond > reach) | (up < self.lower[-1] - reach)
