@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.fields import ABSENT, CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.jit import kernel
 from parisph.kernels.solids import element_normal, nearest_point
 
@@ -18,6 +18,16 @@ NEARBY = 1.6    # inner fluid behind a water line that moves on along the wall
 
 # What a wall particle is to the fluid before it: the values of the field `closing`.
 APART, FREE, CLOSING = 0, 1, 2
+
+
+@kernel
+def without_walls(kind: np.ndarray, closing: np.ndarray, least: int) -> np.ndarray:
+    """Return kind (n,) with the walls ABSENT whose `closing` (n,) is less than `least`."""
+    seen = kind.copy()
+    for i in range(len(kind)):
+        if kind[i] == WALL and closing[i] < least:
+            seen[i] = ABSENT
+    return seen
 
 
 @kernel

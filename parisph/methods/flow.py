@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from parisph.base.fields import ABSENT, WALL
 from parisph.case.numerics import Numerics
-from parisph.kernels import surface
+from parisph.kernels import surface, wetness
 from parisph.kernels.jit import axes_of
 from parisph.methods import lengths
 from parisph.methods.budget import Budget, NoBudget
@@ -95,7 +94,7 @@ class Flow:
         p = self.particles
         if "closing" not in p.fields:    # a full closed tank, all of whose walls are wet
             return p.kind_all
-        return np.where((p.kind_all == WALL) & (p.closing_all < closing), np.int8(ABSENT), p.kind_all)
+        return wetness.without_walls(p.kind_all, p.closing_all, closing)
 
     def wall_shear(self) -> np.ndarray:
         """Return how the velocity of irrotational flow along a wall changes with the distance from it: (n_owned, dim)

@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.base.fields import FLUID
+from parisph.base.arrays import sizes
 from parisph.case.numerics import Numerics
-from parisph.kernels import pairs, shifting, wetness
+from parisph.kernels import movement, pairs, shifting, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, SURFACES, Limiter, Regulariser
 
@@ -166,7 +166,7 @@ def push_off_less(flow: "Flow", surplus: np.ndarray) -> None:
     surplus : (n_owned, dim), the part of grad alpha by those
     """
     p = flow.particles
-    size = np.linalg.norm(surplus, axis=1)
+    size = sizes(surplus)
     some = size > 0.0
     towards = surplus[some] / size[some, None]
     push = np.einsum("ia,ia->i", p.grad_alpha[some], towards)
@@ -202,8 +202,7 @@ def displace(flow: "Flow", move: np.ndarray) -> None:
     p = flow.particles
     if flow.numerics.wall_guard > 0.0:
         flow.walls.keep_off(move, flow)
-    fluid = p.kind == FLUID
-    p.x[fluid] += move[fluid]
+    movement.add_to_fluid(p.x, move, p.kind)
     flow.stale.add("x")
 
 

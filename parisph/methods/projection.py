@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.arrays import sizes
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.kernels import balance
+from parisph.kernels import balance, movement
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, regularising, straining, surfaces
 from parisph.methods.catalogue import Parts
@@ -193,8 +194,7 @@ class Projection:
         p = self.flow.particles
         p.x0[:] = p.x
         if self.stepping.ahead:
-            fluid = p.kind == FLUID
-            p.x[fluid] += self.stepping.ahead * dt * p.u[fluid]
+            movement.add_to_fluid(p.x, self.stepping.ahead * dt * p.u, p.kind)
         self.flow.walls.move(self.flow, time + self.stepping.ahead * dt, time, time + dt)
 
     def _sum_forces(self, time, dt=0.0):
@@ -284,18 +284,17 @@ class Projection:
         flow = self.flow
         p = flow.particles
         grad = self.pressure_gradient(p.p_all, flow.density * flow.force)
-        fluid = p.kind == FLUID
-        acceleration = flow.force[:p.n_owned][fluid] - grad[fluid] / flow.density
-        flow.by_pressure = np.linalg.norm(grad, axis=1) / flow.density
-        p.u[fluid] += dt * acceleration
+        acceleration = flow.force[:p.n_owned] - grad / flow.density
+        flow.by_pressure = sizes(grad) / flow.density
+        movement.add_to_fluid(p.u, dt * acceleration, p.kind)
         moved = flow.walls.acceleration(flow)
         if moved is not None:
             p.u += dt * moved
         if "acceleration" in p.fields:
-            p.acceleration[fluid] = acceleration
+            movement.give_to_fluid(p.acceleration, acceleration, p.kind)
         flow.stale.add("u")
         if flow.numerics.time_step is None:
-            mine = float(np.sqrt((acceleration**2).sum(axis=1).max(initial=0.0)))
+            mine = float(sizes(acceleration)[p.kind == FLUID].max(initial=0.0))
             flow.top_acceleration = p.comm.allreduce(mine, op=MPI.MAX)
 
     def _regularise_velocity(self, dt):
@@ -321,7 +320,7 @@ class Projection:
         if not n.pressure_mean:
             return shortened
         return max(shortened, n.pressure_mean * resolved_time(p.comm, p, flow.spacing,
-                                                              flow.force[:p.n_owned][p.kind == FLUID]))
+                                                              flow.force[:p.n_owned].compress(p.kind == FLUID, axis=0)))
 
     def _average_pressure(self, earlier, share):
         """Leave a mean over time as the pressure after a short step, of which this step has the given share.
@@ -353,9 +352,8 @@ class Projection:
     def _move(self, start, time, dt):
         """Move particles by the trapezoid of Eq. 16, or by the new velocity, and walls to where they are afterwards."""
         p = self.flow.particles
-        fluid = p.kind == FLUID
         u = p.u if self.stepping.new else keep_in_tank(self.flow, 0.5 * (start + p.u), dt)
-        p.x[fluid] = p.x0[fluid] + dt * u[fluid]
+        movement.give_to_fluid(p.x, p.x0 + dt * u, p.kind)
         self.flow.walls.move(self.flow, time + dt, time, time + dt)
         self.flow.stale.add("x")
 
@@ -365,9 +363,12 @@ class Projection:
         div = np.empty(p.n_owned)
         self.rows.divergence(div, p.u_all, p.role_all)
         inner, fluid = p.role == INNER, p.kind == FLUID
-        mine = [div[inner] @ div[inner], inner.sum(), np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC))),
+        mine = [div[inner] @ div[inner], inner.sum(), np.count_nonzero((p.role == SURFACE) | (p.role == BALLISTIC)),
                 flow.collisions, np.sqrt(flow.by_pressure[fluid]).sum(), fluid.sum()]
-        squares, count, surface, collisions, roots, particles = p.comm.allreduce(np.array(mine, float))
+        sums = np.array(mine, float)
+        if p.comm.size > 1:
+            p.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
+        squares, count, surface, collisions, roots, particles = sums
         straining.remember(flow, float(roots / max(particles, 1.0)) ** 2, dt)
         again = {} if second is None else {"position_iterations": second.iterations,
                                            "position_residual": second.residual, "position_fallback": second.fallback}

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from parisph.base.arrays import sizes
 from parisph.methods.flow import Flow
 from parisph.methods.parts import Limiter, Regulariser
 from parisph.methods.positions import CAP, displace
@@ -48,8 +49,8 @@ def cap_together(moves: Mapping[str, np.ndarray], free: Sequence[str], cap: floa
     """
     if len(moves) < 2:
         return
-    longest = np.max([np.linalg.norm(moves[name], axis=1) for name in free], axis=0, initial=cap)
-    whole = np.linalg.norm(np.sum(list(moves.values()), axis=0), axis=1)
+    longest = np.max([sizes(moves[name]) for name in free], axis=0, initial=cap)
+    whole = sizes(np.sum(list(moves.values()), axis=0))
     share = np.minimum(1.0, longest / np.maximum(whole, np.finfo(float).tiny))
     for move in moves.values():
         move *= share[:, None]

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.arrays import sizes
 from parisph.case.numerics import Numerics
 from parisph.methods.parts import SOURCES, Source
 from parisph.methods.positions import compression
@@ -89,7 +90,8 @@ def strain_source(flow: "Flow", dt: float) -> np.ndarray:
     p = flow.particles
     out = np.empty(p.n_owned)
     flow.rows.second_invariant(out, p.u_all, p.role_all)
-    return np.clip(0.5 * out, -STRAIN_LIMIT / dt**2, STRAIN_LIMIT / dt**2)
+    limit = STRAIN_LIMIT / dt**2
+    return np.minimum(np.maximum(0.5 * out, -limit), limit)
 
 
 def put_off(flow: "Flow", dt: float, strain: np.ndarray) -> np.ndarray:
@@ -110,7 +112,7 @@ def put_off(flow: "Flow", dt: float, strain: np.ndarray) -> np.ndarray:
     flow.rows.divergence(residual, p.u_all, p.role_all)
     residual += (2.0 - n.strain) * dt * strain
     flow.rows.turnover(rate, p.u_all, p.role_all)
-    fall = np.sqrt(np.linalg.norm(flow.force[:p.n_owned], axis=1) / flow.spacing)
+    fall = np.sqrt(sizes(flow.force[:p.n_owned]) / flow.spacing)
     return (1.0 - np.minimum(1.0, n.residual_strain * dt * np.maximum(rate, fall))) * residual
 
 

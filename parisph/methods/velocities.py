@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.base.fields import FLUID
 from parisph.case.numerics import Numerics
-from parisph.kernels import collisions
+from parisph.kernels import collisions, movement
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Limiter, Regulariser
 
@@ -85,8 +84,7 @@ def keep_in_tank(flow: "Flow", u: np.ndarray, dt: float) -> np.ndarray:
     if not flow.numerics.wall_guard:
         return u
     both = p.u_all.copy()    # walls keep theirs
-    fluid = p.kind == FLUID
-    both[:p.n_owned][fluid] = u[fluid]
+    movement.give_to_fluid(both, u, p.kind)
     guard(flow, both, dt)
     return both[:p.n_owned]
 
