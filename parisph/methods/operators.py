@@ -1,6 +1,7 @@
 """The operators of the pressure equation: Laplacians, divergences, wall rows and gradients."""
 
 from abc import abstractmethod
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,8 @@ from parisph.pressure.rows import Cloud, Flux, Rows
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
+directions = cache(rankine.directions)    # of a dimension, the same in every step; kernels only read them
+
 
 class Rankine(Laplacian):
     """ISPH_R: the mean over a circle of moving least squares, normalised by its result for a parabola.
@@ -40,7 +43,7 @@ class Rankine(Laplacian):
     def fill(self, rows: Rows, cloud: Cloud, flux: Flux, u: np.ndarray) -> None:
         s = cloud.spacing
         rankine.rankine_rows(rows.count, rows.columns, rows.values, rows.measure, flux.flux, flux.div, u, cloud.x,
-                             cloud.role, rankine.directions(len(cloud.axes)), self.circle * s, lengths.MLS * s,
+                             cloud.role, directions(len(cloud.axes)), self.circle * s, lengths.MLS * s,
                              self.normalised, cloud.indptr, cloud.indices, cloud.axes)
 
 
@@ -115,7 +118,7 @@ class QuadraticRankine(Sparse):
         s = cloud.spacing
         quadratic_circle.quadratic_rankine_rows(
             rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
-            rankine.directions(len(cloud.axes)), lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s, cloud.indptr,
+            directions(len(cloud.axes)), lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s, cloud.indptr,
             cloud.indices, cloud.axes)
 
 
@@ -137,7 +140,7 @@ class FluxDivergence(Divergence):
     def fill(self, flux: Flux, cloud: Cloud, u: np.ndarray) -> None:
         s = cloud.spacing
         fluxes.flux_rows(flux.count, flux.columns, flux.flux, flux.div, u, cloud.x, cloud.role,
-                         rankine.directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s,
+                         directions(len(cloud.axes)), lengths.CIRCLE * s, lengths.MLS * s,
                          cloud.indptr, cloud.indices, cloud.axes)
 
 
