@@ -1,4 +1,4 @@
-"""Columns one to four particles wide, and a layer three particles deep."""
+"""Columns one to twelve particles wide, and a layer three particles deep."""
 
 from functools import partial
 
@@ -109,6 +109,9 @@ def layer(bench: Bench) -> list[Line]:
 SCENES = {
     **{f"columns-{width}-{where}": Scene(f"column {width} wide, {words}", partial(collapse, width=width, where=where),
                                          jittered=True) for width in (1, 2, 3, 4) for where, words in WHERE.items()},
+    **{f"columns-{width}-middle": Scene(f"column {width} wide, {WHERE['middle']}",
+                                        partial(collapse, width=width, where="middle"), jittered=True)
+       for width in (6, 8, 12)},
     "layer": Scene("layer of three particles, gently sloshing, 10 s", layer),
 }
 QUICK = {f"columns-{width}-{where}": Scene(f"column {width} wide, {WHERE[where]}, 100 steps",

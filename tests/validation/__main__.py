@@ -24,12 +24,12 @@ from tests.validation import (  # noqa: E402
     record,
     rest,
     rest_at_walls,
+    rest_of_methods,
     waves,
 )
 
-PARTS = {"rest": rest, "rest_at_walls": rest_at_walls, "waves": waves, "motion": motion, "dam_break": dam_break,
-         "ranks": ranks,
-         "cold_start": cold_start, "cavity": cavity}
+PARTS = {"rest": rest, "rest_of_methods": rest_of_methods, "rest_at_walls": rest_at_walls, "waves": waves,
+         "motion": motion, "dam_break": dam_break, "ranks": ranks, "cold_start": cold_start, "cavity": cavity}
 
 
 def main():
