@@ -174,7 +174,7 @@ class LeastSquares(Gradient):
     power, floor = 0, 0.05
 
     def form(self, spacing: float) -> tuple[float, int, float]:
-        """Return radius [m], power and floor, as the kernels take them."""
+        """Return radius [m], power and floor of the fit."""
         return self.reach * spacing, self.power, self.floor
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:

@@ -105,6 +105,13 @@ class Gradient(Part):
         A particle with too few neighbours gets a zero gradient, and the role BALLISTIC.
         """
 
+    def form(self, spacing: float) -> tuple[float, int, float] | None:
+        """Return radius [m], power and floor of a fit by weighted least squares, which walls of any shape can mend.
+
+        None for other gradients.
+        """
+        return None
+
 
 class Surface(Part):
     """A rule for the free surface.

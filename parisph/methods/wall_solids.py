@@ -10,7 +10,6 @@ from parisph.kernels import density, gradient, solids, wetness
 from parisph.kernels.moving_mirrors import GONE, SLIPS, STICKS, Solids
 from parisph.methods import lengths
 from parisph.methods.boundary import Boundary, Directions
-from parisph.methods.operators import LeastSquares
 from parisph.methods.parts import Gradient
 from parisph.parallel.wall_elements import WallElements
 
@@ -136,11 +135,10 @@ class WallSolids(Boundary):
 
     def mend_gradient(self, out: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
                       part: Gradient) -> None:
-        p, d, e = flow.particles, flow.domain, self.elements
-        if isinstance(part, LeastSquares):
+        p, d, e, form = flow.particles, flow.domain, self.elements, part.form(flow.spacing)
+        if form is not None:
             along, less = np.zeros_like(p.x_all), np.zeros_like(e.acceleration)
             if slope is not None:
                 along, less = slope, flow.density * e.acceleration
-            gradient.gradient_at_walls(out, f, along, less, p.x_all, p.role_all, *part.form(flow.spacing),
-                                       DATUM * flow.spacing, e.corners, e.indptr, e.indices, d.indptr, d.indices,
-                                       flow.axes)
+            gradient.gradient_at_walls(out, f, along, less, p.x_all, p.role_all, *form, DATUM * flow.spacing,
+                                       e.corners, e.indptr, e.indices, d.indptr, d.indices, flow.axes)
