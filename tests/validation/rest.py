@@ -15,7 +15,7 @@ def rows(bench):
     """Return the rows for a start on the lattice and for two jittered ones."""
     found = []
     for jitter in (0.0, 0.4, 0.8):
-        speed, error = _histories(jitter)
+        speed, error = histories(jitter)
         name = f"hydrostatic, jitter {jitter:g}, {STEPS} steps"
         fifth = STEPS // 5
         found += [
@@ -29,8 +29,9 @@ def rows(bench):
     return found
 
 
-def _histories(jitter):
-    s = Simulation(scene("hydrostatic", jitter=jitter), MPI.COMM_SELF)
+def histories(jitter, method="ISPH_R"):
+    """Return the largest speed over sqrt(gd), and error of the pressure over rho g d, of each step: (STEPS,)."""
+    s = Simulation(scene("hydrostatic", jitter=jitter, method=method), MPI.COMM_SELF)
     speed, error = np.empty(STEPS), np.empty(STEPS)
     for n in range(STEPS):
         s.advance()
