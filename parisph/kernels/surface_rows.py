@@ -9,26 +9,30 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.smoothing import quartic_weight
 
 BESIDE = 1.2    # spacings from a wall particle within which a particle also stands for the half spacing to the wall
-# of a cell, up to which a particle lies on the surface: a half, and what its share of the whole volume adds
-HALF = 0.6
+# of a cell: up to the first a particle lies on the surface (it stands for half a cell, or half of the 3/2 beside a
+# wall, and a little more where shares are made to add up), from the second on it stands for a full one
+HALF, FULL = 0.8, 0.95
+THIN, THICK = 0.3, 1.5      # spacings, of the distance of the two last layers
 LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surface has about one
 
 
 @kernel
 def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: np.ndarray, kind: np.ndarray,
-                 role: np.ndarray, volume: np.ndarray, offset: float, spacing: float, radius: float, indptr: np.ndarray,
-                 indices: np.ndarray, axes: tuple[int, ...]) -> None:
+                 role: np.ndarray, volume: np.ndarray, corner: np.ndarray, normal: np.ndarray, offset: float,
+                 spacing: float, radius: float, indptr: np.ndarray, indices: np.ndarray,
+                 axes: tuple[int, ...]) -> None:
     """Fill the rows of surface particles: pressure falls in proportion to the distance to zero on the surface.
 
     With the surface at the distance a outside the particle and the weighted mean of its inner neighbours
     at the depth d, p_I = a/(a + d) sum_J w_J p_J/sum_J w_J. Where each particle stands for a full cell, the
-    surface of the fluid is half a spacing outside the centres of the last ones: with p = 0 at the centres, a
-    drop is by half a spacing too small all around, and a jet of two particles has no pressure at all. A
+    surface of the fluid is half a layer outside the centres of the last ones: with p = 0 at the centres, a
+    drop is by half a spacing too small all around, and a jet of two particles has no pressure at all. The
+    layers of a flow that stretches come nearer to each other, so a is in proportion to their distance. A
     particle that stands for half a cell lies on the surface, as at the start of a tank: its row stays p = 0.
 
     count, columns, values : rows of PressureRows, those of surface particles are written
-    x, kind, role : (n_all, ...); volume : (n_all,) [m^dim]
-    offset : distance to the surface of a particle with a full cell [m]
+    x, kind, role, corner, normal : (n_all, ...); volume : (n_all,) [m^dim]
+    offset : distance to the surface of a particle with a full cell where layers are one spacing apart [m]
     radius : of the neighbours that count [m]
     """
     dim = len(axes)
@@ -37,7 +41,7 @@ def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: 
         if role[i] != SURFACE:
             continue
         count[i] = 0
-        outside = offset * _filled(i, x, kind, volume, spacing, indptr, indices, axes)
+        outside = offset * _filled(i, x, kind, corner, normal, volume, spacing, indptr, indices, axes)
         if outside == 0.0:
             continue
         n, total, first = 0, 0.0, indptr[i]
@@ -60,21 +64,54 @@ def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: 
         depth = 0.0
         for a in range(dim):
             depth += (mean[a] / total) ** 2
-        depth = max(math.sqrt(depth), LEAST * spacing)
+        depth = math.sqrt(depth)
+        outside *= _layer(depth / spacing)
+        depth = max(depth, LEAST * spacing)
         for k in range(first, first + n):
             values[k] *= outside / ((outside + depth) * total)
         count[i] = n
 
 
 @inlined
-def _filled(i, x, kind, volume, spacing, indptr, indices, axes):
-    """Return how much of the outer part of its cell a particle fills, 0 to 1."""
+def _filled(i, x, kind, corner, normal, volume, spacing, indptr, indices, axes):
+    """Return how much of the outer part of its cell a particle fills, 0 to 1.
+
+    Half a cell beside one wall is 3/4, which no full one is anywhere. Only where two walls meet may 9/8 be a half.
+    A rule that changed wherever a particle comes to a wall or leaves it would move p = 0 at once.
+    """
     share = volume[i] / spacing ** len(axes)
+    if share > HALF and _between_two_walls(i, x, kind, corner, normal, spacing, indptr, indices, axes):
+        share /= 1.5
+    return min(max((share - HALF) / (FULL - HALF), 0.0), 1.0)
+
+
+@inlined
+def _between_two_walls(i, x, kind, corner, normal, spacing, indptr, indices, axes):
+    first = -1
     for k in range(indptr[i], indptr[i + 1]):
-        if kind[indices[k]] == WALL and _square(i, indices[k], x, axes) < (BESIDE * spacing) ** 2:
-            share /= 1.5
-            break
-    return min(max((share - HALF) / (1.0 - HALF), 0.0), 1.0)
+        j = indices[k]
+        if kind[j] != WALL or corner[j] or _square(i, j, x, axes) > (BESIDE * spacing) ** 2:
+            continue
+        if first < 0:
+            first = j
+            continue
+        cosine = 0.0
+        for a in range(len(axes)):
+            cosine += normal[first, a] * normal[j, a]
+        if abs(cosine) < 0.5:
+            return True
+    return False
+
+
+@inlined
+def _layer(depth):
+    """Return the distance of the two last layers, in spacings, from the mean depth of the inner neighbours.
+
+    Exact within 0.03 on lattices that are pushed together, and on the lattice itself; where layers are further apart
+    than a spacing, only the next one is within the radius.
+    """
+    missing = max(1.0 - depth, 0.0)
+    return min(max(max(depth, 1.0) - missing * (1.05 + 2.3 * missing), THIN), THICK)
 
 
 @inlined

@@ -19,7 +19,7 @@ CAP = 0.1    # longest move of the position projection and of the shift, in spac
 # Close pairs; lengths in spacings.
 TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
 # times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
-TURNS = 2.5
+TURNS = 3.0
 PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the fraction of what is missing
 # distance that all pairs are brought to, sweeps at most, and longest move in one
 APART, SWEEPS, SWEEP = 0.45, 8, 0.15

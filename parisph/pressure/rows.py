@@ -112,8 +112,8 @@ class PressureRows:
         if self.offset > 0.0:
             s = cloud.spacing
             surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.kind, cloud.role,
-                                      cloud.volume, self.offset * s, s, self.radius * s, cloud.indptr, cloud.indices,
-                                      cloud.axes)
+                                      cloud.volume, cloud.corner, cloud.normal, self.offset * s, s, self.radius * s,
+                                      cloud.indptr, cloud.indices, cloud.axes)
 
     @property
     def div(self) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The rows of surface particles are exact where pressure is linear in the depth, and leave half particles at p = 0."""
+"""The rows of surface particles: exact for pressure linear in the depth, p = 0 half a layer outside, and for half cells."""
 
 import numpy as np
 import pytest
@@ -17,8 +17,18 @@ def rows(pool, share=1.0, offset=0.5):
     count = np.full(n, -1, np.int32)
     columns, values = np.zeros(len(pool.indices), np.int32), np.zeros(len(pool.indices))
     volume = share * np.where(pool.fluid, s**pool.dim, 0.0)
-    surface_rows(count, columns, values, pool.x, pool.kind, pool.role, volume, offset * s, s, 2.1 * s, *pool.csr)
+    surface_rows(count, columns, values, pool.x, pool.kind, pool.role, volume, pool.corner, pool.normal, offset * s, s,
+                 2.1 * s, *pool.csr)
     return count, columns, values
+
+
+def outside(pool, i, found):
+    """Return the distance [m] from particle i to p = 0 of a pressure that is linear in the depth and that its row keeps."""
+    count, columns, values = found
+    own = slice(pool.indptr[i], pool.indptr[i] + count[i])
+    share = values[own].sum()
+    depth = pool.x[i, -1] - values[own] @ pool.x[columns[own], -1] / share
+    return depth * share / (1.0 - share)
 
 
 def flat_surface(dim):
@@ -30,25 +40,32 @@ def flat_surface(dim):
 
 @dims
 @pytest.mark.parametrize("offset", [0.25, 0.5])
-def test_pressure_linear_in_depth_is_exact(dim, offset):
+def test_pressure_linear_in_depth_is_zero_at_the_offset(dim, offset):
     pool, i = flat_surface(dim)
-    depth = pool.x[i, -1] + offset * pool.spacing - pool.x[:, -1]
-    count, columns, values = rows(pool, offset=offset)
+    found = count, columns, values = rows(pool, offset=offset)
     own = slice(pool.indptr[i], pool.indptr[i] + count[i])
     assert count[i] > dim
-    assert values[own] @ depth[columns[own]] == pytest.approx(depth[i], rel=1e-12)
+    assert outside(pool, i, found) == pytest.approx(offset * pool.spacing, rel=0.02)
     assert values[own].min() > 0.0 and values[own].sum() < 1.0
     assert np.all(pool.role[columns[own]] == INNER)
+
+
+@pytest.mark.parametrize("stretch", [0.75, 0.85, 1.15, 1.3, 1.5])
+def test_the_offset_follows_the_distance_of_the_layers(stretch):
+    """A lattice that is stretched along the surface, or pushed together, with cells of the same area."""
+    pool, i = flat_surface(2)
+    pool.x[:] = pool.x[i] + (pool.x - pool.x[i]) * (stretch, 1.0 / stretch)
+    assert outside(pool, i, rows(pool)) == pytest.approx(0.5 * pool.spacing / stretch, rel=0.06)
 
 
 @dims
 def test_a_particle_on_the_surface_has_no_pressure(dim):
     pool, i = flat_surface(dim)
     assert rows(pool, share=0.5)[0][i] == 0
-    assert rows(pool, share=0.59)[0][i] == 0
-    part, full = (values[pool.indptr[i]] for _, _, values in (rows(pool, share=0.75), rows(pool)))
-    offset = 0.5 * (0.75 - 0.6) / 0.4
-    assert part / full == pytest.approx(offset / (1.0 + offset) / (0.5 / 1.5), rel=0.1)    # the mean depth is about one
+    assert rows(pool, share=0.79)[0][i] == 0
+    full = outside(pool, i, rows(pool))
+    assert outside(pool, i, rows(pool, share=0.95)) == pytest.approx(full, rel=1e-12)
+    assert outside(pool, i, rows(pool, share=0.875)) == pytest.approx(0.5 * full, rel=1e-12)
 
 
 def test_only_rows_of_surface_particles_are_written():
@@ -64,14 +81,28 @@ def test_a_lone_particle_and_a_thread_have_no_pressure():
     assert np.all(count == 0)
 
 
-def test_beside_a_wall_a_particle_stands_for_half_a_spacing_more():
-    pool = tank((8, 8))
-    surface = pool.fluid & (pool.x[:, 1] == pool.x[pool.fluid, 1].max())
+def tank_surface(dim, share):
+    """A tank of which the upper layer is the surface, its count of entries, and the numbers of that layer from a corner."""
+    pool = tank((6,) * dim)
+    surface = pool.fluid & (pool.x[:, -1] == pool.x[pool.fluid, -1].max())
     pool.role[surface] = SURFACE
-    first = np.flatnonzero(surface)[np.argmin(pool.x[surface, 0])]
-    assert rows(pool, share=0.75)[0][first] == 0     # 3/2 spacings wide, 1/2 high
-    middle = np.flatnonzero(surface)[np.count_nonzero(surface) // 2]
-    assert rows(pool, share=0.75)[0][middle] > 0
+    numbers = np.flatnonzero(surface)
+    return pool, rows(pool, share=share)[0], numbers[np.lexsort(pool.x[numbers, :-1].T)]
+
+
+@dims
+@pytest.mark.parametrize("share, full", [(0.75, False), (1.5, True)])
+def test_half_a_cell_beside_a_wall_lies_on_the_surface_wherever_it_is(dim, share, full):
+    """3/2 spacings wide and 1/2 high, before and after it has left the wall."""
+    pool, count, surface = tank_surface(dim, share)
+    assert np.all((count[surface] > 0) == full)
+
+
+@pytest.mark.parametrize("share, corner, elsewhere", [(9 / 8, False, True), (9 / 4, True, True)])
+def test_where_two_walls_meet_half_a_cell_is_more_than_one(share, corner, elsewhere):
+    pool, count, surface = tank_surface(3, share)
+    assert (count[surface[0]] > 0) == corner
+    assert (count[surface[1]] > 0) == elsewhere and (count[surface[len(surface) // 2]] > 0) == elsewhere
 
 
 @dims
