@@ -11,7 +11,7 @@ from parisph.kernels.smoothing import quartic_weight
 BESIDE = 1.2    # spacings from a wall particle within which a particle also stands for the half spacing to the wall
 # of a cell: up to the first a particle lies on the surface (it stands for half a cell, or half of the 3/2 beside a
 # wall, and a little more where shares are made to add up), from the second on it stands for a full one
-HALF, FULL = 0.8, 0.95
+HALF, FULL = 0.85, 0.95
 THIN, THICK = 0.3, 1.5      # spacings, of the distance of the two last layers
 LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surface has about one
 

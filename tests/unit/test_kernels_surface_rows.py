@@ -62,10 +62,10 @@ def test_the_offset_follows_the_distance_of_the_layers(stretch):
 def test_a_particle_on_the_surface_has_no_pressure(dim):
     pool, i = flat_surface(dim)
     assert rows(pool, share=0.5)[0][i] == 0
-    assert rows(pool, share=0.79)[0][i] == 0
+    assert rows(pool, share=0.84)[0][i] == 0
     full = outside(pool, i, rows(pool))
     assert outside(pool, i, rows(pool, share=0.95)) == pytest.approx(full, rel=1e-12)
-    assert outside(pool, i, rows(pool, share=0.875)) == pytest.approx(0.5 * full, rel=1e-12)
+    assert outside(pool, i, rows(pool, share=0.9)) == pytest.approx(0.5 * full, rel=1e-12)
 
 
 def test_only_rows_of_surface_particles_are_written():
