@@ -2,14 +2,18 @@
 
     python tests/benchmarks/step_cost.py                            3,200 and 100,000 particles, 1 and 2 ranks
     python tests/benchmarks/step_cost.py --particles 3200 --ranks 1
+    python tests/benchmarks/step_cost.py --whole                    whole runs with their probes and files
 
-Each line is one run of its own. Timings on a shared machine are noisy: compare lines of one call.
+The first steps of a column are the cheapest: after the impact the preconditioner is built in most steps, and probes
+and files cost as well. Each line is one run of its own. Timings on a shared machine are noisy: compare lines of one
+call.
 """
 
 import argparse
 import json
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -17,6 +21,14 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 WARM, STEPS = 10, 30
+# of --whole: a scene and its parameters; the dam break to t sqrt(g/H) = 4, sloshing to t sqrt(g/d) = 50
+WHOLE = (
+    ("dam_break", {"spacing": 1 / 40, "jitter": 0.2, "end_time": 4.0}),
+    ("dam_break", {"spacing": 1 / 80, "jitter": 0.2, "end_time": 4.0}),
+    ("small_sloshing", {"spacing": 0.1}),
+    ("small_sloshing", {"spacing": 0.05}),
+    ("small_sloshing", {"spacing": 0.025}),
+)
 
 
 def measure(particles):
@@ -48,15 +60,37 @@ def measure(particles):
     simulation.destroy()
 
 
+def whole(scene, parameters, ranks):
+    """Run a scene of cases/ to its end on some ranks; print its CPU time by phase, of the slowest rank."""
+    settings = [f"{name}={value!r}" for name, value in parameters.items()]
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "run"
+        command = ["mpirun", "-n", str(ranks), sys.executable, "-m", "parisph", "run",
+                   str(ROOT / "cases" / f"{scene}.py"), "--set", *settings, "-o", str(out)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=7200, cwd=folder)
+        if done.returncode:
+            raise SystemExit(done.stderr)
+        found = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    scale = 1e6 / (found["steps"] * found["particles"])
+    phases = "  ".join(f"{name} {seconds * scale:.2f}" for name, seconds in found["cpu_phases"].items())
+    print(f"{scene}, {found['particles']} particles, {ranks} ranks: {found['cpu_seconds']:.1f} CPU s for {found['steps']} "
+          f"steps, {found['cpu_seconds'] * scale:.2f} us per particle and step\n    {phases}", flush=True)
+
+
 def main():
-    """Print one line for each number of particles and of ranks."""
+    """Print one line for each number of particles and of ranks, or for each whole run."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--particles", type=int, nargs="+", default=[3200, 100000])
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--whole", action="store_true", help="whole runs on the first of the ranks, with their probes and files")
     parser.add_argument("--measure", type=int, help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.measure:
         measure(args.measure)
+        return
+    if args.whole:
+        for scene, parameters in WHOLE:
+            whole(scene, parameters, args.ranks[0])
         return
     for particles in args.particles:
         first = None
