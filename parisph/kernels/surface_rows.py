@@ -4,23 +4,21 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import INNER, SURFACE, WALL, WET
+from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.smoothing import quartic_weight
 
-BESIDE = 1.2    # spacings from a wall particle within which a particle also stands for the half spacing to the wall
-# of a cell: up to the first a particle lies on the surface (it stands for half a cell, or half of the 3/2 beside a
-# wall, and a little more where shares are made to add up), from the second on it stands for a full one
-HALF, FULL = 0.85, 0.95
+# Of a cell: up to the first a particle lies on the surface, from the second on it stands for a full one. Half a cell
+# beside a wall, 3/2 spacings wide, is 3/4 of one. Where layers do not divide the depth, all shares are larger.
+HALF, FULL = 0.81, 0.86
 THIN, THICK = 0.3, 1.5      # spacings, of the distance of the two last layers
 LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surface has about one
 
 
 @kernel
-def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: np.ndarray, kind: np.ndarray,
-                 role: np.ndarray, volume: np.ndarray, corner: np.ndarray, normal: np.ndarray, offset: float,
-                 spacing: float, radius: float, indptr: np.ndarray, indices: np.ndarray,
-                 axes: tuple[int, ...]) -> None:
+def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: np.ndarray, role: np.ndarray,
+                 volume: np.ndarray, offset: float, spacing: float, radius: float, indptr: np.ndarray,
+                 indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fill the rows of surface particles: pressure falls in proportion to the distance to zero on the surface.
 
     With the surface at the distance a outside the particle and the weighted mean of its inner neighbours
@@ -31,7 +29,7 @@ def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: 
     particle that stands for half a cell lies on the surface, as at the start of a tank: its row stays p = 0.
 
     count, columns, values : rows of PressureRows, those of surface particles are written
-    x, kind, role, corner, normal : (n_all, ...); volume : (n_all,) [m^dim]
+    x, role : (n_all, ...); volume : (n_all,) [m^dim], of the fluid at the start
     offset : distance to the surface of a particle with a full cell where layers are one spacing apart [m]
     radius : of the neighbours that count [m]
     """
@@ -41,7 +39,7 @@ def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: 
         if role[i] != SURFACE:
             continue
         count[i] = 0
-        outside = offset * _filled(i, x, kind, corner, normal, volume, spacing, indptr, indices, axes)
+        outside = offset * _filled(i, volume, spacing, axes)
         if outside == 0.0:
             continue
         n, total, first = 0, 0.0, indptr[i]
@@ -73,34 +71,14 @@ def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: 
 
 
 @inlined
-def _filled(i, x, kind, corner, normal, volume, spacing, indptr, indices, axes):
+def _filled(i, volume, spacing, axes):
     """Return how much of the outer part of its cell a particle fills, 0 to 1.
 
-    Half a cell beside one wall is 3/4, which no full one is anywhere. Only where two walls meet may 9/8 be a half.
-    A rule that changed wherever a particle comes to a wall or leaves it would move p = 0 at once.
+    That depends on its volume alone, which does not change: a rule that asked for walls beside the particle would move
+    p = 0 at once when it comes to one or leaves it.
     """
     share = volume[i] / spacing ** len(axes)
-    if share > HALF and _between_two_walls(i, x, kind, corner, normal, spacing, indptr, indices, axes):
-        share /= 1.5
     return min(max((share - HALF) / (FULL - HALF), 0.0), 1.0)
-
-
-@inlined
-def _between_two_walls(i, x, kind, corner, normal, spacing, indptr, indices, axes):
-    first = -1
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        if kind[j] != WALL or corner[j] or _square(i, j, x, axes) > (BESIDE * spacing) ** 2:
-            continue
-        if first < 0:
-            first = j
-            continue
-        cosine = 0.0
-        for a in range(len(axes)):
-            cosine += normal[first, a] * normal[j, a]
-        if abs(cosine) < 0.5:
-            return True
-    return False
 
 
 @inlined

@@ -111,9 +111,8 @@ class PressureRows:
         self.walls.fill(rows, cloud)
         if self.offset > 0.0:
             s = cloud.spacing
-            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.kind, cloud.role,
-                                      cloud.volume, cloud.corner, cloud.normal, self.offset * s, s, self.radius * s,
-                                      cloud.indptr, cloud.indices, cloud.axes)
+            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.role, cloud.volume,
+                                      self.offset * s, s, self.radius * s, cloud.indptr, cloud.indices, cloud.axes)
 
     @property
     def div(self) -> np.ndarray:
