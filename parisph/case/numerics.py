@@ -46,8 +46,8 @@ class Numerics(Model):
     laplacian, divergence, gradient, surface_gradient, wall_rows, surface_rule, source, stepping, forces, regularisers :
         names of the parts of a step, if they are not to be those of the method and the preset (base.vocabulary lists
         them)
-    surface_offset : distance from a surface particle that stands for a full cell out to p = 0 [s]; 0 for p = 0 at
-        particles
+    surface_offset : distance from a surface particle that stands for a full cell out to p = 0, over that of the last
+        two layers (one spacing where the flow has not stretched them); 0 for p = 0 at particles
     pressure_mean : over how many times the shortest time that particles resolve (methods.timestep) pressure is
         averaged, if steps are shorter than that; 0 for the pressure of each step
     rtol : relative tolerance of the pressure solve
@@ -102,7 +102,7 @@ class Numerics(Model):
     regularisers: Optional[tuple[str, ...]] = Field(None, description="names of the regularisers, in their order")
     surface_rule: Optional[str] = Field(None, description="name of the rule that finds the free surface")
     surface_offset: Optional[float] = Field(None, ge=0, le=1,
-                                            description="distance of p = 0 from full surface particles, in spacings")
+                                            description="distance of p = 0 from full surface particles, in layers")
     pressure_mean: Optional[float] = Field(
         None, ge=0, le=100, description="mean of pressure in short steps, in times that particles resolve")
     wall_rows: Optional[str] = Field(None, description="name of the rows of wall particles")

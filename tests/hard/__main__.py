@@ -1,6 +1,6 @@
 """The hard cases: flows at the edge of what a particle method can do, against what is required. Not part of the tests.
 
-    python -m tests.hard                       all: some twenty minutes on two cores
+    python -m tests.hard                       all: a quarter of an hour on two cores
     python -m tests.hard columns vortex        some, by name or by the beginning of their names
     python -m tests.hard --quick               the quick selection, which the default tests run too
     python -m tests.hard dam --seeds 3         jittered starts with the seeds 1, 2 and 3
