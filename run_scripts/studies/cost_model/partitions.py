@@ -99,6 +99,7 @@ class Column:
         keys = self.grid.cells(self.grid.keys(corner))
         order = np.argsort(keys)
         self.cells, self._start, self._length = keys[order], start[order], length[order]
+        self.last = self._start + self._length    # numbers of the coordinates after those of each cell
         self.counts = self.work = self._length.prod(axis=1)
 
     def _ends(self, a):
@@ -139,6 +140,7 @@ class Shares:
     """What each rank has, (ranks,) int64 each.
 
     owned : particles; sent, received : ghosts; to, by : ranks that get ghosts of this one, and that send it some
+    receivers : list of (to,) int64, which ones
     """
 
     owned: np.ndarray
@@ -146,6 +148,7 @@ class Shares:
     received: np.ndarray
     to: np.ndarray
     by: np.ndarray
+    receivers: list[np.ndarray]
 
 
 def cut(scene: Points | Column, ranks: int) -> Partition:
@@ -159,6 +162,7 @@ def shares(scene: Points | Column, partition: Partition, width: float) -> Shares
     ends = np.searchsorted(scene.cells, partition.splitters)
     below = np.concatenate([[0], np.cumsum(scene.counts)])
     sent, received, to, by = (np.zeros(ranks, np.int64) for _ in range(4))
+    everyone = []
     for rank in range(ranks):
         first, last = ends[rank], ends[rank + 1]
         x, cells = scene.particles(first, last), np.repeat(scene.cells[first:last], scene.counts[first:last])
@@ -166,7 +170,27 @@ def shares(scene: Points | Column, partition: Partition, width: float) -> Shares
         sent[rank], to[rank] = counts.sum(), len(receivers)
         received[receivers] += counts
         by[receivers] += 1
-    return Shares(np.diff(below[ends]), sent, received, to, by)
+        everyone.append(receivers)
+    return Shares(np.diff(below[ends]), sent, received, to, by, everyone)
+
+
+def hops(scene: Column, partition: Partition, receivers: list[np.ndarray]) -> int:
+    """Return how many ranks the way from the free surface to the farthest rank has: rounds of pressure.groups.
+
+    The surface is on top of the column and at its right side.
+    """
+    last = scene.last
+    wet = np.any([last[:, a] == last[:, a].max() for a in (0, last.shape[1] - 1)], axis=0)
+    reached = np.zeros(len(receivers), bool)
+    reached[partition.owners(scene.cells[wet])] = True
+    front, found = np.flatnonzero(reached), 0
+    while True:
+        front = np.unique(np.concatenate([receivers[rank] for rank in front]))
+        front = front[~reached[front]]
+        if not len(front):
+            return found
+        reached[front] = True
+        found += 1
 
 
 def line(scene: Column, ranks: int) -> dict[str, float]:
@@ -175,7 +199,8 @@ def line(scene: Column, ranks: int) -> dict[str, float]:
     halo = shares(scene, partition, WIDTH * scene.spacing)
     matrix = shares(scene, partition, STENCIL * scene.spacing)
     found = {"dim": len(scene.axes), "particles": scene.n, "ranks": ranks,
-             "owned_mean": halo.owned.mean(), "owned_max": halo.owned.max(), "empty": np.count_nonzero(halo.owned == 0)}
+             "hops": hops(scene, partition, matrix.receivers), "empty": np.count_nonzero(halo.owned == 0),
+             "owned_mean": halo.owned.mean(), "owned_max": halo.owned.max()}
     for name, which in (("halo", halo), ("matrix", matrix)):
         for what in ("to", "sent", "received"):
             values = getattr(which, what)
