@@ -39,7 +39,7 @@ def main() -> None:
         "small": small["particles"],
         "iterations": float(np.median(steps["iterations"])),
         "position_iterations": float(np.median(steps["position_iterations"])),
-        "built": float(np.mean(steps["rebuilt"])), "updates": shares("updates")(summary),
+        "built": float(np.mean(steps["rebuilt"] == "True")), "updates": shares("updates")(summary),
         "plans": shares("plans")(summary), "lists": shares("lists")(summary),
     }
     text = json.dumps(found, indent=1)
