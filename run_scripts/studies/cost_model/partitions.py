@@ -229,11 +229,11 @@ def main() -> None:
 
 
 def append(path: Path, found: dict[str, float]) -> None:
-    """Add a line to a CSV file, with a head if it is new."""
-    new = not path.exists()
+    """Add a line to a CSV file in the order of its head, or with a head if the file is new."""
+    names = path.read_text(encoding="utf-8").partition("\n")[0].split(",") if path.exists() else []
     with open(path, "a", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, list(found), lineterminator="\n")
-        if new:
+        table = csv.DictWriter(file, names or list(found), lineterminator="\n")
+        if not names:
             table.writeheader()
         table.writerow(found)
 
