@@ -1,5 +1,7 @@
 """The cost model: lattices cell by cell, real partitions in one process, and times that follow from counts."""
 
+import json
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -58,6 +60,17 @@ Interpolation Matrix Information:
   0   10648 x 188     3    4  0.0  1.0
 """
     assert multigrid.levels_in(text) == [{"rows": 10648, "entries": 322292}, {"rows": 188, "entries": 4076}]
+
+
+def test_a_cycle_sends_on_four_ranks_what_the_model_makes_of_two():
+    measured = model.Measured.read(model.MEASURED)
+    four = next(one for one in json.loads((model.MEASURED / "messages.json").read_text()) if one["ranks"] == 4)
+    mean = line(Column(2, four["particles"]), 4)
+    mean["matrix_to_max"] = mean["matrix_to_mean"]
+    network = model.Network(1.0, np.inf)    # its time is the number of messages
+    assert model._cycle(measured, network, mean) == pytest.approx(four["counts"]["cycle"][0], rel=0.1)
+    updates = measured.counts("step/updates")[0]
+    assert four["counts"]["step/updates"][0] == updates * four["neighbours"]
 
 
 def test_the_model_is_perfect_without_a_network_and_worse_with_a_slow_one():

@@ -23,6 +23,7 @@ from parisph.study.report import markdown  # noqa: E402
 MEASURED = Path(__file__).with_name("measured")
 PUBLISHED = (6144, 0.43)    # ranks and efficiency of all of an ISPH code (Guo et al. 2018), another scene and machine
 DOUBLE = 8                  # bytes
+COARSEST = 9                # rows of a level that hypre does not coarsen any more
 GATHERS = 6                 # arrays of a number for each rank that a step exchanges: layouts of PETSc, pressure.groups
 PARTS = ("particles", "Python", "ghosts", "iterations", "sums", "set-up", "marks")
 
@@ -76,7 +77,8 @@ class Measured:
         found = [(unknowns * level["rows"] / grid["unknowns"], level["entries"] / level["rows"])
                  for level in grid["levels"]]
         shrinks = found[-3][0] / found[-2][0]
-        while found[-1][0] > 9.0:    # where hypre stops
+        found = found[:1] + [level for before, level in zip(found, found[1:]) if before[0] > COARSEST]
+        while found[-1][0] > COARSEST:
             found.append((found[-1][0] / shrinks, min(found[-2][1], found[-1][0] / shrinks)))
         return found
 
