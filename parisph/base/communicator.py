@@ -17,6 +17,9 @@ class Communicator(Protocol):
     def allreduce(self, sendobj: Any) -> Any:
         """Return the sum of what all ranks give. Collective."""
 
+    def Allreduce(self, sendbuf: Any, recvbuf: Any) -> Any:
+        """Write the sum of the arrays that all ranks give to the second. Collective."""
+
     def allgather(self, sendobj: Any) -> list[Any]:
         """Return what all ranks give, in the order of ranks. Collective."""
 

@@ -83,7 +83,9 @@ def agree_and_sum(comm: Communicator, error: Exception | None, *numbers: float) 
     if comm.size == 1:
         agree(comm, error)
         return np.array(numbers, float)
-    sums: Floats = comm.allreduce(np.array([error is not None, *numbers], float))
+    mine = np.array([error is not None, *numbers], float)
+    sums: Floats = np.empty_like(mine)
+    comm.Allreduce(mine, sums)    # in one call of MPI; objects would be added on their way, rank after rank
     if sums[0]:
         agree(comm, error)
     return sums[1:]

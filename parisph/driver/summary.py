@@ -15,6 +15,7 @@ from parisph.base.fields import FLUID
 from parisph.base.log import logger
 from parisph.case.schema import Case
 from parisph.driver.conservation import Conservation
+from parisph.driver.shares import Shares
 from parisph.driver.simulation import Simulation
 from parisph.io import reader
 from parisph.io.files import on_first
@@ -39,6 +40,7 @@ class Account:
         self.fallbacks = 0
         self.divergence: float | None = None
         self.conservation: Conservation | None = None    # from `start` on
+        self._shares: Shares | None = None               # the same
         self._notes = list(before.get("notes", ()))
         self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
         self._fluid = 0
@@ -71,6 +73,7 @@ class Account:
         start = {name: self.before.get(name) for name in ("energy", "volume")}    # of a checkpoint by an older parisph
         self.conservation = Conservation(simulation, self.before.get("conservation"), start)
         self.measure(simulation)
+        self._shares = Shares(simulation)
 
     def measure(self, simulation: Simulation) -> None:
         """Measure energy and volume now. Collective."""
@@ -129,6 +132,7 @@ class Account:
             "status": status, "warnings": self.warnings(), "wall_seconds": account["wall"],
             "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
+            "shares": self._shares.content(s, comm) if self._shares else None,
             **self._kept(s), "left": vars(s.left), "divergence": self.divergence, "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(str(store.about["versions"])),
             "petsc_options": store.about["petsc_options"],

@@ -45,7 +45,8 @@ class Domain:
         Neighbours of each owned particle among all local ones: those within
         `radius + 2 list_skin` when the lists were made, so those within `radius` ever since.
     global_rows : (n_all,) int32 (int64 beyond 2^31 rows), global row of each local particle
-    n_plans, n_lists : int, how often particles were redistributed, and lists rebuilt, so far
+    n_plans, n_lists, n_updates : int, how often particles were redistributed, lists rebuilt, and fields of ghosts
+        updated, so far
 
     Raises
     ------
@@ -65,7 +66,7 @@ class Domain:
         self.indptr, self.indices = np.zeros(1, np.int32), np.zeros(0, np.int32)
         self._around = self.indptr, self.indices
         self.global_rows = np.zeros(0, np.int32)
-        self.n_plans = self.n_lists = 0
+        self.n_plans = self.n_lists = self.n_updates = 0
         self._partition = self._halo = self._plan_x = self._list_x = None
         self._calls, self._looked, self._assigned = 0, -balance_every, particles.n_assigned
         self._removed = False
@@ -130,8 +131,25 @@ class Domain:
         if unknown:
             raise ParisphError("no such particle field: "
                                f"{', '.join(unknown)} (this scene has {', '.join(self.particles.fields)})")
+        if names:
+            self.n_updates += 1    # also on one rank, which then tells how many messages more ranks would send
         if self._halo is not None and names:
             self._halo.update(*names)
+
+    @property
+    def work(self) -> int:
+        """Work of this rank's particles, by which they are shared (parallel.work)."""
+        return int(self._work().sum())
+
+    @property
+    def receivers(self) -> int:
+        """Number of ranks that get ghosts of this one: the messages that an update takes from here."""
+        return 0 if self._halo is None else self._halo.receivers
+
+    @property
+    def n_sent(self) -> int:
+        """Number of ghosts that other ranks have of this one's particles."""
+        return 0 if self._halo is None else self._halo.n_sent
 
     def destroy(self) -> None:
         """Free the MPI and PETSc objects of the halo. Collective."""
@@ -181,7 +199,9 @@ class Domain:
         if comm.size == 1 or not (moving or self._calls - self._looked >= self.balance_every):
             return False
         self._looked = self._calls
-        return imbalance(comm.allgather(int(self._work().sum()))) > self.tolerated
+        loads = np.empty(comm.size, np.int64)
+        comm.Allgather(np.array([self.work], np.int64), loads)
+        return imbalance(loads) > self.tolerated
 
     def _work(self):
         """Return the work of each owned particle (n_owned,) int64, the same for all where lists are not known."""

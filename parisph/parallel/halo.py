@@ -34,6 +34,7 @@ class Halo:
     Attributes
     ----------
     rows : (n_ghost,) int64, global rows of the ghosts, which are sorted by owner
+    receivers, n_sent : int, ranks that get ghosts from here, and their ghosts together
     """
 
     def __init__(self, particles: Particles, partition: Partition, cells: np.ndarray, width: float) -> None:
@@ -41,6 +42,7 @@ class Halo:
         self._units = {}
         particles.resize(particles.n_owned, 0)
         ranks, which = senders(particles.x, cells, partition, width * ROUNDING, particles.comm.rank)
+        self.receivers, self.n_sent = len(np.unique(ranks)), len(ranks)
         self._roots, root = np.unique(which, return_inverse=True)
         owner, leaf_root = self._first_message(ranks, which, root)
         self._forest = _star_forest(particles.comm, len(self._roots), owner, leaf_root)

@@ -106,7 +106,10 @@ class Particles:
 
     def renumber(self) -> None:
         """Update the global rows after the number of owned particles has changed. Collective."""
-        counts = self.comm.allgather(self.n_owned) if self.comm.size > 1 else [self.n_owned]
+        counts = np.array([self.n_owned])
+        if self.comm.size > 1:    # numbers, not objects: thousands of ranks would take milliseconds to read these
+            counts = np.empty(self.comm.size, np.int64)
+            self.comm.Allgather(np.array([self.n_owned], np.int64), counts)
         self.offsets[1:] = np.cumsum(counts)
 
     def resize(self, n_owned: int, n_ghost: int) -> None:

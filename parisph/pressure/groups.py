@@ -14,6 +14,8 @@ from mpi4py import MPI
 from parisph.base.errors import ParisphError, agree, agree_and_sum
 from parisph.kernels import graph
 
+_TAG = 72
+
 
 def isolated_rows(comm: MPI.Comm, offset: int, indptr: np.ndarray, indices: np.ndarray,
                   anchored: np.ndarray) -> tuple[np.ndarray, int]:
@@ -95,34 +97,51 @@ def _spread_over_ranks(comm, offset, reached, pending, indptr, indices):
         reached[rows[marks[slot]]] = True
         left = pending[~reached[pending]]
         left = graph.spread(reached, left, indptr, indices, offset)
-        gained = pending.size - left.size
+        gained = np.array([pending.size - left.size])
         pending = left
-        if not comm.allreduce(gained):
+        comm.Allreduce(MPI.IN_PLACE, gained)
+        if not gained[0]:
             return
 
 
 class _Lookup:
-    """Reads the marks of rows on other ranks; the addresses are exchanged once."""
+    """Reads the marks of rows on other ranks; the addresses are exchanged once.
+
+    Only ranks that have rows for each other exchange messages: there are as many rounds as ranks between the surface
+    and the row farthest from it, and an Alltoallv costs a message for every rank there is.
+    """
 
     def __init__(self, comm, offset, n, remote):
         self._comm = comm
-        spans = np.array(comm.allgather((offset, n)), dtype=np.int64)
+        spans = np.empty((comm.size, 2), np.int64)
+        comm.Allgather(np.array([offset, n], np.int64), spans)
         total = spans[:, 1].sum()
         bad = remote.size and not 0 <= remote[0] <= remote[-1] < total
         agree(comm, ParisphError(f"a pressure row refers to column {remote[0]} or {remote[-1]} of {total}")
               if bad else None)
         # Ranks without rows have the same first row as the next rank: take the last of these.
         owner = np.searchsorted(spans[:, 0], remote, side="right") - 1
-        self._asked = np.bincount(owner, minlength=comm.size).astype(np.int32)
-        self._wanted = np.empty(comm.size, np.int32)
-        comm.Alltoall(self._asked, self._wanted)
-        addresses = np.empty(self._wanted.sum(), np.int64)
-        comm.Alltoallv((remote, self._asked, MPI.INT64_T), (addresses, self._wanted, MPI.INT64_T))
+        asked = np.bincount(owner, minlength=comm.size)
+        wanted = np.empty_like(asked)
+        comm.Alltoall(asked, wanted)
+        self._asked, self._wanted = _parts(asked), _parts(wanted)
+        addresses = np.empty(wanted.sum(), np.int64)
+        self._swap(remote.astype(np.int64), self._asked, addresses, self._wanted)
         self._addresses = addresses - offset
         self._marks = np.empty(remote.size, bool)
 
     def pull(self, reached):
         """Return the marks of the remote rows, in their order. Collective."""
-        send = (reached[self._addresses], self._wanted, MPI.C_BOOL)
-        self._comm.Alltoallv(send, (self._marks, self._asked, MPI.C_BOOL))
+        self._swap(reached[self._addresses], self._wanted, self._marks, self._asked)
         return self._marks
+
+    def _swap(self, sent, to, received, by):
+        requests = [self._comm.Irecv(received[part], rank, _TAG) for rank, part in by]
+        requests += [self._comm.Isend(sent[part], rank, _TAG) for rank, part in to]
+        MPI.Request.Waitall(requests)
+
+
+def _parts(counts):
+    """Return (rank, slice) of each rank with entries in an array that is ordered by rank, (ranks,) entries each."""
+    ends = np.cumsum(counts)
+    return [(int(rank), slice(ends[rank] - counts[rank], ends[rank])) for rank in np.flatnonzero(counts)]

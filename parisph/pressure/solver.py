@@ -363,4 +363,6 @@ def _sums(comm, *numbers):
     """Return the sums of some whole numbers over the ranks. Collective."""
     if comm.size == 1:
         return [int(number) for number in numbers]
-    return [int(number) for number in comm.allreduce(np.array(numbers, np.int64))]
+    sums = np.array(numbers, np.int64)
+    comm.Allreduce(MPI.IN_PLACE, sums)    # in one call of MPI; objects would be added on their way, rank after rank
+    return [int(number) for number in sums]

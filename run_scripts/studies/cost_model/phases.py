@@ -1,0 +1,52 @@
+"""What a step costs on one rank, by phase, from two runs that differ in their particles.
+
+    parisph run cases/dam_break.py --set spacing=1/160 jitter=0.2 end_time=2 -o large -- -pressure_pc_type hypre
+    parisph run cases/dam_break.py --set spacing=1/20 jitter=0.2 end_time=3 -o small
+    python run_scripts/studies/cost_model/phases.py large small -o phases.json
+
+CPU time, of all steps: before, during and after the impact. The large run gives the cost of a particle, the small one
+what a step costs beside that.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[3])]
+
+from scaling_measures import PHASES, shares, step_cpu_ms  # noqa: E402
+
+from parisph.io.reader import open_run  # noqa: E402
+
+
+def main() -> None:
+    """Print the costs as JSON, and write them."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("large", type=Path)
+    parser.add_argument("small", type=Path)
+    parser.add_argument("-o", "--output", type=Path)
+    args = parser.parse_args()
+    run, small = open_run(args.large), open_run(args.small).summary
+    summary, steps = run.summary, run.steps
+    scale = 1e6 / (summary["steps"] * summary["particles"])
+    us = {phase: scale * summary["cpu_phases"][phase] for phase in PHASES}
+    found = {
+        "particles": summary["particles"], "steps": summary["steps"], "us": us, "us_all": sum(us.values()),
+        "overhead_ms": step_cpu_ms(small) - 1e-3 * sum(us.values()) * small["particles"],
+        "small": small["particles"],
+        "iterations": float(np.median(steps["iterations"])),
+        "position_iterations": float(np.median(steps["position_iterations"])),
+        "built": float(np.mean(steps["rebuilt"] == "True")), "updates": shares("updates")(summary),
+        "plans": shares("plans")(summary), "lists": shares("lists")(summary),
+    }
+    text = json.dumps(found, indent=1)
+    print(text)
+    if args.output:
+        args.output.write_text(text + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

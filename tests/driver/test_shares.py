@@ -1,0 +1,45 @@
+"""The summary says how a run was shared among ranks, and one table gathers runs on several numbers of them."""
+
+import json
+import sys
+
+import pytest
+
+from tests.launch import ROOT, mpirun, run
+
+SETS = ("--set", "spacing=0.1", "jitter=0.2", "end_time=0.2")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("scaling")
+    for ranks in (1, 2):
+        done = mpirun(ranks, ["-m", "parisph", "run", ROOT / "cases" / "dam_break.py", "-q", *SETS,
+                              "-o", place / f"ranks_{ranks}"], timeout=200)
+        assert done.returncode == 0, done.stderr
+    return place
+
+
+def test_shares_are_those_of_the_ranks(folder):
+    one, two = (json.loads((folder / f"ranks_{ranks}" / "summary.json").read_text()) for ranks in (1, 2))
+    assert one["shares"]["imbalance"] == 1.0 and one["shares"]["ghosts"]["max"] == 0.0
+    assert one["shares"]["owned"] == {"max": one["particles"], "mean": one["particles"]}
+    shares = two["shares"]
+    assert shares["owned"]["mean"] == two["particles"] / 2 and shares["neighbours"] == {"max": 1.0, "mean": 1.0}
+    assert shares["ghosts"]["max"] > 0.0 and shares["work"]["mean"] == one["shares"]["work"]["mean"] / 2
+    assert shares["imbalance"] == shares["work"]["max"] / shares["work"]["mean"]
+    assert 9.0 < one["shares"]["updates"] < 20.0 and shares["updates"] == pytest.approx(one["shares"]["updates"], 0.1)
+    assert 0.0 <= shares["plans"] <= 1.0 and 0.0 < shares["lists"] <= 1.0
+
+
+def test_the_table_has_a_line_for_each_number_of_ranks(folder):
+    (folder / "begun").mkdir()
+    (folder / "begun" / "case.json").write_text("{}")
+    done = run([sys.executable, ROOT / "run_scripts" / "studies" / "scaling_table.py", folder])
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("Strong scaling") and lines[-1] == "Not completed: begun"
+    head, *rows = ([cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| "))
+    first, second = (dict(zip(head, row, strict=True)) for row in rows)
+    assert (first["ranks"], second["ranks"]) == ("1", "2") and first["efficiency"] == "1"
+    assert len((folder / "table.csv").read_text().splitlines()) == 3
