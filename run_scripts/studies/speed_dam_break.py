@@ -2,8 +2,8 @@
 
     parisph study run_scripts/studies/speed_dam_break.py
 
-About five minutes of CPU time, for three starts of 800 and 3200 particles. The points of the others are in speed_dam_break.csv; their times are
-those of another day on the same kind of machine, so a factor of 1.4 says nothing.
+About five minutes of CPU time, for three starts of 800 and 3200 particles. The points of the others are in
+speed_dam_break.csv; their times are those of another day on the same kind of machine, so a factor of 1.4 says nothing.
 """
 
 from dam_break_measures import against_code, energy_at

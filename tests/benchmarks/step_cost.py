@@ -73,8 +73,8 @@ def whole(scene, parameters, ranks):
         found = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     scale = 1e6 / (found["steps"] * found["particles"])
     phases = "  ".join(f"{name} {seconds * scale:.2f}" for name, seconds in found["cpu_phases"].items())
-    print(f"{scene}, {found['particles']} particles, {ranks} ranks: {found['cpu_seconds']:.1f} CPU s for {found['steps']} "
-          f"steps, {found['cpu_seconds'] * scale:.2f} us per particle and step\n    {phases}", flush=True)
+    print(f"{scene}, {found['particles']} particles, {ranks} ranks: {found['cpu_seconds']:.1f} CPU s for "
+          f"{found['steps']} steps, {found['cpu_seconds'] * scale:.2f} us per particle and step\n    {phases}", flush=True)
 
 
 def main():

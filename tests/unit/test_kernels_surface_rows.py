@@ -1,4 +1,4 @@
-"""Where the rows of surface particles put p = 0: a part of a layer outside full cells, and at the centre of half cells."""
+"""Where rows of surface particles put p = 0: a part of a layer outside full cells, at the centre of half cells."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def rows(pool, share=1.0, offset=0.5):
 
 
 def outside(pool, i, found):
-    """Return the distance [m] from particle i to p = 0 of a pressure that is linear in the depth and that its row keeps."""
+    """Return the distance [m] from particle i to p = 0 of the pressure, linear in the depth, that its row keeps."""
     count, columns, values = found
     own = slice(pool.indptr[i], pool.indptr[i] + count[i])
     share = values[own].sum()
@@ -95,7 +95,7 @@ def test_a_lone_particle_and_a_thread_have_no_pressure():
 
 
 def tank_surface(dim, share):
-    """A tank of which the upper layer is the surface, its count of entries, and the numbers of that layer from a corner."""
+    """A tank of which the upper layer is the surface, counts of entries, and the numbers in that layer from a corner."""
     pool = tank((6,) * dim)
     surface = pool.fluid & (pool.x[:, -1] == pool.x[pool.fluid, -1].max())
     pool.role[surface] = SURFACE
