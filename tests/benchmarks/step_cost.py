@@ -74,7 +74,8 @@ def whole(scene, parameters, ranks):
     scale = 1e6 / (found["steps"] * found["particles"])
     phases = "  ".join(f"{name} {seconds * scale:.2f}" for name, seconds in found["cpu_phases"].items())
     print(f"{scene}, {found['particles']} particles, {ranks} ranks: {found['cpu_seconds']:.1f} CPU s for "
-          f"{found['steps']} steps, {found['cpu_seconds'] * scale:.2f} us per particle and step\n    {phases}", flush=True)
+          f"{found['steps']} steps, {found['cpu_seconds'] * scale:.2f} us per particle and step\n    {phases}",
+          flush=True)
 
 
 def main():
@@ -82,7 +83,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--particles", type=int, nargs="+", default=[3200, 100000])
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
-    parser.add_argument("--whole", action="store_true", help="whole runs on the first of the ranks, with their probes and files")
+    parser.add_argument("--whole", action="store_true",
+                        help="whole runs on the first of the ranks, with their probes and files")
     parser.add_argument("--measure", type=int, help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.measure:

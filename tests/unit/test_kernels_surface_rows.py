@@ -95,7 +95,7 @@ def test_a_lone_particle_and_a_thread_have_no_pressure():
 
 
 def tank_surface(dim, share):
-    """A tank of which the upper layer is the surface, counts of entries, and the numbers in that layer from a corner."""
+    """A tank whose upper layer is the surface, counts of entries, and the numbers in that layer from a corner."""
     pool = tank((6,) * dim)
     surface = pool.fluid & (pool.x[:, -1] == pool.x[pool.fluid, -1].max())
     pool.role[surface] = SURFACE
