@@ -18,9 +18,12 @@ def loss(run) -> float:
     return 1.0 - KEPT.of(run)
 
 
+METHODS = ["ISPH_R"]
+
 study = Study(
     title="Speed against error in the dam break",
     case="../../cases/dam_break.py",
+    methods=METHODS,
     spacings=[1 / 40, 1 / 80],          # over H
     parameters={"end_time": 4.0, "jitter": 0.2},
     seeds=[1, 2, 3],

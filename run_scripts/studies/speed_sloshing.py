@@ -8,9 +8,12 @@ times are those of another day on the same kind of machine, so a factor of 1.4 s
 
 from parisph.study import OtherCodes, Study, TruthError
 
+METHODS = ["ISPH_R"]
+
 study = Study(
     title="Speed against error in small sloshing",
     case="../../cases/small_sloshing.py",
+    methods=METHODS,
     spacings=[0.1, 0.05, 0.025],        # over d
     errors=[TruthError("left", name="wave part")],
     others=[OtherCodes("speed_sloshing.csv", of="wave part")],

@@ -51,7 +51,7 @@ def test_volume_that_was_off_on_the_way_is_named(tmp_path):
     lines = words.table(summary)
     assert any(line.startswith("warning ") and "volume" in line for line in lines)
     most = 100.0 * summary["volume_range"]["high"]
-    assert any(line.startswith("volume drift ") and f"highest +{most:.2g}" in line for line in lines)
+    assert any(line.startswith("volume drift ") and f"highest +{most:.2f}%" in line for line in lines)
     assert "volume" in (tmp_path / "run" / "run.log").read_text()
 
 
