@@ -113,18 +113,19 @@ def regain_role(role: np.ndarray, start_role: np.ndarray, x: np.ndarray, radius:
 
 
 @kernel
-def harmonic_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float,
+def harmonic_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float, most: float,
                       indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Replace the gradient at surface particles by that of the harmonic fit.
 
-    Rows whose neighbours do not span the harmonic basis keep their value in `out`.
+    Rows whose neighbours do not span the harmonic basis keep their value in `out`, as do those where the harmonic terms
+    raise the variance of the slope to more than `most` times that of a linear fit.
     """
     dim = len(axes)
     c, work, b = harmonic.scratch(indptr, axes)
     for i in range(len(indptr) - 1):
         if role[i] != SURFACE:
             continue
-        if not harmonic.coefficients(c, i, x, role, radius, work, b, indptr, indices, axes):
+        if not harmonic.coefficients(c, i, x, role, radius, most, work, b, indptr, indices, axes):
             continue
         out[i, :] = 0.0
         for k in range(indptr[i], indptr[i + 1]):

@@ -37,13 +37,17 @@ def fill_basis(b: np.ndarray, i: int, j: int, x: np.ndarray, radius: float, axes
 
 
 @kernel
-def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radius: float, work: np.ndarray,
-                 b: np.ndarray, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> bool:
+def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radius: float, most: float,
+                 work: np.ndarray, b: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
+                 axes: tuple[int, ...]) -> bool:
     """Write c_j so that d f/dx_a (x_i) = sum_j c[j, a] (f_j - f_i) for harmonic f.
 
     out : (at least the number of neighbours of i, dim), in the order of the list of i [1/m]
+    most : by how much the terms of degree 2 may raise the variance of the first derivatives: the mean over directions of
+        the ratio to a linear fit with the same weights, trace(M (A^-1)_11)/dim, with A = sum w b b^T and its linear
+        block M = A_11
     work : (basis, basis), b : (basis,) scratch.
-    Returns False, with out undefined, when the neighbours do not span the basis.
+    Returns False, with out undefined, when the neighbours do not span the basis, or not well enough for `most`.
     """
     dim, n = len(axes), basis_size(axes)
     radius2 = radius * radius
@@ -58,7 +62,12 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
         for r in range(n):
             for c in range(r + 1):
                 work[r, c] += w * b[r] * b[c]
-    if found < n + 1 or not cholesky(work, n):
+    if found < n + 1:
+        return False
+    for a in range(dim):
+        for c in range(a + 1):
+            out[a, c] = out[c, a] = work[a, c]
+    if not cholesky(work, n) or _inflation(out, work, b, n, axes) > most:
         return False
     for k in range(indptr[i], indptr[i + 1]):
         row = k - indptr[i]
@@ -71,6 +80,22 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
         for a in range(dim):
             out[row, a] = w * b[a] / radius
     return True
+
+
+@kernel
+def _inflation(moment, work, b, n, axes):
+    """Return by how much the terms of degree 2 raise the variance of the slope, as a mean over directions.
+
+    moment : (dim, dim), of the linear terms alone; work : the factor of all
+    """
+    dim, raised = len(axes), 0.0
+    for a in range(dim):
+        b[:n] = 0.0
+        b[a] = 1.0
+        cholesky_solve(work, b, n)
+        for c in range(dim):
+            raised += b[c] * moment[a, c] / dim
+    return raised
 
 
 @kernel

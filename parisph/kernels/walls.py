@@ -78,7 +78,7 @@ def harmonic_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, me
     for i in range(len(indptr) - 1):
         if role[i] != WET:
             continue
-        if not harmonic.coefficients(c, i, x, role, radius, work, b, indptr, indices, axes):
+        if not harmonic.coefficients(c, i, x, role, radius, np.inf, work, b, indptr, indices, axes):
             continue
         total = 0.0
         for k in range(indptr[i + 1] - indptr[i]):

@@ -21,6 +21,9 @@ from parisph.pressure.solver import PressureSolver
 
 FEW = 10             # particles without a surface that are not worth an equation
 BODIES = 4           # bodies of fluid without a surface, at most, that get one
+# of the time over which pressure is averaged: that of walls. Fluid comes to a wall one layer after the other, which is
+# more than the .3 spacings of `timestep`; inside, a longer mean would only be late
+AT_WALLS = 2.0
 ROUNDING = 1e-3      # spacings within which two particles are equally high
 
 
@@ -100,9 +103,8 @@ class Projection:
                 flow.fresh("x")
                 regularising.prepare(flow, parts.position_regularisers, dt)
                 regularising.change(flow, parts.position_regularisers, dt)
-        over = self._mean_time(dt, usual)
-        if dt < over and self.knows_pressure:
-            self._average_pressure(earlier, dt / over)
+        if self.knows_pressure:
+            self._average_pressure(earlier, dt, *self._mean_times(dt, usual))
         self.knows_pressure = True
         with timers("record"):
             flow.fresh("u")
@@ -309,31 +311,33 @@ class Projection:
             straining.finish(flow, dt)
         regularising.change(flow, regularisers, dt)
 
-    def _mean_time(self, dt, usual):
-        """Return the time [s] over which the pressure of a step of dt is averaged; 0 for its own pressure.
+    def _mean_times(self, dt, usual):
+        """Return the times [s] over which the pressures of the fluid and of walls are averaged in a step of dt.
 
-        Collective.
+        0 for the step's own pressure. Collective.
         """
         flow = self.flow
         p, n = flow.particles, flow.numerics
         shortened = usual if usual is not None and dt < 0.5 * usual else 0.0
         if not n.pressure_mean:
-            return shortened
-        return max(shortened, n.pressure_mean * resolved_time(p.comm, p, flow.spacing,
-                                                              flow.force[:p.n_owned].compress(p.kind == FLUID, axis=0)))
+            return shortened, shortened
+        time = n.pressure_mean * resolved_time(p.comm, p, flow.spacing,
+                                               flow.force[:p.n_owned].compress(p.kind == FLUID, axis=0))
+        return max(shortened, time), max(shortened, AT_WALLS * time)
 
-    def _average_pressure(self, earlier, share):
-        """Leave a mean over time as the pressure after a short step, of which this step has the given share.
-
-        Collective.
+    def _average_pressure(self, earlier, dt, time, at_walls):
+        """Leave means over these times [s] as the pressures after a step of dt that is shorter. Collective.
 
         The pulse of a particle that comes to a wall or to the surface acts in one step of any length. The velocity
         needs its whole impulse, but as a pressure it would grow without bound as dt -> 0.
         """
         p = self.flow.particles
-        solved = (p.role == INNER) | (p.role == WET) | ((p.role == SURFACE) & (self.flow.numerics.surface_offset > 0.0))
-        p.p[solved] = earlier[solved] + share * (p.p[solved] - earlier[solved])
-        self.flow.domain.update("p")
+        fluid = (p.role == INNER) | ((p.role == SURFACE) & (self.flow.numerics.surface_offset > 0.0))
+        for some, over in ((fluid, time), (p.role == WET, at_walls)):
+            if dt < over:
+                p.p[some] = earlier[some] + dt / over * (p.p[some] - earlier[some])
+        if dt < max(time, at_walls):
+            self.flow.domain.update("p")
 
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.

@@ -145,7 +145,7 @@ def surface_errors(jitter, harmonic):
         out = np.empty_like(pool.x)
         gradient.least_squares_gradient(out, f, pool.x, pool.role, MIXED * s, 0, 0.05, *pool.csr)
         if harmonic:
-            gradient.harmonic_gradient(out, f, pool.x, pool.role, WALL * s, *pool.csr)
+            gradient.harmonic_gradient(out, f, pool.x, pool.role, WALL * s, np.inf, *pool.csr)
         surface = pool.role == SURFACE
         found.append(rms(out[surface] - exact[surface]) / rms(exact[surface]))
     return np.array(found)

@@ -5,16 +5,17 @@ import pytest
 
 from parisph.base.fields import CONTACT, DRY, SURFACE
 from parisph.kernels import gradient, harmonic
+from parisph.kernels.smoothing import quartic_weight
 from tests.pools import block, free, harmonic_quadratics, monomials, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
 
 
-def coefficients(pool, i, radius=2.6):
+def coefficients(pool, i, radius=2.6, most=np.inf):
     """Return (success, c (neighbours of i, dim))."""
     c, work, b = harmonic.scratch(pool.indptr, pool.axes)
     c[:] = np.nan
-    sound = harmonic.coefficients(c, i, pool.x, pool.role, radius * pool.spacing, work, b, *pool.csr)
+    sound = harmonic.coefficients(c, i, pool.x, pool.role, radius * pool.spacing, most, work, b, *pool.csr)
     return sound, c[: pool.indptr[i + 1] - pool.indptr[i]]
 
 
@@ -95,6 +96,22 @@ def test_one_neighbour_more_than_polynomials_is_needed():
 
 
 @dims
+def test_the_terms_of_degree_two_raise_the_variance_of_a_slope_by_what_is_said(dim):
+    pool, i = one_sided(dim, 1, 0.4)
+    near = pool.indices[pool.indptr[i]:pool.indptr[i + 1]]
+    d = (pool.x[near] - pool.x[i]) / (2.6 * pool.spacing)
+    weight = np.array([quartic_weight(r2, 1.0) for r2 in (d**2).sum(axis=1)])
+    b, basis = np.empty(harmonic.basis_size(pool.axes)), []
+    for j in near:
+        harmonic.fill_basis(b, i, j, pool.x, 2.6 * pool.spacing, pool.axes)
+        basis.append(b.copy())
+    moment = np.transpose(basis) * weight @ basis
+    raised = np.trace(np.linalg.inv(moment)[:dim, :dim] @ moment[:dim, :dim]) / dim
+    assert raised > 1.1
+    assert coefficients(pool, i, most=1.001 * raised)[0] and not coefficients(pool, i, most=0.999 * raised)[0]
+
+
+@dims
 def test_particles_outside_the_stencil_have_no_weight(dim):
     pool, i = one_sided(dim, 0, 0.8)
     near = pool.indices[pool.indptr[i]:pool.indptr[i + 1]]
@@ -112,7 +129,7 @@ def test_gradient_is_replaced_on_the_surface_only(dim):
     pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.4)
     out = np.full((pool.n, dim), 7.0)
     f, grad = harmonic_quadratics(pool.x)[0]
-    gradient.harmonic_gradient(out, f, pool.x, pool.role, 2.6 * pool.spacing, *pool.csr)
+    gradient.harmonic_gradient(out, f, pool.x, pool.role, 2.6 * pool.spacing, np.inf, *pool.csr)
     surface = pool.role == SURFACE
     np.testing.assert_allclose(out[surface], grad[surface], atol=1e-9)
     assert np.all(out[~surface] == 7.0)
@@ -122,5 +139,5 @@ def test_gradient_of_a_surface_without_support_stays():
     pool = free([[0, 0], [1, 0], [2, 0]])
     pool.role[:] = SURFACE
     out = np.full((3, 2), 7.0)
-    gradient.harmonic_gradient(out, np.arange(3.0), pool.x, pool.role, 2.6 * pool.spacing, *pool.csr)
+    gradient.harmonic_gradient(out, np.arange(3.0), pool.x, pool.role, 2.6 * pool.spacing, np.inf, *pool.csr)
     assert np.all(out == 7.0)

@@ -23,7 +23,7 @@ def least_squares(pool):
 
 def harmonic(pool):
     out = np.zeros_like(pool.x)
-    gradient.harmonic_gradient(out, P[: pool.n], pool.x, pool.role, 2.6 * S, *pool.csr)
+    gradient.harmonic_gradient(out, P[: pool.n], pool.x, pool.role, 2.6 * S, np.inf, *pool.csr)
     return out
 
 
