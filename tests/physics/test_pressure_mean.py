@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.base.fields import FLUID
+from parisph.base.fields import FLUID, INNER, WET
 from parisph.driver import Simulation
 from parisph.methods.timestep import TOLD_FALL, TOLD_MOVE, resolved_time
 from tests.scenes import scene
@@ -46,3 +46,20 @@ def test_short_steps_show_no_pulses_and_move_the_same():
     v, smooth = pulses(1.0)
     np.testing.assert_allclose(v, u, atol=1e-4 * np.abs(u).max())   # what is shown does not change what happens
     assert smooth < 0.6 * rough
+
+
+def test_walls_average_over_twice_the_time():
+    simulation = Simulation(scene("dam_break", spacing=0.1, end_time=1.0), MPI.COMM_SELF)
+    simulation.advance()
+    p, method = simulation.particles, simulation.method
+    time, at_walls = method._mean_times(1e-6, None)
+    assert at_walls == 2.0 * time > 0.0
+    p.p[:] = 0.0
+    method._average_pressure(np.ones(p.n_owned), 0.25 * time, time, at_walls)
+    np.testing.assert_allclose(p.p[p.role == INNER], 0.75)
+    np.testing.assert_allclose(p.p[p.role == WET], 0.875)
+    p.p[:] = 0.0
+    method._average_pressure(np.ones(p.n_owned), 1.5 * time, time, at_walls)
+    assert not p.p[p.role == INNER].any()
+    np.testing.assert_allclose(p.p[p.role == WET], 0.25)
+    simulation.destroy()
