@@ -13,19 +13,19 @@ from tests.launch import ROOT, clean_environment
 # A module imports only from its own part and from those that stand before it.
 ORDER = ("base", "case", "geometry", "kernels", "parallel", "pressure", "methods", "truth", "patch", "watch", "io",
          "pictures", "driver", "study", "report", "doctor",
-         "arguments", "completion", "cli", "__main__")
+         "arguments", "completion", "parser", "ranks", "verbs", "cli", "__main__")
 
 # Where these may be imported, as beginnings of module names; nowhere else.
 ONLY_IN = {
     "petsc4py": ("parallel.petsc",),    # which starts PETSc as it should be started
     "mpi4py": ("parallel", "pressure", "methods", "truth", "patch", "watch", "io", "pictures", "driver", "study",
-               "doctor", "completion", "cli", "__main__"),
+               "doctor", "ranks", "__main__"),
     "numba": ("kernels", "parallel", "doctor"),
     "h5py": ("io", "doctor"),
     "matplotlib": ("pictures", "study"),
 }
 WHOLE_WORLD = "COMM_WORLD"
-WHOLE_WORLD_IN = ("cli", "__main__", "parallel.petsc")    # PETSc starts on all ranks together
+WHOLE_WORLD_IN = ("ranks", "__main__", "parallel.petsc")    # PETSc starts on all ranks together
 
 
 def faults(package):
@@ -142,7 +142,7 @@ def test_rules_find_a_fault(tmp_path, module, text, word):
 @pytest.mark.parametrize(("module", "text"), [
     ("parallel/petsc.py", "from petsc4py import PETSc"),
     ("pressure/solver.py", "from parisph.parallel.petsc import PETSc\nfrom parisph.base import errors"),
-    ("cli.py", "from mpi4py import MPI\ncomm = MPI.COMM_WORLD\nfrom parisph import __version__"),
+    ("ranks.py", "from mpi4py import MPI\ncomm = MPI.COMM_WORLD\nfrom parisph import __version__"),
     ("io/a.py", "import parisph\nfrom .. import __version__\nfrom . import b\nfrom ..base.errors import CaseError"),
 ])
 def test_rules_allow_what_is_right(tmp_path, module, text):

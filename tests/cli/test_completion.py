@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from parisph import cli, completion
+from parisph import completion, parser
 from parisph.__main__ import main
 
 pytest.importorskip("shtab")
@@ -51,7 +51,7 @@ def test_bash_completes(tmp_path, words, offered, not_offered):
     (tmp_path / "runs" / "tank").mkdir(parents=True)
     for name in ("tank.py", "table.csv", "read.me"):
         (tmp_path / name).touch()
-    found = completed(tmp_path, completion.script(cli._parser(), "bash"), *words)
+    found = completed(tmp_path, completion.script(parser.build(), "bash"), *words)
     assert offered <= found and not not_offered & found, found
 
 

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from parisph import cli
+from parisph import cli, parser
 from parisph.case.load import load, parameters
 from tests.launch import ROOT, parisph, run
 
@@ -114,7 +114,7 @@ def test_option_exists(option):
 
 def _verbs():
     """Return the verbs of the command line, each with its parser."""
-    return next(action for action in cli._parser()._actions if action.choices).choices
+    return next(action for action in parser.build()._actions if action.choices).choices
 
 
 def test_commands_are_there():

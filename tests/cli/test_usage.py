@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from parisph import __main__ as entry
-from parisph import cli, load, open_run
+from parisph import cli, load, open_run, parser, verbs
 from parisph.base import errors
 from parisph.base.text import is_plain
 from tests.launch import mpirun, parisph
@@ -175,6 +175,11 @@ def test_every_verb_explains_itself(capsys):
         with pytest.raises(SystemExit) as end:
             cli.parse([verb, "-h"])
         assert end.value.code == 0 and f"usage: parisph {verb}" in capsys.readouterr().out
+
+
+def test_every_verb_has_work():
+    known = next(action for action in parser.build()._actions if action.choices).choices
+    assert list(verbs.WORK) == list(known)
 
 
 def test_bad_case_on_two_ranks_is_said_once(case):

@@ -1,0 +1,225 @@
+"""What the verbs of the command line do, once the command is understood."""
+
+import argparse
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from parisph import completion, parser, ranks
+from parisph.base import environment, libraries, output
+from parisph.base.errors import CaseError
+
+
+def _run(args):
+    if environment.launched()[1] > 1:
+        ranks.world()
+        from parisph.driver import run  # noqa: F401  starts PETSc, on all ranks together: the case file may import it on one
+    text, out, parts = ranks.on_first(lambda: (_load(args).model_dump_json(), _folder(args), _files_of_parts(args)))
+    ranks.stop_if_asked()
+    comm = ranks.world()
+    from parisph import driver
+    from parisph.case.schema import Case
+
+    if comm.rank:
+        _register(parts)
+    case = Case.model_validate_json(text)    # that of rank 0: a case file may depend on host, clock or rank
+    summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite,
+                         force=args.force)
+    _tell(comm, summary, out)
+
+
+def _restart(args):
+    comm = ranks.world()
+    ranks.everywhere(lambda: _register(args.parts))
+    from parisph import driver
+    from parisph.io.layout import run_of
+
+    summary = driver.restart(args.path, comm, until=args.until, out=args.out, petsc_options=args.petsc,
+                             progress=not args.quiet, force=args.force)
+    _tell(comm, summary, args.out or run_of(args.path))
+
+
+def _check(args):
+    case = _load(args)
+    from parisph import driver
+    from parisph.case.load import arguments
+
+    print(driver.describe(case, arguments(args.case, args.set)))
+    if args.plot is not None:
+        from parisph.pictures.bodies_view import plot_scene
+
+        plot_scene(case, args.plot)
+        print(args.plot)
+
+
+def _load(args):
+    from parisph.case.load import load
+
+    _register(args.parts)
+    return load(args.case, args.set)
+
+
+def _folder(args):
+    """Return the folder for a new run, never one that holds a run already (unless asked to overwrite)."""
+    if args.out is not None:
+        if os.path.exists(Path(args.out) / "case.json") and not args.overwrite:
+            raise CaseError(f"{args.out} holds a run already: give another folder with -o, "
+                            "or move the whole folder aside with --overwrite")
+        return args.out
+    case = Path(args.case)
+    name = case.resolve().parent.name if case.name == "case.json" else case.stem
+    number = 1
+    while os.path.exists(folder := Path("runs") / (name if number == 1 else f"{name}-{number}")) and not args.overwrite:
+        number += 1
+    return str(folder)
+
+
+def _files_of_parts(args):
+    """Return the files that have registered parts from outside: those of --parts, and the case file if it has."""
+    from parisph.base import vocabulary
+
+    is_stored = str(args.case).endswith(".json")
+    return [*args.parts, *([args.case] if vocabulary.outside() and not is_stored else [])]
+
+
+def _register(files):
+    """Run the Python files that register parts of methods. Not collective: each rank does it."""
+    from parisph.case.load import register_parts
+
+    for file in files:
+        register_parts(file)
+
+
+def _tell(comm, summary, folder):
+    from parisph.io import info
+
+    if comm.rank == 0:
+        output.show("\n".join([*info.table(summary), f"{'folder':<16}{folder}"]))
+
+
+def _study(args):
+    from parisph.study import study_file
+    from parisph.study.agenda import listing, of_study
+    from parisph.study.carry_out import carry_out
+    from parisph.study.definition import Study
+
+    _register(args.parts)
+    study, file = study_file.read(args.study)
+    if not isinstance(study, Study):
+        return _patch_study(args, study, file)
+    plan = of_study(study, file, args.set, args.only, args.out, args.limit, args.parts)
+    if args.list:
+        print(listing(plan))
+        return 0
+    libraries.require(*libraries.ENGINE)
+    return carry_out(plan, args.jobs, not args.quiet, args.force, output.show)
+
+
+def _patch_study(args, study, file):
+    for option, given in (("--set", args.set), ("--limit", args.limit is not None), ("-j", args.jobs > 1)):
+        if given:
+            raise CaseError(f"{option}: a patch study has no runs of a case, and takes seconds in this process; "
+                            "leave it out")
+    libraries.require(*libraries.ENGINE)
+    from parisph.study import patch_report
+    from parisph.study.agenda import folder_for
+    from parisph.study.patch_carry_out import carry_out
+
+    folder = folder_for(file, args.out)
+    if args.list:
+        print(patch_report.listing(study, args.only))
+        return 0
+    return carry_out(study, file, folder, args.only, not args.quiet, args.force, output.show)
+
+
+def _info(args):
+    from parisph.io import info, reader
+
+    run = reader.Run(args.run)
+    if args.json:
+        print(json.dumps(run.summary, indent=2))
+        return
+    print(info.describe(run))
+    try:    # last, because the snapshots may be damaged
+        if len(run):
+            print(f"\n{info.provenance(run)}")
+    finally:
+        run.check()
+
+
+def _plot(args):
+    from parisph.io import reader
+    from parisph.pictures import orders
+
+    if args.time is not None and args.peak is not None:
+        raise CaseError("--time and --peak both select a snapshot: give only one of them")
+    runs = [reader.open_run(folder) for folder in args.runs]
+    for path in orders.plot(runs, args.time, args.peak, args.probe, args.out, **_look(args)):
+        print(path)
+
+
+def _movie(args):
+    from parisph.io import reader
+    from parisph.pictures import orders
+
+    print(orders.animate(reader.open_run(args.run), args.out, args.fps, args.slow, **_look(args)))
+
+
+def _look(args):
+    """Return the options of io.view.Look; None for those not given."""
+    return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None,
+            "limits": args.limits, "colours": args.cmap, "zoom": args.zoom}
+
+
+def _report(args):
+    from parisph.report import gallery, page
+
+    if args.into is not None:
+        written = gallery.put_into(args.runs, args.into)
+    elif args.all:
+        written = gallery.write(args.runs, args.out or "gallery")
+    elif args.out is not None and len(args.runs) > 1:
+        raise CaseError("-o: several runs cannot have their pages in one folder; leave it out, or use --all")
+    else:
+        written = [page.write(folder, args.out) for folder in args.runs]
+    for path in written:
+        print(path)
+
+
+def _compare(args):
+    from parisph.io import reader
+    from parisph.truth import comparison
+
+    names = ("probe", "column", "time", "value", "offset", "scale", "time_scale", "shift", "best_shift", "rest")
+    run = reader.open_run(args.run)
+    found = comparison.compare(run, args.reference, **{name: getattr(args, name) for name in names})
+    if args.plot is not None:
+        from parisph.pictures import orders
+
+        orders.compare(run, found, args.reference, args.plot)
+    print(json.dumps(found.result, indent=2) if args.json else comparison.text(found.result))
+
+
+def _doctor(args):
+    from parisph import doctor
+
+    if not args.trial:
+        findings = doctor.examine()
+        print(doctor.report(findings))
+        return int(not all(finding.ok for finding in findings))
+    comm = ranks.world()
+    result = doctor.trial(comm)
+    if comm.rank == 0:
+        print(json.dumps(result))
+    return 0
+
+
+def _completion(args):
+    print(completion.script(parser.build(), args.shell))
+
+
+# The work of each verb: a function of the arguments that returns the exit code, where None means 0.
+WORK: dict[str, Callable[[argparse.Namespace], int | None]] = {
+    "run": _run, "restart": _restart, "check": _check, "study": _study, "info": _info, "plot": _plot, "movie": _movie,
+    "report": _report, "compare": _compare, "doctor": _doctor, "completion": _completion}
