@@ -43,9 +43,9 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
     """Write c_j so that d f/dx_a (x_i) = sum_j c[j, a] (f_j - f_i) for harmonic f.
 
     out : (at least the number of neighbours of i, dim), in the order of the list of i [1/m]
-    most : by how much the terms of degree 2 may raise the variance of the first derivatives: the mean over directions of
-        the ratio to a linear fit with the same weights, trace(M (A^-1)_11)/dim, with A = sum w b b^T and its linear
-        block M = A_11
+    most : by how much the terms of degree 2 may raise the variance of the first derivatives: the mean over directions
+        of the ratio to a linear fit with the same weights, trace(M (A^-1)_11)/dim, with A = sum w b b^T and its
+        linear block M = A_11
     work : (basis, basis), b : (basis,) scratch.
     Returns False, with out undefined, when the neighbours do not span the basis, or not well enough for `most`.
     """

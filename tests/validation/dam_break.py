@@ -115,7 +115,7 @@ def _ids(run):
 def measures(run: Run) -> dict:
     """Return {measure: value} of a run of the dam break.
 
-    P2 against each code and the limit of one (relative L2, unshifted, at the times of the code), arrival (t* of P2 > 0.1), E(1.45) and E(2)
+    P2 against each code and the limit of one (relative L2, unshifted, at its times), arrival (t* of P2 > 0.1), E(1.45) and E(2)
     over the start, impulse, quiet (noise), volume (largest error), volume in 99 % of the samples, rise (highest energy
     over its start, less 1). Raises ValueError if the run ends before t* = 3.4.
     """
@@ -192,8 +192,8 @@ def _orders(bench, coarse, fine):
 def _other_steps(bench, spacing, full):
     """Return the rows of half and a quarter of the time step, beside the starts at the default one.
 
-    Of two sets of starts, which chance has spread, means are compared. The onset of P2 with Basilisk's 256 cells is late
-    by as much as steps of different length differ, so its limit stands beside it.
+    Of two sets of starts, which chance has spread, means are compared. The onset of P2 with Basilisk's 256 cells is
+    late by as much as steps of different length differ, so its limit stands beside it.
     """
     found, at = [], f"dam break, H/s = {1 / spacing:.0f}"
     for label, parts in (("half", 2), ("a quarter", 4)):
