@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 
-from parisph.base import environment, output
+from parisph.base import environment, garbage, output
 from parisph.base.errors import ParisphError, StoreError, exit_code, unforeseen
 from parisph.base.signals import Signals
 from parisph.base.text import clipped, of_error, plain_lines
@@ -30,6 +30,7 @@ def main(words: Sequence[str] | None = None) -> int:
             if own:
                 stack.pop_all()    # they stay in force until the interpreter ends,
                 atexit.register(signals.ignore)    # which would die of one more, with another exit code
+                garbage.put_off()
         try:
             from parisph import cli
 
