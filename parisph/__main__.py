@@ -1,13 +1,14 @@
 """`parisph` and `python -m parisph`: execute a command line, and make sure that every rank ends."""
 
 import atexit
+import gc
 import os
 import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 
-from parisph.base import environment, output
+from parisph.base import environment, garbage, output
 from parisph.base.errors import ParisphError, StoreError, exit_code, unforeseen
 from parisph.base.signals import Signals
 from parisph.base.text import clipped, of_error, plain_lines
@@ -21,12 +22,15 @@ def main(words: Sequence[str] | None = None) -> int:
     environment.prepare()
     output.open_closed()
     own, words = words is None, sys.argv[1:] if words is None else words
+    if own:
+        atexit.register(gc.freeze)    # no search for garbage at exit, which would take as long as half of the imports
     with ExitStack() as stack:
         if words and words[0] in STOPPABLE:
             signals = stack.enter_context(_signals())
             if own:
                 stack.pop_all()    # they stay in force until the interpreter ends,
                 atexit.register(signals.ignore)    # which would die of one more, with another exit code
+                garbage.put_off()
         try:
             from parisph import cli
 
