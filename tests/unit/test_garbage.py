@@ -9,7 +9,7 @@ PUT_OFF = """
 import gc
 from parisph.base import garbage
 
-usual = gc.get_threshold()
+usual = garbage.USUAL
 garbage.as_usual()
 assert gc.get_threshold() == usual and not gc.get_freeze_count()
 garbage.put_off()
