@@ -49,7 +49,7 @@ class Numerics(Model):
     surface_offset : distance from a surface particle that stands for a full cell out to p = 0, over that of the last
         two layers (one spacing where the flow has not stretched them); 0 for p = 0 at particles
     pressure_mean : over how many times the shortest time that particles resolve (methods.timestep) pressure is
-        averaged, if steps are shorter than that; 0 for the pressure of each step
+        averaged, if steps are shorter than that, at walls twice as long; 0 for the pressure of each step
     rtol : relative tolerance of the pressure solve
     equation_of_state, sound_speed, artificial_viscosity, xsph : of the method SPH alone (Z14 Eqs 3, 8, 9); the speed of
         sound [m/s] is by default ten times the fastest fluid that the scene lets expect

@@ -44,8 +44,8 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
 
     out : (at least the number of neighbours of i, dim), in the order of the list of i [1/m]
     most : by how much the terms of degree 2 may raise the variance of the first derivatives: the mean over directions
-        of the ratio to a linear fit with the same weights, trace(M (A^-1)_11)/dim, with A = sum w b b^T and its
-        linear block M = A_11
+        of the ratio to a linear fit, for noise of variance 1/w, trace(M (A^-1)_11)/dim, with A = sum w b b^T and its
+        linear block M = A_11; infinite for no limit
     work : (basis, basis), b : (basis,) scratch.
     Returns False, with out undefined, when the neighbours do not span the basis, or not well enough for `most`.
     """
@@ -67,7 +67,9 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
     for a in range(dim):
         for c in range(a + 1):
             out[a, c] = out[c, a] = work[a, c]
-    if not cholesky(work, n) or _inflation(out, work, b, n, axes) > most:
+    if not cholesky(work, n):
+        return False
+    if most < np.inf and _inflation(out, work, b, n, axes) > most:
         return False
     for k in range(indptr[i], indptr[i + 1]):
         row = k - indptr[i]
