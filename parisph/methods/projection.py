@@ -99,16 +99,16 @@ class Projection:
             self._regularise_velocity(dt)
             self._move(start, time, dt)
             budget.mark(p, "pressure")
+        if self.knows_pressure:
+            self._average_pressure(earlier, dt, *self._mean_times(dt, usual))
+        self.knows_pressure = True
         if parts.position_regularisers:
             with timers("regularise"):
                 flow.fresh("x")
                 regularising.prepare(flow, parts.position_regularisers, dt)
                 regularising.change(flow, parts.position_regularisers, dt)
-        if self.knows_pressure:
-            self._average_pressure(earlier, dt, *self._mean_times(dt, usual))
-        self.knows_pressure = True
         with timers("record"):
-            flow.fresh("u")
+            flow.fresh("u", "p")
             return self._report(dt, solve, isolated)
 
     def start(self, time: float) -> int:
@@ -327,7 +327,7 @@ class Projection:
         return max(shortened, time), max(shortened, AT_WALLS * time)
 
     def _average_pressure(self, earlier, dt, time, at_walls):
-        """Leave means over these times [s] as the pressures after a step of dt that is shorter. Collective.
+        """Leave means over these times [s] as the pressures after a step of dt that is shorter. Not collective.
 
         The pulse of a particle that comes to a wall or to the surface acts in one step of any length. The velocity
         needs its whole impulse, but as a pressure it would grow without bound as dt -> 0.
@@ -337,8 +337,7 @@ class Projection:
         for some, over in ((fluid, time), (p.role == WET, at_walls)):
             if dt < over:
                 p.p[some] = earlier[some] + dt / over * (p.p[some] - earlier[some])
-        if dt < max(time, at_walls):
-            self.flow.domain.update("p")
+                self.flow.stale.add("p")
 
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.
