@@ -6,7 +6,7 @@ again and again, which costs as much as to load a library.
 
 import gc
 
-SELDOM = 500_000    # new objects between two searches: more than a start makes, but compiling kernels is not without
+SELDOM = 500_000    # new objects between two searches: more than a start makes, fewer than compiling all kernels does
 USUAL = gc.get_threshold()
 
 

@@ -250,7 +250,7 @@ class HarmonicSurface(Gradient):
 
     A surface that keeps its particles keeps a lone one in the tip of a wedge, too. Its few neighbours suffice for the
     harmonic terms, but these amplify its velocity: at rest on slopes of 20 to 60 degrees, it crept away (a factor e
-    in .2 to 5 s, where the inflation was above 7; without the terms in 90 s or more). There is no limit in violent
+    in .2 to 6 s, where the inflation was above 7; without the terms in 90 s or more). There is no limit in violent
     flow, where the tip of a tongue needs them: with one, the pressure of its impact is off by .12 to .21 instead
     of .07.
     """
