@@ -16,8 +16,8 @@ def beach(degrees):
 
 
 WALLS = {
-    "slope 15": beach(15.0), "slope 20": beach(20.0), "slope 30": beach(30.0), "slope 45": beach(45.0),
-    "slope 60": beach(60.0),
+    "slope 3": beach(3.0), "slope 15": beach(15.0), "slope 20": beach(20.0), "slope 30": beach(30.0),
+    "slope 45": beach(45.0), "slope 60": beach(60.0),
     "sill": (Tank(4.0, 1.3), Obstacle(Polygon([(1.0, 0.0), (1.4, 0.4), (2.0, 0.4), (2.4, 0.0)]))),
     "box": (Tank(3.0, 1.3), Obstacle(Box(width=0.5, height=0.5, at=(1.2, 0.0)))),
     "plate": (Tank(2.0, 1.3), Plate([(1.0, 0.0), (1.0, 1.2)])),

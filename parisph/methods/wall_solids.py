@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 BESIDE = 0.4    # spacings in front of a wall that moves, within which the nodes of others are dry
-DATUM = 1.0     # spacings from a wall within which its datum helps out a gradient with too few neighbours
+# spacings from a wall within which its datum helps out a gradient with too few neighbours. In the tip of water on a
+# flat beach the surface is the only layer, up to 1.5 spacings above the bed, and the nodes below it carry no row.
+DATUM = 1.4
 
 
 class WallSolids(Boundary):

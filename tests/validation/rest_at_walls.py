@@ -10,6 +10,8 @@ def rows(bench):
     """Return the rows for both presets, each from a start on the lattice and from a jittered one."""
     found = []
     for name in WALLS:
+        if name == "slope 3":    # rests for hundreds of steps: see the limits
+            continue
         for preset in ("violent", "gentle"):
             for jitter in (0.0, 0.4):
                 what = f"{name}, {preset}, jitter {jitter:g}, {STEPS} steps"
