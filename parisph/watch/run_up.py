@@ -18,6 +18,7 @@ BESIDE = 4.0      # surface particles that may serve to continue the surface
 ASIDE = 0.1       # the second of two such particles is farther from the line than the first by more than this
 APART = (0.5, 2.6)    # and as far from it
 AHEAD = 1.0       # the surface is continued by this height at most
+STRAIGHT = 1e-9   # sine of the angle between two pieces of a line that are one
 
 COLUMNS = {"y": "m", "x": "m"}
 
@@ -72,6 +73,7 @@ class LineRunUp(Sampler):
 
     def __init__(self, probe: probes.RunUp, scene: Scene, points: np.ndarray, motion: Motion = AtRest()) -> None:
         super().__init__(probe, scene)
+        points = _corners(points)
         self.points, self._start, self._motion = points, points, motion
         self.ends = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
         self.title = (f"Highest water along the line from ({points[0, 0]:g}, {points[0, 1]:g}) to "
@@ -127,11 +129,25 @@ class LineRunUp(Sampler):
         return x + met.min() * direction
 
     def _onto(self, x):
-        """Return how far along the line the places nearest to x (n, 2) are, and how far away: (n,) each [m]."""
+        """Return how far along the line the places nearest to x (n, 2) are, and how far away: (n,) each [m].
+
+        Where that is more than BESIDE, the latter may be infinite.
+        """
         along, away = np.zeros(len(x)), np.full(len(x), np.inf)
+        order, reach = np.argsort(x[:, 0]), BESIDE * self.scene.spacing
+        places = x[order, 0]
         for low, start, side in zip(self.ends, self.points, np.diff(self.points, axis=0)):
-            share = np.clip((x - start) @ side / (side @ side), 0.0, 1.0)
-            distance = np.linalg.norm(x - start - share[:, None] * side, axis=1)
-            nearer = distance < away
-            along[nearer], away[nearer] = low + share[nearer] * np.linalg.norm(side), distance[nearer]
+            left, right = sorted((start[0], start[0] + side[0]))
+            own = order[slice(*np.searchsorted(places, (left - reach, right + reach)))]
+            share = np.clip((x[own] - start) @ side / (side @ side), 0.0, 1.0)
+            distance = np.linalg.norm(x[own] - start - share[:, None] * side, axis=1)
+            nearer = distance < away[own]
+            along[own[nearer]], away[own[nearer]] = low + share[nearer] * np.linalg.norm(side), distance[nearer]
         return along, away
+
+
+def _corners(points):
+    """Return the points (n, 2) of a line without those on the straight line between their neighbours."""
+    a, b = np.diff(points, axis=0)[:-1], np.diff(points, axis=0)[1:]
+    turns = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) > STRAIGHT * np.hypot(*a.T) * np.hypot(*b.T)
+    return points[np.concatenate([[True], turns, [True]])]

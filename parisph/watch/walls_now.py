@@ -22,6 +22,7 @@ class WallsNow:
     def __init__(self, mesh: WallMesh, walls: Sequence[Wall]) -> None:
         self.mesh, self.walls, motions = mesh, walls, motions_of(walls)
         self._motions = motions
+        self._known: tuple[float, np.ndarray] = (0.0, mesh.corners())
         moving = np.array([body.motion for body in mesh.bodies])[mesh.body]
         self._moving = [(motions[number], np.flatnonzero(moving == number)) for number in np.unique(moving[moving > 0])]
 
@@ -32,12 +33,12 @@ class WallsNow:
 
     def corners(self, time: float) -> np.ndarray:
         """Return the corners (M, 2, 2) [m] of the elements at a time [s]."""
-        if not self.moving:
-            return self.mesh.corners()
-        x = self.mesh.x0.copy()
-        for motion, own in self._moving:
-            x[own] = motion.placed(x[own], time)
-        return self.mesh.corners(x)
+        if self.moving and time != self._known[0]:    # every gauge asks for them
+            x = self.mesh.x0.copy()
+            for motion, own in self._moving:
+                x[own] = motion.placed(x[own], time)
+            self._known = (time, self.mesh.corners(x))
+        return self._known[1]
 
     def bed(self, x: np.ndarray, time: float) -> np.ndarray:
         """Return the height (n,) [m] of the highest wall with fluid above it at x (n,), as `columns.beds`."""
