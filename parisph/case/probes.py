@@ -222,6 +222,8 @@ class RunUp(Probe):
     side : of a Tank, an Obstacle or a Plate; or the end of a Profile, to which the line goes from its lowest point. A
         Piston and a Flap need none
     points : the line itself [m], from below the water upwards, in place of a side, as it is at t = 0
+    film : along a line: thinnest film that counts [m]. In one of thickness h, particles of spacing s are s^2/h apart.
+        None to let water end where they are 2.1 spacings apart, in a film of half a spacing, and to leave out spray
 
     Examples
     --------
@@ -236,6 +238,7 @@ class RunUp(Probe):
     side: Optional[Literal["left", "right"]] = Field(None, description="side of the body, or end of the profile")
     points: Optional[tuple[Point, ...]] = Field(None, min_length=2, max_length=10_000,
                                                 description="line along the wall, from below the water upwards [m]")
+    film: Optional[float] = Field(None, gt=0.0, description="thinnest film that counts [m]")
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None

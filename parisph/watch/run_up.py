@@ -31,15 +31,22 @@ def run_up(probe: probes.RunUp, scene: Scene) -> Sampler:
     kind, now, line = scene.kinds.get(probe.on), scene.now, probe.points
     if now is None or kind is None:
         at = float((scene.lower if probe.side == "left" else scene.upper)[0])
-        return SideRunUp(probe, scene, at) if line is None else LineRunUp(probe, scene, np.array(line, dtype=float))
+        return _side(probe, scene, at) if line is None else LineRunUp(probe, scene, np.array(line, dtype=float))
     number = now.number(probe.on)
     if kind == "tank" and line is None and now.upright(number):
-        return SideRunUp(probe, scene, scene.sides_at(0.0)[probe.side == "right"], now.motion_of(number))
+        return _side(probe, scene, scene.sides_at(0.0)[probe.side == "right"], now.motion_of(number))
     try:
         points = run_up_line(now.mesh, number, kind, probe.side) if line is None else np.array(line, dtype=float)
     except ValueError as error:
         raise CaseError(f"probe {probe.name!r}: on = {probe.on!r}, side = {probe.side!r}: {error}") from None
     return LineRunUp(probe, scene, points, now.motion_of(number))
+
+
+def _side(probe: probes.RunUp, scene: Scene, at: float, motion: Motion = AtRest()) -> "SideRunUp":
+    if probe.film is not None:
+        raise CaseError(f"probe {probe.name!r}: film = {probe.film:g} m is of no use at a vertical side, where the "
+                        f"surface is that of a SurfaceGauge; leave it out, or give the points of a line")
+    return SideRunUp(probe, scene, at, motion)
 
 
 class SideRunUp(SurfaceGauge):
@@ -63,7 +70,8 @@ class SideRunUp(SurfaceGauge):
 class LineRunUp(Sampler):
     """The upper end of the water along a line that begins in it.
 
-    The end is that of the fluid within TOUCH that is connected with the beginning. From there, the straight line
+    The end is that of the fluid within TOUCH that is connected with the beginning: by particles not farther apart than
+    COLUMN_GAP, or than in a film as thin as `film` of the probe. From there, the straight line
     through two surface particles is continued to the wall: thin water ends where its particles are still some way below
     its tip. On a line that is dry, it is the first point.
     """
@@ -75,6 +83,8 @@ class LineRunUp(Sampler):
         super().__init__(probe, scene)
         points = _corners(points)
         self.points, self._start, self._motion = points, points, motion
+        s = scene.spacing
+        self.gap = COLUMN_GAP * s if probe.film is None else max(COLUMN_GAP * s, s * s / probe.film)
         self.ends = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
         self.title = (f"Highest water along the line from ({points[0, 0]:g}, {points[0, 1]:g}) to "
                       f"({points[-1, 0]:g}, {points[-1, 1]:g}) m")
@@ -84,17 +94,17 @@ class LineRunUp(Sampler):
 
     def rows(self, view: View) -> np.ndarray:
         s = self.scene.spacing
-        along, away = self._onto(np.stack(view.body, axis=1))
+        # in a torn film, particles have too few neighbours to be anything but spray
+        along, away = self._onto(np.stack(view.body, axis=1) if self.probe.film is None else view.fluid_places)
         surface = np.stack(view.surface, axis=1)
         surface = surface[self._onto(surface)[1] <= BESIDE * s]
         heights = np.zeros((len(surface), WIDTH - 1))
         heights[:, 0], heights[:, 1:3] = HEIGHT, surface
-        return np.concatenate([heights, body_rows(bodies(along[away <= TOUCH * s], COLUMN_GAP * s))])
+        return np.concatenate([heights, body_rows(bodies(along[away <= TOUCH * s], self.gap))])
 
     def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
-        s = self.scene.spacing
-        found = bodies_of_all(rows[rows[:, 0] == BODY], COLUMN_GAP * s)
-        if not len(found) or found[0, 0] > COLUMN_GAP * s:
+        found = bodies_of_all(rows[rows[:, 0] == BODY], self.gap)
+        if not len(found) or found[0, 0] > COLUMN_GAP * self.scene.spacing:
             return self.points[0, ::-1]
         end = found[0, 1]
         tip = np.array([np.interp(end, self.ends, self.points[:, axis]) for axis in (0, 1)])

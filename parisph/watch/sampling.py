@@ -176,6 +176,11 @@ class View:
         return self.particles.kind == FLUID
 
     @cached_property
+    def fluid_places(self) -> np.ndarray:
+        """Positions (n, dim) of all fluid, that in free flight, too [m]."""
+        return self.particles.x[self.fluid]
+
+    @cached_property
     def body(self) -> tuple[np.ndarray, np.ndarray]:
         """Along and up: x and the vertical coordinate of fluid that is not in free flight, (n,) each [m]."""
         p = self.particles

@@ -15,11 +15,11 @@ from parisph import (
     SurfaceGauge,
     VelocityPoint,
 )
-from parisph.base.fields import FLUID, SURFACE, WALL
+from parisph.base.fields import BALLISTIC, FLUID, SURFACE, WALL
 from parisph.case.stored import from_json, to_json
 from parisph.watch.instruments import build, sample_all
 from parisph.watch.wall_pressure import disc_mean
-from tests.watched import DENSITY, G, Watch, only, scene
+from tests.watched import DENSITY, G, Watch, add_fluid, only, scene
 
 S, DEPTH = 0.05, 0.5
 
@@ -134,6 +134,21 @@ def test_what_a_scene_does_not_have(probe, message):
 
 
 # -- run-up -------------------------------------------------------------------------------
+
+@pytest.mark.parametrize("film, highest", [(None, DEPTH), (1.0, DEPTH), (0.021, DEPTH), (0.019, 0.85), (0.011, 0.85)])
+def test_a_torn_film_is_one_where_its_particles_are_no_farther_apart_than_in_the_thinnest_that_counts(film, highest):
+    """Three particles above the water, 2.5 spacings apart as in a film of 0.02 m; and one 5 spacings above them."""
+    def torn(arrays):
+        add_fluid(arrays, [(0.5 * S, y) for y in (0.6, 0.725, 0.85, 1.1)], BALLISTIC)
+
+    probe = RunUp("up", points=[(0.0, 0.0), (0.0, 1.0)], film=film)
+    assert values(probe, torn)[0] == pytest.approx(highest, abs=1e-9)
+
+
+def test_at_a_vertical_side_there_is_no_film():
+    with pytest.raises(CaseError, match="'up': film = 0.01 m is of no use at a vertical side"):
+        Watch(scene([RunUp("up", side="left", film=0.01)]), MPI.COMM_SELF)
+
 
 @pytest.mark.parametrize("side, x", [("left", 0.0), ("right", 1.0)])
 def test_run_up_at_a_side_is_the_gauge_there(side, x):
