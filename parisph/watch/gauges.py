@@ -77,10 +77,11 @@ class ColumnHeight(_Column):
     """Height of the topmost particle of the water that stands on the bed within 1.5 spacings of x = `at`.
 
     Surface particles of the lattice lie on the surface: nothing is added to their height. Air of
-    more than 2.1 spacings ends the column. A dry bed gives the height of the bed.
+    more than 2.1 spacings ends the column; above a particle inside the fluid, of 3.35. A dry bed gives the height of
+    the bed.
     """
 
-    gap, stretch = COLUMN_GAP, 0.0
+    gap = COLUMN_GAP
 
     def __init__(self, probe: probes.ColumnHeight, scene: Scene) -> None:
         super().__init__(probe, scene, probe.at)

@@ -159,6 +159,16 @@ def test_the_column_stands_on_the_bed(x, role, height):
     assert found == pytest.approx(height)
 
 
+def test_a_gap_inside_the_water_does_not_end_the_column():
+    """Beside a wall the column has one row of particles, which come to be 2.2 spacings apart."""
+    def stretched(arrays):
+        row = (arrays["x"][:, 0] < 0.1) & (arrays["kind"] == FLUID)
+        arrays["role"][arrays["kind"] == FLUID] = INNER
+        arrays["x"][row & (arrays["x"][:, 1] > 0.4), 1] += 0.06
+
+    assert value(ColumnHeight(name="c", at=0.0), stretched, width=0.5, depth=0.8) == pytest.approx(0.86)
+
+
 def test_a_drop_on_its_way_down_is_no_column():
     assert value(ColumnHeight(name="c", at=0.5), shape=Disc(radius=0.2, at=(0.5, 0.6))) == 0.0
     assert value(ColumnHeight(name="c", at=0.5), shape=Disc(radius=0.2, at=(0.5, 0.6)), tank=None) == pytest.approx(0.8)
