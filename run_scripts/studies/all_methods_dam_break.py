@@ -8,13 +8,15 @@ About twenty minutes of CPU time, to t sqrt(g/H) = 4. A method that blows up is 
 from dam_break_measures import IMPACT
 
 from parisph.case.methods import METHODS
-from parisph.study import Study
+from parisph.study import Study, Variant
+
+STEPS = {0.025: 0.004, 0.0125: 0.002}     # spacing over H: dt sqrt(g/H); at the finer one half of the case's
 
 study = Study(
     title="The dam break by every method",
     case="../../cases/dam_break.py",
-    methods=list(METHODS),
-    spacings=[0.025, 0.0125],           # over H
+    variants=[Variant(methods=list(METHODS), spacings=[spacing], time_steps=[step])
+              for spacing, step in STEPS.items()],
     parameters={"end_time": 4.0, "jitter": 0.2},
     errors=IMPACT,
     histories=["P2", "energy"],

@@ -71,7 +71,10 @@ def test_dam_break():
     arrays = geometry.build(case)
     assert case.walls.lid and not case.closed
     assert case.end_time * np.sqrt(9.81) == pytest.approx(10.0)
-    assert case.numerics.time_step * np.sqrt(9.81) == pytest.approx(0.002)
+    assert case.numerics.time_step * np.sqrt(9.81) == pytest.approx(0.004)
+    for across, step in ((20, 0.008), (40, 0.004), (60, 0.004), (160, 0.002)):
+        numerics = load(CASES / "dam_break.py", {"spacing": 1 / across}).numerics
+        assert numerics.time_step * np.sqrt(9.81) == pytest.approx(step)
     assert np.count_nonzero(arrays["kind"] == 0) == 3200 and np.count_nonzero(arrays["role"] == CONTACT) == 2
     assert np.count_nonzero(arrays["role"] == SURFACE) == 80 + 40 - 1
     assert {probe.name for probe in case.probes} >= {"P1", "P2", "front", "column", "energy", "volume", "momentum"}
