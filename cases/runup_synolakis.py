@@ -97,5 +97,6 @@ def _profiles(height: float, shore: float, d: float, unit: float, data: str) -> 
 def _run_up(height: float, d: float, end: float) -> Peaks | None:
     """Return between which run-ups those of waves of nearly this height lie, each in proportion to its height."""
     near = [rise * height / other for other, rise in RUN_UP.items() if abs(other - height) < NEAR * height]
-    return Peaks((PeakBand(start=0.0, end=end, low=d * (1.0 + min(near)), high=d * (1.0 + max(near))),),
+    # the last steps may have no sample
+    return Peaks((PeakBand(start=0.0, end=0.99 * end, low=d * (1.0 + min(near)), high=d * (1.0 + max(near))),),
                  name="experiment", note=f"{len(near)} runs with H/d within {NEAR:.0%}.") if near else None

@@ -30,7 +30,7 @@ COARSE = {
     "solitary_slope": {"spacing": 0.05, "end_time": 0.2},
     "solitary_wave": {"spacing": 0.2, "end_time": 0.4},
     "standing_wave": {"spacing": 0.1, "end_time": 0.5},
-    "submerged_bar": {"spacing": 0.05, "end_time": 0.4},
+    "submerged_bar": {"spacing": 0.05, "end_time": 0.2},
     "violent_sloshing": {"spacing": 0.02, "end_time": 0.2},
     "wet_bed": {"spacing": 0.009375, "end_time": 0.04},
 }
