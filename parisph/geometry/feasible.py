@@ -227,7 +227,7 @@ def _beaches(mesh, names, fluids) -> Iterator[str]:
     for angle, at, body in shores(mesh, levels):
         if angle < WEDGE:
             yield (f"{names[body]}: at {_at(at)} the water ends in a wedge of {angle:.1f} degrees; below {WEDGE:g} its "
-                   "tip is not resolved at any spacing")
+                   "tip is not resolved at any spacing, and does not stay at rest; to take up waves, use a Sponge")
 
 
 def _narrow(mesh, chains, names, spacing) -> Iterator[str]:
