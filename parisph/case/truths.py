@@ -1,10 +1,10 @@
 """References that a probe is compared with: series of files, waves, and bands of measured peaks."""
 
 from collections.abc import Sequence
-from typing import Optional
+from typing import Annotated, Optional
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from parisph.base import reading
 from parisph.base.arrays import Floats
@@ -66,6 +66,16 @@ class Peaks(Model):
     note: str = ""
 
 
+def _one_window(window: Optional[tuple[float, float]]) -> Optional[tuple[float, float]]:
+    if window is not None and not window[0] < window[1]:
+        raise ValueError(f"window = {window}: must end after its start")
+    return window
+
+
+Window = Annotated[Optional[tuple[float, float]], Field(description="start and end of what is compared [s]"),
+                   AfterValidator(_one_window)]
+
+
 class Truth(Model):
     """A reference series for a probe: two columns of a CSV file with one header line ('#' starts a comment).
 
@@ -101,19 +111,13 @@ class Truth(Model):
     time_scale: float = Field(1.0, gt=0, description="seconds for one unit of the time column")
     wave: bool = False
     rows: dict[str, str] = Field({}, description="words that lines have in columns")
-    window: Optional[tuple[float, float]] = Field(None, description="start and end of what is compared [s]")
+    window: Window = None
     smooth: Optional[float] = Field(None, gt=0, description="width of the moving mean [s]")
     name: str = ""
     note: str = ""
     published: dict[str, float] = Field({}, description="relative errors of others")
     peaks: tuple[PeakBand, ...] = ()
     others: tuple["Truth", ...] = ()
-
-    @model_validator(mode="after")
-    def _window_is_one(self) -> "Truth":
-        if self.window is not None and not self.window[0] < self.window[1]:
-            raise ValueError(f"window = {self.window}: must end after its start")
-        return self
 
     @model_validator(mode="after")
     def _others_have_names(self) -> "Truth":
@@ -127,6 +131,7 @@ class WaveTruth(Model):
     """A wave as the truth of a surface gauge, whose error is that of the wave part.
 
     of : the wave, which may run through the scene from the start; level : height y of the still surface [m]
+    window : (start, end) [s] of what is compared; None for all
 
     Examples
     --------
@@ -138,6 +143,7 @@ class WaveTruth(Model):
 
     of: AnyWave
     level: float = Field(description="height y of the still surface [m]")
+    window: Window = None
 
     def series(self, x: float, times: Floats) -> Floats:
         """Return the height of the surface [m] at x [m] and times (n,) [s]."""

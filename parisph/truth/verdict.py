@@ -73,7 +73,8 @@ def _error(probe, run):
             return {"relative_l2": None, "reason": "others report only greatest values",
                     "peaks": [_peak(band, time, values) for band in truth.bands]}
         if isinstance(truth, WaveTruth):
-            return _judged((time, values), (time, truth.series(probe.at, time)), truth.level)
+            compared = time if truth.window is None else norms.cut(time, values, truth.window)[0]
+            return _judged((time, values), (compared, truth.series(probe.at, compared)), truth.level)
         found = _against(truth, time, values)
     except (ParisphError, ValueError) as problem:
         return _not_judged(problem)

@@ -18,7 +18,8 @@ from parisph.case.schema import (
     Truth,
     WaterFront,
 )
-from parisph.case.truths import PeakBand
+from parisph.case.truths import PeakBand, WaveTruth
+from parisph.case.waves import Airy
 from parisph.io.reader import open_run
 from parisph.io.store import Store
 from parisph.truth import verdict
@@ -107,6 +108,23 @@ def test_series_are_smoothed_and_cut_shifts_are_separate_and_peaks_have_bands(tm
     assert 1.0 < first["found"] < 1.31 and first["high"] == 1.1
     assert first["beyond"] == pytest.approx(max(0.0, first["found"] / 1.1 - 1.0))
     assert last["found"] is None, "the run ends within it"
+
+
+def test_a_wave_is_compared_within_its_window_only(tmp_path):
+    """The gauge is the wave from 1 s on; before, as while a wavemaker starts, it is flat."""
+    wave = Airy(height=0.02, period=0.8, depth=0.5)
+    of = {"gauge": ({"y": "m"}, lambda t: (0.5 + (1.1 * wave.elevation(0.3, t) if t >= 1.0 else 0.0),))}
+    found = {}
+    for window in ((1.0, 1.8), None, (1.0, 30.0)):
+        about = WaveTruth(wave, level=0.5, window=window)
+        folder = tmp_path / str(len(found))
+        folder.mkdir()
+        case, run = case_and_run(folder, [SurfaceGauge(name="gauge", at=0.3, truth=about)], of)
+        found[window] = verdict.errors(case, open_run(run))["gauge"]
+    assert found[1.0, 1.8]["relative_l2"] == pytest.approx(0.1, rel=1e-3)
+    assert (found[1.0, 1.8]["start"], found[1.0, 1.8]["end"]) == (1.0, 1.8)
+    assert found[None]["relative_l2"] > 0.4
+    assert found[1.0, 30.0]["relative_l2"] is None and "window" in found[1.0, 30.0]["reason"]
 
 
 def test_a_run_shorter_than_the_window_has_no_error(tmp_path, reference):
