@@ -2,7 +2,7 @@
 
     parisph study run_scripts/studies/speed_dam_break.py
 
-About five minutes of CPU time, for three starts of 800 and 3200 particles. The points of the others are in
+About two minutes of CPU time, for three starts of 800 and 3200 particles. The points of the others are in
 speed_dam_break.csv; their times are those of another day on the same kind of machine, so a factor of 1.4 says nothing.
 """
 

@@ -2,7 +2,7 @@
 
     parisph study run_scripts/studies/z14_fig10_circle.py
 
-About eight minutes of CPU time, most of it for the finer ones. The radius R is no number of a case, because nothing
+About five minutes of CPU time, most of it for the finer ones. The radius R is no number of a case, because nothing
 else was ever needed: each radius is a Laplacian of its own, which `column_with_circles.py` registers. Both rows and
 divergence are means over the circle. Moving least squares take neighbours within 2.1 s of the particle, so that a
 larger circle has fewer of them outside. Front and P1 are the figure. At H/s = 40 the errors of the front are 0.0137,

@@ -2,7 +2,7 @@
 
     parisph study run_scripts/studies/z14_fig11_13_spacing.py
 
-About seven minutes of CPU time, three quarters of it for the two finest. `P2 against the finest` is the paper's error,
+About four minutes of CPU time, three quarters of it for the two finest. `P2 against the finest` is the paper's error,
 the difference from its own run with 7200 particles. A method can agree with itself and be wrong, so P2 is also
 compared with two grid codes, which differ from each other by 0.06. `parisph plot RUN --time T` draws the flow of a run.
 """

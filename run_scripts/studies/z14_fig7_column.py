@@ -2,7 +2,7 @@
 
     parisph study run_scripts/studies/z14_fig7_column.py
 
-About six minutes of CPU time, three quarters of it for the two finest. Front and height are compared with Martin &
+About three minutes of CPU time, three quarters of it for the two finest. Front and height are compared with Martin &
 Moyce (1952), whose gate opened in a finite time: the run is shifted by the time that fits best, at most 0.2 sqrt(H/g).
 The other errors are differences from the finest run.
 """
