@@ -51,10 +51,8 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
         look = curves.marks(int(np.sum(inside))) if number == 0 else {"linestyle": style.STYLES[number % 4]}
         axes.plot(time[inside], factor * values[inside], linewidth=1.0, label=style.literal(name),
                   color="black" if number == 0 else style.LINES[number % len(style.LINES)], **look)
-    if isinstance(probe.truth, Truth):
-        _mark(axes, probe.truth.window, probe.truth.peaks, found[0][-1], factor)
-    elif isinstance(probe.truth, WaveTruth):
-        _mark(axes, probe.truth.window, (), found[0][-1], factor)
+    if isinstance(probe.truth, Truth | WaveTruth):
+        _mark(axes, probe.truth.window, getattr(probe.truth, "peaks", ()), found[0][-1], factor)
     elif isinstance(probe.truth, Peaks):
         _mark(axes, None, probe.truth.bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others)

@@ -24,7 +24,7 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     Returns
     -------
     dict of dicts. All but the last two entries are of the series as they are, without any shift of time.
-    relative_l2 : of the wave part if Truth.wave is set, in Truth.window, of what Truth.smooth leaves
+    relative_l2 : of the wave part if Truth.wave is set, in the window of the truth, of what Truth.smooth leaves
     paper : the norm of Zheng, Ma & Duan (2014), Er_p and Er_eta, which includes the depth
     paper_2017 : for waves, that of Zheng et al. (2017), Eq 35 (which decreases with the number of samples)
     points : number of compared samples of the truth, or of the run if the truth is too coarse (norms.on_reference)

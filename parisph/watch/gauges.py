@@ -11,7 +11,7 @@ from parisph.watch.sampling import WIDTH, Sampler, Scene, View
 # Lengths in spacings.
 GAUGE_GAP = 1.5     # air under a gauge: more than this between one particle and the next above it
 STRETCH = 1.25      # more than that above a particle inside the fluid: under the crest of a steep wave they lie apart
-COLUMN_GAP = 2.1    # air in a column: falling water stretches, to 1.6 in the dam break
+COLUMN_GAP = 2.1    # air in a column: falling water stretches, in the dam break to 1.6, beside a wall to 2.2
 BED = 2.0           # water on the bed is as near to it as this
 BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradients do
 NODES = 4.0         # surface particles that may serve a gauge

@@ -109,7 +109,9 @@ class LineRunUp(Sampler):
         end = found[0, 1]
         tip = np.array([np.interp(end, self.ends, self.points[:, axis]) for axis in (0, 1)])
         continued = self._continued(rows[rows[:, 0] == HEIGHT, 1:3], end)
-        return (tip if continued is None else continued)[::-1]
+        if continued is None or (self.probe.film is not None and self._onto(continued[None])[0][0] < end):
+            return tip[::-1]    # spray ahead of the surface is part of a film
+        return continued[::-1]
 
     def _continued(self, surface, end):
         """Return where the surface beside the end meets the line, (2,) [m], or None."""

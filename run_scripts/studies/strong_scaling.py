@@ -19,6 +19,6 @@ study = Study(
     title="Strong scaling, dam break",
     case="../../cases/dam_break.py",
     methods=METHODS, spacings=[SPACING], ranks=RANKS,
-    parameters={"end_time": STEPS * 0.16 * SPACING, "jitter": 0.2},    # the case's step is 0.16 spacings
+    parameters={"end_time": STEPS * 0.32 * SPACING, "jitter": 0.2},    # the case's step is 0.32 spacings
     errors=MEASURES, histories=["P2"],
 )

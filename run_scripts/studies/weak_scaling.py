@@ -22,7 +22,7 @@ def shared(ranks: int) -> Variant:
     """Return the runs on some ranks, with `ranks` times the particles of one."""
     spacing = 0.5 / round(COLUMN * sqrt(ranks))
     return Variant(label=f"{ranks} rank{'s' * (ranks > 1)}", spacings=[spacing], ranks=[ranks],
-                   parameters={"end_time": STEPS * 0.16 * spacing})    # the case's step is 0.16 spacings
+                   parameters={"end_time": STEPS * 0.32 * spacing})    # the case's step is 0.32 spacings
 
 
 study = Study(

@@ -2,8 +2,8 @@
 
     parisph study run_scripts/studies/z14_fig12_time_step.py
 
-About three minutes of CPU time. The paper's steps are 0.012 to 0.006; the two shorter ones are half and all of the
-steps that parisph takes by default.
+About three minutes of CPU time. The paper's steps are 0.012 to 0.006; the two shorter ones are all and half of the
+step that parisph takes by default.
 """
 
 from dam_break_measures import IMPACT, against_finest

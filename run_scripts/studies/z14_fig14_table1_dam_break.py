@@ -2,8 +2,9 @@
 
     parisph study run_scripts/studies/z14_fig14_table1_dam_break.py
 
-About half an hour of CPU time. Each method has the time step of Table 1 (ISPH and CISPH2 0.002, ISPH_R 0.008, SPH that
-of its sound, to t sqrt(g/H) = 4) in three starts, and the projections 0.0013, half of that of the case, in one.
+About three quarters of an hour of CPU time. Each method has the time step of Table 1 (ISPH and CISPH2 0.002, ISPH_R
+0.008, SPH that of its sound, to t sqrt(g/H) = 4) in three starts, and the projections 0.0013, half of that of the case,
+in one.
 The table's CPU times are 1893 s for 2000 steps of ISPH, 2046 s for as many of CISPH2, 1641 s for 500 steps of ISPH_R,
 and 4086 s for 12,771 of SPH: 1.15, 1.25 and 2.49 times that of ISPH_R.
 """

@@ -47,7 +47,7 @@ def test_stages_are_those_that_the_scene_has():
     assert ("surface" not in calm.replace("at the surface", "") and "position projection" not in calm
             and "collisions" not in calm)
     assert "surface (gap)" in violent and "position projection, parting of close pairs, Fick shift" in violent
-    assert "adaptive" in describe(scene("rotating_patch")) and "5000 of 0.000639 s" in violent
+    assert "adaptive" in describe(scene("rotating_patch")) and "2500 of 0.00128 s" in violent
 
 
 def test_memory_is_estimated_as_it_is_measured(tmp_path):

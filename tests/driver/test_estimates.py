@@ -67,7 +67,7 @@ def test_the_estimate_knows_the_factor_of_the_real_step():
 
 def test_fixed_steps_are_counted():
     case = scene("dam_break", spacing=1 / 80)
-    assert estimated_steps(case, case.numerics.resolved(), scales.expected(case)) == 5000
+    assert estimated_steps(case, case.numerics.resolved(), scales.expected(case)) == 2500
 
 
 @pytest.mark.parametrize("ratio", [0.8, 1.0, 1.3])

@@ -92,7 +92,7 @@ def test_adaptive_step_in_a_force_that_depends_on_the_place(tmp_path):
 
 
 LATE = """
-s = Simulation(scene("dam_break", spacing=0.05, time_step=0.003), comm)
+s = Simulation(scene("dam_break", spacing=0.05, time_step=0.006), comm)
 p, ballistic = s.particles, 0
 while s.time < 4.0 * 0.32:
     s.advance()

@@ -30,7 +30,7 @@ def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_f
 
 def pulses(mean):
     """Return the velocities, and the size of the changes of pressure from step to step over that of pressure."""
-    case = scene("dam_break", {"pressure_mean": mean}, spacing=0.1, jitter=0.8, seed=3, time_step=0.0005, end_time=1.0)
+    case = scene("dam_break", {"pressure_mean": mean}, spacing=0.1, jitter=0.8, seed=3, time_step=0.001, end_time=1.0)
     simulation, found = Simulation(case, MPI.COMM_SELF), []
     simulation.solve_start()
     for _ in range(80):

@@ -169,6 +169,15 @@ def test_a_gap_inside_the_water_does_not_end_the_column():
     assert value(ColumnHeight(name="c", at=0.0), stretched, width=0.5, depth=0.8) == pytest.approx(0.86)
 
 
+def test_air_above_water_that_is_inside_ends_the_column_all_the_same():
+    def torn(arrays):
+        arrays["role"][arrays["kind"] == FLUID] = INNER
+        above = (arrays["x"][:, 1] > 0.4) & (arrays["kind"] == FLUID)
+        arrays["x"][above, 1] += 0.13    # 3.6 spacings apart
+
+    assert value(ColumnHeight(name="c", at=0.3), torn, width=0.5, depth=0.8) == pytest.approx(0.4)
+
+
 def test_a_drop_on_its_way_down_is_no_column():
     assert value(ColumnHeight(name="c", at=0.5), shape=Disc(radius=0.2, at=(0.5, 0.6))) == 0.0
     assert value(ColumnHeight(name="c", at=0.5), shape=Disc(radius=0.2, at=(0.5, 0.6)), tank=None) == pytest.approx(0.8)

@@ -1,4 +1,4 @@
-"""The violent dam break against grid codes, at three spacings and five time steps, and against the experiment.
+"""The violent dam break against grid codes, at three spacings and several time steps, and against the experiment.
 
 Times t* are in sqrt(H/g), pressures in rho g H. The reference is cases/computed/dam_break_vof.csv: its impulse of P2 is
 1.13 between its two codes, and it keeps the energy until t* = 2.
@@ -32,7 +32,7 @@ END, LATE = 4.0, 10.0      # t* of most runs, and of those that watch the volume
 COMPARED = (1.4, 3.4)      # t* of P2 against the reference
 IMPULSE, BESIDE = (1.5, 2.6), 1.13
 QUIET = (2.5, 3.9)
-BEFORE = {"front": 1.55, "column": 4.0}    # t* of the experiment, whose channel was longer: no water came back
+BEFORE = {"front": 1.55, "column": 4.0}    # t* at which the far wall is met, and water comes back to the near one
 ALTERNATIVES = {    # what a user might choose instead
     "ISPH rows": dict(method="ISPH"),
     "relaxed divergence": dict(numerics={"zeta": None, "zeta_time": 0.04 * UNIT}),

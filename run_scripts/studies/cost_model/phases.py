@@ -1,6 +1,7 @@
 """What a step costs on one rank, by phase, from two runs that differ in their particles.
 
-    parisph run cases/dam_break.py --set spacing=1/160 jitter=0.2 end_time=2 -o large -- -pressure_pc_type hypre
+    parisph run cases/dam_break.py --set spacing=1/160 jitter=0.2 time_step=0.002 end_time=2 \\
+        -o large -- -pressure_pc_type hypre
     parisph run cases/dam_break.py --set spacing=1/20 jitter=0.2 end_time=3 -o small
     python run_scripts/studies/cost_model/phases.py large small -o phases.json
 
