@@ -35,6 +35,7 @@ UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity"
 TALL = 4        # panels below each other; more of them stand two a row
 BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside
 HIGH = 12       # lines in a column of such a legend: as many as a panel is high
+MOST = 4 * HIGH    # lines of the longest legend; of more of them only the first and the last are named
 LETTER = 0.06   # [inch] width of a letter in a legend
 MARKS = 60      # samples of a reference that are drawn as marks; more of them are a line
 
@@ -207,7 +208,10 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
                         scales[first].time if normalise else 1.0)
     axes.set_ylabel(_value_label(curves, series, unit, shown, bool(by[0])))
     plain_axes(axes)
-    if len(axes.lines) <= BESIDE:
+    if len(axes.lines) > MOST:
+        first, last = (axes.lines[k].get_label() for k in (0, -1))
+        axes.set_title(f"{len(axes.lines)} lines, from {first} to {last}", loc="right", fontsize=8)
+    elif len(axes.lines) <= BESIDE:
         axes.legend(loc="best", fontsize=8, framealpha=0.8)
     else:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), fontsize=8, frameon=False, handlelength=3.0,
@@ -215,7 +219,7 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
 
 
 def _legend_columns(axes):
-    return -(-len(axes.lines) // HIGH)
+    return -(-len(axes.lines) // HIGH) if len(axes.lines) <= MOST else 0
 
 
 def _further_columns(axes):

@@ -120,6 +120,13 @@ def test_a_long_legend_is_as_high_as_its_panel(tmp_path):
     assert 0.0 < boxes[0].y0 - boxes[1].y1 < 0.5    # no blank between the panels
 
 
+def test_of_very_many_lines_the_first_and_the_last_are_named(tmp_path):
+    picture = curves.plot_probe([recorded(tmp_path / f"run_{number}", ("energy",)) for number in range(25)])
+    axes, = picture.axes
+    assert axes.get_legend() is None and picture.get_figwidth() == 8.0
+    assert axes.get_title(loc="right") == "50 lines, from run_0, kinetic to run_24, potential"
+
+
 # Linear RGB as those see it who lack one kind of cone (Machado, Oliveira & Fernandes 2009, severity 1).
 SIGHT = {
     "all": np.eye(3),
