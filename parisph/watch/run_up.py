@@ -71,9 +71,9 @@ class LineRunUp(Sampler):
     """The upper end of the water along a line that begins in it.
 
     The end is that of the fluid within TOUCH that is connected with the beginning: by particles not farther apart than
-    COLUMN_GAP, or than in a film as thin as `film` of the probe. From there, the straight line
-    through two surface particles is continued to the wall: thin water ends where its particles are still some way below
-    its tip. On a line that is dry, it is the first point.
+    COLUMN_GAP, or than in a film as thin as `film` of the probe. From there, the straight line through two surface
+    particles is continued to the wall: thin water ends where its particles are still some way below its tip. On a line
+    that is dry, it is the first point.
     """
 
     columns = COLUMNS
