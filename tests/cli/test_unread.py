@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import signal
 import sys
 
 import pytest
@@ -32,13 +33,18 @@ def folder(tmp_path):
 
 @pytest.mark.parametrize(("launcher", "both"), [(ONE, True), (ONE, False), (TWO, True)])
 def test_a_run_comes_to_its_end(folder, launcher, both):
-    """With both streams the progress is lost to it in the middle: PETSc used to end the run there."""
+    """With both streams the progress is lost to it in the middle: PETSc used to end the run there.
+
+    Open MPI's `mpirun` may itself end by the signal, whatever it has started (6 of 60 runs of `echo`): the summary,
+    which is written last, says what became of the ranks.
+    """
+    codes = (0, 128 + signal.SIGPIPE) if launcher else (0,)
     done = unread(folder, "run", "case.py", "-o", "run", both=both, launcher=launcher)
-    assert done.returncode == 0
+    assert done.returncode in codes
     assert [line for line in done.stderr.splitlines() if not line.startswith(("Dam break", "t "))] == []
     assert json.loads((folder / "run" / "summary.json").read_text())["status"] == "completed"
     done = unread(folder, "restart", "run", "--until", "0.12", launcher=launcher)
-    assert (done.returncode, done.stderr) == (0, "")
+    assert done.returncode in codes and done.stderr == ""
     assert json.loads((folder / "run" / "summary.json").read_text())["time"] == pytest.approx(0.12, abs=0.01)
 
 
