@@ -29,8 +29,9 @@ class Numerics(Model):
     spacing : particle spacing s [m]
     method, preset : names, see METHODS and PRESETS
     time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s) and to
-        `fall` (over sqrt(s/a), with 1.5 times the acceleration of the fluid for a, at most the body force),
-        of at most a fiftieth of the period of a Sway
+        `fall` (over sqrt(s/a), with 1.5 times the largest acceleration of the fluid for a, at most the body force, or
+        1.25 times the root of its mean square if that is more, but then no shorter than the fastest fluid takes for a
+        tenth of a spacing), of at most a fiftieth of the period of a Sway
     max_time_step : upper limit of an adaptive step [s]
     zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)
@@ -60,7 +61,7 @@ class Numerics(Model):
     Examples
     --------
     >>> Numerics(spacing=0.02).resolved().cfl    # from the preset "violent"
-    0.3
+    0.8
     >>> waves = Numerics(spacing=0.02, preset="gentle", time_step=0.002, jitter=0.2, seed=1)
     >>> papers = Numerics(spacing=0.02, method="Z14_CISPH2")
     >>> other = Numerics(spacing=0.02, laplacian="gfd", surface_rule="density")
@@ -73,7 +74,8 @@ class Numerics(Model):
     cfl: Optional[float] = Field(None, gt=0, le=2,
                                  description="largest move of a particle in one adaptive step, in spacings")
     fall: Optional[float] = Field(
-        None, ge=0, le=2, description="largest adaptive step of moving fluid over sqrt(spacing/g), 0 for no limit")
+        None, ge=0, le=2,
+        description="largest adaptive step of moving fluid over sqrt(spacing/acceleration), 0 for no limit")
     max_time_step: Optional[float] = Field(None, gt=0, description="upper limit of an adaptive step [s]")
     zeta_time: Optional[float] = Field(None, ge=0, description="relaxation time of the divergence [s], 0 for none")
     zeta: Optional[float] = Field(None, gt=0, le=2, description="weight of the divergence in the source")

@@ -14,7 +14,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     # Breaking waves and impacts: a moving free surface, regularised particles.
     "violent": {
         **USUAL,
-        "cfl": 0.3,
+        "cfl": 0.8,
         "fall": 0.05,
         "zeta": 1.0,
         "zeta_time": 0.0,

@@ -64,7 +64,7 @@ class Compressible:
         self.h = lengths.SPH * flow.spacing
         self.mass = flow.density * flow.spacing**flow.particles.dim
         self.pressure, self.density = EQUATIONS[n.equation_of_state]
-        self.top_acceleration = 0.0
+        self.accelerations = 0.0, 0.0    # without the mean, as the speed of sound limits these steps
         self._steps, self._begun = 0, False
 
     # -- what the driver asks for ----------------------------------------------------------
@@ -127,12 +127,12 @@ class Compressible:
 
     def state(self) -> dict[str, float]:
         """Return what a checkpoint needs beside the particles."""
-        return {"acceleration": self.top_acceleration, "surface_steps": self._steps}
+        return {"acceleration": self.accelerations[0], "surface_steps": self._steps}
 
     def resume(self, state: dict) -> None:
         """Continue from the state in a checkpoint."""
         self._begun = True
-        self.top_acceleration, self._steps = state.get("acceleration", 0.0), state.get("surface_steps", 0)
+        self.accelerations, self._steps = (state.get("acceleration", 0.0), 0.0), state.get("surface_steps", 0)
 
     def about(self) -> dict[str, str | None]:
         """Return the options of PETSc: none."""
@@ -226,9 +226,10 @@ class Compressible:
     def _report(self, dt):
         flow, p = self.flow, self.flow.particles
         fluid = p.kind == FLUID
-        compression, speed, self.top_acceleration = _largest(
+        compression, speed, strongest = _largest(
             p.comm, np.abs(p.rho[fluid] / flow.density - 1.0).max(initial=0.0),
             np.sqrt((p.u[fluid] ** 2).sum(axis=1).max(initial=0.0)), np.sqrt((p.pull**2).sum(axis=1).max(initial=0.0)))
+        self.accelerations = strongest, 0.0
         surface = p.comm.allreduce(int(np.count_nonzero(np.isin(p.role, (SURFACE, BALLISTIC)))))
         return CompressibleReport(dt, surface, 0, flow.budget.works(p.comm), compression, speed)
 

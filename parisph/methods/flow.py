@@ -39,7 +39,8 @@ class Flow:
     mean_acceleration : of fluid by pressure in the last steps (methods.straining.remember), on all ranks [m/s^2];
         0 before the first
     strained, doubt, rapid : (n_owned,) or None, and whole, of methods.straining in this step
-    top_acceleration : of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step
+    accelerations : of fluid in the last step, on all ranks [m/s^2], the largest and the root of the mean square; known
+        with an adaptive step
     top_speed : of fluid, on all ranks [m/s]; known in steps with a part that needs it
     stale : names of fields that have changed since the ghosts got them; the same on all ranks
     collisions : pairs of owned particles that have collided in this step
@@ -63,7 +64,8 @@ class Flow:
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None
         self.rapid: np.ndarray | None = None
-        self.top_acceleration = self.mean_acceleration = self.top_speed = 0.0
+        self.accelerations = 0.0, 0.0
+        self.mean_acceleration = self.top_speed = 0.0
         self.whole = 1.0
         self.collisions = 0
         self.stale: set[str] = set()

@@ -163,9 +163,10 @@ class Projection:
         return self.flow.particles.comm.allreduce(min(part.longest_step(self.flow) for part in limiting), op=MPI.MIN)
 
     @property
-    def top_acceleration(self) -> float:
-        """Largest acceleration of fluid in the last step, on all ranks [m/s^2]; known with an adaptive step."""
-        return self.flow.top_acceleration
+    def accelerations(self) -> tuple[float, float]:
+        """Largest acceleration of fluid in the last step, and the root of the mean square, on all ranks [m/s^2]; known
+        with an adaptive step."""
+        return self.flow.accelerations
 
     @property
     def columns(self) -> dict[str, str]:
@@ -174,11 +175,12 @@ class Projection:
 
     def state(self) -> dict[str, float]:
         """Return what a checkpoint needs beside the particles. Not collective."""
-        return {"acceleration": self.flow.top_acceleration, "mean_acceleration": self.flow.mean_acceleration}
+        largest, mean = self.flow.accelerations
+        return {"acceleration": largest, "rms_acceleration": mean, "mean_acceleration": self.flow.mean_acceleration}
 
     def resume(self, state: dict) -> None:
         """Continue from the state in a checkpoint. Not collective."""
-        self.flow.top_acceleration = state.get("acceleration", 0.0)
+        self.flow.accelerations = state.get("acceleration", 0.0), state.get("rms_acceleration", 0.0)
         self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
         self.knows_pressure = True
 
@@ -297,8 +299,7 @@ class Projection:
             movement.give_to_fluid(p.acceleration, acceleration, p.kind)
         flow.stale.add("u")
         if flow.numerics.time_step is None:
-            mine = float(sizes(acceleration)[p.kind == FLUID].max(initial=0.0))
-            flow.top_acceleration = p.comm.allreduce(mine, op=MPI.MAX)
+            flow.accelerations = _of_all(p.comm, sizes(acceleration)[p.kind == FLUID])
 
     def _regularise_velocity(self, dt):
         """Regularise the velocity, and measure the strain of the step if any part needs it, with the same message."""
@@ -380,3 +381,10 @@ class Projection:
                                 solve.residual, solve.reason,
                                 solve.fallback, solve.rebuilt, solve.setup_seconds, solve.solve_seconds,
                                 float(np.sqrt(squares / max(count, 1.0))) * dt, isolated, int(collisions), **again)
+
+
+def _of_all(comm, sizes_of_fluid):
+    """Return the largest of the sizes (n,) on all ranks, and the root of their mean square. Collective."""
+    largest = comm.allreduce(float(sizes_of_fluid.max(initial=0.0)), op=MPI.MAX)
+    squares, count = comm.allreduce(np.array([sizes_of_fluid @ sizes_of_fluid, sizes_of_fluid.size]))
+    return largest, float(np.sqrt(squares / max(count, 1.0)))

@@ -13,29 +13,35 @@ from parisph.case.numerics import Numerics
 from parisph.parallel.particles import Particles
 
 GROWTH = 1.1    # from one step to the next, at most
-# times the acceleration of the fluid: the acceleration that limits the step, if less than the body force
+# times the largest acceleration of fluid: the acceleration that limits the step, if less than the body force
 BRISK = 1.5
+# times the root mean square of the acceleration of fluid: limits the step in an impact, also above the body force
+IMPACT = 1.25
+LEAST_MOVE = 0.1    # spacings that the fastest particle may move in any impact: particles resolve no less
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
 
 
 def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity: float, previous: float | None = None,
-              shortest: float = 0.0, acceleration: float = 0.0) -> float:
-    """Return the time step [s]: fixed, or limited by velocity and body force. Collective.
+              shortest: float = 0.0, accelerations: tuple[float, float] = (0.0, 0.0)) -> float:
+    """Return the time step [s]: fixed, or limited by velocity, acceleration and body force. Collective.
 
     No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor
-    from rest (g dt^2/2). Nor is a step longer than `numerics.fall` sqrt(s/a), where a is 1.5 times the
-    acceleration of the fluid, at most that of the body force: in waves and in water that is set in motion, a
-    longer one costs accuracy long before it moves a particle far. A step is at most a tenth longer than the
-    last one, so that a single calm step during an impact does not undo the reduction. Infinite if nothing limits it.
+    from rest (g dt^2/2). Nor is a step longer than `numerics.fall` sqrt(s/a). In waves and in water that is set in
+    motion, a is 1.5 times the largest acceleration, at most that of the body force: a longer step costs accuracy long
+    before it moves a particle far. In an impact a is 1.25 times the root of the mean square, which then is larger: in
+    a dam break, half the step while the water hits the wall is worth as much as half the step all the time. No impact
+    makes it shorter than the fastest particle takes for LEAST_MOVE spacings. A step is
+    at most a tenth longer than the last one, so that a single calm step during an impact does not undo the reduction.
+    Infinite if nothing limits it.
 
     Parameters
     ----------
     gravity : float, the largest body force on this rank's fluid [m/s^2], 0 if there is none
     previous : float or None, the last step [s]
     shortest : float, a step [s] below which the run has diverged
-    acceleration : float, the largest acceleration of fluid in the last step, on all ranks [m/s^2]
+    accelerations : of fluid in the last step, on all ranks [m/s^2]: the largest, and the root of their mean square
 
     Raises
     ------
@@ -51,7 +57,11 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     if dt < shortest:
         raise SolverDiverged(f"a particle has reached {fastest:.3g} m/s, for which the time step would have to "
                              f"be {dt:.3g} s: the flow is far too fast for this scene")
-    dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * acceleration, gravity)))
+    largest, mean = accelerations
+    in_impact = _accurate(numerics, IMPACT * mean)
+    if fastest > 0.0:
+        in_impact = max(in_impact, LEAST_MOVE * numerics.spacing / fastest)
+    dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * largest, gravity)), in_impact)
     if numerics.max_time_step is not None:
         dt = min(dt, numerics.max_time_step)
     if previous is not None:

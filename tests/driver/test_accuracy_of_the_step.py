@@ -7,6 +7,8 @@ import pytest
 from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, Simulation, Tank
+from parisph.base.fields import FLUID
+from parisph.methods import timestep
 from tests.scenes import scene
 
 SPACING, G = 0.05, 9.81
@@ -35,6 +37,35 @@ def test_water_that_is_set_in_motion_has_short_steps():
     assert largest(column(), 25) == pytest.approx(limit)
     assert largest(column(fall=0.025), 25) == pytest.approx(0.5 * limit)
     assert largest(column(fall=0.0), 25) > 1.5 * limit
+
+
+def test_an_impact_has_shorter_steps():
+    """By the acceleration of the fluid as a whole, not by that of its fastest particle alone, nor below LEAST_MOVE."""
+    s = Simulation(column(), MPI.COMM_SELF)
+
+    def step(mean):
+        return timestep.next_step(s.comm, s.particles, s.numerics, G, accelerations=(1000.0 * G, mean))
+    calm = 0.05 * sqrt(SPACING / G)
+    assert step(0.5 * G) == pytest.approx(calm)
+    assert step(12.8 * G) == pytest.approx(calm / 4.0)
+    s.particles.u[s.particles.kind == FLUID] = (-2.0, 0.0)
+    assert step(1e4 * G) == pytest.approx(timestep.LEAST_MOVE * SPACING / 2.0)
+    s.destroy()
+
+
+def test_the_mean_acceleration_is_that_of_all_fluid():
+    """Of a round drop that begins to stretch, A^2 r at a distance r; it comes back with a checkpoint's state."""
+    case = scene("free_drop", spacing=0.05, time_step=None)
+    s, other = (Simulation(case, MPI.COMM_SELF) for _ in range(2))
+    speed, radius = s.particles.u[:, 0].max(), s.particles.x[:, 0].max()
+    rate = speed / radius
+    s.advance()
+    largest, mean = s.method.accelerations
+    assert mean == pytest.approx(rate**2 * radius / sqrt(2.0), rel=0.03) and largest > mean
+    other.method.resume(s.method.state())
+    assert other.method.accelerations == (largest, mean)
+    for each in (s, other):
+        each.destroy()
 
 
 def test_waves_are_limited_by_their_acceleration():

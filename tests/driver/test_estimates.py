@@ -11,7 +11,7 @@ from parisph import driver
 from parisph.case import scales, waves
 from parisph.case.schema import Box, Case, Fluid, Numerics, Sway, Tank
 from parisph.driver import cost, describe
-from parisph.driver.preview import BRISK, estimated_steps
+from parisph.driver.preview import BRISK, IMPACT, estimated_steps
 from parisph.methods import timestep
 from tests.scenes import scene
 
@@ -61,8 +61,8 @@ def test_steps_and_seconds_of_real_runs(name):
     assert np.median(taken) / 3.0 < seconds < 3.0 * np.median(taken)
 
 
-def test_the_estimate_knows_the_factor_of_the_real_step():
-    assert BRISK == timestep.BRISK
+def test_the_estimate_knows_the_factors_of_the_real_step():
+    assert (BRISK, IMPACT) == (timestep.BRISK, timestep.IMPACT)
 
 
 def test_fixed_steps_are_counted():

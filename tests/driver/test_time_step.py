@@ -12,7 +12,7 @@ from parisph.driver import Simulation, describe
 from parisph.io import checkpoint
 
 PERIOD = 1.0    # [s]
-CFL = 0.3       # of the violent preset
+CFL = 0.8       # of the violent preset
 
 
 def swaying(**numerics):

@@ -125,8 +125,10 @@ def test_changed_reaches_inside_and_validates():
 
 
 def test_stable_time_step():
-    violent, reason = stable_time_step(scene(fluid=Fluid(Box(1.0, 1.0), 1.0, velocity=(3.0, 4.0))))
-    assert violent == pytest.approx(0.03 / (5.0 + np.sqrt(2 * 9.81))) and "spacings" in reason
+    falling = scene(fluid=Fluid(Box(1.0, 1.0), 1.0, velocity=(3.0, 4.0)))
+    for case, cfl in ((falling, 0.8), (falling.changed(**{"numerics.time_step": 0.001}), 0.3)):
+        violent, reason = stable_time_step(case)
+        assert violent == pytest.approx(0.1 * cfl / (5.0 + np.sqrt(2 * 9.81))) and f"by {cfl} spacings" in reason
     gentle, reason = stable_time_step(scene(numerics=Numerics(spacing=0.1, preset="gentle")))
     assert gentle == pytest.approx(np.sqrt(0.1 / 9.81)) and "waves" in reason
     assert np.isinf(stable_time_step(scene(gravity=(0.0, 0.0)))[0])
