@@ -6,10 +6,12 @@ from parisph.methods import operators, positions, projection, straining, surface
 from parisph.parallel import domain
 from parisph.pressure import rows
 
-_CALLED_FROM = {projection: ("gradients",), surfaces: ("surface",), velocities: ("collisions",), straining: ("strain",),
-                positions: ("pairs", "shifting"), wall_images: ("collisions", "halves", "shifting", "surface"),
-                operators: ("gradient", "laplacian", "rankine", "walls"), rows: ("rankine", "surface_rows", "compress"),
-                domain: ("neighbour_lists",)}
+_CALLED_FROM = {
+    projection: ("gradients",), surfaces: ("surface",), velocities: ("collisions", "films"), straining: ("strain",),
+    positions: ("pairs", "shifting"), wall_images: ("collisions", "halves", "shifting", "surface"),
+    operators: ("gradient", "laplacian", "rankine", "walls"), rows: ("rankine", "surface_rows", "compress"),
+    domain: ("neighbour_lists",),
+}
 
 
 class KernelTime:

@@ -14,7 +14,7 @@ WORDS: dict[str, list[str]] = {
     "source": ["mixed", "divergence", "density", "compensating"],
     "stepping": ["midpoint", "start", "predicted", "symplectic"],
     "force": ["body", "coriolis", "viscous", "viscous_morris", "absorb"],
-    "regulariser": ["filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart",
+    "regulariser": ["film", "filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart",
                     "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"],
 }
 

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
+from parisph.case.presets import OLDER
+
 
 @dataclass(frozen=True)
 class Method:
@@ -31,14 +33,14 @@ class Method:
         object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
 
 
-# What both papers have in common: no filter, no shift, no second solve, p = 0 at surface particles. The papers do not
-# say how div u* is found for rows other than those of ISPH_R. With the nodal form of the gradient's stencils, water at
-# rest leaves the tank within half a second.
+# What both papers have in common: no filter, no films, no shift, no second solve, p = 0 at surface particles. The
+# papers do not say how div u* is found for rows other than those of ISPH_R. With the nodal form of the gradient's
+# stencils, water at rest leaves the tank within half a second.
 _PAPER = {
     "divergence": "flux", "wall_guard": 0.25, "gradient": "sfdi", "surface_gradient": "same", "wall_rows": "sfdi",
     "surface_rule": "auxiliary",
     "stepping": "predicted", "strain": 0.0, "residual_strain": 0.0, "kappa": 0.0, "shift": 0.0, "filter": 0.0,
-    "collision_distance": 0.0, "surface_offset": 0.0, "pressure_mean": 0.0, "zeta_time": 0.0,
+    "collision_distance": 0.0, "surface_offset": 0.0, "pressure_mean": 0.0, "zeta_time": 0.0, "regularisers": OLDER,
 }
 _DENSITY = ("with these settings, water at rest on disordered particles begins to move, "
             "and may leave the tank within 1000 steps")

@@ -2,12 +2,14 @@
 
 from typing import Any
 
+OLDER = ("filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart")    # all but films
+
 # What every scene has unless its method or the case says otherwise.
 USUAL: dict[str, Any] = {
     "divergence": "flux",
     "source": "mixed",
     "forces": ("body", "coriolis", "viscous", "absorb"),
-    "regularisers": ("filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart"),
+    "regularisers": ("film", *OLDER),
 }
 
 PRESETS: dict[str, dict[str, Any]] = {

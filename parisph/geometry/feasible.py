@@ -15,8 +15,8 @@ from parisph.geometry.polygons import Chain
 GAP = 2.0        # spacings: fluid between walls that are nearer has no particle that is not beside both
 THIN = 0.1       # spacings: in front of thinner solids is what is behind them
 WEDGE = 15.0     # degrees: in a sharper corner particles see too little fluid
-REST = 10.0      # degrees: the tip of still water on a slope as flat moves by itself after a while
-RESTLESS = ", and does not stay at rest; to take up waves, use a Sponge in place of the slope"
+FLAT = 10.0      # degrees: on a slope as flat, the tip of the water is one particle deep over many spacings
+RESTLESS = ", and waves that reach it may gain energy; to take them up, use a Sponge in place of the slope"
 SHORT = 0.6      # spacings: a shorter element crowds its nodes
 PAIRS = 2**20    # of an element and a piece that are looked at in one go
 NEAR = 0.02      # spacings: so far in front of an element its fluid is looked for
@@ -229,7 +229,7 @@ def _beaches(mesh, names, fluids) -> Iterator[str]:
     for angle, at, body in shores(mesh, levels):
         if angle < WEDGE:
             yield (f"{names[body]}: at {_at(at)} the water ends in a wedge of {angle:.1f} degrees; below {WEDGE:g} its "
-                   f"tip is not resolved at any spacing{RESTLESS if angle <= REST else ''}")
+                   f"tip is not resolved at any spacing{RESTLESS if angle <= FLAT else ''}")
 
 
 def _narrow(mesh, chains, names, spacing) -> Iterator[str]:

@@ -1,7 +1,7 @@
 """Radii and smoothing lengths in spacings (measured in the numerics of the design)."""
 
 CIRCLE = 0.5          # R of the Rankine circle
-MLS = 2.1             # moving least squares of the rows, and of the velocity filter
+MLS = 2.1             # moving least squares of the rows, of the velocity filter, and of films
 WALL = 2.6            # wall rows and harmonic stencils
 MIXED = 2.6           # of the mixed gradient
 DENSITY = 1.3         # h of the density ratio

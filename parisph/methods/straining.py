@@ -10,7 +10,8 @@ from parisph.methods import lengths
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-SPAN = 0.05  # det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient
+# det/(trace/dim)^dim of the neighbours' moment below which there is no velocity gradient, and fluid is one layer
+SPAN = 0.05
 DOUBT = 0.02  # density error near the surface that is no more than disorder in calm fluid
 RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that, and flow half rapid
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest

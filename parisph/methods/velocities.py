@@ -1,11 +1,11 @@
-"""The regularisers of velocities: filter, pair collisions and wall guard."""
+"""The regularisers of velocities: filter, films, pair collisions and wall guard."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parisph.case.numerics import Numerics
-from parisph.kernels import collisions, movement
+from parisph.kernels import collisions, films, movement
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Limiter, Regulariser
 
@@ -30,6 +30,22 @@ class Filter(Regulariser):
         collisions.smooth_velocity(change, p.u_all, p.x_all, p.kind_all, p.role_all,
                                    straining.strength(flow, n.filter, n.filter_strain), lengths.MLS * flow.spacing,
                                    d.indptr, d.indices, flow.axes)
+        return change
+
+
+class Film(Regulariser):
+    """Makes the depth of fluid that is one particle deep on a wall obey continuity."""
+
+    name, cause, words, strain, reach = "film", "film", "films of one layer", False, lengths.MLS
+
+    def wanted(self, numerics: Numerics) -> bool:
+        return numerics.surface_rule != "none"    # a full tank has no film
+
+    def change(self, flow: "Flow", dt: float) -> np.ndarray:
+        p, d = flow.particles, flow.domain
+        change = np.empty_like(p.u)
+        films.settle(change, p.u_all, p.x_all, p.kind_all, p.role_all, p.corner_all, p.normal_all, flow.force,
+                     flow.spacing, lengths.MLS * flow.spacing, straining.SPAN, dt, d.indptr, d.indices, flow.axes)
         return change
 
 
@@ -89,5 +105,5 @@ def keep_in_tank(flow: "Flow", u: np.ndarray, dt: float) -> np.ndarray:
     return both[:p.n_owned]
 
 
-for part in (Filter(), Collisions(), WallGuard()):
+for part in (Filter(), Film(), Collisions(), WallGuard()):
     REGULARISERS.register(part)

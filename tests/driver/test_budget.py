@@ -14,7 +14,9 @@ from parisph.io import reader, series
 from parisph.watch import instruments
 from tests.scenes import on_ranks, scene
 
-COLUMNS = [f"work_{cause}" for cause in ("pressure", "filter", "collisions", "guard", "projection", "parting", "shift")]
+CAUSES = ("pressure", "film", "filter", "collisions", "guard", "projection", "parting", "shift")
+COLUMNS = [f"work_{cause}" for cause in CAUSES]
+SELDOM = ("work_parting", "work_film")    # in a flow without jets of single particles or slow films
 
 
 def steps_of(case):
@@ -42,7 +44,7 @@ def test_works_add_up_to_the_change_of_energy():
         assert sum(works.values()) == pytest.approx(gain, abs=1e-12 * start)
         most = {name: max(value, abs(works[name])) for name, value in most.items()}
     assert list(works) == COLUMNS
-    assert min(value for name, value in most.items() if name != "work_parting") > 1e-6 * start
+    assert min(value for name, value in most.items() if name not in SELDOM) > 1e-6 * start
     shaken = scene("dam_break", spacing=0.1, end_time=0.3, budget=True)
     shaken = shaken.changed(frame=Sway(amplitude=0.05, frequency=10.0))
     gained = [(sum(works.values()), gain) for works, gain in steps_of(shaken)]
@@ -95,7 +97,7 @@ def works(comm):
 
 together, alone = works(comm), works(MPI.COMM_SELF)
 assert np.array_equal(together, comm.bcast(together))
-assert (np.abs(alone).max(axis=0)[[0, 1, 4, 6]] > 1e-3).all()
+assert (np.abs(alone).max(axis=0)[[0, 2, 5, 7]] > 1e-3).all()
 assert difference(together, alone) < 1e-9, difference(together, alone)
 """
 

@@ -53,10 +53,11 @@ def test_an_older_case_keeps_its_strengths(schema, later):
     """What has a name of its own only since then did not exist."""
     content = json.loads(to_json(stored(preset="violent", kappa=0.2)))
     for part in ("numerics", "asked"):
-        for name in later:
+        for name in (*later, "regularisers"):
             del content[part][name]
     found = from_json(json.dumps({**content, "schema": schema})).numerics.resolved()
     assert found.kappa == 0.2 and found.kappa_strain == (0.0 if schema == 1 else 56.0)
+    assert "filter" in found.regularisers and "film" not in found.regularisers
     assert {name: getattr(found, name) for name in later} == dict.fromkeys(later, 0.0)
 
 

@@ -1,0 +1,139 @@
+"""Films: fluid one particle deep on a wall, in which nothing else ties the depth to the velocity."""
+
+import numpy as np
+
+from parisph.base.fields import BALLISTIC, FLUID, SURFACE, WALL
+from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.mirrors import height
+from parisph.kernels.moments import invert
+from parisph.kernels.near import room_for
+from parisph.kernels.smoothing import quartic_weight
+
+DEEPEST = 1.5    # spacings from the wall: farther away there is room for a second layer
+CALM = 0.1       # speed along the wall over sqrt(f s), with the force f into it, from which on nothing is changed
+
+
+@kernel
+def settle(change: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, corner: np.ndarray,
+           normal: np.ndarray, force: np.ndarray, spacing: float, radius: float, floor: float, dt: float,
+           indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Change of velocity that makes the depth h of a film obey continuity, dh/dt = -h div u along the wall.
+
+    All particles of a film are surface: no equation knows how much fluid is between them. Along an inclined wall, one
+    that moves up would lift the surface, and two that approach each other would not: still water would start to move
+    by itself, at the rate sqrt(g k sin(a)/2) of a wave of number k on a slope of angle a. The velocity across the wall
+    is therefore that of the film as a whole, as far as the force that holds the film on the wall can change it in a
+    step. Nothing changes in films that flow, nor where the fluid around a particle is not all in one layer.
+
+    change : (n_owned, dim) output [m/s]
+    u : (n_all, dim) [m/s]; of walls, which may have the velocity of the fluid along them, only what is across counts
+    force : (n_all, dim) body force per unit mass [m/s^2]
+    radius : of the least squares [m]; dt : of the step [s]
+    floor : of det/(trace/dim)^dim of the moment of a particle's neighbours, above which they are not one layer
+    """
+    dim, room = len(axes), room_for(indptr)
+    member, m, inverse = np.empty(room, np.int64), np.empty((dim, dim)), np.empty((dim, dim))
+    for i in range(len(indptr) - 1):
+        change[i, :] = 0.0
+        if kind[i] != FLUID or role[i] != SURFACE:
+            continue
+        wall = _wall_below(i, x, kind, corner, normal, force, DEEPEST * spacing, indptr, indices, axes)
+        if wall < 0:
+            continue
+        n = _layer(member, i, x, kind, role, radius, indptr, indices, axes)
+        layered = 1.0 - _moment(m, inverse, member, n, i, wall, x, normal, radius, axes) / floor
+        if layered <= 0.0:
+            continue
+        across, approach, held, square = 0.0, 0.0, 0.0, 0.0
+        for a in range(dim):
+            across += u[i, a] * normal[wall, a]
+            approach += u[wall, a] * normal[wall, a]
+            held -= force[i, a] * normal[wall, a]
+            square += u[i, a] ** 2
+        spread = _divergence(inverse, member, n, i, wall, u, x, normal, radius, axes)
+        missing = approach - height(i, wall, x, normal, axes) * spread - across
+        most = held * dt
+        calm = 1.0 - (square - across * across) / (CALM * CALM * held * spacing)
+        if calm <= 0.0:
+            continue
+        missing = min(calm, 1.0) * layered * min(max(missing, -most), most)
+        for a in range(dim):
+            change[i, a] = missing * normal[wall, a]
+
+
+@inlined
+def _wall_below(i, x, kind, corner, normal, force, deepest, indptr, indices, axes):
+    """Return the nearest wall particle on which the force holds particle i, -1 if there is none so near."""
+    nearest, found = np.inf, -1
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        if kind[j] != WALL or corner[j]:
+            continue
+        held, r2 = 0.0, 0.0
+        for a in range(len(axes)):
+            held -= force[i, a] * normal[j, a]
+            r2 += (x[j, a] - x[i, a]) ** 2
+        if held > 0.0 and r2 < nearest and 0.0 < height(i, j, x, normal, axes) < deepest:
+            nearest, found = r2, j
+    return found
+
+
+@inlined
+def _layer(member, i, x, kind, role, radius, indptr, indices, axes):
+    """Write the fluid neighbours within the radius that are not in free flight; return their number."""
+    n = 0
+    for k in range(indptr[i], indptr[i + 1]):
+        j = indices[k]
+        r2 = 0.0
+        for a in range(len(axes)):
+            r2 += (x[j, a] - x[i, a]) ** 2
+        member[n] = j
+        n += (kind[j] == FLUID) & (role[j] != BALLISTIC) & (r2 < radius * radius)
+    return n
+
+
+@inlined
+def _moment(m, inverse, member, n, i, wall, x, normal, radius, axes):
+    """Write the inverse of the neighbours' moment along the wall; return det/(trace/dim)^dim of the whole moment.
+
+    Without neighbours, or with all of them above particle i, the fluid is no layer: 1.
+    """
+    dim, trace = len(axes), 0.0
+    m[:, :] = 0.0
+    for k in range(n):
+        j, r2 = member[k], 0.0
+        for a in range(dim):
+            r2 += (x[j, a] - x[i, a]) ** 2
+        weight = quartic_weight(r2, radius * radius)
+        for a in range(dim):
+            for b in range(dim):
+                m[a, b] += weight * (x[j, a] - x[i, a]) * (x[j, b] - x[i, b])
+    across = 0.0
+    for a in range(dim):
+        trace += m[a, a]
+        for b in range(dim):
+            across += normal[wall, a] * m[a, b] * normal[wall, b]
+    if not across < 0.5 * trace:
+        return 1.0
+    quality = invert(m, inverse, axes)
+    for a in range(dim):
+        for b in range(dim):
+            m[a, b] += trace * normal[wall, a] * normal[wall, b]
+    return quality if invert(m, inverse, axes) > 0.0 else 1.0
+
+
+@inlined
+def _divergence(inverse, member, n, i, wall, u, x, normal, radius, axes):
+    """Return the divergence [1/s] of the velocity along the wall, by linear least squares."""
+    dim, found = len(axes), 0.0
+    for k in range(n):
+        j, r2, across = member[k], 0.0, 0.0
+        for a in range(dim):
+            r2 += (x[j, a] - x[i, a]) ** 2
+            across += (u[j, a] - u[i, a]) * normal[wall, a]
+        weight = quartic_weight(r2, radius * radius)
+        for a in range(dim):
+            along = u[j, a] - u[i, a] - across * normal[wall, a]
+            for b in range(dim):
+                found += weight * along * inverse[a, b] * (x[j, b] - x[i, b])
+    return found

@@ -1,0 +1,82 @@
+"""Films of one layer on a wall, against continuity."""
+
+import numpy as np
+import pytest
+
+from parisph.base.fields import BALLISTIC, SURFACE
+from parisph.kernels import films
+from tests.pools import free, tank
+
+G, DT = 10.0, 0.5
+dims = pytest.mark.parametrize("dim", [2, 3])
+
+
+def film(dim, layers=1):
+    """A tank of one layer of fluid, one spacing above the bed, all surface, and which of it is far from the sides."""
+    pool = tank((10,) * (dim - 1) + (layers,))
+    pool.role[pool.fluid] = SURFACE
+    inside = np.all((pool.index[:, :-1] > 3) & (pool.index[:, :-1] < 7), axis=1) & pool.fluid
+    return pool, inside
+
+
+def settled(pool, u, force=None, dt=DT):
+    """Return the change of velocity (n, dim); walls slide with the fluid. force : (dim,), by default down."""
+    change = np.full(pool.x.shape, np.nan)
+    down = -G * np.eye(pool.dim)[-1] if force is None else np.asarray(force)
+    u = np.where(pool.fluid[:, None] | (np.arange(pool.dim) < pool.dim - 1), u, 0.0)
+    films.settle(change, u, pool.x, pool.kind, pool.role, pool.corner, pool.normal, np.tile(down, (pool.n, 1)),
+                 pool.spacing, 2.1 * pool.spacing, 0.05, dt, *pool.csr)
+    return change
+
+
+@dims
+def test_the_depth_obeys_continuity(dim):
+    """dh/dt = -h div u, whatever the velocity across was; slow fluid, so that nothing is held back."""
+    pool, inside = film(dim)
+    rates = 1e-4 * np.arange(1.0, dim + 1.0)
+    u = (pool.x - pool.x[inside].mean(axis=0)) * rates
+    u[:, -1] = 1e-3
+    found = (u + settled(pool, u))[inside]
+    np.testing.assert_allclose(found[:, -1], -pool.spacing * rates[:-1].sum(), rtol=1e-5)
+    np.testing.assert_allclose(found[:, :-1], u[inside, :-1])
+
+
+def test_fluid_that_moves_along_as_a_whole_keeps_its_depth():
+    pool, inside = film(2)
+    assert np.abs(settled(pool, np.full(pool.x.shape, [0.05, 0.0]))[inside]).max() < 1e-15
+
+
+def test_no_more_than_the_force_can_do():
+    pool, inside = film(2)
+    change = settled(pool, np.full(pool.x.shape, [0.0, 3.0]), dt=0.01)
+    np.testing.assert_allclose(change[inside], np.tile([0.0, -G * 0.01], (inside.sum(), 1)))
+
+
+def test_films_that_flow_are_left_alone():
+    """From CALM sqrt(f s) along the wall on; at half of that speed a quarter less is changed."""
+    pool, inside = film(2)
+    calm = films.CALM * np.sqrt(G * pool.spacing)
+    for speed, left in ((0.5 * calm, 0.75), (1.01 * calm, 0.0), (20.0 * calm, 0.0)):
+        change = settled(pool, np.full(pool.x.shape, [speed, 0.1]))[inside, 1]
+        np.testing.assert_allclose(change, -0.1 * left)
+
+
+@pytest.mark.parametrize("force", [(0.0, G), (G, 0.0)])
+def test_nothing_holds_a_film_below_a_wall_or_beside_it(force):
+    pool, inside = film(2)
+    assert np.all(settled(pool, np.full(pool.x.shape, [0.0, 1.0]), force)[inside] == 0.0)
+
+
+@dims
+def test_two_layers_are_no_film(dim):
+    pool, inside = film(dim, layers=2)
+    assert np.all(settled(pool, np.ones(pool.x.shape))[inside] == 0.0)
+
+
+def test_drops_and_fluid_without_walls_are_no_film():
+    pool, _ = film(2)
+    pool.role[pool.fluid] = BALLISTIC
+    assert np.all(settled(pool, np.ones(pool.x.shape)) == 0.0)
+    line = free([(k, 0) for k in range(8)])
+    line.role[:] = SURFACE
+    assert np.all(settled(line, np.ones(line.x.shape)) == 0.0)
