@@ -8,7 +8,7 @@ distance=5.375) the errors are .39, .31, .27 and .32 at S1 to S4, the peak at S2
 H/s = 400 is at a distance of .14, .04, .05 and .07. At H/s = 120 they are .42, .31, .264 and .32; that code and two
 others at H/s = 400 have .41 to .43, .29 to .30, .258 to .265 and .34 to .35.
 
-mpirun -n 2 parisph run cases/dam_break_lobovsky.py --set spacing=1/30    # 20 s on one core; 1/60: 2 min; 1/80: 5 min
+mpirun -n 2 parisph run cases/dam_break_lobovsky.py --set spacing=1/30    # 15 s on one core; 1/60: 80 s; 1/80: 3 min
 """
 
 from math import sqrt

@@ -6,7 +6,7 @@ two codes that have converged (H/s = 400). Both are compared with these codes, s
 two readings of the experiment, a single event: 2.5 < t sqrt(g/H) < 6.3, no shift. At H/s = 80 (spacing=1/80
 distance=5.375) P2_point is .041 and .035 from the codes, which are .028 from each other, and .44 from the experiment.
 
-mpirun -n 2 parisph run cases/dam_break_zhou.py --set spacing=1/30        # 20 s on one core; 1/60: 2 min; 1/80: 5 min
+mpirun -n 2 parisph run cases/dam_break_zhou.py --set spacing=1/30        # 15 s on one core; 1/60: 80 s; 1/80: 3 min
 """
 
 from math import sqrt

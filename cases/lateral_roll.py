@@ -8,8 +8,8 @@ sensitive to it than `sensor`. The flow is computed in the frame of the tank.
 
 The motion is not part of parisph: see the parameter `data`.
 
-mpirun -n 2 parisph run cases/lateral_roll.py        # half an hour on one core
-parisph run cases/lateral_roll.py --set spacing=0.00465 width=0.9021        # five minutes
+mpirun -n 2 parisph run cases/lateral_roll.py        # 12 minutes on one core
+parisph run cases/lateral_roll.py --set spacing=0.00465 width=0.9021        # three minutes
 """
 
 from math import pi
