@@ -17,7 +17,7 @@ GROWTH = 1.1    # from one step to the next, at most
 BRISK = 1.5
 # times the root mean square of the acceleration of fluid: limits the step in an impact, also above the body force
 IMPACT = 1.25
-LEAST_MOVE = 0.1    # spacings that the fastest particle may move in any impact: particles resolve no less
+LEAST_MOVE = 0.1    # spacings the fastest particle may move in any impact: shorter steps feed collapsing cavities
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
@@ -32,9 +32,8 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     motion, a is 1.5 times the largest acceleration, at most that of the body force: a longer step costs accuracy long
     before it moves a particle far. In an impact a is 1.25 times the root of the mean square, which then is larger: in
     a dam break, half the step while the water hits the wall is worth as much as half the step all the time. No impact
-    makes it shorter than the fastest particle takes for LEAST_MOVE spacings. A step is
-    at most a tenth longer than the last one, so that a single calm step during an impact does not undo the reduction.
-    Infinite if nothing limits it.
+    makes it shorter than the fastest particle takes for LEAST_MOVE spacings. A step is at most a tenth longer than the
+    last one, so that a single calm step during an impact does not undo the reduction. Infinite if nothing limits it.
 
     Parameters
     ----------
