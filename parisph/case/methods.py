@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from parisph.case.presets import OLDER
+from parisph.case.presets import WITHOUT_FILMS
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,8 @@ _PAPER = {
     "divergence": "flux", "wall_guard": 0.25, "gradient": "sfdi", "surface_gradient": "same", "wall_rows": "sfdi",
     "surface_rule": "auxiliary",
     "stepping": "predicted", "strain": 0.0, "residual_strain": 0.0, "kappa": 0.0, "shift": 0.0, "filter": 0.0,
-    "collision_distance": 0.0, "surface_offset": 0.0, "pressure_mean": 0.0, "zeta_time": 0.0, "regularisers": OLDER,
+    "collision_distance": 0.0, "surface_offset": 0.0, "pressure_mean": 0.0, "zeta_time": 0.0,
+    "regularisers": WITHOUT_FILMS,
 }
 _DENSITY = ("with these settings, water at rest on disordered particles begins to move, "
             "and may leave the tank within 1000 steps")

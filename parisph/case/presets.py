@@ -2,14 +2,14 @@
 
 from typing import Any
 
-OLDER = ("filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart")    # all but films
+WITHOUT_FILMS = ("filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart")
 
 # What every scene has unless its method or the case says otherwise.
 USUAL: dict[str, Any] = {
     "divergence": "flux",
     "source": "mixed",
     "forces": ("body", "coriolis", "viscous", "absorb"),
-    "regularisers": ("film", *OLDER),
+    "regularisers": ("film", *WITHOUT_FILMS),
 }
 
 PRESETS: dict[str, dict[str, Any]] = {

@@ -8,7 +8,7 @@ from parisph.base.seal import opened
 from parisph.base.text import shown
 from parisph.case.methods import METHODS
 from parisph.case.numerics import Numerics
-from parisph.case.presets import OLDER, PRESETS, preset_values
+from parisph.case.presets import PRESETS, WITHOUT_FILMS, preset_values
 from parisph.case.schema import READ_ONLY, Case
 
 # Version of the fields of a case. Raise it when a field is renamed, removed or changes its meaning;
@@ -69,7 +69,7 @@ def _keep_meaning(content: dict[str, Any], version: int) -> None:
     for name in later:
         numerics.setdefault(name, 0.0)
     if numerics.get("regularisers") is None:
-        numerics["regularisers"] = list(OLDER)
+        numerics["regularisers"] = list(WITHOUT_FILMS)
     for probe in probes if isinstance(probes, list) else ():
         if isinstance(probe, dict) and probe.get("kind") == "pressure_tap":
             probe.setdefault("radius", numerics.get("spacing"))    # the wall particles beside it
