@@ -56,7 +56,8 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
     elif isinstance(probe.truth, Peaks):
         _mark(axes, None, probe.truth.bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others)
-    axes.set_ylabel(f"{curves.KINDS.get(probe.kind, probe.kind.replace('_', ' '))} [{shown or '-'}]")
+    what = curves.KINDS.get(probe.kind, curves.UNITS.get(unit, probe.kind.replace("_", " ")))
+    axes.set_ylabel(f"{what} [{shown or '-'}]")
     axes.set_xlabel("$t$ [s]")
     curves.plain_axes(axes)
     axes.set_xlim(found[0][0], found[0][-1])

@@ -22,11 +22,10 @@ if TYPE_CHECKING:
 
 Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
 
-# What a probe of a kind (as in the case) shows, and which kinds share one set of axes.
+# What a probe of a kind (as in the case) shows, if its unit does not say it, and which kinds share one set of axes.
 KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
     "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum",
-    "velocity_profile": "velocity and pressure", "velocity_point": "velocity and pressure",
     "run_up": "highest contact", "force": "force",
 }
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}

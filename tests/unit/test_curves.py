@@ -17,6 +17,7 @@ from parisph import (
     PressureTap,
     SurfaceGauge,
     Tank,
+    VelocityPoint,
     WaterFront,
 )
 from parisph.io.reader import open_run
@@ -29,6 +30,7 @@ PROBES = {"P1": ({"pressure": "Pa"}, PressureTap("P1", at=(0.0, 0.1))),
           "gauge": ({"y": "m"}, SurfaceGauge("gauge", at=0.5)), "column": ({"y": "m"}, ColumnHeight("column", at=0.0)),
           "front": ({"x": "m"}, WaterFront("front")),
           "energy": ({"kinetic": "J/m", "potential": "J/m"}, Energy("energy"))}
+POINT = {"point": ({"u": "m/s", "v": "m/s", "p": "Pa"}, VelocityPoint("point", at=(0.5, 0.2)))}
 
 
 def recorded(folder, names=tuple(PROBES), height=0.5, title="Basin"):
@@ -54,6 +56,12 @@ def test_heights_positions_pressures_and_energies_have_axes_of_their_own(tmp_pat
     assert panels(curves.plot_probe(recorded(tmp_path / "run"))) == {
         "pressure $p$ [Pa]": ["P1", "P2"], "height $y$ [m]": ["column", "gauge"], "front position $x$ [m]": ["front"],
         "energy [J/m]": ["energy: kinetic", "energy: potential"]}
+
+
+def test_velocity_and_pressure_of_a_point_are_named_each_on_its_own_axes(tmp_path, monkeypatch):
+    monkeypatch.setattr(f"{__name__}.PROBES", POINT)
+    assert panels(curves.plot_probe(recorded(tmp_path / "run", ("point",)))) == {
+        "velocity [m/s]": ["point: u", "point: v"], "pressure $p$ [Pa]": ["point: p"]}
 
 
 def test_several_runs_lie_over_each_other_by_the_names_of_their_folders(tmp_path):
