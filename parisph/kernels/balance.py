@@ -1,9 +1,13 @@
 """Rows that are not exact for linear pressure, made exact for the pressure that balances the body force."""
 
+import math
+
 import numpy as np
 
-from parisph.base.fields import INNER
+from parisph.base.fields import INNER, WET
 from parisph.kernels.jit import kernel
+
+ROUNDING = 1e-9    # of the terms of a sum: what is less is zero
 
 
 @kernel
@@ -25,3 +29,32 @@ def add_linear_part(target: np.ndarray, force: np.ndarray, density: float, count
             for a in range(len(axes)):
                 total += values[k] * force[i, a] * (x[columns[k], a] - x[i, a])
         target[i] += density * total / measure[i]
+
+
+@kernel
+def add_linear_part_at_walls(right: np.ndarray, pull: np.ndarray, density: float, count: np.ndarray,
+                             columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
+                             role: np.ndarray, normal: np.ndarray, indptr: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Add to the right-hand side of wet wall particles what their rows find for rho a_I . (x - x_I) beside its slope.
+
+    A row that is no normal derivative, but a mean of its neighbours or a mixture with it, is then exact for the
+    pressure of water that rests beside the wall. Rows that are exact anyway stay as they are to the bit.
+
+    right : (n_owned,) [Pa]; pull : (n_owned, dim), a = body force less acceleration of the wall [m/s^2]
+    normal : (n_all, dim), into the fluid; others as of pressure.rows.Rows
+    """
+    dim = len(axes)
+    for i in range(len(indptr) - 1):
+        if role[i] != WET:
+            continue
+        total, size = 0.0, 0.0
+        for a in range(dim):
+            lean, terms = -measure[i] * normal[i, a], abs(measure[i] * normal[i, a])
+            for k in range(indptr[i], indptr[i] + count[i]):
+                term = values[k] * (x[columns[k], a] - x[i, a])
+                lean += term
+                terms += abs(term)
+            total += lean * pull[i, a]
+            size += terms * abs(pull[i, a])
+        if math.fabs(total) > ROUNDING * size:
+            right[i] -= density * total

@@ -6,6 +6,7 @@ from parisph.base.fields import WET
 from parisph.kernels import harmonic
 from parisph.kernels.jit import kernel
 from parisph.kernels.moments import invert, pair_weight, second_moment
+from parisph.kernels.rankine import UNSOUND
 from parisph.kernels.roles import outside
 
 # Below this value of det/(trace/dim)^dim the neighbours of a wall particle lie on a line.
@@ -21,7 +22,10 @@ def sfdi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measur
     n . grad p = sum_J Psi_IJ (p_J - p_I), that is Psi_II = -sum_J Psi_IJ, which the printed
     Eq. A6 omits. With row_I(p) = p_I - sum_J values_J p_J the equation is
     row_I(p) = -measure_I n . grad p, measure = 1/sum_J Psi_IJ [m]. A row without enough
-    neighbours for a normal derivative becomes their weighted mean, with measure 0.
+    neighbours for a normal derivative becomes their weighted mean, with measure 0, and one that
+    extrapolates from neighbours on one side is mixed with it, until no value is below -UNSOUND.
+    Above all of the water, where a cavity closed in a corner, such a row had values of 11 and -6,
+    and pressure came to -2.7 MPa.
     """
     dim = len(axes)
     radius2 = radius * radius
@@ -53,12 +57,27 @@ def sfdi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measur
         count[i] = n
         # a diagonal below 1/(20 radius) means that hardly any neighbour lies inwards
         if sound and total * radius > 0.05:
-            measure[i] = 1.0 / total
             for k in range(first, first + n):
                 values[k] /= total
+            measure[i] = _soften(i, first, n, columns, values, x, radius2, weights, axes) / total
         else:
             measure[i] = 0.0
             _mean(i, first, n, columns, values, x, radius2, weights, axes)
+
+
+@kernel
+def _soften(i, first, n, columns, values, x, radius2, weights, axes):
+    """Mix a row with the weighted mean, as far as it extrapolates; return its own share."""
+    share = 1.0
+    for k in range(first, first + n):
+        if values[k] < -UNSOUND:
+            w, _ = pair_weight(i, columns[k], x, radius2, 2, axes)
+            share = min(share, (UNSOUND + w / weights) / (w / weights - values[k]))
+    if share < 1.0:
+        for k in range(first, first + n):
+            w, _ = pair_weight(i, columns[k], x, radius2, 2, axes)
+            values[k] = share * values[k] + (1.0 - share) * w / weights
+    return share
 
 
 @kernel

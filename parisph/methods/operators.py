@@ -27,7 +27,9 @@ from parisph.pressure.rows import Cloud, Flux, Rows
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-INFLATION = 6.0    # of the variance of a slope by harmonic terms; 2 to 4 beside a vertical wall, also in waves
+# Of the variance of a slope by harmonic terms, at most. It is 2 to 4 beside a vertical wall, also in waves.
+INFLATION = 6.0
+RAPID_INFLATION = 60.0    # on a surface that breaks
 
 directions = cache(rankine.directions)    # of a dimension, the same in every step; kernels only read them
 
@@ -250,16 +252,16 @@ class HarmonicSurface(Gradient):
 
     A surface that keeps its particles keeps a lone one in the tip of a wedge, too. Its few neighbours suffice for the
     harmonic terms, but these amplify its velocity: at rest on slopes of 20 to 60 degrees, it crept away (a factor e
-    in .2 to 6 s, where the inflation was above 7; without the terms in 90 s or more). There is no limit in violent
-    flow, where the tip of a tongue needs them: with one, the pressure of its impact is off by .12 to .21 instead
-    of .07.
+    in .2 to 6 s, where the inflation was above 7; without the terms in 90 s or more). In violent flow the tip of a
+    tongue needs them: with the same limit, the pressure of its impact is off by .12 to .21 instead of .07. There the
+    limit only stops what drives single particles of a sheet towards higher pressure as it collapses.
     """
 
     name, reach = "harmonic", lengths.WALL
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         p, d = flow.particles, flow.domain
-        most = INFLATION if SURFACES[flow.numerics.surface_rule].keeps else np.inf
+        most = INFLATION if SURFACES[flow.numerics.surface_rule].keeps else RAPID_INFLATION
         gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, most, d.indptr, d.indices,
                                    flow.axes)
 

@@ -242,11 +242,20 @@ class Projection:
         if moved is not None:
             target[walls] -= self.flow.density * moved[walls]
         right = self.rows.right_hand_side(target)
+        self._balance_walls(right)
         matrix, isolated = self._matrix()
         right[(p.role != INNER) & (p.role != WET)] = 0.0
         if "surface_pressure" in p.fields:
             self.rows.add_surface_values(right, p.surface_pressure_all, p.role_all)
         return matrix, right, isolated
+
+    def _balance_walls(self, right):
+        """Make wall rows that are no normal derivative exact for water that rests beside the wall."""
+        p, rows, cloud = self.flow.particles, self.rows.rows, self.rows.cloud
+        pull, moved = self.flow.force[:p.n_owned], self.flow.walls.acceleration(self.flow)
+        balance.add_linear_part_at_walls(right, pull if moved is None else pull - moved, self.flow.density, rows.count,
+                                         rows.columns, rows.values, rows.measure, p.x_all, p.role_all, p.normal_all,
+                                         cloud.indptr, cloud.axes)
 
     def _matrix(self):
         """Return the CSR matrix, and the number of rows without a link to a free surface. Collective.

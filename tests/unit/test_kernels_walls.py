@@ -182,3 +182,27 @@ def test_harmonic_rows_leave_sfdi_where_neighbours_are_few():
     assert first.count[i] == second.count[i] == 4 and first.measure[i] > 0.0
     np.testing.assert_array_equal(first.entries(i)[1], second.entries(i)[1])
     assert first.measure[i] == second.measure[i]
+
+
+def test_wall_above_all_of_the_water_in_a_corner_extrapolates_only_so_far():
+    # what was left of a cavity that closed in a corner: the sum of the values was one by 11 and -6
+    pool = pool_of(2)
+    i, s = pool.at(0, 2), pool.spacing
+    pool.role[(pool.kind == WALL)] = DRY
+    pool.role[[pool.at(0, 0), pool.at(1, 0), i]] = WET
+    pool.x[pool.fluid] += 50.0
+    corner = pool.x[pool.at(0, 0)].copy()
+    for m, place in enumerate([(0.97, 0.35), (0.32, 0.32), (1.52, 0.29), (2.29, 3.13)]):
+        pool.x[pool.at(1 + m, 1)] = corner + np.array(place) * s
+    pool.relist()
+    rows = filled(pool, "sfdi")
+    columns, values = rows.entries(i)
+    assert len(values) == 6 and values.sum() == pytest.approx(1.0, rel=1e-14)
+    assert values.min() == pytest.approx(-walls.UNSOUND, rel=1e-12) and 0.0 < rows.measure[i] < 2.0 * s
+    # mixed with the mean: a share of it is wrong for a slope along the wall, and for one across
+    x, y = ((pool.x[columns] - pool.x[i]) / s).T
+    weight = np.array([quartic_weight(value, RADIUS**2) / value for value in x**2 + y**2])
+    mean = weight / weight.sum()
+    of_mean = (values @ y) / (mean @ y)
+    assert 0.8 < of_mean < 1.0
+    assert values @ x - of_mean * (mean @ x) == pytest.approx(rows.measure[i] / s, rel=1e-9)

@@ -7,7 +7,7 @@ from parisph import Box, Disc, Polygon, Tank
 from parisph.base.fields import CONTACT, DRY, INNER, WET
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.geometry.mesh import CONVEX
-from parisph.kernels import rankine, walls
+from parisph.kernels import balance, rankine, walls
 from parisph.kernels.packing import pack
 from parisph.kernels.solids import keep_off_solids
 from parisph.methods import lengths
@@ -48,6 +48,8 @@ def error(scene, level):
     walls.sfdi_rows(count, columns, values, measure, scene.x, role, scene.normal, lengths.MLS * s, indptr, indices,
                     scene.axes)
     matrix, right = np.eye(n), np.where(role == WET, measure * scene.normal[:, 1], 0.0)
+    balance.add_linear_part_at_walls(right, np.tile([0.0, -1.0], (n, 1)), 1.0, count, columns, values, measure, scene.x,
+                                     role, scene.normal, indptr, scene.axes)
     for i in np.flatnonzero((role == INNER) | (role == WET)):
         own = slice(indptr[i], indptr[i] + count[i])
         np.subtract.at(matrix[i], columns[own], values[own])
@@ -71,6 +73,32 @@ def test_pressure_of_still_water(name):
     keep_off_solids(move, scene.x, scene.kind, scene.corners, 0.5 * S, *scene.lists()[2:], scene.axes)
     scene.x += move
     assert error(scene, water) == (pytest.approx(0.0, abs=1e-12), 0)
+
+
+def test_means_in_the_tip_of_a_flat_beach_are_exact_for_still_water():
+    # a wedge of 2.3 degrees, less than a spacing deep: some rows have no normal derivative
+    scene = filled(StillWater(0.4), [Profile([(0.0, 1.2), (0.0, 0.0), (0.5, 0.0), (23.0, 0.9)])], S)
+    found, means = error(scene, np.full(len(scene.x), 0.4))
+    assert found == pytest.approx(0.0, abs=1e-12) and means > 1
+
+
+def test_exact_wall_rows_stay_as_they_are():
+    scene = filled(StillWater(0.8), SCENES["box"], S)
+    n, s = len(scene.x), scene.spacing
+    indptr, indices, *_ = scene.lists()
+    count, columns = np.zeros(n, np.int32), np.zeros(len(indices), np.int32)
+    values, measure = np.zeros(len(indices)), np.zeros(n)
+    role = np.where((np.arange(n) >= scene.n) & (scene.x[:, 1] < 0.7), WET, INNER).astype(scene.role.dtype)
+    walls.sfdi_rows(count, columns, values, measure, scene.x, role, scene.normal, lengths.MLS * s, indptr, indices,
+                    scene.axes)
+    right = np.random.default_rng(1).random(n)
+    before = right.copy()
+    balance.add_linear_part_at_walls(right, np.tile([3.0, -9.81], (n, 1)), 1000.0, count, columns, values, measure,
+                                     scene.x, role, scene.normal, indptr, scene.axes)
+    lowest = np.array([values[indptr[i]:indptr[i] + count[i]].min(initial=0.0) for i in range(n)])
+    exact = (role == WET) & (measure > 0.0) & (lowest > 1e-9 - walls.UNSOUND)
+    assert np.count_nonzero(exact) > 50 and np.count_nonzero(role == WET) - np.count_nonzero(exact) < 10
+    np.testing.assert_array_equal(right[exact | (role != WET)], before[exact | (role != WET)])
 
 
 def test_plate_without_thickness_holds_back_the_higher_water():
