@@ -11,7 +11,8 @@ from parisph.watch import instruments
 from parisph.watch.elevation import COLUMN, surface_height
 
 G = 9.81
-SERIES = ("left level", "right level", "left pressure", "right pressure")
+SERIES = ("left gauge", "right gauge", "left pressure", "right pressure", "left level", "right level")
+STRIP = 4.0    # spacings: width of the water whose mean depth is the level at an end
 
 LENGTH, HEIGHT, DEPTH = 1.0, 0.8, 0.4    # of a tank that moves gently [m]
 SLOW = 0.8 * angular_frequency(np.pi / LENGTH, DEPTH, G)
@@ -52,25 +53,38 @@ def tank_case(motion, moving, size, end_time, **numerics):
 
 
 def histories(case):
-    """Run a case and return times (n,) [s] and SERIES (4, n): levels [m] and pressures [Pa] at both ends, as seen from
-    the tank."""
+    """Run a case and return times (n,) [s] and SERIES (6, n), as seen from the tank.
+
+    At both ends: the surface at the wall [m], which is that of one particle; the pressure [Pa]; and the mean level over
+    a strip [m].
+    """
     sim, tank, rows = Simulation(case, MPI.COMM_SELF), case.walls, []
     taps = instruments.build(case, sim.comm)
     while not sim.finished():
         sim.advance()
-        found, move = sim.gather("x", "role", "kind"), tank.motion
+        found, move = sim.gather("x", "role", "kind", "volume"), tank.motion
         x = move.seen(found["x"] - move.placed(np.zeros((1, 2)), sim.time), sim.time)
         fluid = found["kind"] == FLUID
         water, surface = x[fluid], x[fluid & (found["role"] == SURFACE)]
         pressures = instruments.sample_all(taps, sim.particles, sim.domain, sim.time)
-        rows.append([sim.time, *(_level(water, surface, end, case.numerics.spacing) for end in (0.0, tank.width)),
-                     *(pressures[name][0] for name in ("left", "right"))])
+        ends, spacing = (0.0, tank.width), case.numerics.spacing
+        rows.append([sim.time, *(_at_wall(water, surface, end, spacing) for end in ends),
+                     *(pressures[name][0] for name in ("left", "right")),
+                     *(_level(water, found["volume"][fluid], end, spacing) for end in ends)])
     sim.destroy()
     return np.array(rows)[:, 0], np.array(rows)[:, 1:].T
 
 
-def _level(water, surface, at, spacing):
-    """Return the level [m] at an end of the tank of fluid and surface particles, (n, 2) each; 0 where it is dry."""
+def _level(water, volume, at, spacing):
+    """Return the mean depth [m] over STRIP at an end of fluid (n, 2) with volumes (n,) [m^2]; that of a particle is
+    spread over a spacing."""
+    width = STRIP * spacing
+    inside = np.clip((width - np.abs(water[:, 0] - at)) / spacing + 0.5, 0.0, 1.0)
+    return volume @ inside / width
+
+
+def _at_wall(water, surface, at, spacing):
+    """Return the surface [m] at an end of the tank of fluid and surface particles, (n, 2) each; 0 where it is dry."""
     top = water[np.abs(water[:, 0] - at) <= COLUMN * spacing, 1].max(initial=0.0)
     return surface_height(at, *surface.T, top, spacing, [at])
 

@@ -48,15 +48,17 @@ def test_moving_walls_are_a_moving_frame(motion, preset, bound):
 def test_gentle_motion_over_three_periods_by_walls_and_by_the_frame(kind):
     """Levels and pressures at both ends; seen from the tank, its walls are those of a plain tank."""
     walls, frame = (moving_tanks.histories(moving_tanks.gentle(kind, moving, 0.05, 0.2)) for moving in (True, False))
-    assert max(moving_tanks.differences(walls, frame).values()) < 0.005    # asked for: 0.01
+    found = moving_tanks.differences(walls, frame)
+    assert max(found.values()) < 0.01
+    assert max(apart for what, apart in found.items() if "level" not in what) < 0.005
     assert np.ptp(frame[1][0]) > 0.09 * moving_tanks.DEPTH
 
 
 def test_violent_motion_until_the_impact_by_walls_and_by_the_frame():
-    """Pressures at both ends; water has left the left wall when the bore comes."""
+    """Pressures and mean levels at both ends; water has left the left wall when the bore comes."""
     walls, frame = (moving_tanks.histories(moving_tanks.violent("sway", moving, 0.015)) for moving in (True, False))
     found = moving_tanks.differences(walls, frame)
-    assert found["left pressure"] < 0.05 and found["right pressure"] < 0.05
+    assert max(apart for what, apart in found.items() if "gauge" not in what) < 0.05
     assert np.ptp(frame[1][2]) > 0.5 * frame[1][2, 0]
 
 
