@@ -3,12 +3,12 @@
 L = 2 H, and walls at a distance of 1.61 m. Pressure sensors of 4.2 mm, or of four spacings if that is more, at 3, 15,
 30 and 80 mm above the bed of the far wall, and the depth of the water at four places. The pressures are compared,
 without any shift of time, with one event (2.3 < t sqrt(g/H) < 6.4); the peak at S2 with 95 % of all events. Codes in 2D
-share errors of .25 to .4, because the experiment is not as plane, and has air. At H/s = 80 (spacing=1/80
-distance=5.375) the errors are .39, .31, .27 and .32 at S1 to S4, the peak at S2 is in the band, and an EDAC-SPH code at
-H/s = 400 is at a distance of .14, .04, .05 and .07. At H/s = 120 they are .42, .31, .264 and .32; that code and two
-others at H/s = 400 have .41 to .43, .29 to .30, .258 to .265 and .34 to .35.
+share errors of .25 to .4, because the experiment is not as plane, and has air. At H/s = 120 the errors are .40, .31,
+.265 and .32 at S1 to S4, and the peak at S2 is in the band; an EDAC-SPH code at H/s = 400 is at a distance of .11, .04,
+.05 and .07. That code and two others at H/s = 400 have .41 to .43, .29 to .30, .258 to .265 and .34 to .35. At
+H/s = 60 and 90 the errors are .32, .30, .28, .31 and .39, .31, .27, .32, and the peak is 6 and 2 % above the band.
 
-mpirun -n 2 parisph run cases/dam_break_lobovsky.py --set spacing=1/30    # 15 s on one core; 1/60: 80 s; 1/80: 3 min
+mpirun -n 2 parisph run cases/dam_break_lobovsky.py --set spacing=1/30    # 15 s on one core; 1/60: 80 s; 1/120: 7 min
 """
 
 from math import sqrt

@@ -4,7 +4,7 @@ L = 2 H, D = 161/30 H = 5.3667 H. The sensor is a disc of 90 mm (0.15 H with H =
 is 160 mm (0.267 H) above the bed. The tap P2 has a face of this height, and P2_point one of 0.02 H, as the sensors of
 two codes that have converged (H/s = 400). Both are compared with these codes, smoothed over 0.1 sqrt(H/g), and with
 two readings of the experiment, a single event: 2.5 < t sqrt(g/H) < 6.3, no shift. At H/s = 80 (spacing=1/80
-distance=5.375) P2_point is .041 and .035 from the codes, which are .028 from each other, and .44 from the experiment.
+distance=5.375) P2_point is .037 and .031 from the codes, which are .028 from each other, and .44 from the experiment.
 
 mpirun -n 2 parisph run cases/dam_break_zhou.py --set spacing=1/30        # 15 s on one core; 1/60: 80 s; 1/80: 3 min
 """
