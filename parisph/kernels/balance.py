@@ -1,7 +1,5 @@
 """Rows that are not exact for linear pressure, made exact for the pressure that balances the body force."""
 
-import math
-
 import numpy as np
 
 from parisph.base.fields import INNER, WET
@@ -35,7 +33,7 @@ def add_linear_part(target: np.ndarray, force: np.ndarray, density: float, count
 def add_linear_part_at_walls(right: np.ndarray, pull: np.ndarray, density: float, count: np.ndarray,
                              columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
                              role: np.ndarray, normal: np.ndarray, indptr: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Add to the right-hand side of wet wall particles what their rows find for rho a_I . (x - x_I) beside its slope.
+    """Add what the rows of wet wall particles find for rho a_I . (x - x_I), less its normal derivative, to the right.
 
     A row that is no normal derivative, but a mean of its neighbours or a mixture with it, is then exact for the
     pressure of water that rests beside the wall. Rows that are exact anyway stay as they are to the bit.
@@ -56,5 +54,5 @@ def add_linear_part_at_walls(right: np.ndarray, pull: np.ndarray, density: float
                 terms += abs(term)
             total += lean * pull[i, a]
             size += terms * abs(pull[i, a])
-        if math.fabs(total) > ROUNDING * size:
+        if abs(total) > ROUNDING * size:
             right[i] -= density * total

@@ -67,7 +67,7 @@ def sfdi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measur
 
 @kernel
 def _soften(i, first, n, columns, values, x, radius2, weights, axes):
-    """Mix a row with the weighted mean, as far as it extrapolates; return its own share."""
+    """Mix a row with the weighted mean until no value is below -UNSOUND; return the share of the row."""
     share = 1.0
     for k in range(first, first + n):
         if values[k] < -UNSOUND:

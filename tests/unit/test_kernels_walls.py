@@ -199,7 +199,7 @@ def test_wall_above_all_of_the_water_in_a_corner_extrapolates_only_so_far():
     columns, values = rows.entries(i)
     assert len(values) == 6 and values.sum() == pytest.approx(1.0, rel=1e-14)
     assert values.min() == pytest.approx(-walls.UNSOUND, rel=1e-12) and 0.0 < rows.measure[i] < 2.0 * s
-    # mixed with the mean: a share of it is wrong for a slope along the wall, and for one across
+    # the share of the mean follows from what the row finds along the wall, and explains what it finds across
     x, y = ((pool.x[columns] - pool.x[i]) / s).T
     weight = np.array([quartic_weight(value, RADIUS**2) / value for value in x**2 + y**2])
     mean = weight / weight.sum()
