@@ -6,7 +6,7 @@ again and again, which costs as much as to load a library.
 
 import gc
 
-SELDOM = 500_000    # new objects between two searches: more than a start makes, fewer than compiling all kernels does
+SELDOM = 500_000    # new objects between two searches: more than a start makes
 USUAL = gc.get_threshold()
 
 

@@ -83,6 +83,15 @@ def _sort(x, lower, size, counts, axes):
 
 
 @kernel
+def _enlarged(indices, n, size):
+    """Return an array of `size` that begins with the first n indices."""
+    larger = np.empty(size, np.int32)
+    for k in range(n):    # a copy of slices would make numba compile the text of an error, which takes a second
+        larger[k] = indices[k]
+    return larger
+
+
+@kernel
 def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
     dim = len(axes)
     blocks = 1
@@ -109,9 +118,7 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
             # cells along the last axis are contiguous, so their members are too
             first, stop = start[row * last + lo], start[row * last + hi + 1]
             if n + stop - first > len(indices):
-                larger = np.empty(2 * len(indices) + stop - first, np.int32)
-                larger[:n] = indices[:n]
-                indices = larger
+                indices = _enlarged(indices, n, 2 * len(indices) + stop - first)
             for m in range(first, stop):
                 d2 = 0.0
                 for a in range(dim):
@@ -186,9 +193,7 @@ def _search_nearby(x, others, radius, lower, size, counts, start, member, beside
                         d2 += (others[member[m], a] - x[i, a]) ** 2
                     if d2 < radius * radius:
                         if n == len(indices):
-                            larger = np.empty(2 * n, np.int32)
-                            larger[:n] = indices
-                            indices = larger
+                            indices = _enlarged(indices, n, 2 * n)
                         indices[n] = member[m]
                         n += 1
         indptr[i + 1] = n

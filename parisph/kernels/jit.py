@@ -1,5 +1,7 @@
 """Compilation of kernels, and the compile-time axes that make one source work in 2D and 3D."""
 
+import gc
+
 from parisph.kernels import cache, processor
 from parisph.kernels.processor import numba
 
@@ -7,7 +9,8 @@ processor.leave_out_avx512()
 
 # Kernels avoid division by zero themselves, so the checks of Python's error model are not needed.
 # NaN must stay NaN, because that is how errors are found: no "nnan".
-_OPTIONS = dict(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"})
+# Nothing calls kernels from C: without wrappers for that they compile faster.
+_OPTIONS = dict(error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"}, no_cfunc_wrapper=True)
 
 
 _FOLDER = cache.folder()
@@ -25,15 +28,39 @@ def _compiler(**options):
     return decorate
 
 
-kernel = _compiler(**_OPTIONS)
+class _WithoutCollection(numba.core.event.Listener):
+    """Stops Python's garbage collection while numba compiles: it takes a sixth of that time and finds little."""
+
+    def __init__(self):
+        self._depth, self._before = 0, False
+
+    def on_start(self, event):
+        if self._depth == 0:
+            self._before = gc.isenabled()
+            gc.disable()
+        self._depth += 1
+
+    def on_end(self, event):
+        self._depth -= 1
+        if self._depth == 0 and self._before:
+            gc.enable()
+
+
+numba.core.event.register("numba:compile", _WithoutCollection())
+
+kernel = _compiler(cache=True, **_OPTIONS)
 
 # For functions that a kernel calls for every particle. A call costs more than a short vector loop,
 # and so does counting references to the arrays that are passed. Without reference counts ("_nrt")
-# these functions may read and write arrays, but neither make nor slice them.
+# these functions may read and write arrays, but neither make nor slice them. The kernels that they
+# are a part of are cached, they themselves are not: that would take longer than it saves.
 inlined = _compiler(forceinline=True, _nrt=False, **_OPTIONS)
 
 # For what waits in a thread of its own, also while another one keeps Python's lock.
-unlocked = _compiler(nogil=True, **_OPTIONS)
+unlocked = _compiler(nogil=True, cache=True, **_OPTIONS)
+
+# For scripts: a cache would keep the name of the module, of which a script that others import has two.
+uncached = _compiler(**_OPTIONS)
 
 # The length of a tuple is part of its type: a loop over range(len(axes)) is unrolled, and code
 # under `if len(axes) == 3` costs nothing in 2D.

@@ -1,19 +1,52 @@
 """Compiled kernels must be correct, on every processor and with every compiler."""
 
+import gc
 import subprocess
 import sys
 
 import numba
 import pytest
+from numba.extending import overload
 
 from parisph import Simulation, load
 from parisph.base.errors import ParisphError
-from parisph.kernels import processor, selfcheck
+from parisph.kernels import jit, processor, selfcheck
 from tests.launch import ROOT, clean_environment
 
 
 def test_stores_under_a_condition_leave_the_rest_alone():
     assert selfcheck.stores_hold()
+
+
+@pytest.mark.parametrize("before", [True, False])
+def test_garbage_is_not_collected_while_kernels_compile_and_as_before_afterwards(before):
+    collected = []
+
+    def helped(x):
+        """What `overload` gives compiled code to."""
+
+    @jit.uncached
+    def fine(x):
+        return helped(x)
+
+    @overload(helped)
+    def _(x):
+        collected.append(gc.isenabled())
+        return lambda x: x + 1
+
+    @jit.uncached
+    def faulty(x):
+        return x.nothing
+
+    was = gc.isenabled()
+    try:
+        (gc.enable if before else gc.disable)()
+        assert fine(1) == 2 and set(collected) == {False} and gc.isenabled() == before
+        with pytest.raises(numba.TypingError):
+            faulty(1)
+        assert gc.isenabled() == before
+    finally:
+        (gc.enable if was else gc.disable)()
 
 
 @pytest.mark.parametrize(("host", "asked", "due"), [
