@@ -36,9 +36,9 @@ def add_linear_part_at_walls(right: np.ndarray, pull: np.ndarray, density: float
     """Add what the rows of wet wall particles find for rho a_I . (x - x_I), less its normal derivative, to the right.
 
     A row that is no normal derivative, but a mean of its neighbours or a mixture with it, is then exact for the
-    pressure of water that rests beside the wall. Rows that are exact anyway stay as they are to the bit.
+    pressure of water that moves with the wall. Rows that are exact anyway stay as they are to the bit.
 
-    right : (n_owned,) [Pa]; pull : (n_owned, dim), a = body force less acceleration of the wall [m/s^2]
+    right : (n_owned,) [Pa]; pull : (n_owned, dim), a = force on the fluid less acceleration of the wall [m/s^2]
     normal : (n_all, dim), into the fluid; others as of pressure.rows.Rows
     """
     dim = len(axes)

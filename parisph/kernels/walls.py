@@ -25,7 +25,7 @@ def sfdi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measur
     neighbours for a normal derivative becomes their weighted mean, with measure 0, and one that
     extrapolates from neighbours on one side is mixed with it, until no value is below -UNSOUND.
     Above all of the water, where a cavity closed in a corner, such a row had values of 11 and -6,
-    and pressure came to -2.7 MPa.
+    and pressure came to -2.7 MPa. Means and mixtures need balance.add_linear_part_at_walls.
     """
     dim = len(axes)
     radius2 = radius * radius
@@ -59,14 +59,14 @@ def sfdi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measur
         if sound and total * radius > 0.05:
             for k in range(first, first + n):
                 values[k] /= total
-            measure[i] = _soften(i, first, n, columns, values, x, radius2, weights, axes) / total
+            measure[i] = _mix_with_mean(i, first, n, columns, values, x, radius2, weights, axes) / total
         else:
             measure[i] = 0.0
             _mean(i, first, n, columns, values, x, radius2, weights, axes)
 
 
 @kernel
-def _soften(i, first, n, columns, values, x, radius2, weights, axes):
+def _mix_with_mean(i, first, n, columns, values, x, radius2, weights, axes):
     """Mix a row with the weighted mean until no value is below -UNSOUND; return the share of the row."""
     share = 1.0
     for k in range(first, first + n):
@@ -91,7 +91,7 @@ def _mean(i, first, n, columns, values, x, radius2, weights, axes):
 def harmonic_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
                   role: np.ndarray, normal: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
                   axes: tuple[int, ...]) -> None:
-    """Replace SFDI wall rows by n . (harmonic stencil) wherever the neighbours allow it."""
+    """Replace SFDI wall rows by n . (harmonic stencil) wherever the neighbours allow it, with values above -UNSOUND."""
     dim = len(axes)
     c, work, b = harmonic.scratch(indptr, axes)
     for i in range(len(indptr) - 1):
@@ -99,14 +99,15 @@ def harmonic_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, me
             continue
         if not harmonic.coefficients(c, i, x, role, radius, np.inf, work, b, indptr, indices, axes):
             continue
-        total = 0.0
+        total, lowest = 0.0, 0.0
         for k in range(indptr[i + 1] - indptr[i]):
             psi = 0.0
             for a in range(dim):
                 psi += normal[i, a] * c[k, a]
             c[k, 0] = psi
             total += psi
-        if not total * radius > 0.05:
+            lowest = min(lowest, psi)
+        if not (total * radius > 0.05 and lowest > -UNSOUND * total):
             continue
         n, first = 0, indptr[i]
         for k in range(first, indptr[i + 1]):

@@ -27,7 +27,8 @@ from parisph.pressure.rows import Cloud, Flux, Rows
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-# Of the variance of a slope by harmonic terms, at most. It is 2 to 4 beside a vertical wall, also in waves.
+# Harmonic terms may raise the variance of a slope by this factor at most. Beside a vertical wall they raise it by 2
+# to 4, also in waves.
 INFLATION = 6.0
 RAPID_INFLATION = 60.0    # on a surface that breaks
 

@@ -250,12 +250,17 @@ class Projection:
         return matrix, right, isolated
 
     def _balance_walls(self, right):
-        """Make wall rows that are no normal derivative exact for water that rests beside the wall."""
+        """Make wall rows that are no normal derivative exact for water that moves with the wall.
+
+        Across the wall its pressure has the slope that other rows have, on a wall that turns too.
+        """
         p, rows, cloud = self.flow.particles, self.rows.rows, self.rows.cloud
         pull, moved = self.flow.force[:p.n_owned], self.flow.walls.acceleration(self.flow)
-        balance.add_linear_part_at_walls(right, pull if moved is None else pull - moved, self.flow.density, rows.count,
-                                         rows.columns, rows.values, rows.measure, p.x_all, p.role_all, p.normal_all,
-                                         cloud.indptr, cloud.axes)
+        if moved is not None:
+            across = self.flow.walls.normal_acceleration(self.flow) - np.einsum("ia,ia->i", p.normal, moved)
+            pull = pull - moved - across[:, None] * p.normal
+        balance.add_linear_part_at_walls(right, pull, self.flow.density, rows.count, rows.columns, rows.values,
+                                         rows.measure, p.x_all, p.role_all, p.normal_all, cloud.indptr, cloud.axes)
 
     def _matrix(self):
         """Return the CSR matrix, and the number of rows without a link to a free surface. Collective.

@@ -17,7 +17,8 @@ GROWTH = 1.1    # from one step to the next, at most
 BRISK = 1.5
 # times the root mean square of the acceleration of fluid: limits the step in an impact, also above the body force
 IMPACT = 1.25
-LEAST_MOVE = 0.1    # spacings the fastest particle may move in any impact: shorter steps feed collapsing cavities
+# spacings the fastest particle may move in any impact: shorter steps feed jets that pass close above a solid
+LEAST_MOVE = 0.1
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter

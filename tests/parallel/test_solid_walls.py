@@ -7,6 +7,7 @@ from mpi4py import MPI
 from parisph import Box, Case, Fluid, Numerics, Obstacle, Piston, Polygon, Profile, StillWater, Sway
 from parisph.base.fields import FLUID
 from parisph.driver import Simulation
+from tests import mean_rows
 
 G, S = 9.81, 0.05
 BED = ((0.0, 0.9), (0.0, 0.0), (1.6, 0.0), (2.4, 0.8))
@@ -30,9 +31,12 @@ def after(steps, comm, preset):
     return found
 
 
-@pytest.mark.parametrize("preset", ["violent", "gentle"])
-def test_ranks_agree(comm, preset):
+@pytest.mark.parametrize("preset", ["violent", "gentle", "means"])
+def test_ranks_agree(comm, preset, monkeypatch):
     """Twenty steps, in which the piston goes a third of a spacing and water at it nearly as fast."""
+    if preset == "means":    # of their neighbours: all wall rows in a violent flow
+        mean_rows.install(monkeypatch)
+        preset = "violent"
     alone = after(20, MPI.COMM_SELF, preset) if comm.rank == 0 else None
     alone, together = comm.bcast(alone), after(20, comm, preset)
     np.testing.assert_array_equal(together["role"], alone["role"])

@@ -63,7 +63,7 @@ def test_role_comes_back_after_a_restart(tmp_path):
 
 @pytest.mark.parametrize(("preset", "most"), [("gentle", INFLATION), ("violent", RAPID_INFLATION)])
 def test_harmonic_terms_have_a_lower_limit_where_the_surface_keeps_its_particles(preset, most, monkeypatch):
-    """In violent flow the tip of a tongue needs them: with a limit, P2 of the dam break is off by .12 to .21."""
+    """The tip of a tongue needs them: with the limit of gentle flow, P2 of the dam break is off by .12 to .21."""
     used, full = [], gradient.harmonic_gradient
 
     def watched(out, f, x, role, radius, limit, *lists):

@@ -26,11 +26,9 @@ def sloshing(motion, preset, moving):
     return Simulation(case, MPI.COMM_SELF)
 
 
-@pytest.mark.parametrize(("motion", "preset", "bound"), [
-    (Sway(amplitude=0.02, frequency=5.5), "gentle", 1e-3), (Sway(amplitude=0.02, frequency=5.5), "violent", 1e-3),
-    (Roll(angle=0.05, frequency=5.5, centre=(0.5, 0.0)), "gentle", 4e-3),
-    (Roll(angle=0.05, frequency=5.5, centre=(0.5, 0.0)), "violent", 4e-3)])
-def test_moving_walls_are_a_moving_frame(motion, preset, bound):
+def apart(motion, preset):
+    """Return the difference of the velocities at the end of `sloshing` with walls and with a frame that move: relative
+    L2, seen from the tank."""
     walls, frame = sloshing(motion, preset, True), sloshing(motion, preset, False)
     while not walls.finished():
         walls.advance()
@@ -38,10 +36,18 @@ def test_moving_walls_are_a_moving_frame(motion, preset, bound):
     found, due = walls.gather("x", "u", "kind"), frame.gather("u")
     fluid, t = found["kind"] == FLUID, walls.time
     seen = motion.seen(found["u"] - motion.velocity_at(found["x"], t), t)[fluid]
-    assert np.linalg.norm(seen - due["u"][fluid]) < bound * np.linalg.norm(due["u"][fluid])
     assert np.abs(due["u"]).max() > 0.04
     walls.destroy()
     frame.destroy()
+    return np.linalg.norm(seen - due["u"][fluid]) / np.linalg.norm(due["u"][fluid])
+
+
+@pytest.mark.parametrize(("motion", "preset", "bound"), [
+    (Sway(amplitude=0.02, frequency=5.5), "gentle", 1e-3), (Sway(amplitude=0.02, frequency=5.5), "violent", 1e-3),
+    (Roll(angle=0.05, frequency=5.5, centre=(0.5, 0.0)), "gentle", 4e-3),
+    (Roll(angle=0.05, frequency=5.5, centre=(0.5, 0.0)), "violent", 4e-3)])
+def test_moving_walls_are_a_moving_frame(motion, preset, bound):
+    assert apart(motion, preset) < bound
 
 
 @pytest.mark.parametrize("kind", ["sway", "roll"])

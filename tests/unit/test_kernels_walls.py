@@ -184,6 +184,26 @@ def test_harmonic_rows_leave_sfdi_where_neighbours_are_few():
     assert first.measure[i] == second.measure[i]
 
 
+@pytest.mark.parametrize("kind", ["sfdi", "harmonic"])
+def test_no_value_of_any_row_in_a_corner_is_below_the_limit(kind):
+    """A few particles anywhere in a corner; harmonic rows without the limit have values down to -63."""
+    random, mixed = np.random.default_rng(1), 0
+    for _ in range(60):
+        pool = pool_of(2)
+        n, corner = random.integers(4, 9), pool.x[pool.at(0, 0)].copy()
+        pool.role[pool.kind == WALL] = DRY
+        pool.role[[pool.at(k, 0) for k in range(4)] + [pool.at(0, k) for k in range(1, 4)]] = WET
+        pool.x[pool.fluid] += 50.0
+        for m, place in enumerate(random.uniform(0.3, 3.0, (n, 2))):
+            pool.x[pool.at(1 + m % 6, 1 + m // 6)] = corner + place * pool.spacing
+        pool.relist()
+        rows = filled(pool, kind)
+        lowest = np.array([rows.entries(i)[1].min(initial=0.0) for i in np.flatnonzero(pool.role == WET)])
+        assert lowest.min() > -walls.UNSOUND - 1e-9
+        mixed += np.count_nonzero(lowest < 1e-9 - walls.UNSOUND)
+    assert mixed > 10
+
+
 def test_wall_above_all_of_the_water_in_a_corner_extrapolates_only_so_far():
     # what was left of a cavity that closed in a corner: the sum of the values was one by 11 and -6
     pool = pool_of(2)
