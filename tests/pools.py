@@ -7,6 +7,7 @@ import numpy as np
 from parisph.base.fields import FLUID, INNER
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
+from parisph.kernels.mirrors import beside_walls
 from parisph.kernels.moments import second_moment
 from parisph.patch import arrangement
 
@@ -55,6 +56,11 @@ class Pool:
     def walls(self):
         """The arguments that kernels with mirror images take: x, kind, corner, normal."""
         return self.x, self.kind, self.corner, self.normal
+
+    @property
+    def beside(self):
+        """The fluid that has walls in its lists."""
+        return beside_walls(self.kind, *self.csr[:2])
 
     @property
     def csr(self):

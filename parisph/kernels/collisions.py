@@ -84,21 +84,22 @@ def _approach(i, j, x, u, g, axes):
 
 
 @kernel
-def wall_guard(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray, distance: float,
-               dt: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
+def wall_guard(u: np.ndarray, beside: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
+               normal: np.ndarray, distance: float, dt: float, indptr: np.ndarray, indices: np.ndarray,
+               axes: tuple[int, ...]) -> int:
     """Keep fluid from coming closer to a wall than the distance within the next dt [s].
 
     The velocity into the wall is limited to the room in front of the wall, and to zero if there is
     none. A particle behind the wall would see its neighbours on the wrong side, which gives an
     unbounded pressure. u of the wall particles is the wall's normal velocity. Returns the number of
     particles that were slowed down.
+
+    beside : fluid with walls in its lists, of `mirrors.beside_walls`
     """
     dim = len(axes)
     member = np.empty(dim, np.int64)
     slowed = 0
-    for i in range(len(indptr) - 1):
-        if kind[i] != FLUID:
-            continue
+    for i in beside:
         hit = False
         for p in range(near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)):
             wall = member[p]
@@ -115,16 +116,18 @@ def wall_guard(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarra
 
 
 @kernel
-def keep_off_walls(move: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
-                   distance: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def keep_off_walls(move: np.ndarray, beside: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
+                   normal: np.ndarray, distance: float, indptr: np.ndarray, indices: np.ndarray,
+                   axes: tuple[int, ...]) -> None:
     """Remove the part of a displacement that would bring fluid closer to a wall than the distance.
 
     move : (n_owned, dim) [m], changed in place
+    beside : fluid with walls in its lists, of `mirrors.beside_walls`
     """
     dim = len(axes)
     member = np.empty(dim, np.int64)
-    for i in range(len(indptr) - 1):
-        if kind[i] != FLUID or not _any(move, i, axes):
+    for i in beside:
+        if not _any(move, i, axes):
             continue
         for p in range(near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)):
             wall = member[p]

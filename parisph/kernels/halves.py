@@ -48,22 +48,21 @@ def wall_share(share: np.ndarray, x: np.ndarray, kind: np.ndarray, volume: np.nd
 
 
 @kernel
-def surplus(ratio: np.ndarray, gradient: np.ndarray, x: np.ndarray, kind: np.ndarray, share: np.ndarray,
-            corner: np.ndarray, normal: np.ndarray, h: float, full: float, indptr: np.ndarray, indices: np.ndarray,
-            axes: tuple[int, ...]) -> None:
-    """Write the part of the density ratio, and of its gradient, that comes from half cells for which no fluid stands.
+def surplus(ratio: np.ndarray, gradient: np.ndarray, beside: np.ndarray, x: np.ndarray, kind: np.ndarray,
+            share: np.ndarray, corner: np.ndarray, normal: np.ndarray, h: float, full: float, indptr: np.ndarray,
+            indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Add the part of the density ratio, and of its gradient, that comes from half cells for which no fluid stands.
 
     ratio_i = sum_j (1 - share_j) W_ij / sum W over wall particles and their mirror images (`surface.density_ratio`).
 
-    ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs for owned fluid, 0 for walls
+    ratio : (n_owned,), gradient : (n_owned, dim) [1/m]
+    beside : fluid with walls in its lists, of `mirrors.beside_walls`
     kind : (n_all,), ABSENT for particles that are no neighbours; share : (n_all,), of `wall_share`
     """
     dim = len(axes)
     member, image = np.empty(dim, np.int64), np.empty(dim)
-    for i in range(len(indptr) - 1):
-        ratio[i] = 0.0
-        gradient[i, :] = 0.0
-        if kind[i] != FLUID or not _lacks(i, kind, share, indptr, indices):
+    for i in beside:
+        if not _lacks(i, kind, share, indptr, indices):
             continue
         planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
         for subset in range(1 << planes):

@@ -16,6 +16,19 @@ PARALLEL = 0.9  # cosine above which two wall normals belong to the same plane
 
 
 @kernel
+def beside_walls(kind: np.ndarray, indptr: np.ndarray, indices: np.ndarray) -> np.ndarray:
+    """Return the numbers of the owned fluid particles whose lists contain a wall particle: int32, rising."""
+    found, n = np.empty(len(indptr) - 1, np.int32), 0
+    for i in range(len(indptr) - 1):
+        walls = False
+        for k in range(indptr[i], indptr[i + 1]):
+            walls |= kind[indices[k]] == WALL
+        found[n] = i
+        n += (kind[i] == FLUID) & walls
+    return found[:n]
+
+
+@kernel
 def near_planes(member: np.ndarray, i: int, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
                 indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Find the walls next to particle i: one wall particle for each orientation.

@@ -132,13 +132,14 @@ def keep_apart(move: np.ndarray, near: np.ndarray, x: np.ndarray, kind: np.ndarr
         move[i, :] = 0.0
         if kind[i] != FLUID or not near[i]:
             continue
-        close, near[i] = False, False
+        close, near[i] = False, _any_within(reach, i, x, kind, indptr, indices, axes)
+        if not near[i]:
+            continue
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             if kind[j] != FLUID:
                 continue
             r = _distance(d, i, j, x, axes)
-            near[i] |= r < reach
             if not 0.0 < r < distance:
                 continue
             close = True
@@ -153,6 +154,19 @@ def keep_apart(move: np.ndarray, near: np.ndarray, x: np.ndarray, kind: np.ndarr
             for a in range(dim):
                 move[i, a] *= longest / math.sqrt(length)
     return crowded
+
+
+@inlined
+def _any_within(reach, i, x, kind, indptr, indices, axes):
+    """Return whether a fluid neighbour of i is nearer than the reach; without branches, as most have none."""
+    found = False
+    for k in range(indptr[i], indptr[i + 1]):
+        j = np.uint32(indices[k])
+        r2 = 0.0
+        for a in range(len(axes)):
+            r2 += (x[j, a] - x[i, a]) ** 2
+        found |= (kind[j] == FLUID) & (r2 < reach * reach)
+    return found
 
 
 @inlined

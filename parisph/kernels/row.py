@@ -55,13 +55,21 @@ def mean_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measur
 
 @kernel
 def sort_rows(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> None:
-    """Sort the entries of each row of a CSR matrix by column, in place. Rows are short: by insertion."""
+    """Sort the entries of each row of a CSR matrix by column, in place; no column may be twice in a row.
+
+    The place of an entry is the number of smaller columns in its row. Rows are short: vector instructions count in less
+    time than an insertion takes.
+    """
+    longest = 0
     for i in range(len(indptr) - 1):
-        first = indptr[i]
-        for k in range(first + 1, indptr[i + 1]):
-            column, value = columns[k], values[k]
-            at = k
-            while at > first and columns[at - 1] > column:
-                columns[at], values[at] = columns[at - 1], values[at - 1]
-                at -= 1
-            columns[at], values[at] = column, value
+        longest = max(longest, indptr[i + 1] - indptr[i])
+    column, value = np.empty(longest, columns.dtype), np.empty(longest)
+    for i in range(len(indptr) - 1):
+        first, n = indptr[i], indptr[i + 1] - indptr[i]
+        for k in range(n):
+            column[k], value[k] = columns[first + k], values[first + k]
+        for k in range(n):
+            own, place = column[k], np.int32(0)
+            for j in range(n):
+                place += np.int32(column[j] < own)
+            columns[first + place], values[first + place] = own, value[k]

@@ -8,7 +8,7 @@ from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mirrors import gather_around
 from parisph.kernels.near import dot, room_for
-from parisph.kernels.smoothing import cubic_spline_slope
+from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 
 
 @kernel
@@ -67,6 +67,34 @@ def concentration_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, cor
             for a in range(dim):
                 q2 += near[a, k] ** 2
             slope[0, k] = cubic_spline_slope(h * math.sqrt(q2), h, dim)
+        for a in range(dim):
+            out[i, a] = -h / full * dot(slope, 0, near, a, m)
+
+
+@kernel
+def concentration(alpha: np.ndarray, out: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
+                  normal: np.ndarray, h: float, full: float, indptr: np.ndarray, indices: np.ndarray,
+                  axes: tuple[int, ...]) -> None:
+    """Density ratio and its gradient [1/m], as `surface.density_ratio` and `concentration_gradient`, in one pass."""
+    dim = len(axes)
+    member, image = np.empty(dim, np.int64), np.empty(dim)
+    room = room_for(indptr) * 2**dim
+    near, slope = np.empty((dim, room)), np.empty((1, room))
+    for i in range(len(indptr) - 1):
+        alpha[i] = 1.0
+        out[i, :] = 0.0
+        if kind[i] != FLUID:
+            continue
+        m = gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)
+        total = cubic_spline(0.0, h, dim)
+        for k in range(m):
+            q2 = 0.0
+            for a in range(dim):
+                q2 += near[a, k] ** 2
+            r = h * math.sqrt(q2)
+            total += cubic_spline(r, h, dim)
+            slope[0, k] = cubic_spline_slope(r, h, dim)
+        alpha[i] = total / full
         for a in range(dim):
             out[i, a] = -h / full * dot(slope, 0, near, a, m)
 

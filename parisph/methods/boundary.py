@@ -55,11 +55,16 @@ class Boundary(ABC):
     def concentration_gradient(self, out: np.ndarray, flow: "Flow", least: int) -> None:
         """Write the gradient of the density ratio of owned fluid to out (n_owned, dim) [1/m], 0 for walls."""
 
+    def concentration(self, alpha: np.ndarray, gradient: np.ndarray, flow: "Flow", least: int) -> None:
+        """Write the density ratio (n_owned,) and its gradient (n_owned, dim), as the two above do."""
+        self.density_ratio(alpha, flow, least)
+        self.concentration_gradient(gradient, flow, least)
+
     @abstractmethod
     def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
-        """Write what half cells at walls for which no fluid stands (field share) add to ratio and gradient.
+        """Add what half cells at walls for which no fluid stands (field share) contribute.
 
-        ratio : (n_owned,); gradient : (n_owned, dim) [1/m]
+        ratio : (n_owned,); gradient : (n_owned, dim) [1/m]; both hold 0
         """
 
     @abstractmethod

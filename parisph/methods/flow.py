@@ -43,6 +43,7 @@ class Flow:
         with an adaptive step
     top_speed : of fluid, on all ranks [m/s]; known in steps with a part that needs it
     stale : names of fields that have changed since the ghosts got them; the same on all ranks
+    found : what regularisers have found out in this preparation, for others; cleared by regularising.prepare
     collisions : pairs of owned particles that have collided in this step
     rows, solver, pressure_gradient : PressureRows, PressureSolver, and a function of f (n_all,), of a projection; else
         None
@@ -69,6 +70,7 @@ class Flow:
         self.whole = 1.0
         self.collisions = 0
         self.stale: set[str] = set()
+        self.found: dict[str, Any] = {}
         # of a projection: its rows and solver, and what computes gradients with them
         self.rows: Any = None
         self.solver: Any = None

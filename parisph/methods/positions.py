@@ -92,7 +92,11 @@ class FickShift(Regulariser):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
-        flow.walls.concentration_gradient(p.grad_alpha, flow, wetness.FREE)
+        gradient = flow.found.get("gradient")
+        if gradient is None:
+            flow.walls.concentration_gradient(p.grad_alpha, flow, wetness.FREE)
+        else:
+            p.grad_alpha[:] = gradient
         if n.shift_strain:
             push_off_less(flow, surplus(flow)[1])
         turns = TURNS if n.shift_strain and not flow.closed else 1.0
@@ -140,16 +144,30 @@ def _share_of(numerics):
     return ("share",) if SURFACES[numerics.surface_rule].open else ()
 
 
+def concentration(flow: "Flow") -> None:
+    """Write the field alpha; if the Fick shift is in use, find its gradient in the same pass. Not collective."""
+    p = flow.particles
+    if "turn" not in p.fields:    # which only the Fick shift has
+        flow.density_ratio(wetness.FREE)
+        return
+    flow.found["gradient"] = np.empty_like(p.x)
+    flow.walls.concentration(p.alpha, flow.found["gradient"], flow, wetness.FREE)
+
+
 def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
     """Return what half cells at walls for which no fluid stands add to alpha and to its gradient.
+
+    Computed once in a preparation.
 
     alpha : (n_owned,); gradient : (n_owned, dim)
     """
     p = flow.particles
-    ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
-    if "share" in p.fields:
-        flow.walls.surplus(ratio, gradient, flow)
-    return ratio, gradient
+    if "surplus" not in flow.found:
+        ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
+        if "share" in p.fields:
+            flow.walls.surplus(ratio, gradient, flow)
+        flow.found["surplus"] = ratio, gradient
+    return flow.found["surplus"]
 
 
 def less_pushed(push: np.ndarray, less: np.ndarray, rapid: np.ndarray) -> np.ndarray:
@@ -180,7 +198,7 @@ def density_error(flow: "Flow") -> np.ndarray:
     error e' without the surplus. In calm fluid, which loses nothing to a slow move, the wall keeps its weight.
     """
     p = flow.particles
-    flow.density_ratio(wetness.FREE)
+    concentration(flow)
     e, more = compression(flow, p.alpha, flow.doubt), surplus(flow)[0]
     return less_pushed(e, compression(flow, p.alpha - more, flow.doubt), flow.rapid) if more.any() else e
 

@@ -15,6 +15,7 @@ def prepare(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
 
     dt : of the step [s]
     """
+    flow.found.clear()
     for part in parts:
         part.prepare(flow, dt)
     flow.fresh()

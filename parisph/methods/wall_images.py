@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.kernels import collisions, halves, shifting, surface
+from parisph.kernels import collisions, halves, mirrors, shifting, surface
 from parisph.kernels.wetness import FREE
 from parisph.methods import lengths
 from parisph.methods.boundary import Boundary, Directions
@@ -16,6 +16,16 @@ if TYPE_CHECKING:
 class WallImages(Boundary):
     """The walls of a tank alone: its particles know planes, and neighbours have images in them."""
 
+    def __init__(self) -> None:
+        self._lists, self._found = np.zeros(0, np.int32), np.zeros(0, np.int32)
+
+    def _beside(self, flow):
+        """Return which owned fluid has walls in its lists. Others are most, and kernels leave them out."""
+        d = flow.domain
+        if self._lists is not d.indices:
+            self._lists, self._found = d.indices, mirrors.beside_walls(flow.particles.kind_all, d.indptr, d.indices)
+        return self._found
+
     def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:
         p, d = flow.particles, flow.domain
         surface.density_ratio(out, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
@@ -26,19 +36,24 @@ class WallImages(Boundary):
         shifting.concentration_gradient(out, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
                                         lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
 
+    def concentration(self, alpha: np.ndarray, gradient: np.ndarray, flow: "Flow", least: int) -> None:
+        p, d = flow.particles, flow.domain
+        shifting.concentration(alpha, gradient, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
+                               lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+
     def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
         p, d = flow.particles, flow.domain
-        halves.surplus(ratio, gradient, p.x_all, flow.seen(FREE), p.share_all, p.corner_all, p.normal_all,
-                       lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+        halves.surplus(ratio, gradient, self._beside(flow), p.x_all, flow.seen(FREE), p.share_all, p.corner_all,
+                       p.normal_all, lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
 
     def keep_off(self, move: np.ndarray, flow: "Flow") -> None:
         p, d = flow.particles, flow.domain
-        collisions.keep_off_walls(move, p.x_all, p.kind_all, p.corner_all, p.normal_all,
+        collisions.keep_off_walls(move, self._beside(flow), p.x_all, p.kind_all, p.corner_all, p.normal_all,
                                   flow.numerics.wall_guard * flow.spacing, d.indptr, d.indices, flow.axes)
 
     def guard(self, u: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
-        collisions.wall_guard(u, p.x_all, p.kind_all, p.corner_all, p.normal_all,
+        collisions.wall_guard(u, self._beside(flow), p.x_all, p.kind_all, p.corner_all, p.normal_all,
                               flow.numerics.wall_guard * flow.spacing, dt, d.indptr, d.indices, flow.axes)
 
     def directions(self, flow: "Flow", least: int) -> Directions:

@@ -32,7 +32,7 @@ def couple(dim, seed):
 
 def guarded(pool, u, distance=0.5, dt=0.01):
     u = u.copy()
-    slowed = collisions.wall_guard(u, *pool.walls, distance * pool.spacing, dt, *pool.csr)
+    slowed = collisions.wall_guard(u, pool.beside, *pool.walls, distance * pool.spacing, dt, *pool.csr)
     return u, slowed
 
 
@@ -225,7 +225,7 @@ def test_displacements_keep_off_walls(dim):
     pool = tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.8)
     move = np.random.default_rng(4).normal(scale=0.6 * pool.spacing, size=pool.x.shape)
     before = move.copy()
-    collisions.keep_off_walls(move, *pool.walls, 0.5 * pool.spacing, *pool.csr)
+    collisions.keep_off_walls(move, pool.beside, *pool.walls, 0.5 * pool.spacing, *pool.csr)
     moved = pool.x + move
     room = np.concatenate([moved, (pool.top * pool.spacing - moved)[:, :-1]], axis=1)[pool.fluid]
     assert room.min() >= 0.5 * pool.spacing * (1.0 - 1e-9)

@@ -27,8 +27,8 @@ def shares(pool, cells):
 
 def extra(pool, share):
     h = H * pool.spacing
-    ratio, gradient = np.full(pool.n, np.nan), np.full((pool.n, pool.dim), np.nan)
-    halves.surplus(ratio, gradient, pool.x, pool.kind, share, pool.corner, pool.normal, h,
+    ratio, gradient = np.zeros(pool.n), np.zeros((pool.n, pool.dim))
+    halves.surplus(ratio, gradient, pool.beside, pool.x, pool.kind, share, pool.corner, pool.normal, h,
                    surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
     return ratio, gradient
 

@@ -86,7 +86,7 @@ def parted(pool):
 
 def guarded(pool):
     u = 4.0 * U[: pool.n, : pool.dim] * pool.fluid[:, None]
-    collisions.wall_guard(u, *pool.walls, 0.5 * S, 0.01, *pool.csr)
+    collisions.wall_guard(u, pool.beside, *pool.walls, 0.5 * S, 0.01, *pool.csr)
     return u
 
 

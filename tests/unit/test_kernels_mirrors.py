@@ -57,6 +57,14 @@ def test_no_plane_above_the_rim(dim, above, expected):
 
 
 @dims
+def test_fluid_beside_walls(dim):
+    pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.5)
+    due = [i for i in range(pool.n) if pool.fluid[i]
+           and not pool.fluid[pool.indices[pool.indptr[i]:pool.indptr[i + 1]]].all()]
+    assert pool.beside.tolist() == due and 0 < len(due) < np.count_nonzero(pool.fluid)
+
+
+@dims
 def test_planes_reach_into_corners(dim):
     """Fluid between an edge and the wall particles beside it has both walls, wherever it stands."""
     pool = tank((8,) * dim)

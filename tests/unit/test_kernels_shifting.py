@@ -25,6 +25,16 @@ def ratio(pool):
     return alpha
 
 
+@dims
+def test_density_ratio_and_its_gradient_in_one_pass(dim):
+    pool = tank((6,) * dim if dim == 2 else (4,) * dim, jitter=0.6)
+    h = H * pool.spacing
+    alpha, gradient = np.full(pool.n, np.nan), np.full((pool.n, dim), np.nan)
+    shifting.concentration(alpha, gradient, *pool.walls, h, surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
+    np.testing.assert_allclose(alpha, ratio(pool), rtol=1e-13)
+    np.testing.assert_allclose(gradient, concentration(pool), rtol=1e-12, atol=1e-12)
+
+
 def shifted(pool, gradient, strength=0.3, cap=0.1, reach=2.0):
     out = np.full((pool.n, pool.dim), np.nan)
     shifting.fick_shift(out, gradient, pool.role, pool.x, pool.kind,

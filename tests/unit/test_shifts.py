@@ -38,6 +38,22 @@ def test_a_column_that_collapses_stays_whole(name):
     s.destroy()
 
 
+@all_shifts
+def test_a_shift_is_the_same_before_and_after_the_position_projection(name):
+    moves = []
+    for order in (("projection", name), (name, "projection")):
+        s = box(0.5, (1.5, 1.0), jitter=0.4, regularisers=("collisions", "wall_guard", *order))
+        s.advance()
+        flow = s.method.flow
+        s.domain.refresh()
+        flow.strained = np.full(s.particles.n_owned, 0.01)
+        regularising.prepare(flow, [REGULARISERS[part] for part in order], 0.004)
+        moves.append(REGULARISERS[name].change(flow, 0.004).copy())
+        s.destroy()
+    assert np.abs(moves[0]).max() > 1e-6
+    np.testing.assert_allclose(moves[0], moves[1], atol=1e-6 * np.abs(moves[0]).max())
+
+
 def nearest(p):
     """Return the least distance of two particles of fluid, in spacings."""
     x = p.x[p.kind == FLUID]
