@@ -40,6 +40,7 @@ def case(
     jitter: float = 0.0,
     seed: int = 0,
     snapshot_every: float = 0.1,        # in sqrt(H/g)
+    volume_every: int = 10,             # steps for one look at the volume
     budget: bool = False,               # whether energy is also followed by cause, and by current volumes
 ) -> Case:
     g = 9.81                            # [m/s2]
@@ -67,7 +68,7 @@ def case(
             WaterFront("front"),
             ColumnHeight("column", at=0.0),
             Energy("energy", current=budget, truth=_computed("E", 500.0 * g * H * H * L, (0.0, 2.3 * unit), unit)),
-            Volume("volume"),
+            Volume("volume", every=volume_every),
             Momentum("momentum"),
         ],
         end_time=end_time * unit,

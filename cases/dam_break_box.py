@@ -49,7 +49,7 @@ def case(
             PressureTap("wall", at=(4.0 * L, side)),
             ColumnHeight("column", at=0.0),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time,
     )

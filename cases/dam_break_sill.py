@@ -55,7 +55,7 @@ def case(
             PressureTap("face", at=(foot + 0.5 * side, 0.5 * height)),
             WaterFront("front"),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time,
     )

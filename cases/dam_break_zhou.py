@@ -76,7 +76,7 @@ def case(
             PressureTap("P3", at=(D, high), radius=0.5 * face * H),
             WaterFront("front"),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
             Momentum("momentum"),
         ],
         end_time=end_time * unit,

@@ -59,7 +59,7 @@ def case(
               for side, x in ((1, 0.0), (2, width)) for y in heights),
             WaterFront("front"),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time,
     )

@@ -37,7 +37,7 @@ def case(
             PressureTap("bed", at=(0.5 * width * d, 0.0), truth=rest),
             SurfaceGauge("middle", at=0.5 * width * d, truth=level),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time * unit,
     )

@@ -30,6 +30,6 @@ def case(
             time_step=None if time_step is None else time_step / omega,
         ),
         output=Output(every=end_time / omega / 20, checkpoint_every=end_time / omega / 2),
-        probes=[Energy("energy"), Volume("volume"), Momentum("momentum")],
+        probes=[Energy("energy"), Volume("volume", every=10), Momentum("momentum")],
         end_time=end_time / omega,
     )

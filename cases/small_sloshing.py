@@ -39,6 +39,6 @@ def case(
             time_step=time_step * unit * (spacing / 0.05 if refine_time else 1.0),
         ),
         output=Output(every=end_time * unit / 20, checkpoint_every=end_time * unit / 4),
-        probes=[SurfaceGauge("left", at=0.0, truth=truth), Energy("energy"), Volume("volume")],
+        probes=[SurfaceGauge("left", at=0.0, truth=truth), Energy("energy"), Volume("volume", every=10)],
         end_time=end_time * unit,
     )

@@ -56,7 +56,7 @@ def case(
         probes=[
             *(SurfaceGauge(f"x{k}d", at=k * d, truth=truth) for k in (6, 13, 20) if k * d < length),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time,
     )

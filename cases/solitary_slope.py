@@ -70,7 +70,7 @@ def case(
             PressureTap("p1", at=(toe + tap * cotangent, tap), truth=printed, peak=True),
             RunUp("run_up", on="bed", side="right"),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time,
     )

@@ -55,7 +55,7 @@ def case(
             *(SurfaceGauge(f"x{k}d", at=k * d, truth=truth) for k in (17, 24, 34, 44) if k <= length - 12.0),
             RunUp("wall", side="right"),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time,
     )

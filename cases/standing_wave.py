@@ -39,7 +39,7 @@ def case(
         probes=[
             SurfaceGauge("centre", at=d, truth=truth if known else None),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time,
     )

@@ -63,7 +63,7 @@ def case(
             SurfaceGauge("x4m", at=4.0, truth=seaward),
             *(SurfaceGauge(f"x{x:g}m", at=x) for x in (10.5, 12.5, 13.5, 14.5, 15.7, 17.3, 19.0)),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time,
     )

@@ -45,7 +45,7 @@ def case(
             SurfaceGauge("left", at=0.1 * L),
             SurfaceGauge("right", at=0.9 * L),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time,
     )

@@ -64,7 +64,7 @@ def case(
             ProbeArray("profile", [SurfaceGauge(f"at{x}cm", at=0.01 * x) for x in range(39, 104, 2)],
                        truth=_profiles(layer, data)),
             Energy("energy"),
-            Volume("volume"),
+            Volume("volume", every=10),
         ],
         end_time=end_time,
     )

@@ -16,6 +16,7 @@ from parisph.case.truths import Peaks, Truth, WaveTruth
 Peak = Annotated[bool, Field(description="whether the flow at the greatest value is kept")]
 Arrival = Annotated[
     Optional[float], Field(description="value whose first passing is told in the summary, in the probe's unit")]
+Every = Annotated[int, Field(ge=1, description="how many of the run's samples there are for one of this probe")]
 Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) [m]")]
 
 
@@ -27,6 +28,9 @@ class Probe(Model):
 
     With arrival=VALUE the summary tells when the probe first passes this value, upwards or downwards, by linear
     interpolation between its samples: when a front comes by, or a gauge notices a wave.
+
+    With every=N only one in N of the run's samples is taken (Output.probe_every, probe_interval), from the first on:
+    for what changes slowly and costs much, such as a Volume. With Output.probe_interval it saves lines, not time.
     """
 
     name: str = Field(description="name of the probe and of its file")
@@ -56,6 +60,7 @@ class SurfaceGauge(Probe):
     truth: Union[Truth, WaveTruth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None
+    every: Every = 1
 
 
 class PressureTap(Probe):
@@ -87,6 +92,7 @@ class PressureTap(Probe):
     diameter: Optional[float] = Field(None, gt=0, description="diameter of the disc of the sensor [m]")
     side: Optional[Literal["left", "right"]] = Field(None, description="side of a plate, as seen along its points")
     arrival: Arrival = None
+    every: Every = 1
 
     @model_validator(mode="after")
     def _one_face(self) -> "PressureTap":
@@ -109,6 +115,7 @@ class WaterFront(Probe):
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None
+    every: Every = 1
 
 
 class ColumnHeight(Probe):
@@ -125,6 +132,7 @@ class ColumnHeight(Probe):
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None
+    every: Every = 1
 
 
 class Energy(Probe):
@@ -142,6 +150,7 @@ class Energy(Probe):
     truth: Union[Truth, None] = None
     peak: Peak = False
     current: bool = Field(False, description="whether also by the volumes that particles represent now")
+    every: Every = 1
 
 
 class Volume(Probe):
@@ -149,13 +158,14 @@ class Volume(Probe):
 
     Examples
     --------
-    >>> Volume("volume").name
-    'volume'
+    >>> Volume("volume", every=10).every
+    10
     """
 
     kind: Literal["volume"] = "volume"
     truth: Union[Truth, None] = None
     peak: Peak = False
+    every: Every = 1
 
 
 class Momentum(Probe):
@@ -170,6 +180,7 @@ class Momentum(Probe):
     kind: Literal["momentum"] = "momentum"
     truth: Union[Truth, None] = None
     peak: Peak = False
+    every: Every = 1
 
 
 class VelocityProfile(Probe):
@@ -189,6 +200,7 @@ class VelocityProfile(Probe):
     points: int = Field(21, ge=2, le=1000, description="number of points")
     truth: Union[Truth, None] = None
     peak: Peak = False
+    every: Every = 1
 
     @property
     def places(self) -> Floats:
@@ -209,6 +221,7 @@ class VelocityPoint(Probe):
     at: Point
     truth: Union[Truth, None] = None
     peak: Peak = False
+    every: Every = 1
 
 
 class RunUp(Probe):
@@ -242,6 +255,7 @@ class RunUp(Probe):
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None
+    every: Every = 1
 
     @model_validator(mode="after")
     def _one_line(self) -> "RunUp":
@@ -270,6 +284,7 @@ class Force(Probe):
     about: Point = (0.0, 0.0)
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
+    every: Every = 1
 
 
 Single = Annotated[
@@ -295,6 +310,7 @@ class ProbeArray(Probe):
     probes: tuple[Single, ...] = Field(min_length=1, max_length=1000, description="probes")
     truth: Optional[Profiles] = None
     peak: Literal[False] = False
+    every: Every = 1
 
     @model_validator(mode="after")
     def _plain(self) -> "ProbeArray":
@@ -303,9 +319,9 @@ class ProbeArray(Probe):
             if names.count(probe.name) > 1:
                 raise ValueError(f"the name {probe.name!r} is given {names.count(probe.name)} times; "
                                  "give each probe a name of its own")
-            if probe.truth is not None or probe.peak:
-                raise ValueError(f"probe {probe.name!r}: a truth or peak=True is for a probe with a file of its own; "
-                                 "take it out of the array")
+            if probe.truth is not None or probe.peak or probe.every != 1:
+                raise ValueError(f"probe {probe.name!r}: a truth, peak=True or every=N is for a probe with a file of "
+                                 "its own; take it out of the array, or give every=N to the array")
         if self.truth is not None and not all(isinstance(probe, SurfaceGauge) for probe in self.probes):
             raise ValueError("truth: Profiles are compared with an array of nothing but SurfaceGauges")
         return self

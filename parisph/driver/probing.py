@@ -33,7 +33,8 @@ class Watch:
     def __init__(self, simulation: Simulation, samplers: list[Sampler], output: Output, peaks: Peaks) -> None:
         self.simulation, self.samplers, self.peaks = simulation, samplers, peaks
         self._every = output.probe_every
-        self._times = Times(output.probe_interval) if output.probe_interval else None
+        self._interval = output.probe_interval or 0.0    # [s]
+        self._times = Times(self._interval) if self._interval else None
         # (time [s], values) at the beginning of a step that passes a sample
         self._last: tuple[float, Values] | None = None
         self._since = 0.0    # [s], up to where samples are taken
@@ -42,8 +43,8 @@ class Watch:
         """Return the line for the head of a probe's file. Not collective."""
         if self._times is None:
             return sampler.title
-        return (f"{sampler.title}; every {self._times.every:.12g} s by linear interpolation in time between "
-                "the steps around")
+        apart = sampler.probe.every * self._interval
+        return f"{sampler.title}; every {apart:.12g} s by linear interpolation in time between the steps around"
 
     def at_start(self) -> list[Line]:
         """Return the lines [(time [s], step, {probe: values})] of the start of a run."""
@@ -65,24 +66,43 @@ class Watch:
         """Return the lines [(time [s], step, {probe: values})] that are due after the step."""
         s = self.simulation
         due = self._due()
-        found = self._sample(self.samplers if due else self.peaks.samplers)
+        found = self._sample(self._needed(due))
         self.peaks.look(found)
         if not due:
             return []
         before, self._last = self._last, (s.time, found)
-        return [(time, s.steps, _between(before, self._last, time)) for time in due]
+        return [(time, s.steps, self._of(number, _between(before, self._last, time))) for time, number in due]
 
-    def _due(self) -> list[float]:
-        """Return the times of the samples [s] that the last step has made due. Not collective."""
+    def _needed(self, due: Sequence[tuple[float, int]]) -> Sequence[Sampler]:
+        """Return the samplers to evaluate after a step. Not collective.
+
+        At a fixed rate all of them, if there are samples: the next step may begin with these values.
+        """
+        if due and self._times is not None:
+            return self.samplers
+        return [sampler for sampler in self.samplers
+                if sampler.probe.peak or any(_is_for(sampler, number) for _, number in due)]
+
+    def _of(self, number: int, values: Values) -> Values:
+        """Return the values of the probes that have the sample of that number."""
+        return {sampler.name: values[sampler.name] for sampler in self.samplers if _is_for(sampler, number)}
+
+    def _due(self) -> list[tuple[float, int]]:
+        """Return the samples that the last step has made due: their times [s] and numbers. Not collective."""
         s = self.simulation
         if self._times is None:
-            return [] if s.steps % self._every else [s.time]
-        return self._times.between(self._since, s.reached)
+            return [] if s.steps % self._every else [(s.time, s.steps // self._every)]
+        return [(time, round(time / self._interval)) for time in self._times.between(self._since, s.reached)]
 
     def _sample(self, samplers: Sequence[Sampler]) -> Values:
         s = self.simulation
         with s.timers("probes"):
             return instruments.sample_all(samplers, s.particles, s.domain, s.time)
+
+
+def _is_for(sampler: Sampler, number: int) -> bool:
+    """Return whether the sample of that number, from 0 on, is one of the sampler's."""
+    return number % sampler.probe.every == 0
 
 
 def _between(before: tuple[float, Values] | None, after: tuple[float, Values], time: float) -> Values:

@@ -191,6 +191,13 @@ def test_it_is_of_all_steps_however_seldom_samples_are_written(whole, tmp_path):
     assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
 
 
+def test_it_is_of_all_steps_for_a_probe_with_few_samples(whole, tmp_path):
+    case = impact(2.0)
+    few = case.changed(probes=[probe.model_copy(update={"every": 50}) for probe in case.probes])
+    found = done(few, tmp_path / "run")
+    assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
+
+
 @pytest.mark.parametrize("stop", [1.2, 1.9])
 def test_a_restart_on_other_ranks_before_or_after_it_ends_with_the_same(whole, tmp_path, stop):
     assert (1.2 < whole.peak("P2")["time"] / UNIT < 1.9)

@@ -37,6 +37,8 @@ def test_samples_lie_on_the_line_between_steps(tmp_path, every_step, interval):
     due = np.arange(int(end / interval) + 1) * interval
     np.testing.assert_array_equal(found.steps["time"], every_step.steps["time"])    # no step is shortened
     for name in found.probe_names:
+        if name == "volume":    # of which not every step has a sample
+            continue
         samples, steps = found.probe(name), every_step.probe(name)
         assert samples["time"].tolist() == due.tolist()     # to the last bit, and none after the end
         for column in samples.dtype.names[2:]:
@@ -88,9 +90,11 @@ def test_nothing_is_missed_or_repeated_over_a_restart_on_other_ranks(tmp_path):
                        'driver.run(fall(0.31), comm, "part", progress=False)\n', tmp_path)
     on_ranks(3, RATE + 'driver.restart("part", comm, until=0.6 * (1.0 / 9.81) ** 0.5, progress=False)\n', tmp_path)
     part, whole = (reader.open_run(tmp_path / name) for name in ("part", "whole"))
-    for name in whole.probe_names:
+    for probe in whole.case["probes"]:
+        name, every = probe["name"], probe["every"]
         a, b = part.probe(name), whole.probe(name)
-        assert a["time"].tolist() == b["time"].tolist() == (np.arange(len(b)) * 0.0007).tolist() and len(b) > 250
+        assert a["time"].tolist() == b["time"].tolist() == (np.arange(0, every * len(b), every) * 0.0007).tolist()
+        assert len(b) > 250 / every
         np.testing.assert_array_equal(a["step"], b["step"])
         for column in b.dtype.names[2:]:
             np.testing.assert_allclose(a[column], b[column], rtol=1e-6, atol=1e-6 * np.nanmax(np.abs(b[column])),
@@ -102,3 +106,27 @@ def test_a_rate_is_in_steps_or_in_time():
         Output(probe_every=3, probe_interval=0.01)
     with pytest.raises(CaseError, match="probe_interval = 1e-12 s: takes .* samples"):
         scene("dam_break", spacing=0.1).changed(**{"output.probe_interval": 1e-12})
+
+
+@pytest.mark.parametrize("output", [{}, {"probe_every": 2}, {"probe_interval": 0.0031}])
+def test_a_probe_may_have_fewer_samples(tmp_path, output):
+    """Those that it has are samples of the run, from the first on; a restart continues to count."""
+    found = {}
+    for name, every in (("all", 1), ("few", 3)):
+        case = scene("dam_break", spacing=0.1, end_time=0.5)
+        probes = [probe.model_copy(update={"every": every}) if probe.kind in ("volume", "energy") else probe
+                  for probe in case.probes]
+        run(case.changed(probes=probes, output=Output(checkpoint_every=0.05, **output)), MPI.COMM_SELF,
+            tmp_path / name, progress=False)
+        found[name] = reader.open_run(tmp_path / name)
+    for name in ("volume", "energy"):
+        few, all_of_them = found["few"].probe(name), found["all"].probe(name)
+        assert len(few) > 5 and few.tolist() == all_of_them[::3].tolist()
+    assert found["few"].probe("P1").tolist() == found["all"].probe("P1").tolist()
+    head = (found["few"].folder / "probes" / "energy.csv").read_text().splitlines()[0]
+    assert ("every 0.0093 s" in head) == ("probe_interval" in output)
+
+
+def test_members_of_an_array_have_its_samples():
+    with pytest.raises(CaseError, match="every=N is for a probe with a file of its own"):
+        ProbeArray("several", [Force("load", every=2)])

@@ -227,7 +227,7 @@ def test_an_array_is_stored_and_its_places_are_checked():
 
 @pytest.mark.parametrize("probes, message", [
     ([SurfaceGauge("a", at=0.1), SurfaceGauge("a", at=0.2)], "the name 'a' is given 2 times"),
-    ([SurfaceGauge("a", at=0.1, peak=True)], "'a': a truth or peak=True is for a probe with a file of its own"),
+    ([SurfaceGauge("a", at=0.1, peak=True)], "'a': a truth, peak=True or every=N is for a probe with a file"),
     ([ProbeArray("b", [SurfaceGauge("a", at=0.1)])], "ProbeArray.probes"),
 ])
 def test_what_an_array_cannot_hold(probes, message):

@@ -100,7 +100,7 @@ def _starts(bench, spacing, label="", **how):
 
 def _measured(bench, label, end=END, seed=1, **how):
     name = re.sub(r"[^A-Za-z0-9]+", "_", f"dam_break {label}")
-    run, summary = bench.run(name, "dam_break", seed=seed, jitter=JITTER, end_time=end, **how)
+    run, summary = bench.run(name, "dam_break", seed=seed, jitter=JITTER, end_time=end, volume_every=1, **how)
     solve = summary["iterations"]
     return Measures(cpu=summary["cpu_seconds"], lost=summary["particles"] - int(np.unique(_ids(run)).size),
                     iterations=(solve["median"], solve["p99"]), found=measures(run))
