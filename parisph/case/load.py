@@ -21,6 +21,7 @@ from parisph.case.schema import Case
 from parisph.case.truths import Truth, read_truth
 from parisph.case.users_file import LONGEST, beside, module_of, read, users_code, what
 
+InFile = Truth | Profiles
 MISSING = inspect.Parameter.empty
 STARS: dict[Any, str] = {inspect.Parameter.VAR_POSITIONAL: "*", inspect.Parameter.VAR_KEYWORD: "**"}
 MOST_STORED = 128 * 10**6    # bytes of a stored case: each of its fields may have 10**6 numbers, each up to 32 bytes
@@ -245,7 +246,7 @@ def _with_truths(case: Case, folder: Path) -> Case:
     for probe in case.probes:
         if isinstance(probe.truth, (Truth, Profiles)):
             try:
-                truth = _read(probe.truth, folder) if isinstance(probe.truth, Truth) else _seen(probe.truth, folder)
+                truth = _read(probe.truth, folder)
             except CaseError as error:
                 raise CaseError(f"probe {probe.name!r}: {error}") from None
             probe = probe.model_copy(update={"truth": truth})
@@ -253,18 +254,14 @@ def _with_truths(case: Case, folder: Path) -> Case:
     return case.model_copy(update={"probes": tuple(probes)})
 
 
-def _read(truth: Truth, folder: Path) -> Truth:
+def _read(truth: InFile, folder: Path) -> InFile:
     """Return a truth whose files, and those of the others beside it, are absolute, after reading them as a check."""
     truth = truth.model_copy(update={"file": _absolute(truth.file, folder)})
-    read_truth(truth)
+    if isinstance(truth, Truth):
+        read_truth(truth)
+    else:
+        read_profiles(truth)
     return truth.model_copy(update={"others": tuple(_read(other, folder) for other in truth.others)})
-
-
-def _seen(truth: Profiles, folder: Path) -> Profiles:
-    """Return profiles whose file is absolute, after reading it as a check."""
-    truth = truth.model_copy(update={"file": _absolute(truth.file, folder)})
-    read_profiles(truth)
-    return truth
 
 
 def _absolute(file: str, folder: Path) -> str:

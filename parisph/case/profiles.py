@@ -1,15 +1,16 @@
-"""Measured profiles of the surface, as the truth of an array of gauges."""
+"""Profiles of the surface, measured or computed elsewhere, as the truth of an array of gauges."""
 
 from typing import Optional
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from parisph.base import reading
 from parisph.base.arrays import Floats
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
 from parisph.case.model import Model
+from parisph.case.truths import each_named
 
 MOST = 1000    # profiles in a file
 
@@ -29,7 +30,7 @@ class Profiles(Model):
     time_scale : seconds for one unit of the time column
     wave : whether the error is relative to the height above `offset` alone
     rows : {column: word}, only the lines that have these words in these columns
-    name, note, published : as of a Truth
+    name, note, published, others : as of a Truth; the others may be at other times
 
     Examples
     --------
@@ -53,6 +54,12 @@ class Profiles(Model):
     name: str = ""
     note: str = ""
     published: dict[str, float] = Field({}, description="relative errors of others")
+    others: tuple["Profiles", ...] = ()
+
+    @model_validator(mode="after")
+    def _others_have_names(self) -> "Profiles":
+        each_named(other.name for other in self.others)
+        return self
 
 
 def read_profiles(truth: Profiles) -> list[tuple[float, Floats, Floats]]:

@@ -1,6 +1,6 @@
 """References that a probe is compared with: series of files, waves, and bands of measured peaks."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Annotated, Optional
 
 import numpy as np
@@ -76,6 +76,13 @@ Window = Annotated[Optional[tuple[float, float]], Field(description="start and e
                    AfterValidator(_one_window)]
 
 
+def each_named(others: Iterable[str]) -> None:
+    """Raise ValueError if further references do not have names of their own, under which a summary has their errors."""
+    names = list(others)
+    if len({"", *names}) <= len(names):
+        raise ValueError(f"others have the names {shown(names)}: give each one of its own")
+
+
 class Truth(Model):
     """A reference series for a probe: two columns of a CSV file with one header line ('#' starts a comment).
 
@@ -121,9 +128,7 @@ class Truth(Model):
 
     @model_validator(mode="after")
     def _others_have_names(self) -> "Truth":
-        names = [other.name for other in self.others]
-        if len({"", *names}) <= len(names):
-            raise ValueError(f"others have the names {shown(names)}: give each one of its own")
+        each_named(other.name for other in self.others)
         return self
 
 

@@ -17,6 +17,7 @@ from parisph.truth import profiled, verdict
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 MOST = 99.8    # percentile of the run's values up to which the axes reach, if the references do not reach higher
 
@@ -68,21 +69,27 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
 
 
 def plot_profiles(run: Run, probe: ProbeArray, path: AnyPath | None = None, columns: int = 2) -> "Figure":
-    """Draw the surface at an array of gauges beside measured profiles, each at its time; return the matplotlib Figure.
+    """Draw the surface at an array of gauges beside its references, each at its time; return the matplotlib Figure.
 
     Raises CaseError, StoreError.
     """
-    found, truth = profiled.pairs(probe, run), probe.truth
-    if truth is None or not found:
+    truths = () if probe.truth is None else (probe.truth, *probe.truth.others)
+    found = {time: (places, ours) for truth in reversed(truths)    # the truth itself last: its places are drawn
+             for time, places, ours, _ in profiled.pairs(probe, truth, run)}
+    if not found:
         raise CaseError(f"the run has reached the time of none of the profiles of {probe.name}")
-    lines = {time: (x, y) for time, x, y in read_profiles(truth)}
+    lines = [{time: (x, y) for time, x, y in read_profiles(truth)} for truth in truths]
     rows = -(-len(found) // columns)
     picture = style.drawing().Figure(figsize=(9.0, 0.8 + 1.7 * rows), layout="constrained")
     grid = picture.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    for axes, (time, places, ours, _) in zip(grid.flat, found):
-        axes.plot(*lines[time], color="black", linestyle=(0, (3, 1.5)), linewidth=1.0,
-                  label=style.literal(truth.name or "reference"))
-        axes.plot(places, ours, color=style.LINES[0], linewidth=1.4, label="run")
+    drawn: dict[str, "Line2D"] = {}    # not every panel has every reference
+    for axes, time in zip(grid.flat, sorted(found)):
+        for number, (truth, line) in enumerate(zip(truths, lines)):
+            if time in line:
+                look = {"color": style.LINES[number % len(style.LINES)] if number else "black",
+                        "linestyle": style.STYLES[number % 4] if number else (0, (3, 1.5))}
+                drawn[truth.name or "reference"], = axes.plot(*line[time], linewidth=1.0, **look)
+        drawn["run"], = axes.plot(*found[time], color=style.LINES[0], linewidth=1.4)
         axes.set_title(f"t = {time:.4g} s", loc="left", fontsize=9)
         curves.plain_axes(axes)
     for axes in grid.flat[len(found):]:
@@ -91,7 +98,7 @@ def plot_profiles(run: Run, probe: ProbeArray, path: AnyPath | None = None, colu
         axes.set_xlabel("$x$ [m]")
     for axes in grid[:, 0]:
         axes.set_ylabel("$y$ [m]")
-    grid[0, 0].legend(loc="best", fontsize=8, framealpha=0.8)
+    grid[0, 0].legend(drawn.values(), map(style.literal, drawn), loc="best", fontsize=8, framealpha=0.8)
     style.save(picture, path, dpi=110)
     return picture
 

@@ -19,7 +19,7 @@ ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", 
               "samples", "best published", "best shift [s]", "error if so shifted")
 PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
              "band from", "to", "beyond the band by", "others have it at [s]", "truth")
-PROFILE_HEAD = ("profiles", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
+PROFILE_HEAD = ("profiles", "reference", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
 Probes = Sequence[AnyProbe]
 AnyTruth = Truth | WaveTruth | Peaks | Profiles
 Content = Mapping[str, Any]    # of a JSON file
@@ -95,7 +95,7 @@ def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list
     place: list[Any] = ["probes", k, "truth"]
     if truth is not None and not isinstance(truth, Peaks):
         yield truth, place, [*path]
-    for n, other in enumerate(truth.others if isinstance(truth, Truth) else ()):
+    for n, other in enumerate(truth.others if isinstance(truth, (Truth, Profiles)) else ()):
         yield other, [*place, "others", n], [*path, "others", other.name]
 
 
@@ -142,12 +142,20 @@ def profiles(probes: Probes, summary: Content) -> Table:
     """Return the errors of each of the profiles that arrays of gauges are compared with."""
     columns = (("time", ".4g"), ("relative_l2", ".3g"), ("mean", "+.2g"), ("rms", ".2g"))
     rows = []
-    for probe in probes:
-        if isinstance(probe.truth, Profiles):
-            found = ((summary.get("errors") or {}).get(probe.name) or {}).get("profiles") or ()
-            rows += [(Cell(probe.name), *(number(summary, SUMMARY, ["errors", probe.name, "profiles", k, name], form)
-                                          for name, form in columns)) for k in range(len(found))]
+    for k, probe in enumerate(probes):
+        for truth, _, path in _truths(k, probe) if isinstance(probe.truth, Profiles) else ():
+            rows += [(Cell(probe.name), Cell(name_of(truth)),
+                      *(number(summary, SUMMARY, [*path, "profiles", n, name], form) for name, form in columns))
+                     for n in range(_count(summary, [*path, "profiles"]))]
     return Table(PROFILE_HEAD, tuple(rows))
+
+
+def _count(summary: Content, path: list[Any]) -> int:
+    """Return how many entries a list of the summary has, 0 if it is not there."""
+    found: Any = summary
+    for name in path:
+        found = (found or {}).get(name)
+    return len(found or ())
 
 
 def arrivals(summary: Content) -> Table:
@@ -176,7 +184,7 @@ def notes(probes: Probes) -> list[tuple[str, str]]:
 
 def _with_files(probe: AnyProbe) -> tuple[Truth | Profiles, ...]:
     truth = probe.truth
-    return (truth, *truth.others) if isinstance(truth, Truth) else (truth,) if isinstance(truth, Profiles) else ()
+    return (truth, *truth.others) if isinstance(truth, (Truth, Profiles)) else ()
 
 
 def _named(rows: list[tuple[str, Cell]]) -> Table:

@@ -1,4 +1,4 @@
-"""Errors of an array of surface gauges against measured profiles. Not collective."""
+"""Errors of an array of surface gauges against profiles. Not collective."""
 
 from typing import Any
 
@@ -12,13 +12,12 @@ from parisph.truth.recorded import Recorded
 Pair = tuple[float, Floats, Floats, Floats]    # time [s]; places, heights of the run and of the reference (n,) [m]
 
 
-def pairs(probe: ProbeArray, run: Recorded) -> list[Pair]:
+def pairs(probe: ProbeArray, truth: Profiles, run: Recorded) -> list[Pair]:
     """Return a run and its reference at each time of the reference that the run has reached, where both have a surface.
 
     Raises CaseError, StoreError.
     """
-    truth, table = probe.truth, run.probe(probe.name)
-    assert truth is not None, "asked only of an array with a truth"
+    table = run.probe(probe.name)
     gauges = sorted((one for one in probe.probes if isinstance(one, SurfaceGauge)), key=lambda one: one.at)
     places, found = np.array([one.at for one in gauges]), []
     for time, x, y in read_profiles(truth):
@@ -32,8 +31,8 @@ def pairs(probe: ProbeArray, run: Recorded) -> list[Pair]:
     return found
 
 
-def errors(probe: ProbeArray, run: Recorded) -> dict[str, Any]:
-    """Return the errors of all profiles together and of each, for summary.json.
+def errors(probe: ProbeArray, truth: Profiles, run: Recorded) -> dict[str, Any]:
+    """Return the errors against all profiles of a truth together and against each, for summary.json.
 
     Returns
     -------
@@ -42,14 +41,13 @@ def errors(probe: ProbeArray, run: Recorded) -> dict[str, Any]:
 
     Raises ValueError if the run has come to none of the profiles.
     """
-    found = pairs(probe, run)
+    found = pairs(probe, truth, run)
     if not found:
         raise ValueError("the run has reached the time of none of the profiles")
-    assert probe.truth is not None, "or there were no pairs"
     ours, theirs = (np.concatenate([pair[k] for pair in found]) for k in (2, 3))
     return {
-        **_distance(probe.truth, ours, theirs), "points": len(ours), "start": found[0][0], "end": found[-1][0],
-        "profiles": [{"time": time, **_distance(probe.truth, run_has, other)} for time, _, run_has, other in found],
+        **_distance(truth, ours, theirs), "points": len(ours), "start": found[0][0], "end": found[-1][0],
+        "profiles": [{"time": time, **_distance(truth, run_has, other)} for time, _, run_has, other in found],
     }
 
 

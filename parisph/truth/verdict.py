@@ -31,7 +31,7 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     start, end : of what was compared [s]
     peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, when [s], the greatest value `found`, its
         `time` [s], and by which share of the nearer end it is `beyond` the band, 0 inside
-    others : {name: the same, without peaks} of the further references
+    others : {name: the same, without peaks} of the further references, also for Profiles
     best_shift, shifted_l2 : the shift [s] of the run's time with the least error, and this error; None if it is not
         defined
     If nothing can be compared: relative_l2 None, and `reason`. For Peaks there are only `peaks`; for Profiles what
@@ -67,7 +67,7 @@ def _error(probe, run):
     truth = probe.truth
     try:
         if isinstance(probe, ProbeArray):
-            return profiled.errors(probe, run)
+            return _of_profiles(probe, run)
         time, values = series(probe, run)
         if isinstance(truth, Peaks):
             return {"relative_l2": None, "reason": "others report only greatest values",
@@ -85,9 +85,21 @@ def _error(probe, run):
     return found
 
 
+def _of_profiles(probe, run):
+    """Return the errors of an array; a run that ends before all profiles of its truth may have come to the others."""
+    found, *others = [_tried(profiled.errors, probe, one, run) for one in (probe.truth, *probe.truth.others)]
+    if others:
+        found["others"] = {one.name: error for one, error in zip(probe.truth.others, others)}
+    return found
+
+
 def _other(truth, time, values):
+    return _tried(_against, truth, time, values)
+
+
+def _tried(judge, *about):
     try:
-        return _against(truth, time, values)
+        return judge(*about)
     except (ParisphError, ValueError) as problem:
         return _not_judged(problem)
 

@@ -152,13 +152,16 @@ def test_a_gallery_is_put_between_the_marks_of_a_file_and_replaces_what_was_ther
 
 def test_numbers_and_profiles_have_their_tables(tmp_path):
     (tmp_path / "profiles.csv").write_text("t,x,y\n" + "".join(f"{t},{x},0.41\n" for t in (0.01, 0.04) for x in (0, 1)))
+    (tmp_path / "more.csv").write_text("t,x,y\n" + "".join(f"0.02,{x},0.42\n" for x in (0, 1)))
     gauges = [SurfaceGauge(f"x{k}", at=0.1 * k) for k in (3, 5, 7)]
+    theirs, also = (Profiles(str(tmp_path / f"{file}.csv"), time="t", x="x", value="y", name=name)
+                    for file, name in (("profiles", ""), ("more", "computed")))
     case = Case(
         title="Numbers", fluid=Fluid(Box(width=1.0, height=0.4), density=1e3), walls=Tank(width=1.0, height=0.5),
         gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.005),
         probes=[
             PressureTap("tap", at=(0.0, 0.2), truth=Peaks([PeakBand(start=0.0, end=0.03, when=0.02)], name="theirs")),
-            ProbeArray("all", gauges, truth=Profiles(str(tmp_path / "profiles.csv"), time="t", x="x", value="y")),
+            ProbeArray("all", gauges, truth=theirs.model_copy(update={"others": (also,)})),
             SurfaceGauge("level", at=0.5, arrival=0.39),
         ],
         end_time=0.05,
@@ -171,10 +174,12 @@ def test_numbers_and_profiles_have_their_tables(tmp_path):
             assert float(shown) == pytest.approx(value, rel=0.02), source
     assert {f"summary.json: errors/all/profiles/1/{name}" for name in ("time", "relative_l2", "mean", "rms")} <= {
         html.unescape(source) for source, _, _ in CELL.findall(text)}
+    assert "summary.json: errors/all/others/computed/profiles/0/rms" in {
+        html.unescape(source) for source, _, _ in CELL.findall(text)}
     assert (tmp_path / "run" / "report" / "all.png").exists()
     gallery.write([tmp_path / "run"], tmp_path / "gallery")
     lines = (tmp_path / "gallery" / "gallery.md").read_text(encoding="utf-8")
-    assert "| tap | theirs: at 0.02 s | " in lines and "| all | profiles.csv | 0.0244 | - |" in lines
+    assert "| tap | theirs: at 0.02 s | " in lines and "| all | profiles.csv | 0.0244 | - | computed: 0.0476 |" in lines
     assert "| level | when it passes its level | - | - |" in lines
 
 

@@ -136,6 +136,20 @@ def test_dam_breaks_with_measured_pressures_are_the_same_flow():
     assert taps["P2"].radius == pytest.approx(45.0 / 600.0), "a disc of 90 mm where H = 600 mm"
 
 
+def test_the_wave_on_a_beach_is_also_compared_with_one_that_was_computed():
+    case = load(CASES / "runup_synolakis.py")
+    probe = next(probe for probe in case.probes if probe.name == "profile")
+    assert probe.truth.name == "Serre-Green-Naghdi" and not probe.truth.others, "the measured one is not there"
+    profiles, unit = read_profiles(probe.truth), np.sqrt(0.2 / 9.81)
+    assert [time / unit for time, _, _ in profiles] == pytest.approx([8.0, 10.0, 12.0, 14.0, 15.0])
+    shore = next(gauge.at for gauge in probe.probes if gauge.name == "at0")
+    for time, x, y in profiles:
+        crest, way = x[np.argmax(y)], shore - 24.44 * 0.2 + 1.14 * 0.2 * time / unit
+        assert way - 0.4 < crest < way, "it becomes slower on the beach"
+    low = load(CASES / "runup_synolakis.py", {"height": 0.0185, "spacing": 0.125})
+    assert all(probe.truth is None for probe in low.probes if probe.name == "profile")
+
+
 def test_violent_sloshing_has_the_particles_of_the_paper():
     for spacing, count in (("0.005", 2880), ("0.004", 4500), ("1/300", 6480), ("1/350", 8820)):
         case = load(CASES / "violent_sloshing.py", [f"spacing={spacing}"])
@@ -165,6 +179,8 @@ def test_truths_of_measured_data_where_it_lies(monkeypatch):
     photographed, measured = (read_profiles(next(probe.truth for probe in case.probes if probe.name == "profile"))
                               for case in (bed, beach))
     assert [time for time, _, _ in photographed] == list(bed.output.times), "snapshots show what was photographed"
+    both = next(probe.truth for probe in beach.probes if probe.name == "profile")
+    assert [one.name for one in (both, *both.others)] == ["experiment", "Serre-Green-Naghdi"]
     assert len(measured) == 4 and all(y.max() < 1.6 * 0.2 for _, _, y in measured)
     assert len(truths["P2"].others) == 3 and truths["S1"].published
     band = truths["S2"].peaks[0]

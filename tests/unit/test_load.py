@@ -10,7 +10,7 @@ from parisph.case.load import arguments, parameters
 from parisph.study import set_words
 
 TEMPLATE = '''"""A case."""
-from parisph import Box, Case, Fluid, Numerics, SurfaceGauge, Tank, Truth
+from parisph import Box, Case, Fluid, Numerics, ProbeArray, Profiles, SurfaceGauge, Tank, Truth
 
 def case({parameters}) -> Case:
     {body}
@@ -267,6 +267,22 @@ def test_truth_files_are_found_beside_the_case_and_checked(write, tmp_path):
         load(file)
     (tmp_path / "other.csv").write_text(data.read_text())
     assert load(file).probes[0].truth.others[0].file == str(tmp_path / "other.csv")
+
+
+def test_files_of_further_profiles_are_found_and_checked_too(write, tmp_path):
+    columns = "time='t', x='x', value='eta'"
+    for others, message in ((f"Profiles('b.csv', {columns}, name='b')", "probe 'g'.*b.csv.*cannot be read"),
+                            (f"Profiles('b.csv', {columns})", "others have the names")):
+        truth = f"Profiles('a.csv', {columns}, others=({others},))"
+        file = write(probes=f"[ProbeArray('g', [SurfaceGauge('x', 0.5)], truth={truth})]")
+        (tmp_path / "a.csv").write_text("t,x,eta\n0,0,1\n0,1,1\n")
+        with pytest.raises(CaseError, match=message):
+            load(file)
+    (tmp_path / "b.csv").write_text((tmp_path / "a.csv").read_text())
+    file = write(probes=f"[ProbeArray('g', [SurfaceGauge('x', 0.5)], truth="
+                        f"Profiles('a.csv', {columns}, others=(Profiles('b.csv', {columns}, name='b'),)))]")
+    truth = load(file).probes[0].truth
+    assert [truth.file, truth.others[0].file] == [str(tmp_path / name) for name in ("a.csv", "b.csv")]
 
 
 def test_a_truth_shows_little_of_a_file_that_is_none(write, tmp_path):

@@ -10,9 +10,9 @@ from parisph.study.patch_results import tasks
 from tests.launch import ROOT
 
 FOLDER = ROOT / "run_scripts" / "studies"
-# what studies import, and a case of theirs
+# what studies import, a case of theirs, and what is no study of runs: a table, and a flow by other equations
 BESIDE = ("cavity_measures", "column_with_circles", "dam_break_measures", "scaling_measures", "scaling_table",
-          "solitary_measures")
+          "solitary_measures", "solitary_shoaling")
 FILES = sorted(path for path in FOLDER.glob("*.py") if path.stem not in BESIDE)
 
 

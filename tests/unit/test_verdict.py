@@ -162,6 +162,22 @@ def test_profiles_are_compared_at_their_times_where_both_have_a_surface(tmp_path
     assert found["relative_l2"] == pytest.approx(np.linalg.norm(0.1 - theirs) / np.linalg.norm(theirs))
     assert found["mean"] == pytest.approx(np.mean(0.1 - theirs))
     assert [one["rms"] for one in found["profiles"]] == pytest.approx([0.005, np.sqrt((0.045**2 + 0.035**2) / 2.0)])
+    assert "others" not in found
+
+
+def test_further_profiles_are_judged_even_if_the_run_has_come_to_none_of_the_first(tmp_path):
+    for name, time in (("late", 9.0), ("early", 0.5)):
+        (tmp_path / f"{name}.csv").write_text(f"t,x,y\n{time},0,0.2\n{time},1,0.2\n")
+    late, early, lost = (Profiles(str(tmp_path / f"{name}.csv"), time="t", x="x", value="y", name=name)
+                         for name in ("late", "early", "lost"))
+    truth = late.model_copy(update={"others": (early, lost)})
+    gauges = [SurfaceGauge(name=f"x{k}", at=0.1 * k) for k in (3, 5)]
+    case, run = case_and_run(tmp_path, [ProbeArray(name="array", probes=gauges, truth=truth)],
+                             {"array": ({gauge.name: "m" for gauge in gauges}, lambda t: (0.1, 0.1))})
+    found = verdict.errors(case, open_run(run))["array"]
+    assert found["relative_l2"] is None and "none of the profiles" in found["reason"]
+    assert found["others"]["early"]["relative_l2"] == pytest.approx(0.5) and found["others"]["early"]["points"] == 2
+    assert "lost.csv" in found["others"]["lost"]["reason"]
 
 
 def test_of_a_profile_that_overturns_the_upper_surface_counts():
