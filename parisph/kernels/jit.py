@@ -31,16 +31,16 @@ def _compiler(**options):
 class _WithoutCollection(numba.core.event.Listener):
     """Stops Python's garbage collection while numba compiles: it takes a sixth of that time and finds little."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._depth, self._before = 0, False
 
-    def on_start(self, event):
+    def on_start(self, event: numba.core.event.Event) -> None:
         if self._depth == 0:
             self._before = gc.isenabled()
             gc.disable()
         self._depth += 1
 
-    def on_end(self, event):
+    def on_end(self, event: numba.core.event.Event) -> None:
         self._depth -= 1
         if self._depth == 0 and self._before:
             gc.enable()

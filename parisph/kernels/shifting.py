@@ -49,33 +49,15 @@ def _near_surface(i, x, kind, role, reach2, indptr, indices, axes):
 
 
 @kernel
-def concentration_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
-                           h: float, full: float, indptr: np.ndarray, indices: np.ndarray,
-                           axes: tuple[int, ...]) -> None:
-    """Gradient of the density ratio at fluid particles, walls and mirror images included [1/m]."""
-    dim = len(axes)
-    member, image = np.empty(dim, np.int64), np.empty(dim)
-    room = room_for(indptr) * 2**dim
-    near, slope = np.empty((dim, room)), np.empty((1, room))
-    for i in range(len(indptr) - 1):
-        out[i, :] = 0.0
-        if kind[i] != FLUID:
-            continue
-        m = gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)
-        for k in range(m):
-            q2 = 0.0
-            for a in range(dim):
-                q2 += near[a, k] ** 2
-            slope[0, k] = cubic_spline_slope(h * math.sqrt(q2), h, dim)
-        for a in range(dim):
-            out[i, a] = -h / full * dot(slope, 0, near, a, m)
-
-
-@kernel
 def concentration(alpha: np.ndarray, out: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
                   normal: np.ndarray, h: float, full: float, indptr: np.ndarray, indices: np.ndarray,
                   axes: tuple[int, ...]) -> None:
-    """Density ratio and its gradient [1/m], as `surface.density_ratio` and `concentration_gradient`, in one pass."""
+    """Density ratio, as `surface.density_ratio`, and its gradient at fluid particles, in one pass.
+
+    Walls and mirror images are included.
+
+    alpha : (n_owned,) output, 1 for walls; out : (n_owned, dim) output [1/m], 0 for walls
+    """
     dim = len(axes)
     member, image = np.empty(dim, np.int64), np.empty(dim)
     room = room_for(indptr) * 2**dim

@@ -62,7 +62,7 @@ def tensile_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: n
                      axes: tuple[int, ...]) -> None:
     """Concentration gradient with the term against the pairing of particles (Lind et al. 2012, Eqs. 23 and 27) [1/m].
 
-    grad C_i = sum_j V_j (1 + 0.2 (W_ij/W(s))^4) grad_i W_ij, in place of `shifting.concentration_gradient`, in the
+    grad C_i = sum_j V_j (1 + 0.2 (W_ij/W(s))^4) grad_i W_ij, in place of `shifting.concentration`, in the
     same scale: without that term both are equal.
 
     out : (n_owned, dim) output, zero for walls; h : of the cubic spline [m]; spacing : s [m]; full : of `lattice_sum`

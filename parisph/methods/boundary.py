@@ -52,13 +52,9 @@ class Boundary(ABC):
         """Write the density ratio of owned fluid to out (n_owned,), 1 for walls."""
 
     @abstractmethod
-    def concentration_gradient(self, out: np.ndarray, flow: "Flow", least: int) -> None:
-        """Write the gradient of the density ratio of owned fluid to out (n_owned, dim) [1/m], 0 for walls."""
-
     def concentration(self, alpha: np.ndarray, gradient: np.ndarray, flow: "Flow", least: int) -> None:
-        """Write the density ratio (n_owned,) and its gradient (n_owned, dim), as the two above do."""
-        self.density_ratio(alpha, flow, least)
-        self.concentration_gradient(gradient, flow, least)
+        """Write the density ratio of owned fluid to alpha (n_owned,), 1 for walls, and its gradient to `gradient`
+        (n_owned, dim) [1/m], 0 for walls."""
 
     @abstractmethod
     def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:

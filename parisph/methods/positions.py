@@ -94,7 +94,7 @@ class FickShift(Regulariser):
         p, n = flow.particles, flow.numerics
         gradient = flow.found.get("gradient")
         if gradient is None:
-            flow.walls.concentration_gradient(p.grad_alpha, flow, wetness.FREE)
+            flow.walls.concentration(np.empty(p.n_owned), p.grad_alpha, flow, wetness.FREE)
         else:
             p.grad_alpha[:] = gradient
         if n.shift_strain:

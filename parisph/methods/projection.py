@@ -242,23 +242,24 @@ class Projection:
         if moved is not None:
             target[walls] -= self.flow.density * moved[walls]
         right = self.rows.right_hand_side(target)
-        self._balance_walls(right)
+        self._balance_walls(right, moved)
         matrix, isolated = self._matrix()
         right[(p.role != INNER) & (p.role != WET)] = 0.0
         if "surface_pressure" in p.fields:
             self.rows.add_surface_values(right, p.surface_pressure_all, p.role_all)
         return matrix, right, isolated
 
-    def _balance_walls(self, right):
+    def _balance_walls(self, right, moved):
         """Make wall rows that are no normal derivative exact for water that moves with the wall.
 
         Across the wall its pressure has the slope that other rows have, on a wall that turns too.
+
+        moved : (n_owned,) acceleration across the wall [m/s^2], None if no wall moves
         """
         p, rows, cloud = self.flow.particles, self.rows.rows, self.rows.cloud
-        pull, moved = self.flow.force[:p.n_owned], self.flow.walls.acceleration(self.flow)
-        if moved is not None:
-            across = self.flow.walls.normal_acceleration(self.flow) - np.einsum("ia,ia->i", p.normal, moved)
-            pull = pull - moved - across[:, None] * p.normal
+        pull, wall = self.flow.force[:p.n_owned], self.flow.walls.acceleration(self.flow)
+        if wall is not None:
+            pull = pull - wall - (moved - np.einsum("ia,ia->i", p.normal, wall))[:, None] * p.normal
         balance.add_linear_part_at_walls(right, pull, self.flow.density, rows.count, rows.columns, rows.values,
                                          rows.measure, p.x_all, p.role_all, p.normal_all, cloud.indptr, cloud.axes)
 

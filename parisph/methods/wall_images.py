@@ -31,11 +31,6 @@ class WallImages(Boundary):
         surface.density_ratio(out, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
                               lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
 
-    def concentration_gradient(self, out: np.ndarray, flow: "Flow", least: int) -> None:
-        p, d = flow.particles, flow.domain
-        shifting.concentration_gradient(out, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
-                                        lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
-
     def concentration(self, alpha: np.ndarray, gradient: np.ndarray, flow: "Flow", least: int) -> None:
         p, d = flow.particles, flow.domain
         shifting.concentration(alpha, gradient, p.x_all, flow.seen(least), p.corner_all, p.normal_all,

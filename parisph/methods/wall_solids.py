@@ -72,8 +72,9 @@ class WallSolids(Boundary):
     def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:
         self._complete(density.completed_density, out, flow, least)
 
-    def concentration_gradient(self, out: np.ndarray, flow: "Flow", least: int) -> None:
-        self._complete(density.completed_gradient, out, flow, least)
+    def concentration(self, alpha: np.ndarray, gradient: np.ndarray, flow: "Flow", least: int) -> None:
+        self._complete(density.completed_density, alpha, flow, least)
+        self._complete(density.completed_gradient, gradient, flow, least)
 
     def _complete(self, kernel, out, flow, least):
         p, d, e = flow.particles, flow.domain, self.elements

@@ -98,7 +98,7 @@ def density(pool):
 
 def concentration(pool):
     out = np.empty_like(pool.x)
-    shifting.concentration_gradient(out, *pool.walls, 1.3 * S, 1.0, *pool.csr)
+    shifting.concentration(np.empty(pool.n), out, *pool.walls, 1.3 * S, 1.0, *pool.csr)
     return out
 
 

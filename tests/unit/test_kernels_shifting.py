@@ -14,7 +14,8 @@ H, LIMIT, REACH = 1.3, 0.1, 2.6
 def concentration(pool):
     h = H * pool.spacing
     out = np.full((pool.n, pool.dim), np.nan)
-    shifting.concentration_gradient(out, *pool.walls, h, surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
+    shifting.concentration(np.empty(pool.n), out, *pool.walls, h, surface.lattice_sum(pool.spacing, h, pool.axes),
+                           *pool.csr)
     return out
 
 
@@ -26,13 +27,12 @@ def ratio(pool):
 
 
 @dims
-def test_density_ratio_and_its_gradient_in_one_pass(dim):
+def test_the_density_ratio_is_that_by_which_the_surface_is_found(dim):
     pool = tank((6,) * dim if dim == 2 else (4,) * dim, jitter=0.6)
     h = H * pool.spacing
     alpha, gradient = np.full(pool.n, np.nan), np.full((pool.n, dim), np.nan)
     shifting.concentration(alpha, gradient, *pool.walls, h, surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
     np.testing.assert_allclose(alpha, ratio(pool), rtol=1e-13)
-    np.testing.assert_allclose(gradient, concentration(pool), rtol=1e-12, atol=1e-12)
 
 
 def shifted(pool, gradient, strength=0.3, cap=0.1, reach=2.0):
@@ -103,7 +103,7 @@ def own_images(pool, i, a):
         surface.density_ratio(alpha, moved, *arrays[1:], *arguments)
         values.append(alpha[0])
     frozen = np.empty((1, pool.dim))
-    shifting.concentration_gradient(frozen, *arrays, *arguments)
+    shifting.concentration(np.empty(1), frozen, *arrays, *arguments)
     return (values[0] - values[1]) / (2.0 * d) - frozen[0, a]
 
 

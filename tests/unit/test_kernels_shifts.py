@@ -30,7 +30,7 @@ def gradient(pool, tensile):
     if tensile:
         shifts.tensile_gradient(out, *pool.walls, h, pool.spacing, full, *pool.csr)
     else:
-        shifting.concentration_gradient(out, *pool.walls, h, full, *pool.csr)
+        shifting.concentration(np.empty(pool.n), out, *pool.walls, h, full, *pool.csr)
     return out
 
 
