@@ -35,7 +35,7 @@ from parisph.parallel.guard import Guard
 from parisph.parallel.particles import Particles
 from parisph.watch.sampling import Scene
 
-SKIN = 1.0        # spacings a particle moves until particles are redistributed and sorted
+SKIN = 2.0        # spacings a particle moves until particles are redistributed and sorted (parallel.domain)
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
 SETTLE = 10.0     # time that weakly compressible water at rest settles before the start, over that of a fall
 SHORTEST = 1e-5   # of the stable step of the case: a run that needs a shorter one has diverged

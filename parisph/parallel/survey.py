@@ -12,15 +12,17 @@ from parisph.parallel.particles import Particles
 
 @dataclass(frozen=True)
 class Survey:
-    """Largest values over all particles of all ranks, in metres.
+    """How far particles have moved, in metres; largest values over all particles of all ranks.
 
     plan_drift, list_drift : distance moved from the plan's and from the lists' positions
     stray : distance outside the grid of cells
+    mean_drift : distance moved from the plan's positions, in the root mean square of this rank's particles
     """
 
     plan_drift: float
     list_drift: float
     stray: float
+    mean_drift: float
 
 
 def survey(particles: Particles, plan_x: np.ndarray | None, list_x: np.ndarray | None,
@@ -41,18 +43,20 @@ def survey(particles: Particles, plan_x: np.ndarray | None, list_x: np.ndarray |
     everywhere = np.full(particles.dim, np.inf)
     walls = tank or (-everywhere, everywhere)
     found = np.zeros(4)
-    _survey(found, x, x if plan_x is None else plan_x, x if list_x is None else list_x, *grid, *walls)
+    squares = _survey(found, x, x if plan_x is None else plan_x, x if list_x is None else list_x, *grid, *walls)
     # A rank without earlier positions reports an infinite drift.
     found[:2] = np.where([plan_x is None, list_x is None], np.inf, np.sqrt(found[:2]))
     if comm.size > 1:
         comm.Allreduce(MPI.IN_PLACE, found, op=MPI.MAX)
     if found[3]:
         agree(comm, _loss(particles, walls))
-    return Survey(*(float(value) for value in found[:3]))
+    mean = np.inf if plan_x is None else np.sqrt(squares / max(len(x), 1))
+    return Survey(*(float(value) for value in found[:3]), float(mean))
 
 
 @kernel
 def _survey(found, x, plan_x, list_x, grid_lower, grid_upper, lower, upper):
+    squares = 0.0
     for i in range(len(x)):
         plan = last = 0.0
         for a in range(x.shape[1]):
@@ -63,6 +67,8 @@ def _survey(found, x, plan_x, list_x, grid_lower, grid_upper, lower, upper):
             if not (np.isfinite(x[i, a]) and lower[a] <= x[i, a] <= upper[a]):
                 found[3] = 1.0
         found[0], found[1] = max(found[0], plan), max(found[1], last)
+        squares += plan
+    return squares
 
 
 def _loss(particles, walls):

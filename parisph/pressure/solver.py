@@ -14,9 +14,10 @@ from parisph.pressure import options as opts
 from parisph.pressure.row_checks import row_fault, vector_fault
 from parisph.pressure.system import System
 
-# A kept preconditioner is rebuilt when it needs more than GROWTH x fresh + 2 iterations. `fresh` is
-# the number it needed at first, at least FRESH, because a nearly exact start needs few. It is
-# expected to last if rows have kept their numbers for LASTING matrices.
+# A kept preconditioner has served its time when it needs more than GROWTH x fresh + 2 iterations: the next matrix gets
+# a new one, of which a second solve with the present matrix would have little. `fresh` is the number it needed at first,
+# at least FRESH, because a nearly exact start needs few. It is expected to last if those before have lasted for LASTING
+# matrices in the mean.
 GROWTH, FRESH, LASTING = 1.5, 4, 4
 
 # An attempt has failed if its true residual exceeds this many times the tolerance.
@@ -208,7 +209,7 @@ class PressureSolver:
             self._system.resize(n, total)
             self._rows, self._total, self._matrices = n, total, 0
         self._matrices += 1
-        if changed or not self._may_keep:
+        if changed or self._worn or not self._may_keep:
             self._usable = False
 
     def _warn_of_unused_options(self):
@@ -222,7 +223,7 @@ class PressureSolver:
 
     def _configure(self, unknowns, entries):
         """Make the Krylov solver of the first attempt; its preconditioner depends on the size."""
-        lasting = self._matrices is None or self._matrices >= LASTING
+        lasting = self._matrices is None or self._matrices >= LASTING * (self.setups - self._setups)
         self._chosen = opts.primary(self._wanted, self._closed, self._comm.size, unknowns, entries, lasting)
         ksp = opts.configured(self._comm, opts.PREFIX, self._chosen)
         if self._ksp is not None:
@@ -235,6 +236,8 @@ class PressureSolver:
         self.options = {**ours, **self._user.given}
         self._usable = False        # whether there is a preconditioner, of this or an earlier matrix
         self._current = False       # whether it was made from this matrix
+        self._worn = False          # whether the next matrix gets a new one
+        self._setups = self.setups
         self._fresh = {}            # iterations that it needed at first, for each kind of solve
 
     # -- the solve ----------------------------------------------------------------------------
@@ -311,6 +314,7 @@ class PressureSolver:
             self._ksp.setUp()
             self._ksp.setUpOnBlocks()
         self._usable = self._current = True
+        self._worn = False
         self._fresh = {}
 
     def _backup(self, stage):
@@ -347,7 +351,7 @@ class PressureSolver:
             return
         fresh = self._fresh.setdefault(kind, iterations)
         if iterations > GROWTH * max(fresh, FRESH) + 2:
-            self._usable = False
+            self._worn = True
 
     def _failure(self, tried):
         """Return the message of a solve in which all attempts failed."""

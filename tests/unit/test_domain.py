@@ -49,11 +49,13 @@ def test_nothing_is_redone_within_the_skins():
     assert (domain.n_plans, domain.n_lists) == (1, 2)
 
 
-def test_a_move_beyond_the_skin_orders_anew_and_starts_a_new_count():
+def test_moves_beyond_the_skin_in_the_mean_order_anew_and_start_a_new_count():
     p, domain = made()
     domain.refresh()
     far = np.argmin(p.x.sum(axis=1))
-    p.x[far] += 0.75 * SKIN  # along both axes: 1.06 skins
+    p.x[far] += 3.0 * SKIN    # one particle alone does not, where no rank waits for it
+    assert domain.redistribute() is False and domain.n_plans == 1
+    p.x += 1.5 * SKIN  # along both axes: 2.1 skins
     assert domain.redistribute() is True and domain.n_plans == 2
     assert domain.redistribute() is False
     # Row numbers changed, so the lists must be made although no list skin was passed since.
@@ -62,7 +64,8 @@ def test_a_move_beyond_the_skin_orders_anew_and_starts_a_new_count():
 
 
 def test_lists_hold_every_near_pair_while_particles_move_on():
-    p, domain = made()
+    p = spread(MPI.COMM_SELF, cloud("lattice", 2))
+    domain = Domain(p, np.zeros(2), np.ones(2), RADIUS, 0.25 * SKIN, LIST_SKIN)
     random = np.random.default_rng(1)
     velocity = random.uniform(-1.0, 1.0, (p.n_owned, 2))
     plans = 0
@@ -102,7 +105,7 @@ def test_particles_that_leave_the_box_get_another_grid():
     p, domain = made()
     domain.refresh()
     grid = domain._partition.grid
-    p.x -= [0.0, 0.1]
+    p.x -= [0.0, 2.5 * SKIN]
     assert domain.refresh() is True and domain._partition.grid is grid  # still near: the border's cells take it
     p.x -= [0.0, 5.0]
     assert domain.refresh() is True and domain._partition.grid.origin[1] <= p.x[:, 1].min()

@@ -220,6 +220,32 @@ def test_preconditioner_is_rebuilt_after_it_needed_many_iterations(make):
     assert not solver.solve(*worse, rhs, None)[1].rebuilt
 
 
+def test_a_second_solve_keeps_what_the_next_matrix_will_rebuild(make):
+    solver = make()
+    rows, p, b = problem()
+    solver.solve(*rows, b, None)
+    worse, _, _ = problem(scatter=1.5)
+    rhs = systems.product(worse, p)
+    solver.solve(*worse, rhs, None)
+    found, second = solver.solve_again(0.5 * rhs, None)
+    assert not second.rebuilt and np.abs(found - 0.5 * p).max() < 1e-3
+    assert solver.solve(*worse, rhs, None)[1].rebuilt and solver.setups == 2
+
+
+def test_preconditioner_is_cheap_where_it_wears_out_though_rows_keep_their_numbers(make):
+    solver = make()
+    levels = []
+    for scatter in (0.0, 1.5, 0.0, 1.5, 0.0, 1.5):
+        rows, p, _ = problem(scatter=scatter)
+        solver.solve(*rows, systems.product(rows, p), None)
+    assert 1 < solver.setups
+    rows, _, b = problem()
+    for renumbered in (True, False, False, False, True):
+        solver.solve(*rows, b, None, renumbered=renumbered)
+        levels.append(solver.options["pressure_pc_factor_levels"])
+    assert levels == ["1", "1", "1", "1", "2"]
+
+
 def test_number_of_rows_may_change(make):
     solver = make(rtol=1e-10)
     for n in (12, 20, 8):
