@@ -15,7 +15,7 @@ from parisph.pressure.row_checks import row_fault, vector_fault
 from parisph.pressure.system import System
 
 # A kept preconditioner has served its time when it needs more than GROWTH x fresh + 2 iterations: the next matrix gets
-# a new one, of which a second solve with the present matrix would have little. `fresh` is the number it needed at first,
+# a new one, of which a second solve with this one would have little. `fresh` is the number it needed at first,
 # at least FRESH, because a nearly exact start needs few. It is expected to last if those before have lasted for LASTING
 # matrices in the mean.
 GROWTH, FRESH, LASTING = 1.5, 4, 4
