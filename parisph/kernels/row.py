@@ -73,3 +73,29 @@ def sort_rows(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> No
             for j in range(n):
                 place += np.int32(column[j] < own)
             columns[first + place], values[first + place] = own, value[k]
+
+
+@kernel
+def split_rows(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray, first: int,
+               last: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return two CSR matrices (indptr, columns, values): the columns from `first` up to `last`, counted from `first`,
+    and all others, as they are. The entries of each row are sorted, and stay so."""
+    n = len(indptr) - 1
+    own_ptr, other_ptr = np.zeros(n + 1, indptr.dtype), np.zeros(n + 1, indptr.dtype)
+    for i in range(n):
+        own = 0
+        for k in range(indptr[i], indptr[i + 1]):
+            own += first <= columns[k] < last
+        own_ptr[i + 1] = own_ptr[i] + own
+        other_ptr[i + 1] = other_ptr[i] + indptr[i + 1] - indptr[i] - own
+    own_columns, own_values = np.empty(own_ptr[n], columns.dtype), np.empty(own_ptr[n])
+    other_columns, other_values = np.empty(other_ptr[n], columns.dtype), np.empty(other_ptr[n])
+    own, other = 0, 0
+    for k in range(indptr[n]):
+        if first <= columns[k] < last:
+            own_columns[own], own_values[own] = columns[k] - first, values[k]
+            own += 1
+        else:
+            other_columns[other], other_values[other] = columns[k], values[k]
+            other += 1
+    return own_ptr, own_columns, own_values, other_ptr, other_columns, other_values

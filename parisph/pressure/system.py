@@ -4,8 +4,8 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import SolverDiverged, agree
-from parisph.kernels.row import sort_rows
 from parisph.parallel.petsc import PETSc
+from parisph.pressure.matrices import matrix_of
 
 # If |A v| is below this fraction of the largest entry, v is a null vector.
 _NULL = 1e-9
@@ -57,8 +57,7 @@ class System:
         """Make the matrix from this rank's rows (global columns, any order). Collective."""
         self._drop_matrix()
         csr = (np.array(indptr, PETSc.IntType), np.array(indices, PETSc.IntType), np.array(values, float))
-        sort_rows(*csr)    # which PETSc then uses as they are: without, this takes many times as long
-        self.matrix = PETSc.Mat().createAIJWithArrays(self._sizes, csr, comm=self.comm)
+        self.matrix = matrix_of(self.x, *csr)
         self.operator = self.preconditioned = self.matrix
         self.matrix.getDiagonal(self._r)
         self._zeros = float(np.count_nonzero(self._arrays[2] == 0.0))

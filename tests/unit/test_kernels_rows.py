@@ -5,6 +5,7 @@ import pytest
 
 from parisph.base.fields import BALLISTIC, CONTACT, INNER, SURFACE, WET
 from parisph.case.methods import METHODS
+from parisph.kernels.row import split_rows
 from tests.made_rows import PROJECTIONS, cloud_of, rows_of_method
 from tests.pools import block, tank
 
@@ -147,3 +148,22 @@ def test_with_an_offset_surface_particles_are_unknowns():
     assert np.count_nonzero(matrix[pinned]) == 1
     below = np.flatnonzero((pool.index[:, 1] == pool.top[1] - 1) & (pool.index[:, 0] == 4))
     assert np.all(anchored[below]) and np.any(matrix[below][:, surface] != 0.0)
+
+
+def test_sorted_rows_split_into_own_and_other_columns():
+    random = np.random.default_rng(5)
+    n, columns = 7, 20
+    table = np.where(random.random((n, columns)) < 0.4, random.normal(size=(n, columns)), 0.0)
+    table[2] = 0.0    # a row without entries
+    indptr = np.concatenate([[0], np.cumsum(np.count_nonzero(table, axis=1))]).astype(np.int32)
+    places = np.concatenate([np.flatnonzero(line) for line in table]).astype(np.int32)
+    for first, last in ((5, 12), (0, 20), (8, 8)):
+        *own, other_ptr, other_columns, other_values = split_rows(indptr, places, table[table != 0.0], first, last)
+        found = np.zeros_like(table)
+        for i in range(n):
+            for offset, (ptr, column, value) in ((first, own), (0, (other_ptr, other_columns, other_values))):
+                part = slice(ptr[i], ptr[i + 1])
+                assert (np.diff(column[part]) > 0).all()
+                found[i, offset + column[part]] += value[part]
+        np.testing.assert_array_equal(found, table)
+        assert own[1].dtype == other_columns.dtype == np.int32 and len(own[2]) == np.count_nonzero(table[:, first:last])
