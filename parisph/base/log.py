@@ -3,8 +3,7 @@
 import logging
 import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from time import perf_counter
 from typing import TextIO
 
@@ -98,17 +97,20 @@ class Timers:
         self.seconds: dict[str, float] = {}
         self._open: set[str] = set()
 
-    @contextmanager
-    def __call__(self, phase: str) -> Iterator[None]:
+    def __call__(self, phase: str) -> "_Phase":
+        return _Phase(self, phase)
+
+    def begin(self, phase: str) -> tuple[float, ...] | None:
+        """Return what the clocks show [s] as a phase begins, None inside itself."""
         if phase in self._open:
-            yield
-            return
+            return None
         self._open.add(phase)
         self.seconds.setdefault(phase, 0.0)
-        start = self.now()
-        try:
-            yield
-        finally:
+        return self.now()
+
+    def end(self, phase: str, start: tuple[float, ...] | None) -> None:
+        """Count a phase that began when the clocks showed `start`; nothing if that is None."""
+        if start is not None:
             self.count(phase, start)
             self._open.discard(phase)
 
@@ -130,3 +132,19 @@ class Timers:
         everyone = np.array(comm.allgather(mine))
         return {name: {"max": float(column.max()), "mean": float(column.mean())}
                 for name, column in zip(known, everyone.T, strict=True)}
+
+
+class _Phase:
+    """Times what is done inside `with`; a class, as a generator takes longer than some of what is timed."""
+
+    __slots__ = ("phase", "start", "timers")
+
+    def __init__(self, timers: Timers, phase: str) -> None:
+        self.timers, self.phase = timers, phase
+        self.start: tuple[float, ...] | None = None
+
+    def __enter__(self) -> None:
+        self.start = self.timers.begin(self.phase)
+
+    def __exit__(self, *error: object) -> None:
+        self.timers.end(self.phase, self.start)

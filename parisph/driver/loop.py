@@ -251,7 +251,10 @@ class _Run:
         """Return the request of any rank: 0, SAVE, or SAVE + the number of a signal to stop. Collective."""
         late = self.comm.rank == 0 and perf_counter() - self.saved_at > WALL_CLOCK
         seen = self.signals.seen
-        return int(self.comm.allreduce(SAVE + seen if seen else SAVE * late, op=MPI.MAX))
+        asked = np.array([SAVE + seen if seen else SAVE * late])
+        if self.comm.size > 1:
+            self.comm.Allreduce(MPI.IN_PLACE, asked, op=MPI.MAX)
+        return int(asked[0])
 
     def _snapshot(self) -> None:
         s = self.simulation

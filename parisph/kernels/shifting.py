@@ -144,3 +144,32 @@ def limit_lengths(vector: np.ndarray, n: int, cap: float, axes: tuple[int, ...])
     """Shorten the first n rows of a vector field to the cap."""
     for i in range(n):
         limit_length(vector, i, cap, axes)
+
+
+@kernel
+def cap_together(moves: tuple[np.ndarray, ...], free: np.ndarray, cap: float) -> None:
+    """Shorten the moves of each particle if their sum is longer than the cap and than the longest that is free.
+
+    moves : each (n, dim) [m], changed in place; free : (number of moves,) bool; cap : [m]
+    """
+    n, dim = moves[0].shape
+    for i in range(n):
+        longest, whole = cap * cap, 0.0
+        for a in range(dim):
+            total = 0.0
+            for move in moves:
+                total += move[i, a]
+            whole += total * total
+        if whole <= longest:
+            continue
+        for m in range(len(moves)):
+            length = 0.0
+            for a in range(dim):
+                length += moves[m][i, a] ** 2
+            if free[m]:
+                longest = max(longest, length)
+        if whole > longest:
+            share = math.sqrt(longest / whole)
+            for move in moves:
+                for a in range(dim):
+                    move[i, a] *= share

@@ -9,6 +9,7 @@ from parisph.case.numerics import Numerics
 from parisph.kernels import movement, pairs, shifting, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, SURFACES, Limiter, Regulariser
+from parisph.parallel.sums import sums
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -134,7 +135,7 @@ class KeepApart(Limiter):
             flow.fresh("x")
             crowded = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing,
                                        SWEEP * flow.spacing, d.indptr, d.indices, flow.axes)
-            if not p.comm.allreduce(crowded):
+            if not sums(p.comm, crowded)[0]:
                 break
             displace(flow, move)
 

@@ -382,13 +382,10 @@ class Projection:
         p, second = flow.particles, flow.position_solve
         div = np.empty(p.n_owned)
         self.rows.divergence(div, p.u_all, p.role_all)
-        inner, fluid = p.role == INNER, p.kind == FLUID
-        mine = [div[inner] @ div[inner], inner.sum(), np.count_nonzero((p.role == SURFACE) | (p.role == BALLISTIC)),
-                flow.collisions, np.sqrt(flow.by_pressure[fluid]).sum(), fluid.sum()]
-        sums = np.array(mine, float)
+        sums = np.array([*movement.step_sums(div, p.role, p.kind, flow.by_pressure), flow.collisions])
         if p.comm.size > 1:
             p.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
-        squares, count, surface, collisions, roots, particles = sums
+        squares, count, surface, roots, particles, collisions = sums
         straining.remember(flow, float(roots / max(particles, 1.0)) ** 2, dt)
         again = {} if second is None else {"position_iterations": second.iterations,
                                            "position_residual": second.residual, "position_fallback": second.fallback}
@@ -400,6 +397,9 @@ class Projection:
 
 def _of_all(comm, sizes_of_fluid):
     """Return the largest of the sizes (n,) on all ranks, and the root of their mean square. Collective."""
-    largest = comm.allreduce(float(sizes_of_fluid.max(initial=0.0)), op=MPI.MAX)
-    squares, count = comm.allreduce(np.array([sizes_of_fluid @ sizes_of_fluid, sizes_of_fluid.size]))
-    return largest, float(np.sqrt(squares / max(count, 1.0)))
+    largest = np.array([sizes_of_fluid.max(initial=0.0)])
+    sums = np.array([sizes_of_fluid @ sizes_of_fluid, sizes_of_fluid.size])
+    if comm.size > 1:
+        comm.Allreduce(MPI.IN_PLACE, largest, op=MPI.MAX)
+        comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
+    return float(largest[0]), float(np.sqrt(sums[0] / max(sums[1], 1.0)))

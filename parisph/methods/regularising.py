@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from parisph.base.arrays import sizes
+from parisph.kernels import shifting
 from parisph.methods.flow import Flow
 from parisph.methods.parts import Limiter, Regulariser
 from parisph.methods.positions import CAP, displace
@@ -48,10 +48,5 @@ def cap_together(moves: Mapping[str, np.ndarray], free: Sequence[str], cap: floa
 
     Several parts that mend the same close pair would otherwise throw it apart. Not collective.
     """
-    if len(moves) < 2:
-        return
-    longest = np.max([sizes(moves[name]) for name in free], axis=0, initial=cap)
-    whole = sizes(np.sum(list(moves.values()), axis=0))
-    share = np.minimum(1.0, longest / np.maximum(whole, np.finfo(float).tiny))
-    for move in moves.values():
-        move *= share[:, None]
+    if len(moves) > 1:
+        shifting.cap_together(tuple(moves.values()), np.array([name in free for name in moves]), cap)

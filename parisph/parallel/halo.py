@@ -68,22 +68,21 @@ class Halo:
 
         Raises ParisphError if there is no such field (on all ranks if all ask for the same fields).
         """
-        p = self.particles
-        widths = [_width(name, p.dim) for name in names]
-        root, leaf = np.empty((len(self._roots), sum(widths))), np.empty((p.n_ghost, sum(widths)))
-        column = 0
-        for name, width in zip(names, widths, strict=True):
-            values = _as_doubles(getattr(p, name)[self._roots])
-            root[:, column:column + width] = values.reshape(len(root), width)
-            column += width
-        unit = self._unit(column)
+        p, dim = self.particles, self.particles.dim
+        parts, columns = [], 0
+        for name in names:
+            width = _width(name, dim)
+            parts.append((_as_doubles(getattr(p, name)), _as_doubles(getattr(p, f"{name}_all")[p.n_owned:]),
+                          slice(columns, columns + width) if width > 1 else columns))
+            columns += width
+        root, leaf = np.empty((len(self._roots), columns)), np.empty((p.n_ghost, columns))
+        for owned, _, place in parts:
+            root[:, place] = owned[self._roots].reshape(root[:, place].shape)
+        unit = self._unit(columns)
         self._forest.bcastBegin(unit, root, leaf, MPI.REPLACE)
         self._forest.bcastEnd(unit, root, leaf, MPI.REPLACE)
-        column = 0
-        for name, width in zip(names, widths, strict=True):
-            ghosts = getattr(p, f"{name}_all")[p.n_owned:]
-            ghosts[...] = _from_doubles(leaf[:, column:column + width], ghosts.dtype).reshape(ghosts.shape)
-            column += width
+        for _, ghosts, place in parts:
+            ghosts[...] = leaf[:, place].reshape(ghosts.shape)
 
     def _unit(self, columns):
         if columns not in self._units:
@@ -106,12 +105,8 @@ def _width(name, dim):
 
 
 def _as_doubles(values):
-    # Values of eight bytes are sent bit by bit: an id may need all 64 bits.
-    return values.view(np.float64) if values.dtype.itemsize == 8 else values.astype(np.float64)
-
-
-def _from_doubles(values, dtype):
-    return np.ascontiguousarray(values).view(dtype) if dtype.itemsize == 8 else values.astype(dtype)
+    """Return a view of values, as doubles where these have as many bytes: an id may need all 64 bits."""
+    return values.view(np.float64) if values.dtype.itemsize == 8 else values
 
 
 def _star_forest(comm, n_roots, owner, root):

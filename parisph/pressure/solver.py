@@ -10,6 +10,7 @@ from mpi4py import MPI
 from parisph.base.errors import CaseError, ParisphError, SolverDiverged, agree
 from parisph.base.log import logger
 from parisph.parallel.petsc import PETSc
+from parisph.parallel.sums import sums
 from parisph.pressure import options as opts
 from parisph.pressure.row_checks import row_fault, vector_fault
 from parisph.pressure.system import System
@@ -200,7 +201,7 @@ class PressureSolver:
         n = np.size(rhs)
         mine = bool(renumbered) or n != self._rows
         error = None if mine else fault(self._total)
-        changed, total, entries, failed = _sums(self._comm, mine, n, len(indices), error is not None)
+        changed, total, entries, failed = sums(self._comm, mine, n, len(indices), error is not None)
         if changed or failed:    # the faults again, now that the size is known
             agree(self._comm, fault(total))
         if changed:
@@ -361,12 +362,3 @@ class PressureSolver:
         return (f"the pressure equation ({self._total} unknowns) could not be solved to a relative residual of "
                 f"{self._goal:g}. Attempts:{attempts}\n  A frequent cause is a group of particles without contact "
                 "with the free surface, or several particles in one place")
-
-
-def _sums(comm, *numbers):
-    """Return the sums of some whole numbers over the ranks. Collective."""
-    if comm.size == 1:
-        return [int(number) for number in numbers]
-    sums = np.array(numbers, np.int64)
-    comm.Allreduce(MPI.IN_PLACE, sums)    # in one call of MPI; objects would be added on their way, rank after rank
-    return [int(number) for number in sums]

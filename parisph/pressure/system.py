@@ -86,7 +86,8 @@ class System:
             self._null.remove(self.b)
             self._null.remove(self.x)
         self.operator.mult(self.x, self._r)
-        bb, rr, given, zeros, failed = self.sum(b @ b, np.sum((b - r) ** 2), np.dot(rhs, rhs), self._zeros,
+        np.subtract(b, r, out=r)
+        bb, rr, given, zeros, failed = self.sum(b @ b, r @ r, rhs @ rhs, self._zeros,
                                                 error is not None)
         if failed:
             agree(self.comm, error)
@@ -106,7 +107,8 @@ class System:
         """Return |b - A x| / |b| of the current x (with Q, in a closed domain). Collective."""
         _, b, r = self._arrays
         self.operator.mult(self.x, self._r)
-        return np.sqrt(self.sum(np.sum((b - r) ** 2))[0]) / self.norm
+        np.subtract(b, r, out=r)
+        return float(np.sqrt(self.sum(r @ r)[0])) / self.norm
 
     def solution(self) -> np.ndarray:
         """Return a copy of the owned part of x, with zero mean in a closed domain. Collective."""
