@@ -22,6 +22,7 @@ from parisph.methods import (  # noqa: F401 (they register)
     surfaces,
     velocities,
 )
+from parisph.methods.guesses import Guesses
 from parisph.methods.parts import (
     DIVERGENCES,
     FORCES,
@@ -110,7 +111,7 @@ class Parts:
     @cached_property
     def fields(self) -> FieldSet:
         """The fields of the scene's particles."""
-        return FieldSet(name for part in self for name in part.needs(self.numerics))
+        return FieldSet((*Guesses.fields, *(name for part in self for name in part.needs(self.numerics))))
 
     @property
     def causes(self) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 """One time step of the projection methods."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -12,6 +13,7 @@ from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, regularising, straining, surfaces
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
+from parisph.methods.guesses import Guesses
 from parisph.methods.reports import ProjectionReport
 from parisph.methods.timestep import resolved_time
 from parisph.methods.velocities import keep_in_tank
@@ -60,6 +62,7 @@ class Projection:
     def __init__(self, flow: Flow, parts: Parts, petsc_options: list[str] | None = None) -> None:
         self.flow, self.parts, n = flow, parts, flow.numerics
         self.stepping = STEPPINGS[n.stepping]
+        self.guesses = Guesses()
         self.knows_pressure = False     # whether particles have the pressure of an earlier step, or of the start
         self.rows = PressureRows(flow.particles.dim, parts.laplacian, parts.divergence, parts.wall_rows,
                                  n.surface_offset, lengths.MLS)
@@ -86,8 +89,10 @@ class Projection:
         with timers("assemble"):
             matrix, right, isolated = self._assemble(dt)
         with timers("solve"):
-            earlier = p.p.copy()
-            p.p[:], solve = self.solver.solve(*matrix, right, p.p, renumbered=renumbered)
+            earlier, middle = p.p.copy(), time + 0.5 * dt
+            guesses = self.guesses.at(p, middle)
+            self.guesses.remember(p, middle)
+            p.p[:], solve = self.solver.solve(*matrix, right, guesses, renumbered=renumbered)
             domain.update("p")
         with timers("correct"):
             start = p.u.copy()
@@ -135,6 +140,7 @@ class Projection:
         target = flow.density * (self.rows.div - invariant)
         matrix, right, isolated = self._equation(target)
         p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
+        self.guesses.restart(time)
         self.knows_pressure = True
         return isolated
 
@@ -173,15 +179,17 @@ class Projection:
         """Columns of steps.csv with their units."""
         return ProjectionReport.columns()
 
-    def state(self) -> dict[str, float]:
+    def state(self) -> dict[str, Any]:
         """Return what a checkpoint needs beside the particles. Not collective."""
         largest, mean = self.flow.accelerations
-        return {"acceleration": largest, "rms_acceleration": mean, "mean_acceleration": self.flow.mean_acceleration}
+        return {"acceleration": largest, "rms_acceleration": mean, "mean_acceleration": self.flow.mean_acceleration,
+                "pressure_times": self.guesses.times}
 
     def resume(self, state: dict) -> None:
         """Continue from the state in a checkpoint. Not collective."""
         self.flow.accelerations = state.get("acceleration", 0.0), state.get("rms_acceleration", 0.0)
         self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
+        self.guesses.times = list(state.get("pressure_times", ()))
         self.knows_pressure = True
 
     def about(self) -> dict[str, str | None]:

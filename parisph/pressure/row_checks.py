@@ -41,6 +41,12 @@ def vector_fault(name: str, vector: np.ndarray | None, n: int) -> ParisphError |
     return None
 
 
+def guess_fault(guess: np.ndarray | None, n: int) -> ParisphError | None:
+    """Return the error of a guess (n,), or of several (k, n), or None (of no guess, too)."""
+    faults = (vector_fault("guess", one, n) for one in (guess if np.ndim(guess) == 2 else [guess]))
+    return next((fault for fault in faults if fault is not None), None)
+
+
 def _finite(numbers):
     # One pass without a temporary array; the second test is needed only after an overflow.
     return bool(np.isfinite(np.dot(numbers, numbers)) or np.isfinite(numbers).all())

@@ -12,7 +12,7 @@ from parisph.base.log import logger
 from parisph.parallel.petsc import PETSc
 from parisph.parallel.sums import sums
 from parisph.pressure import options as opts
-from parisph.pressure.row_checks import row_fault, vector_fault
+from parisph.pressure.row_checks import guess_fault, row_fault, vector_fault
 from parisph.pressure.system import System
 
 # A kept preconditioner has served its time when it needs more than GROWTH x fresh + 2 iterations: the next matrix gets
@@ -138,8 +138,8 @@ class PressureSolver:
         indptr : (n_owned + 1,) int, indices : (nnz,) int, values : (nnz,) float
             This rank's rows as CSR with global columns in any order; n_owned may be 0.
         rhs : (n_owned,) float, b
-        guess : (n_owned,) float or None
-            Initial guess (the previous pressure); None for zero.
+        guess : (n_owned,) float, (k, n_owned) float or None
+            Initial guess (the previous pressure), or several, of which the best is taken; None for zero.
         renumbered : bool
             Row numbers have changed, on any rank, since the previous matrix.
 
@@ -177,7 +177,7 @@ class PressureSolver:
         if self._rows is None:
             error = ParisphError("solve_again needs a matrix: call solve first")
         else:
-            error = vector_fault("right-hand side", rhs, self._rows) or vector_fault("guess", guess, self._rows)
+            error = vector_fault("right-hand side", rhs, self._rows) or guess_fault(guess, self._rows)
         if self._rows is None:    # there is nothing that could compute
             agree(self._comm, error)
         return self._run("again", rhs, guess, start, max(self._rtol, min(slack * self._rtol, LOOSEST)), error)
@@ -196,7 +196,7 @@ class PressureSolver:
         """Check the local arrays, agree on the sizes, and decide if the preconditioner stays."""
         def fault(total):
             return (row_fault(indptr, indices, values, n, total) or vector_fault("right-hand side", rhs, n)
-                    or vector_fault("guess", guess, n))
+                    or guess_fault(guess, n))
 
         n = np.size(rhs)
         mine = bool(renumbered) or n != self._rows

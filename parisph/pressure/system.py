@@ -69,6 +69,8 @@ class System:
 
         error : what is wrong with rhs or guess on this rank, or None; it is raised on all ranks
 
+        guess : (n,) or None for zero, or (k, n), of which the one with the least residual is taken
+
         A guess whose residual is not below |b| is replaced by zero.
 
         Raises
@@ -76,30 +78,44 @@ class System:
         SolverDiverged on all ranks: the diagonal entry of a row is missing or zero (PETSc's
             incomplete factors may read beyond the end of such a row instead of failing).
         """
-        x, b, r = self._arrays
+        b = self._arrays[1]
+        guesses = np.zeros((len(guess) if np.ndim(guess) == 2 else 1, len(b)))    # as many on all ranks
         if error is not None:
-            rhs, guess = np.zeros_like(b), None
+            rhs = np.zeros_like(b)
+        elif guess is not None:
+            guesses[:] = guess
         b[:] = rhs
-        x[:] = 0.0 if guess is None else guess
-        self._touch(self.b, self.x)
+        self._touch(self.b)
         if self._null:
             self._null.remove(self.b)
-            self._null.remove(self.x)
-        self.operator.mult(self.x, self._r)
-        np.subtract(b, r, out=r)
-        bb, rr, given, zeros, failed = self.sum(b @ b, r @ r, rhs @ rhs, self._zeros,
-                                                error is not None)
+        bb, given, zeros, failed, *left = self.sum(b @ b, rhs @ rhs, self._zeros, error is not None,
+                                                   *(self._missing(one) for one in guesses))
         if failed:
             agree(self.comm, error)
         if zeros:
             raise SolverDiverged(f"{zeros:.0f} rows of the pressure equation have no diagonal entry")
         self.norm = np.sqrt(bb) if bb > 1e-28 * given else 0.0
-        if not rr < bb:
-            x[:] = 0.0
-            self._touch(self.x)
+        best = int(np.argmin(left))
+        if not left[best] < bb:
+            self.start_from(0.0)
+        elif best < len(left) - 1:    # the last is already there
+            self._begin(guesses[best])
 
-    def start_from(self, values: np.ndarray) -> None:
-        """Set the initial guess to an array of owned values."""
+    def _begin(self, guess):
+        self.start_from(guess)
+        if self._null:
+            self._null.remove(self.x)
+
+    def _missing(self, guess):
+        """Return this rank's part of |b - A x|^2 for a guess (n,), which is left in x. Collective."""
+        _, b, r = self._arrays
+        self._begin(guess)
+        self.operator.mult(self.x, self._r)
+        np.subtract(b, r, out=r)
+        return r @ r
+
+    def start_from(self, values: np.ndarray | float) -> None:
+        """Set the initial guess to an array of owned values, or to one value."""
         self._arrays[0][:] = values
         self._touch(self.x)
 

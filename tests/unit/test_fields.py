@@ -7,6 +7,7 @@ from mpi4py import MPI
 from parisph.base import fields
 from parisph.base.fields import CORE, FIELDS, Field, FieldSet
 from parisph.methods.catalogue import parts_of
+from parisph.methods.guesses import Guesses
 from parisph.parallel.particles import Particles
 from tests.scenes import scene
 
@@ -25,7 +26,7 @@ def parts(name):
 
 @pytest.mark.parametrize("name", OWN)
 def test_a_scene_has_the_fields_that_it_needs(name):
-    assert set(parts(name)[0].fields) == {*CORE, *OWN[name]}
+    assert set(parts(name)[0].fields) == {*CORE, *Guesses.fields, *OWN[name]}
 
 
 def test_a_scene_has_the_stages_that_it_needs():
