@@ -42,6 +42,10 @@ class Guesses:
 
 
 def _weights(times: list[float], time: float) -> np.ndarray:
-    """Return Lagrange's weights of values at some times for that at another."""
+    """Return Lagrange's weights of values at some times for that at another.
+
+    They are rounded: with equal steps they are whole numbers, however their times were summed up.
+    """
     t = np.array(times)
-    return np.array([np.prod((time - np.delete(t, k)) / (t[k] - np.delete(t, k))) for k in range(len(t))])
+    weights = [np.prod((time - np.delete(t, k)) / (t[k] - np.delete(t, k))) for k in range(len(t))]
+    return np.round(weights, 9)
