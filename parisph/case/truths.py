@@ -99,7 +99,8 @@ class Truth(Model):
     smooth : width [s] of a moving mean of both series before they are compared; None for none
     name : what pages and legends call it
     note : what a reader of the error should know, such as the place of a sensor
-    published : {who and how: relative L2 error that others have against the same reference}
+    published : {who and how: relative L2 error that others have against the same reference, printed or recomputed from
+        their curves; the name says which}
     peaks : bands of the greatest values, one PeakBand for each
     others : further references, which are compared in the same way
 

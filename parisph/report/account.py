@@ -16,7 +16,7 @@ ALIGNMENT = (
     "time, either way), and this error."
 )
 ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", "to [s]", "both smoothed over [s]",
-              "samples", "best published", "best shift [s]", "error if so shifted")
+              "samples", "least of others", "best shift [s]", "error if so shifted")
 PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
              "band from", "to", "beyond the band by", "others have it at [s]", "truth")
 PROFILE_HEAD = ("profiles", "reference", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
@@ -86,7 +86,7 @@ def _of_probe(k: int, probe: AnyProbe, case: Content, summary: Content) -> Itera
         of_wave = isinstance(truth, WaveTruth) or (isinstance(truth, (Truth, Profiles)) and truth.wave)
         name = name_of(truth) + (", relative to the wave alone" if of_wave else "")
         yield (Cell(probe.name), Cell(name), error, start, end, number(case, CASE, [*place, "smooth"], ".3g"),
-               points, best_published(truth, case, place), shift, shifted)
+               points, least_of_others(truth, case, place), shift, shifted)
 
 
 def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list[Any]]]:
@@ -112,8 +112,8 @@ def error_of(summary: Content, path: list[Any]) -> Cell:
     return number(summary, SUMMARY, [*path, "relative_l2"], ".3g") if reason.text == "-" else reason
 
 
-def best_published(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
-    """Return the least error that others have published; the case states it at `place`, its truth."""
+def least_of_others(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
+    """Return the least error of others that the case states at `place`, its truth: printed or recomputed."""
     levels = truth.published if isinstance(truth, (Truth, Profiles)) else {}
     if not levels:
         return Cell("-")

@@ -19,7 +19,7 @@ from parisph.report.page import Subject, subject
 
 START, END = "<!-- gallery -->", "<!-- end of the gallery -->"
 PICTURES = "pictures"    # folder beside a file that a gallery is put into
-HEAD = ("probe", "truth", "error, greatest value or time", "best published", "error against further references")
+HEAD = ("probe", "truth", "error, greatest value or time", "least error of others", "error against further references")
 
 
 def found(folders: Sequence[AnyPath]) -> list[Path]:

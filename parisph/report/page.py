@@ -92,7 +92,7 @@ def _errors(about: Subject) -> list[str]:
     if without:
         parts.append(markup.paragraph(f"Without a reference: {', '.join(without)}.", "small"))
     for name, text in account.published(about.probes):
-        parts.append(markup.paragraph(f"Published errors of others at {name}, {text}.", "small"))
+        parts.append(markup.paragraph(f"Errors of others at {name}, {text}.", "small"))
     parts += [markup.paragraph(f"{name}: {note}", "small") for name, note in account.notes(about.probes)]
     for title, content in (("Profiles", account.profiles(about.probes, about.summary)),
                            ("Peaks", account.peaks(about.probes, about.summary)),

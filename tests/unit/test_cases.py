@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from parisph import CaseError, load
+from parisph.base import reading
 from parisph.base.fields import CONTACT, SURFACE, WET
 from parisph.case import elsewhere, waves
 from parisph.case.checks import stable_time_step
@@ -17,6 +18,7 @@ from parisph.case.schema import Case
 from parisph.case.truths import read_truth
 from parisph.geometry import build as geometry
 from parisph.geometry import scene_checks
+from parisph.truth import norms
 from tests.scenes import made_motion
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -166,11 +168,45 @@ def test_a_motion_that_is_not_there_is_named_with_a_remedy(tmp_path, monkeypatch
         load(CASES / "dam_break_zhou.py", {"data": str(tmp_path)})
 
 
-def test_truths_of_measured_data_where_it_lies(monkeypatch):
+@pytest.fixture
+def measured_data(monkeypatch):
+    """The folder of the measured data, which the cases then use."""
     folder = Path(MEASURED or CASES / elsewhere.BESIDE).resolve()
     monkeypatch.setenv(elsewhere.VARIABLE, str(folder))
     if not folder.is_dir():
         pytest.skip(f"measured data of others is not part of parisph: there is no {folder}")
+    return folder
+
+
+def level_of(file, reference, scale, unit):
+    """Return the error of a digitised curve (file, column, sensor) against a reference, as if it were a run."""
+    name, column, sensor = file
+    names, lines = reading.read_columns(str(name))
+    found = sorted({float(cells[names.index("t_sqrt_g_over_H")]): float(cells[names.index(column)])
+                    for cells in lines.values() if cells[names.index("sensor")] == sensor}.items())
+    time, values = np.transpose(found)
+    truth = norms.evenly(*norms.cut(*read_truth(reference), reference.window))
+    return norms.judge(time * unit, values * scale, *truth)["relative_l2"]
+
+
+def test_errors_of_others_are_those_of_their_curves_in_the_window_of_the_run(measured_data):
+    zhou, lobovsky = load(CASES / "dam_break_zhou.py"), load(CASES / "dam_break_lobovsky.py")
+    for case, file, curves, height in (
+        (zhou, "02b_marrone2011_deltaSPH_buchner_numerical.csv",
+         {"P2": [(f"p_H{cells}", "P_160mm") for cells in (40, 80, 320)]}, 1.0),
+        (lobovsky, "02f_decourcy2024_acsph_lobovsky_numerical.csv",
+         {f"S{k}": [("p_over_rho_g_H", f"P{k}")] for k in (1, 2, 3, 4)}, 0.3),
+    ):
+        truths = {probe.name: probe.truth for probe in case.probes}
+        for name, columns in curves.items():
+            density = case.fluids[0].density
+            found = [level_of((measured_data / file, *column), truths[name], density * 9.81 * height,
+                              np.sqrt(height / 9.81)) for column in columns]
+            assert list(truths[name].published.values()) == pytest.approx(found, abs=4e-3), name
+            assert all("recomputed" in who for who in truths[name].published)
+
+
+def test_truths_of_measured_data_where_it_lies(measured_data):
     zhou, lobovsky, roll, bed, beach = (load(CASES / f"{name}.py") for name in (
         "dam_break_zhou", "dam_break_lobovsky", "lateral_roll", "wet_bed", "runup_synolakis"))
     truths = {probe.name: probe.truth for case in (zhou, lobovsky, roll) for probe in case.probes if probe.truth}
