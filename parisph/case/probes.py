@@ -154,7 +154,9 @@ class Energy(Probe):
 
 
 class Volume(Probe):
-    """Relative volume of the fluid: mean interior Voronoi cell over its start [-].
+    """Relative volume of the fluid: mean Voronoi cell inside the fluid over the square of the spacing [-].
+
+    It is 1 on a lattice of the spacing. Scenes with a fluid of another shape may start with other cells.
 
     Examples
     --------

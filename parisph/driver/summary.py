@@ -43,7 +43,7 @@ class Account:
         self._shares: Shares | None = None               # the same
         self._notes = list(before.get("notes", ()))
         self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
-        self._fluid = 0
+        self._fluid = self._walls = 0
 
     @classmethod
     def new(cls) -> "Account":
@@ -62,6 +62,7 @@ class Account:
         """
         p = simulation.particles
         self._fluid = fluid = p.comm.allreduce(int(np.count_nonzero(p.kind == FLUID)))
+        self._walls = int(p.n_global) - fluid
         if isolated > max(FEW, SHARE * fluid):
             self._notes.append(f"{isolated} particles had no contact with a free surface at the start (of {fluid} "
                                "fluid particles and the walls): p = 0 was set only at the highest of them")
@@ -128,7 +129,8 @@ class Account:
         peak = comm.allgather(_peak_memory())
         content = {
             "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": s.comm.size,
-            "particles": int(s.particles.n_global), "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,
+            "particles": int(s.particles.n_global), "fluid_particles": int(s.particles.n_global) - self._walls,
+            "wall_particles": self._walls, "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,
             "status": status, "warnings": self.warnings(), "wall_seconds": account["wall"],
             "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],

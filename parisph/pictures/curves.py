@@ -25,8 +25,8 @@ Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
 # What a probe of a kind (as in the case) shows, if its unit does not say it, and which kinds share one set of axes.
 KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
-    "column_height": "column height $y$", "energy": "energy", "volume": "volume $V/V_0$", "momentum": "momentum",
-    "run_up": "highest contact", "force": "force",
+    "column_height": "column height $y$", "energy": "energy", "momentum": "momentum",
+    "volume": "mean cell inside the fluid $/\\,s^2$", "run_up": "highest contact", "force": "force",
 }
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
 COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment"}  # where one column is something else
@@ -162,10 +162,13 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
             table, units = run.probe(name), run.units(name)
             columns = [column for column in table.dtype.names if column not in ("time", "step")
                        and table[column].dtype.kind == "f"]
+            several = len(columns) > 1
+            if kinds.get(name) == "energy" and not style.has_potential(run.case):
+                columns = [column for column in columns if not column.startswith(("potential", "total"))]
             for column in columns:
                 # What is of no known kind has something in common with its like in unit, if with any.
                 kind = kinds.get(name, "" if units[column] else name)
-                curve = Curve(run, label if len(runs) > 1 else "", name, column if len(columns) > 1 else "",
+                curve = Curve(run, label if len(runs) > 1 else "", name, column if several else "",
                               table["time"], table[column])
                 groups.setdefault((FAMILIES.get(kind, kind), units[column]), []).append(curve)
     return groups

@@ -15,6 +15,8 @@ from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WET
 from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, plain, shown
+from parisph.case.expressions import uniform_field
+from parisph.case.motion.oscillations import Roll
 from parisph.io.files import replacing
 
 if TYPE_CHECKING:
@@ -134,6 +136,14 @@ def scales(case: Mapping[str, Any]) -> Scales:
     if g == 0.0:
         return Scales(height)
     return Scales(height, np.sqrt(height / g), np.sqrt(g * height), density * g * height)
+
+
+def has_potential(case: Mapping[str, Any]) -> bool:
+    """Return whether the probes of the energy have a potential energy: the body force on a fluid of a case (dict) is
+    uniform, and constant but for what a tank adds to it that does not turn.
+    """
+    turns = (case.get("frame") or REST)["kind"] == Roll.model_fields["kind"].default
+    return not turns and uniform_field(case["gravity"]) is not None
 
 
 def fluid_bounds(case: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:

@@ -20,6 +20,8 @@ ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", 
 PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
              "band from", "to", "beyond the band by", "others have it at [s]", "truth")
 PROFILE_HEAD = ("profiles", "reference", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
+PARTICLES = (("particles", ["particles"]), ("of these, fluid", ["fluid_particles"]),
+             ("of these, on walls", ["wall_particles"]))
 Probes = Sequence[AnyProbe]
 AnyTruth = Truth | WaveTruth | Peaks | Profiles
 Content = Mapping[str, Any]    # of a JSON file
@@ -29,7 +31,7 @@ def conditions(case: Content, summary: Content) -> Table:
     """Return what was run: method, resolution, steps, ranks and versions."""
     rows = [("status", number(summary, SUMMARY, ["status"])), ("method", number(case, CASE, ["numerics", "method"])),
             ("preset", number(case, CASE, ["numerics", "preset"])),
-            ("particles", number(summary, SUMMARY, ["particles"], "d")),
+            *((name, number(summary, SUMMARY, path, "d")) for name, path in PARTICLES if path[0] in summary),
             ("spacing", number(case, CASE, ["numerics", "spacing"], ".6g", "m")),
             ("steps", number(summary, SUMMARY, ["steps"], "d")),
             ("time step", number(case, CASE, ["numerics", "time_step"], ".6g", "s")),
@@ -41,7 +43,7 @@ def conditions(case: Content, summary: Content) -> Table:
     rows += [(name, number(summary, SUMMARY, ["versions", name])) for name in
              (versions if isinstance(versions, dict) else ())]
     if case["numerics"].get("time_step") is None:
-        rows[6] = ("time step", Cell("adaptive"))
+        rows = [(name, Cell("adaptive") if name == "time step" else cell) for name, cell in rows]
     return _named(rows)
 
 
@@ -57,18 +59,6 @@ def cost(summary: Content) -> Table:
     longest = sorted(phases, key=lambda name: -float(phases[name]))[:4]
     rows += [(f"CPU time, {name}", number(summary, SUMMARY, ["cpu_phases", name], ".4g", "s")) for name in longest]
     return _named(rows)
-
-
-def drift(summary: Content) -> Table:
-    """Return how volume and energy have changed since the start."""
-    energy = "energy change (work is done on the fluid)" if summary.get("driven") else "energy drift"
-    extremes = (("low", "+.3%", ""), ("low_time", ".4g", "s"), ("high", "+.3%", ""), ("high_time", ".4g", "s"))
-    rows = []
-    for what, kind in (("volume drift", "volume"), (energy, "energy")):
-        end = number(summary, SUMMARY, [f"{kind}_drift"], "+.3%")
-        rows.append((Cell(what), end, *(number(summary, SUMMARY, [f"{kind}_range", name], form, unit)
-                                        for name, form, unit in extremes)))
-    return Table(("", "at the end", "lowest", "at", "highest", "at"), tuple(rows))
 
 
 def errors(probes: Probes, case: Content, summary: Content) -> Table:

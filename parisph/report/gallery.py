@@ -126,12 +126,16 @@ def _facts(about: Subject) -> Table:
     def of(path: list[str | int], form: str = ".4g", unit: str = "") -> Cell:
         return number(about.summary, account.SUMMARY, path, form, unit)
 
-    wanted = [("particles", of(["particles"], "d")), ("spacing", of(["spacing"], ".4g", "m")),
+    both = "fluid_particles" in about.summary and "wall_particles" in about.summary
+    wanted = [*([("fluid particles", of(["fluid_particles"], "d")), ("wall particles", of(["wall_particles"], "d"))]
+                if both else [("particles", of(["particles"], "d"))]), ("spacing", of(["spacing"], ".4g", "m")),
               ("steps", of(["steps"], "d")), ("to t", of(["time"], ".4g", "s")),
               ("CPU time", of(["cpu_seconds"], ".3g", "s")),
               ("volume from", of(["volume_range", "low"], "+.2%")), ("to", of(["volume_range", "high"], "+.2%"))]
     if not about.summary.get("driven") and about.summary.get("energy_range"):
         wanted.append(("energy at most", of(["energy_range", "high"], "+.2%")))
+    if (about.summary.get("energy_in_motion") or {}).get("drift") is not None:
+        wanted.append(("energy in motion", of(["energy_in_motion", "drift"], "+.2%")))
     return Table(tuple(name for name, _ in wanted), (tuple(cell for _, cell in wanted),))
 
 
@@ -177,13 +181,20 @@ def _joined(text: str, *cells: Cell) -> Cell:
 
 def _text(alternative: str, about: Subject, picture: str) -> list[str]:
     """Return the lines of a run: its picture, its size and cost, its truths."""
-    particles, spacing, steps, time, cost, low, high, *energy = (cell.text for cell in _facts(about).rows[0])
-    told = (f"{about.title}. " if alternative == about.title else "") + (
-        f"{particles} particles, spacing {spacing}; {steps} steps to t = {time}, {cost} of CPU time; "
-        f"volume {low} to {high}" + (f", energy at most {energy[0]}" if energy else ""))
+    told = (f"{about.title}. " if alternative == about.title else "") + _in_words(_facts(about))
     content = _table(about)
     return [*([f"![{alternative}]({picture})", ""] if picture else []), f"{told}.", "",
             *([_markdown(content)] if content.rows else ["No truth."]), ""]
+
+
+def _in_words(facts: Table) -> str:
+    """Return size, cost and drift of a run as part of a sentence."""
+    of = {name: cell.text for name, cell in zip(facts.head, facts.rows[0])}
+    particles = of.get("particles") or f"{of['fluid particles']} fluid and {of['wall particles']} wall"
+    energy = [f", energy at most {of['energy at most']}"] if "energy at most" in of else []
+    energy += [f", change of the energy in motion {of['energy in motion']}"] if "energy in motion" in of else []
+    return (f"{particles} particles, spacing {of['spacing']}; {of['steps']} steps to t = {of['to t']}, "
+            f"{of['CPU time']} of CPU time; volume {of['volume from']} to {of['to']}" + "".join(energy))
 
 
 def _markdown(content: Table) -> str:

@@ -16,7 +16,7 @@ from parisph.case.probes import AnyProbe, ProbeArray
 from parisph.io.files import write_text
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
-from parisph.report import account, markup
+from parisph.report import account, energies, markup
 
 PAGE, FOLDER = "report.html", "report"
 
@@ -144,7 +144,11 @@ def _flow(about: Subject, folder: Path) -> list[str]:
 
 
 def _conserved(about: Subject) -> list[str]:
-    return [markup.heading("Volume and energy"), markup.table(account.drift(about.summary))] if about.summary else []
+    if not about.summary:
+        return []
+    tables = (energies.drift(about.case, about.summary), energies.motion(about.summary))
+    return [markup.heading("Volume and energy"), *(markup.table(content) for content in tables if content.rows),
+            *(markup.paragraph(text, "small") for text in energies.drift_notes(about.case, about.summary))]
 
 
 def _cost(about: Subject, folder: Path) -> list[str]:

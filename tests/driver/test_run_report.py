@@ -27,6 +27,8 @@ from parisph import (
     run,
 )
 from parisph.base.errors import StoreError
+from parisph.base.fields import FLUID, WALL
+from parisph.io.reader import open_run
 from parisph.report import gallery, page
 from tests.launch import parisph
 
@@ -92,7 +94,8 @@ def test_every_number_of_the_page_is_in_the_files_of_the_run(made, text):
     assert {"summary.json: errors/tap/relative_l2", "summary.json: errors/tap/others/<b>/relative_l2",
             "summary.json: errors/tap/best_shift", "summary.json: errors/tap/peaks/1/beyond",
             "case.json: probes/0/truth/published/others", "summary.json: cpu_seconds",
-            "summary.json: volume_range/low", "summary.json: errors/late/reason"} <= sources
+            "summary.json: volume_range/low", "summary.json: energy_in_motion/high",
+            "summary.json: wall_particles", "summary.json: errors/late/reason"} <= sources
 
 
 def test_the_page_is_one_file_with_its_pictures(made, text):
@@ -143,7 +146,9 @@ def test_a_gallery_is_put_between_the_marks_of_a_file_and_replaces_what_was_ther
     assert "### run" in once and "![Still & <calm>](pictures/run.png)" in once and "Still & <calm>. " in once
     summary = json.loads((made / "summary.json").read_text())
     peaks = summary["errors"]["tap"]["peaks"]
-    assert f"{summary['particles']} particles, spacing 0.1 m; " in once and f"| {peaks[1]['found']:.4g} at " in once
+    fluid, wall = (int(np.count_nonzero(open_run(made).snapshot(-1)["kind"] == kind)) for kind in (FLUID, WALL))
+    assert fluid + wall == summary["particles"] and f"{fluid} fluid and {wall} wall particles, spacing 0.1 m; " in once
+    assert f"| {peaks[1]['found']:.4g} at " in once
     assert "greatest value 1000 to 3000 |" in once and ", inside | - | - |" in once and " beyond | - | - |" in once
     assert (tmp_path / "pictures" / "run.png").stat().st_size < 60_000
     gallery.put_into([made], file)

@@ -15,6 +15,7 @@ from parisph import (
     Fluid,
     Numerics,
     PressureTap,
+    Roll,
     SurfaceGauge,
     Tank,
     VelocityPoint,
@@ -56,6 +57,22 @@ def test_heights_positions_pressures_and_energies_have_axes_of_their_own(tmp_pat
     assert panels(curves.plot_probe(recorded(tmp_path / "run"))) == {
         "pressure $p$ [Pa]": ["P1", "P2"], "height $y$ [m]": ["column", "gauge"], "front position $x$ [m]": ["front"],
         "energy [J/m]": ["energy: kinetic", "energy: potential"]}
+
+
+@pytest.mark.parametrize("changes, columns", [
+    ({"gravity": ("-x", "-y")}, ["energy: kinetic"]), ({"frame": Roll(0.1, 1.0, (0.5, 0.0))}, ["energy: kinetic"]),
+    ({"gravity": ("0", "-9.81")}, ["energy: kinetic", "energy: potential", "energy: total"]),
+])
+def test_potential_energy_is_drawn_only_where_the_force_has_a_potential(tmp_path, changes, columns):
+    about = {"gravity": (0.0, -9.81), "probes": [Energy("energy")], **changes}
+    case = Case(title="x", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 2.0), end_time=1.0,
+                numerics=Numerics(spacing=0.1), **about)
+    store = Store.create(MPI.COMM_SELF, tmp_path / "run", case.model_dump_json())
+    store.add_series("probes/energy", {"kinetic": "J/m", "potential": "J/m", "total": "J/m"})
+    for step in range(3):
+        store.append(0.1 * step, step, {"probes/energy": (1.0, 0.0, 1.0)})
+    store.close()
+    assert panels(curves.plot_probe(open_run(tmp_path / "run"))) == {"energy [J/m]": columns}
 
 
 def test_velocity_and_pressure_of_a_point_are_named_each_on_its_own_axes(tmp_path, monkeypatch):

@@ -223,8 +223,8 @@ def test_probes_of_one_unit_share_axes_and_the_truth_lies_over_its_probe(run):
     few, many = np.linspace(0.0, 2.0, 20), np.linspace(0.0, 0.9, 100)
     picture = curves.plot_probe(run, truth={"P1": (few, 3924.0 + 0 * few), "left": (many, 0.5 + 0 * many)})
     labels = {axes.get_ylabel() for axes in picture.axes}
-    assert labels == {"pressure $p$ [kPa]", "energy [J/m]", "surface height $y$ [m]", "volume $V/V_0$ [-]",
-                      "cells counted [particles]"}
+    assert labels == {"pressure $p$ [kPa]", "energy [J/m]", "surface height $y$ [m]",
+                      "mean cell inside the fluid $/\\,s^2$ [-]", "cells counted [particles]"}
     pressure = next(axes for axes in picture.axes if "pressure" in axes.get_ylabel())
     probe, reference = pressure.lines
     assert probe.get_ydata()[0] == pytest.approx(3.924) and reference.get_ydata()[0] == pytest.approx(3.924)
