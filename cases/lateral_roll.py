@@ -37,8 +37,8 @@ from parisph.case.truths import read_truth
 MOTION = "04a_spheric10_water_lateral_roll_motion.csv"
 NOTE = (
     "Others: interFoam has a first peak of 4688 Pa (the mean of the experiments is 3710), and DualSPHysics with "
-    "particles of 2 mm errs by 19.5 % in the mean of three peaks. The bands are those of the experiment as it was "
-    "measured, also where the run is smoothed."
+    "particles of 2 mm errs by 19.5 % in the mean of three peaks. Each band has 95 % of the peaks of 102 repeats of "
+    "the experiment, as they were measured, also where the run is smoothed."
 )
 TIMES = (2.375, 4.067, 5.672, 7.303)    # of the four peaks in the reference run [s]
 

@@ -45,6 +45,11 @@ COMPUTED = "computed/solitary_shoaling.csv"    # for H/d = 0.3, until it breaks
 # {H/d: R/d} of single runs, Synolakis (1987)
 RUN_UP = {0.018: 0.074, 0.0181: 0.075, 0.019: 0.078, 0.0191: 0.076,
           0.283: 0.527, 0.286: 0.513, 0.294: 0.542, 0.298: 0.551, 0.322: 0.591, 0.323: 0.555}
+LEAD = (
+    "At t sqrt(g/d) = 15, before it breaks, the measured wave is 0.7 d behind that of the run: an rms of 0.13 H, which "
+    "is 0.03 H if the run is moved by 0.7 d. It is also 0.7 d behind that of the equations of Serre, Green and Naghdi. "
+    "So the distance does not come from the particles, and finer spacing does not remove it."
+)
 NEAR = 0.1    # of H: runs whose run-up is compared
 FILM = 0.005  # d: a film of 1 mm, which an eye still sees
 
@@ -100,7 +105,8 @@ def _profiles(height: float, shore: float, d: float, unit: float, data: str) -> 
     found = [] if file is None else [(file, "experiment", {"H_over_d": f"{height:g}"})]
     found += [(COMPUTED, "Serre-Green-Naghdi", {})] if height == 0.3 else []
     truths = [Profiles(name, time="t_sqrt_g_over_d", x="x_over_d", value="eta_over_d", offset=d, scale=d,
-                       x_offset=shore, x_scale=-d, time_scale=unit, wave=True, rows=rows, name=whose)
+                       x_offset=shore, x_scale=-d, time_scale=unit, wave=True, rows=rows, name=whose,
+                       note=LEAD if whose == "experiment" and height == 0.3 else "")
               for name, whose, rows in found]
     return truths[0].model_copy(update={"others": tuple(truths[1:])}) if truths else None
 
@@ -108,6 +114,9 @@ def _profiles(height: float, shore: float, d: float, unit: float, data: str) -> 
 def _run_up(height: float, d: float, end: float) -> Peaks | None:
     """Return between which run-ups those of waves of nearly this height lie, each in proportion to its height."""
     near = [rise * height / other for other, rise in RUN_UP.items() if abs(other - height) < NEAR * height]
+    if not near:
+        return None
     # the last steps may have no sample
-    return Peaks((PeakBand(start=0.0, end=0.99 * end, low=d * (1.0 + min(near)), high=d * (1.0 + max(near))),),
-                 name="experiment", note=f"{len(near)} runs with H/d within {NEAR:.0%}.") if near else None
+    band = PeakBand(start=0.0, end=0.99 * end, low=d * (1.0 + min(near)), high=d * (1.0 + max(near)), level=d)
+    return Peaks((band,), name="experiment", note=f"{len(near)} runs with H/d within {NEAR:.0%}. The values are "
+                 f"heights above the bed; the still water is at {d:g} m.")

@@ -27,8 +27,8 @@ from parisph.case.elsewhere import measured
 
 FILE = "02i_spheric5_wetbed_d38_profiles.csv"
 NOTE = (
-    "The still layer ahead of the wave, 38 mm deep, is between 34 and 46 mm in the digitised photographs: an rms of "
-    "5 mm is within their scatter."
+    "The still layer ahead of the wave, 38 mm deep, is between 34 and 46 mm in the digitised photographs. So a part of "
+    "each rms, of about 5 mm, is scatter of the photographs; what is more than that is a difference of the run."
 )
 
 

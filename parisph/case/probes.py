@@ -13,7 +13,7 @@ from parisph.case.model import Model
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
 
-Peak = Annotated[bool, Field(description="whether the flow at the greatest value is kept")]
+Peak = Annotated[bool, Field(description="whether the flow at the greatest value is kept, in the window of its truth")]
 Arrival = Annotated[
     Optional[float], Field(description="value whose first passing is told in the summary, in the probe's unit")]
 Every = Annotated[int, Field(ge=1, description="how many of the run's samples there are for one of this probe")]
@@ -23,7 +23,8 @@ Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, descripti
 class Probe(Model):
     """A named probe, written to probes/NAME.csv.
 
-    With peak=True the run writes the flow at the greatest value of the probe (of its first column) to
+    With peak=True the run writes the flow at the greatest value of the probe (of its first column, in the bands or the
+    window of its truth if it has one) to
     peaks/NAME.vtkhdf. Every step counts for this, even if samples are written less often.
 
     With arrival=VALUE the summary tells when the probe first passes this value, upwards or downwards, by linear

@@ -21,6 +21,8 @@ class PeakBand(Model):
     start, end : of the interval [s]; low, high : of the band, in the probe's unit; None where only the time is known
     smooth : width [s] of a moving mean of the run, where single steps have spikes; None for none
     when : time at which others have it [s], None if they do not say
+    level : level at rest from which values count when they are compared with the band, in the probe's unit: the height
+        of still water, where `low` and `high` are heights above the bed
 
     Examples
     --------
@@ -34,6 +36,7 @@ class PeakBand(Model):
     high: Optional[float] = Field(None, description="upper end of the band [unit of the probe]")
     smooth: Optional[float] = Field(None, gt=0, description="width of the moving mean of the run [s]")
     when: Optional[float] = Field(None, description="time of the greatest value [s]")
+    level: float = Field(0.0, description="level at rest, from which values count [unit of the probe]")
 
     @model_validator(mode="after")
     def _in_order(self) -> "PeakBand":
@@ -45,6 +48,8 @@ class PeakBand(Model):
             raise ValueError("give low and high, or `when` alone")
         if not 0.0 < self.low < self.high:
             raise ValueError("start must be before end, and low above 0 and below high")
+        if not self.level < self.low:
+            raise ValueError(f"level = {self.level:g}: must be below low = {self.low:g}")
         return self
 
 
@@ -154,6 +159,16 @@ class WaveTruth(Model):
     def series(self, x: float, times: Floats) -> Floats:
         """Return the height of the surface [m] at x [m] and times (n,) [s]."""
         return self.level + self.of.elevation(x, np.asarray(times, dtype=float))
+
+
+def intervals(truth: Optional[Model]) -> tuple[tuple[float, float], ...]:
+    """Return the intervals (start, end) [s] in which the greatest values of a probe count; () for all of the run.
+
+    truth : of the probe, or None. They are those of its bands, or else its window.
+    """
+    bands = truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
+    window = truth.window if isinstance(truth, (Truth, WaveTruth)) else None
+    return tuple((band.start, band.end) for band in bands) or (() if window is None else (window,))
 
 
 def read_truth(truth: Truth) -> tuple[Floats, Floats]:

@@ -10,6 +10,8 @@ import numpy as np
 from parisph.base.arrays import Array
 from parisph.base.errors import StoreError
 from parisph.base.log import logger
+from parisph.case.model import Model
+from parisph.case.truths import intervals
 from parisph.driver.simulation import Simulation
 from parisph.io import snapshot
 from parisph.io.files import on_first
@@ -37,7 +39,7 @@ class Copied:
 
 
 class Peaks:
-    """Keeps the flow at the greatest value of each probe with peak=True.
+    """Keeps the flow at the greatest value of each probe with peak=True, within the window or bands of its truth.
 
     When a probe has a new maximum, this rank's particles are copied in memory. They are written when
     the value has clearly fallen, at each checkpoint, and at the end of the run. Every step counts, and
@@ -68,11 +70,12 @@ class Peaks:
         values = s.comm.bcast([found[sampler.name][0] for sampler in self.samplers]) if self.samplers else ()
         computed = not self._computed
         for sampler, value in zip(self.samplers, values):
-            if not np.isfinite(value):
+            counts = _counts(sampler.probe.truth, s.time)
+            if not np.isfinite(value) or not (counts or sampler.name in self._seen):
                 continue
             seen = self._seen.setdefault(sampler.name, {"least": value, "greatest": -np.inf})
             seen["least"] = min(seen["least"], value)
-            if value > seen["greatest"]:
+            if counts and value > seen["greatest"]:
                 seen.update(greatest=value, time=s.time, step=s.steps)
                 if not computed:
                     s.complete(self._computed)
@@ -132,6 +135,12 @@ class Peaks:
     def _passed(self, name: str) -> bool:
         seen = self._seen[name]
         return bool(seen["now"] < seen["greatest"] - FALL * (seen["greatest"] - seen["least"]))
+
+
+def _counts(truth: Model | None, time: float) -> bool:
+    """Return whether the value of a probe at a time [s] may be its greatest: another event is not that of its truth."""
+    where = intervals(truth)
+    return not where or any(start <= time <= end for start, end in where)
 
 
 def _copied(particles: Particles, fields: Sequence[str]) -> Copied:

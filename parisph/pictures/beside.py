@@ -48,15 +48,17 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
     factor, shown = style.with_prefix(float(np.max(np.abs(found[1]), initial=0.0)), unit)
     axes.plot(found[0], factor * found[1], color=style.LINES[0], linewidth=1.2, label="run", zorder=3)
     for number, (name, (time, values)) in enumerate(others.items()):
+        known = np.count_nonzero((time >= found[0][0]) & (time <= found[0][-1]))
+        time, values = _over_the_run(time, values, found[0])
         inside = (time >= found[0][0]) & (time <= found[0][-1])
-        look = curves.marks(int(np.sum(inside))) if number == 0 else {"linestyle": style.STYLES[number % 4]}
+        look: style.LineLook = {"linestyle": style.STYLES[number % 4]}
+        if number == 0:
+            look = curves.marks(int(np.sum(inside)) if known > 1 else curves.MARKS)
         axes.plot(time[inside], factor * values[inside], linewidth=1.0, label=style.literal(name),
                   color="black" if number == 0 else style.LINES[number % len(style.LINES)], **look)
-    if isinstance(probe.truth, Truth | WaveTruth):
-        _mark(axes, probe.truth.window, getattr(probe.truth, "peaks", ()), found[0][-1], factor)
-    elif isinstance(probe.truth, Peaks):
-        _mark(axes, None, probe.truth.bands, found[0][-1], factor)
-    _limit(axes, factor, shown, found, others)
+    bands = _bands(probe.truth)
+    _mark(axes, probe.truth.window if isinstance(probe.truth, Truth | WaveTruth) else None, bands, found[0][-1], factor)
+    _limit(axes, factor, shown, found, others, [band for band in bands if band.start < found[0][-1]])
     what = curves.KINDS.get(probe.kind, curves.UNITS.get(unit, probe.kind.replace("_", " ")))
     axes.set_ylabel(f"{what} [{shown or '-'}]")
     axes.set_xlabel("$t$ [s]")
@@ -103,6 +105,20 @@ def plot_profiles(run: Run, probe: ProbeArray, path: AnyPath | None = None, colu
     return picture
 
 
+def _bands(truth: object) -> list[PeakBand]:
+    """Return the bands of a truth, each one once: a run may be judged against one as it is, and smoothed too."""
+    bands = truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
+    return list({(band.start, band.end, band.low, band.high, band.when): band for band in bands}.values())
+
+
+def _over_the_run(time: np.ndarray, values: np.ndarray, run: np.ndarray) -> curves.Samples:
+    """Return a reference (n,), at the ends of the run where it has fewer than two samples in it, such as a constant."""
+    if np.count_nonzero((time >= run[0]) & (time <= run[-1])) > 1:
+        return time, values
+    ends = np.clip([run[0], run[-1]], time[0], time[-1])
+    return ends, np.interp(ends, time, values)
+
+
 def _mark(axes: "Axes", window: tuple[float, float] | None, bands: Sequence[PeakBand], end: float,
           factor: float) -> None:
     if window is not None:
@@ -118,11 +134,13 @@ def _mark(axes: "Axes", window: tuple[float, float] | None, bands: Sequence[Peak
         label = None
 
 
-def _limit(axes: "Axes", factor: float, unit: str, found: curves.Samples, others: dict[str, curves.Samples]) -> None:
-    """Leave out single spikes of the run, which would hide the rest, and say so."""
+def _limit(axes: "Axes", factor: float, unit: str, found: curves.Samples, others: dict[str, curves.Samples],
+           bands: Sequence[PeakBand]) -> None:
+    """Leave out single spikes of the run, which would hide the rest, and say so. The bands are shown whole."""
     end = found[0][-1]
     parts = [values[(time >= found[0][0]) & (time <= end)] for time, values in others.values()]
     fits = [np.percentile(found[1], [100.0 - MOST, MOST]), *(part for part in parts if len(part))]
+    fits += [np.array([band.low, band.high]) for band in bands if band.low is not None and band.high is not None]
     low, high = (factor * of([of(part) for part in fits]) for of in (np.min, np.max))
     slack = 0.08 * (high - low) or 1.0
     axes.set_ylim(low - slack, high + slack)

@@ -6,7 +6,7 @@ from typing import Any
 from parisph.base.text import named
 from parisph.case.probes import AnyProbe
 from parisph.case.profiles import Profiles
-from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth
+from parisph.case.truths import Peaks, Truth, WaveTruth
 from parisph.report.entries import Cell, Table, number
 
 SUMMARY, CASE = "summary.json", "case.json"
@@ -17,9 +17,8 @@ ALIGNMENT = (
 )
 ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", "to [s]", "both smoothed over [s]",
               "samples", "least of others", "best shift [s]", "error if so shifted")
-PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
-             "band from", "to", "beyond the band by", "others have it at [s]", "truth")
 PROFILE_HEAD = ("profiles", "reference", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
+AT_END = 0.999    # of the range of shifts: as near to its end as that, nothing says that the error rises beyond
 PARTICLES = (("particles", ["particles"]), ("of these, fluid", ["fluid_particles"]),
              ("of these, on walls", ["wall_particles"]))
 Probes = Sequence[AnyProbe]
@@ -73,10 +72,21 @@ def _of_probe(k: int, probe: AnyProbe, case: Content, summary: Content) -> Itera
         start, end, points, shift, shifted = (
             number(summary, SUMMARY, [*path, name], form) for name, form in
             (("start", ".4g"), ("end", ".4g"), ("points", "d"), ("best_shift", "+.3g"), ("shifted_l2", ".3g")))
+        if _at_the_end(summary, path):
+            shift = Cell(f"{shift.text} (end of the range, no minimum)", shift.source)
         of_wave = isinstance(truth, WaveTruth) or (isinstance(truth, (Truth, Profiles)) and truth.wave)
         name = name_of(truth) + (", relative to the wave alone" if of_wave else "")
         yield (Cell(probe.name), Cell(name), error, start, end, number(case, CASE, [*place, "smooth"], ".3g"),
                points, least_of_others(truth, case, place), shift, shifted)
+
+
+def _at_the_end(summary: Content, path: list[Any]) -> bool:
+    """Return whether the best shift of a probe is at an end of the range in which it was sought."""
+    found: Any = summary
+    for name in path:
+        found = found.get(name) or {}
+    shift, sought = found.get("best_shift"), found.get("shift_sought")
+    return bool(shift and sought and abs(shift) > AT_END * sought)
 
 
 def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list[Any]]]:
@@ -111,23 +121,6 @@ def least_of_others(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
     return number(case, CASE, [*place, "published", best], ".3g", f"({best})")
 
 
-def bands(probe: AnyProbe) -> tuple[PeakBand, ...]:
-    """Return the bands of a probe's greatest values."""
-    truth = probe.truth
-    return truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
-
-
-def peaks(probes: Probes, summary: Content) -> Table:
-    """Return the greatest values in intervals of time beside what others have there."""
-    columns = (("start", ".4g"), ("end", ".4g"), ("smooth", ".3g"), ("found", ".4g"), ("time", ".4g"),
-               ("low", ".4g"), ("high", ".4g"), ("beyond", "+.0%"), ("when", ".4g"))
-    return Table(PEAK_HEAD, tuple(
-        (Cell(probe.name), *(number(summary, SUMMARY, ["errors", probe.name, "peaks", k, name], form)
-                             for name, form in columns), Cell(name_of(probe.truth)))
-        for probe in probes if probe.truth is not None for k in range(len(bands(probe)))
-    ))
-
-
 def profiles(probes: Probes, summary: Content) -> Table:
     """Return the errors of each of the profiles that arrays of gauges are compared with."""
     columns = (("time", ".4g"), ("relative_l2", ".3g"), ("mean", "+.2g"), ("rms", ".2g"))
@@ -146,12 +139,6 @@ def _count(summary: Content, path: list[Any]) -> int:
     for name in path:
         found = (found or {}).get(name)
     return len(found or ())
-
-
-def arrivals(summary: Content) -> Table:
-    """Return when probes pass the values of their `arrival`."""
-    return _named([(name, number(summary, SUMMARY, ["arrivals", name], ".4g", "s"))
-                   for name in summary.get("arrivals") or ()])
 
 
 def published(probes: Probes) -> list[tuple[str, str]]:

@@ -13,7 +13,7 @@ from parisph.base.text import named
 from parisph.io.files import write_text
 from parisph.io.reader import Run
 from parisph.pictures import curves, overview, style
-from parisph.report import account, markup
+from parisph.report import account, events, markup
 from parisph.report.entries import Cell, Table, number
 from parisph.report.page import Subject, subject
 
@@ -147,15 +147,15 @@ def _table(about: Subject) -> Table:
     rows = [(first[0], first[1], first[2], first[7],
              _joined("; ".join(f"{row[1].text}: {row[2].text}" for row in others) or "-", *(row[2] for row in others)))
             for first, *others in judged.values()]
-    for row in account.peaks(about.probes, about.summary).rows:
+    for row in events.peaks(about.probes, about.summary).rows:
         if row[4].text == "-":    # the run ends before
             continue
         smoothed = "" if row[3].text == "-" else f", smoothed over {row[3].text} s"
-        rows.append((Cell(row[0].text + smoothed), _joined(_reported(row), *row[6:10]),
-                     _joined(f"{row[4].text} at {row[5].text} s{_beyond(row[8])}", *row[4:6], row[8]),
+        rows.append((Cell(row[0].text + smoothed), _joined(_reported(row), *row[6:9], row[10]),
+                     _joined(f"{row[4].text} at {_time(row[5])}{_beyond(row[9])}", *row[4:6], row[9]),
                      Cell("-"), Cell("-")))
-    for row in account.arrivals(about.summary).rows:
-        rows.append((row[0], Cell("when it passes its level"), row[1], Cell("-"), Cell("-")))
+    for row in events.arrivals(about.case, about.summary).rows:
+        rows.append((row[0], _joined(f"when it passes {row[1].text}", row[1]), row[2], Cell("-"), Cell("-")))
     wide = any(row[4].text != "-" for row in rows)
     return Table(HEAD if wide else HEAD[:4], tuple(row if wide else row[:4] for row in rows))
 
@@ -165,9 +165,14 @@ def _shown(content: Table) -> list[str]:
 
 
 def _reported(row: tuple[Cell, ...]) -> str:
-    low, high, when, whose = row[6].text, row[7].text, row[9].text, row[10].text
+    low, high, when, whose = row[6].text, row[7].text, row[10].text, row[11].text
     band = "" if low == "-" else f"greatest value {low} to {high}"
     return band + (f"{', ' if band else ''}{whose}: at {when} s" if when != "-" else "")
+
+
+def _time(cell: Cell) -> str:
+    time, _, remark = cell.text.partition(" ")
+    return f"{time} s" + (", the last sample" if remark else "")
 
 
 def _beyond(cell: Cell) -> str:

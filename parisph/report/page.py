@@ -13,10 +13,11 @@ from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, named, plain
 from parisph.case import stored
 from parisph.case.probes import AnyProbe, ProbeArray
+from parisph.case.truths import intervals
 from parisph.io.files import write_text
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
-from parisph.report import account, energies, markup
+from parisph.report import account, energies, events, markup
 
 PAGE, FOLDER = "report.html", "report"
 
@@ -94,11 +95,12 @@ def _errors(about: Subject) -> list[str]:
     for name, text in account.published(about.probes):
         parts.append(markup.paragraph(f"Errors of others at {name}, {text}.", "small"))
     parts += [markup.paragraph(f"{name}: {note}", "small") for name, note in account.notes(about.probes)]
-    for title, content in (("Profiles", account.profiles(about.probes, about.summary)),
-                           ("Peaks", account.peaks(about.probes, about.summary)),
-                           ("Arrivals", account.arrivals(about.summary))):
+    for title, content, words in (("Profiles", account.profiles(about.probes, about.summary), ""),
+                                  ("Peaks", events.peaks(about.probes, about.summary), events.PEAKS),
+                                  ("Arrivals", events.arrivals(about.case, about.summary), events.PASSED)):
         if content.rows:
             parts += [markup.heading(title), markup.table(content)]
+            parts += [markup.paragraph(words, "small")] if words else []
     return parts
 
 
@@ -133,13 +135,17 @@ def _flow(about: Subject, folder: Path) -> list[str]:
     if len(run) == 0:
         return []
     overview.plot_moments(run, folder / "flow.png")
+    within = {probe.name: intervals(probe.truth) for probe in about.probes}
     parts = [markup.heading("The flow"), markup.picture(folder / "flow.png", "Pressure at moments of the run")]
     for name in run.probe_names:
         peak = run.peak(name)
         if peak is not None:
             path = folder / f"peak_{name}.png"
             view.plot_field(run, peak, path=path)
-            parts.append(markup.picture(path, f"Pressure at the greatest value of {name}"))
+            unit = next((unit for column, unit in run.units(name).items() if column not in ("time", "step")), "")
+            where = " within the time that is compared" * bool(within.get(name))
+            parts.append(markup.picture(path, f"Pressure at the greatest value of {name}{where}: {peak['peak']:.4g} "
+                                              f"{unit} at t = {peak['time']:.4g} s"))
     return parts
 
 

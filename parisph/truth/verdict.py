@@ -29,11 +29,13 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     paper_2017 : for waves, that of Zheng et al. (2017), Eq 35 (which decreases with the number of samples)
     points : number of compared samples of the truth, or of the run if the truth is too coarse (norms.on_reference)
     start, end : of what was compared [s]
-    peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, when [s], the greatest value `found`, its
-        `time` [s], and by which share of the nearer end it is `beyond` the band, 0 inside
+    peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, when [s], level, the greatest value
+        `found`, its `time` [s], whether it is the `last` sample, so that later ones may be greater, and by which share
+        of the nearer end it is `beyond` the band, 0 inside; both count from `level`
     others : {name: the same, without peaks} of the further references, also for Profiles
     best_shift, shifted_l2 : the shift [s] of the run's time with the least error, and this error; None if it is not
         defined
+    shift_sought : the largest shift [s] either way that was tried; a best shift at that end is no minimum
     If nothing can be compared: relative_l2 None, and `reason`. For Peaks there are only `peaks`; for Profiles what
     profiled.errors returns.
     """
@@ -130,20 +132,22 @@ def _shifted(run, reference, level, error):
         limit = SOUGHT * (min(run[0][-1], reference[0][-1]) - max(run[0][0], reference[0][0]))
         shift = norms.best_shift(*run, *reference, limit)
         shifted = norms.judge(*run, *reference, level, shift)["relative_l2"]
-        return {"best_shift": shift if shifted < error else 0.0, "shifted_l2": min(shifted, error)}
+        return {"best_shift": shift if shifted < error else 0.0, "shifted_l2": min(shifted, error),
+                "shift_sought": limit}
     except ValueError:    # too few samples stay inside
-        return {"best_shift": None, "shifted_l2": None}
+        return {"best_shift": None, "shifted_l2": None, "shift_sought": None}
 
 
 def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray) -> dict[str, float | None]:
     """Return a band and the greatest value of the series in its interval; None if the run ends before it does."""
-    found: dict[str, float | None] = {**band.model_dump(), "found": None, "time": None, "beyond": None}
+    found: dict[str, float | None] = {**band.model_dump(), "found": None, "time": None, "last": None, "beyond": None}
     if band.smooth is not None:
         values = norms.moving_mean(time, values, band.smooth)
     inside = np.flatnonzero((time >= band.start) & (time <= band.end)) if time[-1] >= band.end else ()
     if len(inside):
         k = inside[np.argmax(values[inside])]
-        found.update(found=float(values[k]), time=float(time[k]))
+        found.update(found=float(values[k]), time=float(time[k]), last=bool(k == inside[-1]))
         if band.low is not None and band.high is not None:
-            found["beyond"] = float(values[k] / np.clip(values[k], band.low, band.high) - 1.0)
+            near = np.clip(values[k], band.low, band.high)
+            found["beyond"] = float((values[k] - near) / (near - band.level))
     return found

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import CaseError, PressureTap, SurfaceGauge, WaterFront
+from parisph import CaseError, PeakBand, PressureTap, SurfaceGauge, Truth, WaterFront
+from parisph import Peaks as PeaksOf
 from parisph.__main__ import main
 from parisph.base.fields import FIELDS
 from parisph.case.schema import Output
@@ -28,13 +29,13 @@ TAP = PressureTap("tap", at=(0.0, 0.1), peak=True)
 class Acting:
     """A run without a flow: particles whose x is the step, and a tap that takes given values."""
 
-    def __init__(self, folder, values, state=None, store=None):
+    def __init__(self, folder, values, state=None, store=None, tap=TAP):
         particles = Particles(MPI.COMM_SELF, 2)
         particles.assign({name: field.empty(3, 2) for name, field in FIELDS.items()} | {"id": np.arange(3)})
         self.simulation = SimpleNamespace(comm=MPI.COMM_SELF, particles=particles, time=0.0, steps=-1)
         self.values, self.folder = values, folder
         self.store = store or Store.create(MPI.COMM_SELF, folder, watched.scene([TAP]).model_dump_json())
-        self.peaks = Peaks(self.simulation, [SimpleNamespace(name="tap", probe=TAP)], ("u", "p", "role"), state)
+        self.peaks = Peaks(self.simulation, [SimpleNamespace(name="tap", probe=tap)], ("u", "p", "role"), state)
 
     def go(self, first, last):
         """Take the steps from first to last; return what is in the folder then: (step, value) or None."""
@@ -88,6 +89,20 @@ def test_no_number_and_an_equal_value_are_no_peak(tmp_path):
     acting = Acting(tmp_path / "none", [float("nan")])
     acting.go(0, 0)
     assert acting.save() == {} and kept(tmp_path / "none") is None
+
+
+@pytest.mark.parametrize("truth", [
+    PeaksOf([PeakBand(start=0.15, end=0.35, when=0.2)]), Truth("a.csv", time="t", value="p", window=(0.15, 0.35)),
+    Truth("a.csv", time="t", value="p", window=(0.0, 9.0), peaks=(PeakBand(start=0.15, end=0.35, low=1.0, high=2.0),)),
+])
+def test_only_values_within_the_truth_of_the_probe_count(tmp_path, truth):
+    tap = TAP.model_copy(update={"truth": truth})
+    values = [50.0, 40.0, 3.0, 5.0, 9.0, 60.0]
+    acting = Acting(tmp_path / "run", values, tap=tap)
+    acting.go(0, 5)
+    assert acting.save()["tap"]["greatest"] == 5.0 and kept(tmp_path / "run") == (3, 5.0)
+    early = Acting(tmp_path / "early", values, tap=tap)
+    assert early.go(0, 1) is None and early.save() == {}, "nothing is kept before its window"
 
 
 def test_negative_values_have_a_peak_too(tmp_path):

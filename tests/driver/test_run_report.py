@@ -28,6 +28,7 @@ from parisph import (
 )
 from parisph.base.errors import StoreError
 from parisph.base.fields import FLUID, WALL
+from parisph.base.seal import sealed
 from parisph.io.reader import open_run
 from parisph.report import gallery, page
 from tests.launch import parisph
@@ -100,6 +101,8 @@ def test_every_number_of_the_page_is_in_the_files_of_the_run(made, text):
 
 def test_the_page_is_one_file_with_its_pictures(made, text):
     assert "<title>Still &amp; &lt;calm&gt;</title>" in text and "<calm>" not in text
+    peak = open_run(made).peak("tap")
+    assert f"greatest value of tap within the time that is compared: {peak['peak']:.4g} Pa at t = " in text
     assert "shift = 0" in text and "a sensor of brass" in text
     found = [base64.b64decode(data) for data in re.findall('src="data:image/png;base64,(.*?)"', text)]
     beside = {path.name: path.read_bytes() for path in (made / "report").glob("*.png")}
@@ -155,6 +158,29 @@ def test_a_gallery_is_put_between_the_marks_of_a_file_and_replaces_what_was_ther
     assert file.read_text() == once
 
 
+def test_a_peak_that_still_rises_and_a_shift_that_is_no_minimum_are_marked(made, tmp_path):
+    path = made / "summary.json"
+    before = path.read_text()
+    content = json.loads(before)
+    tap = content["errors"]["tap"]
+    tap["peaks"][0].update(last=True)
+    tap["peaks"][1].update(last=False)
+    tap.update(best_shift=-0.0015, shift_sought=0.0015)
+    tap["others"]["<b>"].update(best_shift=-0.0005, shift_sought=0.0015)
+    try:
+        path.write_text(json.dumps(sealed(content)))
+        text = page.write(made, tmp_path).read_text(encoding="utf-8")
+        lines = gallery.write([made], tmp_path)[1].read_text(encoding="utf-8")
+    finally:
+        path.write_text(before)
+    shown = {html.unescape(source): html.unescape(words) for source, _, words in CELL.findall(text)}
+    assert shown["summary.json: errors/tap/best_shift"] == "-0.0015 (end of the range, no minimum)"
+    assert shown["summary.json: errors/tap/others/<b>/best_shift"] == "-0.0005"
+    assert "last sample" in shown["summary.json: errors/tap/peaks/0/time"]
+    assert "last sample" not in shown["summary.json: errors/tap/peaks/1/time"]
+    assert lines.count(" s, the last sample") == 1
+
+
 def test_numbers_and_profiles_have_their_tables(tmp_path):
     (tmp_path / "profiles.csv").write_text("t,x,y\n" + "".join(f"{t},{x},0.41\n" for t in (0.01, 0.04) for x in (0, 1)))
     (tmp_path / "more.csv").write_text("t,x,y\n" + "".join(f"0.02,{x},0.42\n" for x in (0, 1)))
@@ -185,7 +211,8 @@ def test_numbers_and_profiles_have_their_tables(tmp_path):
     gallery.write([tmp_path / "run"], tmp_path / "gallery")
     lines = (tmp_path / "gallery" / "gallery.md").read_text(encoding="utf-8")
     assert "| tap | theirs: at 0.02 s | " in lines and "| all | profiles.csv | 0.0244 | - | computed: 0.0476 |" in lines
-    assert "| level | when it passes its level | - | - |" in lines
+    assert "| level | when it passes 0.39 m | - | - |" in lines
+    assert "case.json: probes/2/arrival" in {source for source, _, _ in CELL.findall(text)}
 
 
 def test_a_folder_without_a_run_is_an_error_with_a_remedy(made, tmp_path):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph.base.errors import CaseError
 from parisph.case.profiles import height
 from parisph.case.schema import (
     Energy,
@@ -102,6 +103,7 @@ def test_series_are_smoothed_and_cut_shifts_are_separate_and_peaks_have_bands(tm
         np.linalg.norm(np.sin(3.0 * (t - 0.02)) - np.sin(3.0 * t)) / np.linalg.norm(np.sin(3.0 * t)), rel=0.05)
     assert found["best_shift"] == pytest.approx(-0.02, abs=1e-3)
     assert found["shifted_l2"] < 0.1 * found["relative_l2"]
+    assert found["shift_sought"] == pytest.approx(0.05), "5 % of the window"
     assert found["others"]["b"]["relative_l2"] > 0.5
     first, last, mean = found["peaks"]
     assert mean["found"] == pytest.approx(1.0, abs=0.02), "without the ripple"
@@ -144,6 +146,19 @@ def test_numbers_without_a_series_are_beside_the_greatest_values(tmp_path):
     assert (first["found"], first["time"], first["when"], first["beyond"]) == (1.0, 1.0, 0.8, None)
     assert second["found"] == 2.0 and second["beyond"] == pytest.approx(0.25)
     assert found["relative_l2"] is None and "greatest" in found["reason"]
+
+
+def test_heights_are_beyond_a_band_by_a_share_of_the_height_above_still_water(tmp_path):
+    whole = PeakBand(start=0.0, end=2.0, low=0.24, high=0.3, level=0.2)
+    bands = whole.model_copy(update={"end": 1.0}), PeakBand(start=0.0, end=2.0, low=0.21, high=0.22), whole
+    case, run = case_and_run(tmp_path, [RunUp(name="up", side="right", truth=Peaks(bands))],
+                             {"up": ({"y": "m", "x": "m"}, lambda t: (0.2 + 0.02 * min(t, 2.0 - t), 0.0))})
+    first, second, third = verdict.errors(case, open_run(run))["up"]["peaks"]
+    assert first["beyond"] == pytest.approx(0.02 / 0.04 - 1.0) and second["beyond"] == 0.0
+    assert third["beyond"] == pytest.approx(-0.5) and third["level"] == 0.2
+    assert (first["last"], second["last"]) == (True, False), "it rises until 1 s, and falls then"
+    with pytest.raises(CaseError, match="level"):
+        PeakBand(start=0.0, end=1.0, low=0.24, high=0.3, level=0.24)
 
 
 def test_profiles_are_compared_at_their_times_where_both_have_a_surface(tmp_path):

@@ -1,0 +1,59 @@
+"""What a report says of events: the greatest values in intervals of time, and when probes pass a value."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from parisph.case.probes import AnyProbe
+from parisph.case.truths import PeakBand, Peaks, Truth
+from parisph.report.account import CASE, SUMMARY, Content, Probes, name_of
+from parisph.report.entries import Cell, Table, number
+
+PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
+             "band from", "to", "level at rest", "beyond the band by", "others have it at [s]", "truth")
+PEAKS = (
+    "A share beyond a band is that of its nearer end. Both count from the level at rest, where it is not 0: heights "
+    "above the bed include that of still water. A row without a greatest value has an interval that ends after the run."
+)
+PASSED = "The first time at which a probe is at the value given in the case, or passes it, by lines between samples."
+ARRIVAL_HEAD = ("probe", "passes", "at")
+
+
+def bands(probe: AnyProbe) -> tuple[PeakBand, ...]:
+    """Return the bands of a probe's greatest values."""
+    truth = probe.truth
+    return truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
+
+
+def peaks(probes: Probes, summary: Content) -> Table:
+    """Return the greatest values in intervals of time beside what others have there."""
+    columns = (("start", ".4g"), ("end", ".4g"), ("smooth", ".3g"), ("found", ".4g"), ("time", ".4g"),
+               ("low", ".4g"), ("high", ".4g"), ("level", ".4g"), ("beyond", "+.0%"), ("when", ".4g"))
+    return Table(PEAK_HEAD, tuple(
+        (Cell(probe.name), *(number(summary, SUMMARY, [*path, name], form, _remark(summary, path, name))
+                             for name, form in columns), Cell(name_of(probe.truth)))
+        for probe in probes if probe.truth is not None
+        for path in (["errors", probe.name, "peaks", k] for k in range(len(bands(probe))))
+    ))
+
+
+def _remark(summary: Content, path: list[Any], name: str) -> str:
+    """Return what is said behind a number of the table of peaks: a value that rises until the end has no peak."""
+    last = name == "time" and number(summary, SUMMARY, [*path, "last"]).text == "True"
+    return "(last sample: the value may still rise)" if last else ""
+
+
+def arrivals(case: Content, summary: Content) -> Table:
+    """Return when probes pass the values of their `arrival`, with these values."""
+    levels = {name: number(case, CASE, place, ".4g", "Pa" if kind == "pressure_tap" else "m")
+              for name, kind, place in _levels(case)}
+    return Table(ARRIVAL_HEAD, tuple(
+        (Cell(name), levels.get(name, Cell("-")), number(summary, SUMMARY, ["arrivals", name], ".4g", "s"))
+        for name in summary.get("arrivals") or ()))
+
+
+def _levels(case: Content) -> Iterator[tuple[str, str, list[Any]]]:
+    """Yield names, kinds and places of the `arrival` of a case's probes; in arrays they are named as in "gauges.x1"."""
+    for k, probe in enumerate(case.get("probes") or ()):
+        yield probe["name"], probe["kind"], ["probes", k, "arrival"]
+        for n, inner in enumerate(probe.get("probes") or ()):
+            yield f"{probe['name']}.{inner['name']}", inner["kind"], ["probes", k, "probes", n, "arrival"]

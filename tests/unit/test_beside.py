@@ -1,0 +1,45 @@
+"""A probe beside its references: what the axes hold, and how references and bands are drawn."""
+
+import numpy as np
+import pytest
+from matplotlib.collections import PolyCollection
+from mpi4py import MPI
+
+from parisph import PeakBand, Peaks, RunUp, SurfaceGauge, Truth
+from parisph.case.stored import to_json
+from parisph.io.reader import open_run
+from parisph.io.store import Store
+from parisph.pictures.beside import plot_beside
+from tests.watched import scene
+
+pytest.importorskip("matplotlib")
+
+
+def axes_of(folder, probe, of=lambda t: 0.25 + 0.01 * t):
+    """Return the axes of a picture of a probe with given heights at 0, 0.1, ... 1 s."""
+    case = scene([probe])
+    store = Store.create(MPI.COMM_SELF, folder, to_json(case))
+    store.add_series(f"probes/{probe.name}", {"y": "m"})
+    for step in range(11):
+        store.append(0.1 * step, step, {f"probes/{probe.name}": (of(0.1 * step),)})
+    store.close()
+    return plot_beside(open_run(folder), probe).axes[0]
+
+
+def test_the_axes_hold_the_bands_which_are_drawn_once(tmp_path):
+    bands = tuple(PeakBand(start=0.0, end=0.9, low=0.4, high=0.5, smooth=smooth) for smooth in (None, 0.1))
+    later = PeakBand(start=5.0, end=6.0, low=2.0, high=3.0)
+    axes = axes_of(tmp_path / "run", RunUp("up", side="right", truth=Peaks((*bands, later), name="others")))
+    low, high = axes.get_ylim()
+    assert low < 0.25 and 0.5 < high < 0.6, "a band after the end of the run counts no more"
+    boxes = [box.get_paths()[0].vertices for box in axes.collections if isinstance(box, PolyCollection)]
+    assert sum(np.ptp(box[:, 1]) == pytest.approx(0.1) for box in boxes) == 1
+
+
+def test_a_constant_of_two_distant_points_is_a_line_over_the_run(tmp_path):
+    (tmp_path / "one.csv").write_text("t,one\n0,1\n1e9,1\n")
+    truth = Truth(str(tmp_path / "one.csv"), time="t", value="one", scale=0.3)
+    axes = axes_of(tmp_path / "run", SurfaceGauge("gauge", at=0.5, truth=truth))
+    line = next(line for line in axes.lines if line.get_label() == "reference")
+    assert line.get_xdata().tolist() == [0.0, 1.0] and line.get_ydata().tolist() == [0.3, 0.3]
+    assert line.get_linestyle() == "--" and line.get_marker() in ("", "None")
