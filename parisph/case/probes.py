@@ -24,8 +24,8 @@ class Probe(Model):
     """A named probe, written to probes/NAME.csv.
 
     With peak=True the run writes the flow at the greatest value of the probe (of its first column, in the bands or the
-    window of its truth if it has one) to
-    peaks/NAME.vtkhdf. Every step counts for this, even if samples are written less often.
+    window of its truth if it has one) to peaks/NAME.vtkhdf. Every step counts for this, even if samples are written
+    less often.
 
     With arrival=VALUE the summary tells when the probe first passes this value, upwards or downwards, by linear
     interpolation between its samples: when a front comes by, or a gauge notices a wave.

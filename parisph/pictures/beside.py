@@ -1,7 +1,7 @@
 """A probe beside its references, with what of it is compared and where peaks should be. Needs matplotlib, no MPI."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -65,7 +65,8 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
     curves.plain_axes(axes)
     axes.set_xlim(found[0][0], found[0][-1])
     curves.second_time_axis(axes, [run], False)
-    axes.legend(loc="best", fontsize=8, framealpha=0.8)
+    handles, labels = axes.get_legend_handles_labels()
+    _legend(picture, dict(zip(labels, handles)))
     style.save(picture, path, dpi=110)
     return picture
 
@@ -100,9 +101,16 @@ def plot_profiles(run: Run, probe: ProbeArray, path: AnyPath | None = None, colu
         axes.set_xlabel("$x$ [m]")
     for axes in grid[:, 0]:
         axes.set_ylabel("$y$ [m]")
-    grid[0, 0].legend(drawn.values(), map(style.literal, drawn), loc="best", fontsize=8, framealpha=0.8)
+    _legend(picture, {style.literal(name): line for name, line in drawn.items()})
     style.save(picture, path, dpi=110)
     return picture
+
+
+def _legend(picture: "Figure", lines: dict[str, Any]) -> None:
+    """Name lines {label: line} below the axes, where no curve is."""
+    wide = curves.LETTER * max(map(len, lines)) + 0.7
+    columns = min(max(int(picture.get_figwidth() / wide), 1), len(lines))
+    picture.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
 
 
 def _bands(truth: object) -> list[PeakBand]:

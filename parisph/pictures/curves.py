@@ -36,6 +36,9 @@ BESIDE = 4      # lines whose legend lies in the axes; that of more of them stan
 HIGH = 12       # lines in a column of such a legend: as many as a panel is high
 MOST = 4 * HIGH    # lines of the longest legend; of more of them only the first and the last are named
 LETTER = 0.06   # [inch] width of a letter in a legend
+ROW = 4.6       # [inch] longest row of a legend in the axes
+HEADROOM = 0.16    # of the height of axes, above the curves, for such a row
+OWN_TIME = r"$t\sqrt{g/H}$"
 MARKS = 60      # samples of a reference that are drawn as marks; more of them are a line
 
 
@@ -214,10 +217,21 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
         first, last = (axes.lines[k].get_label() for k in (0, -1))
         axes.set_title(f"{len(axes.lines)} lines, from {first} to {last}", loc="right", fontsize=8)
     elif len(axes.lines) <= BESIDE:
-        axes.legend(loc="best", fontsize=8, framealpha=0.8)
+        _legend_inside(axes)
     else:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), fontsize=8, frameon=False, handlelength=3.0,
                     ncols=_legend_columns(axes))
+
+
+def _legend_inside(axes):
+    """Name a few lines: in a row above them if it is not too long, for which the axes get room."""
+    count = len(axes.lines)
+    if count == 1 or sum(LETTER * len(str(line.get_label())) + 0.5 for line in axes.lines) > ROW:
+        axes.legend(loc="best", fontsize=8, framealpha=0.8)
+        return
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + HEADROOM * (high - low))
+    axes.legend(loc="upper center", ncols=count, fontsize=8, framealpha=0.8, borderaxespad=0.2, columnspacing=1.2)
 
 
 def _legend_columns(axes):
@@ -241,7 +255,7 @@ def own_scales(run: Run, normalise: bool) -> style.Scales:
 def time_label(axes: "Axes", normalise: bool, last: bool) -> None:
     """Label the axis of time, in the lowest panels only."""
     if last:
-        axes.set_xlabel(r"$t\sqrt{g/H}$" if normalise else "$t$ [s]")
+        axes.set_xlabel(OWN_TIME if normalise else "$t$ [s]")
     else:
         axes.tick_params(labelbottom=False)
 
@@ -295,12 +309,13 @@ def plain_axes(axes: "Axes") -> None:
 
 def second_time_axis(axes: "Axes", runs: Sequence[Run], normalise: bool) -> None:
     """Add the dimensionless time above, if it is the same for all runs."""
-    times = {own.time for own in (style.scales(run.case) for run in runs)}
-    if len(times) != 1 or None in times:
+    scales = [style.scales(run.case) for run in runs]
+    unit = scales[0].time
+    if unit is None or len({own.time for own in scales}) != 1:
         return
-    unit = times.pop()
     to_own, back = (lambda t: t * unit, lambda t: t / unit) if normalise else (lambda t: t / unit, lambda t: t * unit)
     above = axes.secondary_xaxis("top", functions=(to_own, back))
-    above.set_xlabel("$t$ [s]" if normalise else r"$t\sqrt{g/H}$")
+    of = f"; {style.height(scales[0])}, the height of the fluid at the start"
+    above.set_xlabel("$t$ [s]" if normalise else OWN_TIME + of)
     above.tick_params(direction="in")
     axes.tick_params(top=False)

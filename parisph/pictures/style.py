@@ -115,7 +115,7 @@ class Scales:
 
     Attributes
     ----------
-    length : height H of the fluid at the start [m]
+    length : height H of the fluid at the start [m], the depth of still water
     time : sqrt(H/g) [s]; speed : sqrt(g H) [m/s]; pressure : rho g H [Pa]
     """
 
@@ -201,11 +201,16 @@ def literal(text: str, limit: int = 100) -> str:
 
 
 def time_label(time: float, own: Scales) -> str:
-    """Return "t = 0.512 s", followed by the dimensionless time if the scene has gravity."""
+    """Return "t = 0.512 s", followed by the dimensionless time and its H if the scene has gravity."""
     label = rf"$t$ = {time:.3f} s"
     if own.time is None:
         return label
-    return label + rf",   $t\sqrt{{g/H}}$ = {time / own.time:.2f}"
+    return label + rf",   $t\sqrt{{g/H}}$ = {time / own.time:.2f},   {height(own)}"
+
+
+def height(own: Scales) -> str:
+    """Return "H = 0.2 m", the length by which a scene's own units are made."""
+    return f"$H$ = {own.length:.4g} m"
 
 
 def with_prefix(largest: float, unit: str) -> tuple[float, str]:

@@ -9,7 +9,10 @@ import numpy as np
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
 from parisph.base.paths import AnyPath
+from parisph.case.shapes import Tank
 from parisph.geometry.build import domain
+from parisph.geometry.outline import outline_of
+from parisph.geometry.standing import standing
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
 from parisph.pictures.bodies_view import draw_bodies, of_dict
@@ -286,10 +289,14 @@ class FieldView:
 
     def _draw_walls(self, axes, cut, time):
         """Draw the tank as lines, and cut the discs `cut` to what is inside; draw other walls as they are at a time."""
-        from matplotlib.patches import Rectangle
+        from matplotlib.patches import Polygon, Rectangle
 
         if self.bodies is not None:
             draw_bodies(axes, self.bodies, time, self.length, self.window[1][0] * self.length)
+            tanks = [wall for wall in standing(self.bodies) if isinstance(wall, Tank)]
+            if len(tanks) == 1:    # other walls are filled, and hide what is in them
+                around = tanks[0].motion.placed(outline_of(tanks[0]).points, time) / self.length
+                cut.set_clip_path(Polygon(around, transform=axes.transData))
             return
         tank = next(iter(style.bodies_of(self.case)), None)
         if tank is None:

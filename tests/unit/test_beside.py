@@ -43,3 +43,17 @@ def test_a_constant_of_two_distant_points_is_a_line_over_the_run(tmp_path):
     line = next(line for line in axes.lines if line.get_label() == "reference")
     assert line.get_xdata().tolist() == [0.0, 1.0] and line.get_ydata().tolist() == [0.3, 0.3]
     assert line.get_linestyle() == "--" and line.get_marker() in ("", "None")
+
+
+def test_names_stand_below_the_axes_and_the_time_has_its_height(tmp_path):
+    (tmp_path / "one.csv").write_text("t,one\n0,1\n1e9,1\n")
+    truth = Truth(str(tmp_path / "one.csv"), time="t", value="one", scale=0.3, name="a rather long name of a reference")
+    axes = axes_of(tmp_path / "run", SurfaceGauge("gauge", at=0.5, truth=truth))
+    picture = axes.figure
+    picture.draw_without_rendering()
+    legend, = picture.legends
+    assert axes.get_legend() is None and legend.get_window_extent().y1 <= axes.get_tightbbox().y0
+    assert [text.get_text() for text in legend.get_texts()] == ["run", "a rather long name of a reference"]
+    height = scene([]).fluids[0].shape.height
+    assert any(f"$H$ = {height:.4g} m, the height of the fluid at the start" in child.get_xlabel()
+               for child in axes.child_axes)

@@ -132,6 +132,14 @@ def test_of_several_runs_the_colour_says_which_and_the_kind_of_line_what(tmp_pat
     assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == 8
 
 
+def test_a_short_legend_is_above_the_curves(tmp_path):
+    picture = curves.plot_probe(recorded(tmp_path / "run", ("gauge", "column")))
+    picture.draw_without_rendering()
+    axes, = picture.axes[:1]
+    top = max(axes.transData.transform(np.transpose(line.get_data()))[:, 1].max() for line in axes.lines)
+    assert axes.get_legend().get_window_extent().y0 > top
+
+
 def test_a_long_legend_is_as_high_as_its_panel(tmp_path):
     runs = [recorded(tmp_path / f"spacing_{number}", ("energy", "P1")) for number in range(14)]
     picture = curves.plot_probe(runs)

@@ -10,7 +10,19 @@ from mpi4py import MPI
 
 from parisph.base.errors import CaseError, MissingLibrary, StoreError
 from parisph.base.fields import BALLISTIC, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
-from parisph.case.schema import Box, Case, Disc, Energy, Fluid, Numerics, PressureTap, SurfaceGauge, Tank, Volume
+from parisph.case.schema import (
+    Box,
+    Case,
+    Disc,
+    Energy,
+    Fluid,
+    Numerics,
+    Obstacle,
+    PressureTap,
+    SurfaceGauge,
+    Tank,
+    Volume,
+)
 from parisph.io.reader import open_run
 from parisph.io.store import Store
 from parisph.pictures import curves, movies, overview, style, view
@@ -92,7 +104,8 @@ def test_axes_colour_bar_and_title_have_units(run):
     axes, bar = picture.axes[0], discs(picture)[1].colorbar.ax
     assert (axes.get_xlabel(), axes.get_ylabel(), bar.get_ylabel()) == ("$x$ [m]", "$y$ [m]", "pressure $p$ [kPa]")
     title = axes.get_title(loc="left")
-    assert title.startswith("Basin\n") and "0.200 s" in title and title.endswith("= 0.89")  # 0.2 sqrt(9.81/0.5)
+    assert title.startswith("Basin\n") and "0.200 s" in title and "= 0.89,   " in title    # 0.2 sqrt(9.81/0.5)
+    assert title.endswith("$H$ = 0.5 m")
     picture = view.plot_field(run, 2, "speed", normalise=True)
     assert picture.axes[0].get_xlabel() == "$x/H$" and r"\sqrt{gH}" in discs(picture)[1].colorbar.ax.get_ylabel()
     np.testing.assert_allclose(discs(picture)[1].get_array(), 2.0 / np.sqrt(9.81 * 0.5))
@@ -165,6 +178,16 @@ def test_colours_may_be_chosen(run):
 def test_a_look_without_sense_is_said(run, look, message):
     with pytest.raises(CaseError, match=re.escape(message)):
         view.plot_field(run, **look)
+
+
+def test_the_ground_is_cut_at_the_tank_of_a_scene_with_more_walls(tmp_path):
+    box = Obstacle(Box(0.1, 0.1, at=(0.6, 0.0)), name="box")
+    run = written(tmp_path / "run", basin(walls=(Tank(1.0, 0.8), box), probes=[]), water())
+    ground, particles = discs(view.plot_field(run))[:2]
+    path, moved = ground.get_clip_path().get_transformed_path_and_affine()
+    np.testing.assert_allclose(np.ptp(ground.axes.transData.inverted().transform(
+        moved.transform(path.vertices)), axis=0), [1.0, 0.8])
+    assert particles.get_clip_path() is None, "a particle that crosses a wall is seen"
 
 
 @pytest.mark.parametrize("lid", [False, True])
