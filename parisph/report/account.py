@@ -7,6 +7,7 @@ from parisph.base.text import named
 from parisph.case.probes import AnyProbe
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
+from parisph.pictures.style import REST, bodies_of
 from parisph.report.entries import Cell, Table, number
 
 SUMMARY, CASE = "summary.json", "case.json"
@@ -27,11 +28,11 @@ Content = Mapping[str, Any]    # of a JSON file
 
 
 def conditions(case: Content, summary: Content) -> Table:
-    """Return what was run: method, resolution, steps, ranks and versions."""
+    """Return what was run: method, resolution, what is special of the scene, steps, ranks and versions."""
     rows = [("status", number(summary, SUMMARY, ["status"])), ("method", number(case, CASE, ["numerics", "method"])),
             ("preset", number(case, CASE, ["numerics", "preset"])),
             *((name, number(summary, SUMMARY, path, "d")) for name, path in PARTICLES if path[0] in summary),
-            ("spacing", number(case, CASE, ["numerics", "spacing"], ".6g", "m")),
+            ("spacing", number(case, CASE, ["numerics", "spacing"], ".6g", "m")), *_scene(case),
             ("steps", number(summary, SUMMARY, ["steps"], "d")),
             ("time step", number(case, CASE, ["numerics", "time_step"], ".6g", "s")),
             ("time reached", number(summary, SUMMARY, ["time"], ".6g", "s")),
@@ -44,6 +45,24 @@ def conditions(case: Content, summary: Content) -> Table:
     if case["numerics"].get("time_step") is None:
         rows = [(name, Cell("adaptive") if name == "time step" else cell) for name, cell in rows]
     return _named(rows)
+
+
+def _scene(case: Content) -> Iterator[tuple[str, Cell]]:
+    """Yield what a picture of the flow does not show: disorder of the particles, motions, and zones without waves."""
+    if case["numerics"].get("jitter"):
+        yield "jitter of the particles at the start", number(case, CASE, ["numerics", "jitter"], ".3g", "spacings")
+        yield "seed of the jitter", number(case, CASE, ["numerics", "seed"], "d")
+    if (case.get("frame") or REST)["kind"] != REST["kind"]:
+        yield "motion of the tank, in whose frame the flow is", number(case, CASE, ["frame", "kind"])
+    walls = case.get("walls")
+    places: list[list[Any]] = [["walls", k] for k in range(len(walls))] if isinstance(walls, list) else [["walls"]]
+    for body, place in zip(bodies_of(case), places):
+        if body.get("motion", REST)["kind"] != REST["kind"]:
+            name = body.get("name") or body.get("kind", "wall")
+            yield f"motion of {name}", number(case, CASE, [*place, "motion", "kind"])
+    for k, zone in enumerate(case.get("absorb") or ()):
+        yield f"{zone['kind']} from x", number(case, CASE, ["absorb", k, "start"], ".4g", "m")
+        yield f"{zone['kind']}, length", number(case, CASE, ["absorb", k, "length"], ".4g", "m")
 
 
 def cost(summary: Content) -> Table:

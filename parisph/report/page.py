@@ -135,18 +135,24 @@ def _flow(about: Subject, folder: Path) -> list[str]:
     if len(run) == 0:
         return []
     overview.plot_moments(run, folder / "flow.png")
-    within = {probe.name: intervals(probe.truth) for probe in about.probes}
     parts = [markup.heading("The flow"), markup.picture(folder / "flow.png", "Pressure at moments of the run")]
     for name in run.probe_names:
         peak = run.peak(name)
         if peak is not None:
             path = folder / f"peak_{name}.png"
             view.plot_field(run, peak, path=path)
-            unit = next((unit for column, unit in run.units(name).items() if column not in ("time", "step")), "")
-            where = " within the time that is compared" * bool(within.get(name))
-            parts.append(markup.picture(path, f"Pressure at the greatest value of {name}{where}: {peak['peak']:.4g} "
-                                              f"{unit} at t = {peak['time']:.4g} s"))
+            parts.append(markup.picture(path, _of_peak(about, name, peak["peak"], peak["time"])))
     return parts
+
+
+def _of_peak(about: Subject, name: str, value: float, time: float) -> str:
+    """Return the caption of the flow at the greatest value of a probe, which older runs have of any time."""
+    unit = next((unit for column, unit in about.run.units(name).items() if column not in ("time", "step")), "")
+    compared = next((intervals(probe.truth) for probe in about.probes if probe.name == name), ())
+    inside = any(start <= time <= end for start, end in compared)
+    where = (" within the time that is compared" if inside else ", which is not of the time that is compared"
+             ) if compared else ""
+    return f"Pressure at the greatest value of {name}{where}: {value:.4g} {unit} at t = {time:.4g} s"
 
 
 def _conserved(about: Subject) -> list[str]:

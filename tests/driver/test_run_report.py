@@ -21,7 +21,9 @@ from parisph import (
     PressureTap,
     ProbeArray,
     Profiles,
+    Sponge,
     SurfaceGauge,
+    Sway,
     Tank,
     Truth,
     run,
@@ -213,6 +215,20 @@ def test_numbers_and_profiles_have_their_tables(tmp_path):
     assert "| tap | theirs: at 0.02 s | " in lines and "| all | profiles.csv | 0.0244 | - | computed: 0.0476 |" in lines
     assert "| level | when it passes 0.39 m | - | - |" in lines
     assert "case.json: probes/2/arrival" in {source for source, _, _ in CELL.findall(text)}
+
+
+def test_what_a_picture_does_not_show_is_told_of_the_scene(tmp_path):
+    case = Case(
+        title="Shaken", fluid=Fluid(Box(width=2.0, height=0.4), density=1e3), walls=Tank(width=2.0, height=0.5),
+        gravity=(0.0, -9.81), frame=Sway(0.001, 3.0), absorb=Sponge(start=1.2, length=0.8), end_time=0.02,
+        numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.01, jitter=0.2, seed=7), probes=[Energy("energy")],
+    )
+    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    text = page.write(tmp_path / "run").read_text(encoding="utf-8")
+    found = {source: shown for source, _, shown in CELL.findall(text)}
+    told = {"numerics/jitter": "0.2 spacings", "numerics/seed": "7", "frame/kind": "sway", "absorb/0/start": "1.2 m",
+            "absorb/0/length": "0.8 m"}
+    assert {name: found[f"case.json: {name}"] for name in told} == told
 
 
 def test_a_folder_without_a_run_is_an_error_with_a_remedy(made, tmp_path):
