@@ -139,8 +139,9 @@ def scales(case: Mapping[str, Any]) -> Scales:
 
 
 def has_potential(case: Mapping[str, Any]) -> bool:
-    """Return whether the probes of the energy have a potential energy: the body force on a fluid of a case (dict) is
-    uniform, and constant but for what a tank adds to it that does not turn.
+    """Return whether probes of the energy have a potential energy in a case (dict).
+
+    It is that of gravity, if that is uniform and constant, in a tank that does not turn.
     """
     turns = (case.get("frame") or REST)["kind"] == Roll.model_fields["kind"].default
     return not turns and uniform_field(case["gravity"]) is not None

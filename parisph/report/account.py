@@ -161,21 +161,29 @@ def _count(summary: Content, path: list[Any]) -> int:
 
 
 def published(probes: Probes) -> list[tuple[str, str]]:
-    """Return (name of a probe, text) of all the errors of others that the case states."""
+    """Return (names of probes, text) of all the errors of others that the case states."""
     found = []
     for probe in probes:
         for one in _with_files(probe):
             if one.published:
                 levels = "; ".join(f"{who}: {level:.3g}" for who, level in one.published.items())
                 found.append((probe.name, f"against {one.name or 'the reference'}: {levels}"))
-    return found
+    return _once(found)
 
 
 def notes(probes: Probes) -> list[tuple[str, str]]:
-    """Return (name of a probe, note) of the truths that have one."""
+    """Return (names of probes, note) of the truths that have one."""
     own = [(probe.name, probe.truth.note) for probe in probes if isinstance(probe.truth, Peaks)]
     own += [(probe.name, one.note) for probe in probes for one in _with_files(probe)]
-    return list(dict.fromkeys((name, note) for name, note in own if note))
+    return _once([(name, note) for name, note in own if note])
+
+
+def _once(told: list[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Return (names of probes, text): what is told of several probes is told once."""
+    names: dict[str, list[str]] = {}
+    for name, text in told:
+        names.setdefault(text, []).append(name)
+    return [(", ".join(dict.fromkeys(all_of_them)), text) for text, all_of_them in names.items()]
 
 
 def _with_files(probe: AnyProbe) -> tuple[Truth | Profiles, ...]:

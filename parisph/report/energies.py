@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from parisph.case.expressions import uniform_field
 from parisph.pictures.style import has_potential
 from parisph.report.entries import Cell, Table, number
 
@@ -21,7 +22,7 @@ MOVING = (
     "The energy in motion is the kinetic energy plus the potential energy above that of the fluid at rest: the energy "
     "of the waves and of the flow."
 )
-KINETIC = "The body force has no potential that is constant in time: the energy is the kinetic energy alone."
+KINETIC = "No potential energy is computed for this body force: the energy is the kinetic energy alone."
 Content = Mapping[str, Any]    # of a JSON file
 
 
@@ -52,5 +53,7 @@ def motion(summary: Content) -> Table:
 
 def drift_notes(case: Content, summary: Content) -> list[str]:
     """Return what the numbers of `drift` and `motion` are relative to, in words."""
-    energy = WHOLE if has_potential(case) else KINETIC
-    return [VOLUME, energy, *([MOVING] if motion(summary).rows else [])]
+    pulled = uniform_field(case["gravity"])
+    energy = [WHOLE] if has_potential(case) and pulled is not None and pulled.any() else []
+    energy += [] if has_potential(case) else [KINETIC]
+    return [VOLUME, *energy, *([MOVING] if motion(summary).rows else [])]

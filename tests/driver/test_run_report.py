@@ -52,7 +52,7 @@ def made(tmp_path_factory):
     )
     bands = (PeakBand(start=0.0, end=0.03, low=1000.0, high=3000.0), PeakBand(start=0.0, end=0.03, low=1.0, high=2.0))
     truth = first.model_copy(update={"others": (other,), "peaks": bands, "note": "a sensor of brass"})
-    late = first.model_copy(update={"window": (0.5, 0.9)})
+    late = first.model_copy(update={"window": (0.5, 0.9), "note": "a sensor of brass"})
     case = Case(
         title="Still & <calm>", fluid=Fluid(Box(width=1.0, height=0.4), density=1e3), walls=Tank(width=1.0, height=0.5),
         gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.005),
@@ -105,7 +105,9 @@ def test_the_page_is_one_file_with_its_pictures(made, text):
     assert "<title>Still &amp; &lt;calm&gt;</title>" in text and "<calm>" not in text
     peak = open_run(made).peak("tap")
     assert f"greatest value of tap within the time that is compared: {peak['peak']:.4g} Pa at t = " in text
-    assert "shift = 0" in text and "a sensor of brass" in text
+    assert "shift = 0" in text and "tap, late: a sensor of brass" in text and text.count("brass") == 1
+    assert "relative to the whole energy" in text and "above that of the fluid at rest" in text
+    assert "Errors of others at tap, late, against &lt;a&gt;: others: 0.123." in text
     found = [base64.b64decode(data) for data in re.findall('src="data:image/png;base64,(.*?)"', text)]
     beside = {path.name: path.read_bytes() for path in (made / "report").glob("*.png")}
     assert set(beside) == {"tap.png", "late.png", "probes.png", "flow.png", "peak_tap.png", "solver.png"}
