@@ -57,9 +57,10 @@ def _scene(case: Content) -> Iterator[tuple[str, Cell]]:
     walls = case.get("walls")
     places: list[list[Any]] = [["walls", k] for k in range(len(walls))] if isinstance(walls, list) else [["walls"]]
     for body, place in zip(bodies_of(case), places):
-        if body.get("motion", REST)["kind"] != REST["kind"]:
-            name = body.get("name") or body.get("kind", "wall")
-            yield f"motion of {name}", number(case, CASE, [*place, "motion", "kind"])
+        name = body.get("name") or body.get("kind", "wall")
+        for what in ("motion", "wave"):    # a wavemaker has one of them
+            if (body.get(what) or REST)["kind"] != REST["kind"]:
+                yield f"{what} of {name}", number(case, CASE, [*place, what, "kind"])
     for k, zone in enumerate(case.get("absorb") or ()):
         yield f"{zone['kind']} from x", number(case, CASE, ["absorb", k, "start"], ".4g", "m")
         yield f"{zone['kind']}, length", number(case, CASE, ["absorb", k, "length"], ".4g", "m")

@@ -165,8 +165,9 @@ def _shown(content: Table) -> list[str]:
 
 
 def _reported(row: tuple[Cell, ...]) -> str:
-    low, high, when, whose = row[6].text, row[7].text, row[10].text, row[11].text
+    low, high, level, when, whose = (row[k].text for k in (6, 7, 8, 10, 11))
     band = "" if low == "-" else f"greatest value {low} to {high}"
+    band += f", shares of the height above {level}" if band and level not in ("-", "0") else ""
     return band + (f"{', ' if band else ''}{whose}: at {when} s" if when != "-" else "")
 
 

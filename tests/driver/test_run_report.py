@@ -26,14 +26,15 @@ from parisph import (
     Sway,
     Tank,
     Truth,
+    load,
     run,
 )
 from parisph.base.errors import StoreError
 from parisph.base.fields import FLUID, WALL
 from parisph.base.seal import sealed
 from parisph.io.reader import open_run
-from parisph.report import gallery, page
-from tests.launch import parisph
+from parisph.report import account, gallery, page
+from tests.launch import ROOT, parisph
 
 CELL = re.compile(r'<td class="number" data-from="(.*?)" title="(.*?)">(.*?)</td>')
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -231,6 +232,14 @@ def test_what_a_picture_does_not_show_is_told_of_the_scene(tmp_path):
     told = {"numerics/jitter": "0.2 spacings", "numerics/seed": "7", "frame/kind": "sway", "absorb/0/start": "1.2 m",
             "absorb/0/length": "0.8 m"}
     assert {name: found[f"case.json: {name}"] for name in told} == told
+
+
+def test_wavemakers_and_walls_that_move_are_told():
+    for name, told in (("submerged_bar", {"wave of piston", "sponge from x", "sponge, length"}),
+                       ("wet_bed", {"motion of gate"}), ("standing_wave", set())):
+        case = json.loads(load(ROOT / "cases" / f"{name}.py").model_dump_json())
+        rows = {row[0].text for row in account.conditions(case, {}).rows}
+        assert {row for row in rows if row.startswith(("wave of", "motion of", "sponge"))} == told, name
 
 
 def test_a_folder_without_a_run_is_an_error_with_a_remedy(made, tmp_path):
