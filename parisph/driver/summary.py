@@ -43,7 +43,8 @@ class Account:
         self._shares: Shares | None = None               # the same
         self._notes = list(before.get("notes", ()))
         self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
-        self._fluid = self._walls = 0
+        self._fluid = 0
+        self._walls: int | None = None    # how many particles are on walls, from `start` on
 
     @classmethod
     def new(cls) -> "Account":
@@ -129,7 +130,8 @@ class Account:
         peak = comm.allgather(_peak_memory())
         content = {
             "case": s.case.title, "method": s.numerics.method, "preset": s.numerics.preset, "ranks": s.comm.size,
-            "particles": int(s.particles.n_global), "fluid_particles": int(s.particles.n_global) - self._walls,
+            "particles": int(s.particles.n_global),
+            "fluid_particles": None if self._walls is None else int(s.particles.n_global) - self._walls,
             "wall_particles": self._walls, "spacing": s.numerics.spacing, "steps": s.steps, "time": s.time,
             "status": status, "warnings": self.warnings(), "wall_seconds": account["wall"],
             "cpu_seconds": account["cpu"],
