@@ -35,7 +35,9 @@ from parisph.parallel.guard import Guard
 from parisph.parallel.particles import Particles
 from parisph.watch.sampling import Scene
 
-SKIN = 2.0        # spacings a particle moves until particles are redistributed and sorted (parallel.domain)
+# {dim: spacings a particle moves until particles are redistributed and sorted (parallel.domain)}; in 3D the ghosts of a
+# wider halo would be too many
+SKIN = {2: 2.0, 3: 1.0}
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
 SETTLE = 10.0     # time that weakly compressible water at rest settles before the start, over that of a fall
 SHORTEST = 1e-5   # of the stable step of the case: a run that needs a shorter one has diverged
@@ -120,7 +122,7 @@ class Simulation:
         lower, upper = build.domain(case)
         elements = solid_walls.elements_of(case, self.particles)
         self.domain = Domain(self.particles, lower, upper, parts.reach * s,
-                             SKIN * s, LIST_SKIN * s, closed=case.lidded, elements=elements)
+                             SKIN[case.dim] * s, LIST_SKIN * s, closed=case.lidded, elements=elements)
         self._made.append(self.domain)
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
                     solid_walls.boundary_of(case, elements), self.timers, closed=case.closed,

@@ -23,11 +23,11 @@ def test_a_column_made_cell_by_cell_is_that_of_all_its_particles(dim):
     column = Column(dim, 5000)
     x = column.particles(0, len(column.cells))
     assert len(np.unique(x, axis=0)) == column.n == len(x)
-    whole = Points(x, np.zeros(dim), [2.0, 2.0] if dim == 2 else [2.0, 1.0, 2.0], WIDTH * column.spacing)
+    whole = Points(x, np.zeros(dim), [2.0, 2.0] if dim == 2 else [2.0, 1.0, 2.0], WIDTH[dim] * column.spacing)
     for name in ("cells", "counts", "work"):
         np.testing.assert_array_equal(getattr(whole, name), getattr(column, name))
     partition = cut(column, 7)
-    found, due = (shares(scene, partition, WIDTH * column.spacing) for scene in (column, whole))
+    found, due = (shares(scene, partition, WIDTH[dim] * column.spacing) for scene in (column, whole))
     for name in ("owned", "sent", "received", "to", "by"):
         np.testing.assert_array_equal(getattr(found, name), getattr(due, name), err_msg=name)
     assert found.owned.sum() == column.n and found.sent.sum() == found.received.sum() > 0

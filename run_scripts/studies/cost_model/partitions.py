@@ -25,8 +25,9 @@ from parisph.methods.lengths import MLS, NEAR  # noqa: E402
 from parisph.parallel.halo import ROUNDING, senders  # noqa: E402
 from parisph.parallel.partition import Grid, Partition, split  # noqa: E402
 
-WIDTH = NEAR + 2.0 * SKIN + 2.0 * LIST_SKIN    # of the halo, in spacings, as in parallel.domain
-STENCIL = MLS                                  # of most rows of the matrix, in spacings
+# {dim: of the halo, in spacings}, as in parallel.domain
+WIDTH = {dim: NEAR + 2.0 * skin + 2.0 * LIST_SKIN for dim, skin in SKIN.items()}
+STENCIL = MLS    # of most rows of the matrix, in spacings
 BOXES = {2: ((0.5, 1.0), (2.0, 2.0)), 3: ((0.5, 1.0, 1.0), (2.0, 1.0, 2.0))}    # of the column, and of its tank [m]
 RANKS = (1, 2, 4, 16, 64, 256, 1024, 2048, 4096, 6144, 10_000)
 
@@ -79,13 +80,13 @@ class Column:
     spacing : [m]; n : int, exact number of particles
     """
 
-    def __init__(self, dim: int, n: float, reach: float = WIDTH) -> None:
+    def __init__(self, dim: int, n: float, reach: float | None = None) -> None:
         box, tank = (np.array(size) for size in BOXES[dim])
         self.spacing = float((box.prod() / n) ** (1.0 / dim))
         self.axes = [(np.arange(round(side / self.spacing)) + 0.5) * self.spacing for side in box]
         self.n = int(np.prod([len(axis) for axis in self.axes]))
         first, last = (np.array([axis[end] for axis in self.axes]) for end in (0, -1))
-        self.grid = covering(first, last, np.zeros(dim), tank, reach * self.spacing)
+        self.grid = covering(first, last, np.zeros(dim), tank, (reach or WIDTH[dim]) * self.spacing)
         self._place()
 
     def _place(self):
@@ -196,7 +197,7 @@ def hops(scene: Column, partition: Partition, receivers: list[np.ndarray]) -> in
 def line(scene: Column, ranks: int) -> dict[str, float]:
     """Return what a number of ranks gives: max and mean of everything, for the halo and for the matrix."""
     partition = cut(scene, ranks)
-    halo = shares(scene, partition, WIDTH * scene.spacing)
+    halo = shares(scene, partition, WIDTH[len(scene.axes)] * scene.spacing)
     matrix = shares(scene, partition, STENCIL * scene.spacing)
     found = {"dim": len(scene.axes), "particles": scene.n, "ranks": ranks,
              "hops": hops(scene, partition, matrix.receivers), "empty": np.count_nonzero(halo.owned == 0),
