@@ -8,8 +8,8 @@ from parisph.parallel.particles import Particles
 class Guesses:
     """The pressure of the last step, and extrapolations in time along the paths of particles, linear and quadratic.
 
-    The solve takes the one with the least residual. In waves that is the quadratic one, with a third less iterations to
-    follow; in violent flow, where pressures come and go, it changes from step to step, with a fifth less.
+    The solve takes the one with the least residual. In waves that is the quadratic one, with a third fewer iterations
+    to follow; in violent flow, where pressures come and go, it changes from step to step, with a fifth fewer.
 
     Attributes
     ----------
@@ -25,8 +25,9 @@ class Guesses:
     def at(self, particles: Particles, time: float) -> np.ndarray:
         """Return the guesses of the pressure at a time [s]: (1 to 3, n_owned) [Pa]. Not collective."""
         p = particles
-        known = np.stack([p.p, p.p_before, p.p_earlier][:max(1, len(self.times))])
-        orders = [_weights(self.times[:order], time) for order in range(2, len(self.times) + 1)]
+        known = np.stack([p.p, p.p_before, p.p_earlier])
+        orders = [_weights(self.times[:order], time) for order in range(2, len(self.times) + 1)
+                  if len(set(self.times[:order])) == order]
         return np.stack([known[0], *(weights @ known[:len(weights)] for weights in orders)])
 
     def remember(self, particles: Particles, time: float) -> None:

@@ -29,7 +29,8 @@ def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
     dt : of the step [s]
     """
     p = flow.particles
-    changes = {part.name: part.change(flow, dt) for part in parts if not isinstance(part, Limiter)}
+    changes = {part.name: np.ascontiguousarray(part.change(flow, dt), float)
+               for part in parts if not isinstance(part, Limiter)}
     cap_together({part.name: changes[part.name] for part in parts if part.moves and part.name in changes},
                  [part.name for part in parts if part.free], CAP * flow.spacing)
     for part in parts:

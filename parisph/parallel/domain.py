@@ -29,8 +29,8 @@ class Domain:
     radius : float
         Neighbours closer than this are in the lists [m].
     skin : float
-        How far a particle may move before particles are redistributed [m]; on one rank, half of how far they may move
-        in the root mean square.
+        How far a particle may move before particles are redistributed [m]. On one rank they are sorted again only when
+        the root mean square of their moves exceeds ALONE skins.
     list_skin : float
         How far a particle may move before the lists are rebuilt [m].
     closed : bool

@@ -39,7 +39,9 @@ def _from_blocks(rows, indptr, columns, values):
     """
     arrays = split_rows(indptr, columns, values, *rows.owner_range)
     matrix = _create(rows.comm.tompi4py(), *rows.sizes, arrays)
-    matrix.setAttr("__rows__", arrays)    # they live as long as what PETSc has of them
+    # The arrays live as long as what PETSc has of them: a kept preconditioner may hold the block without the matrix.
+    for holder in (matrix, matrix.getDiagonalBlock()):
+        holder.setAttr("__rows__", arrays)
     return matrix
 
 

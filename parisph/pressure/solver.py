@@ -15,8 +15,8 @@ from parisph.pressure import options as opts
 from parisph.pressure.row_checks import guess_fault, row_fault, vector_fault
 from parisph.pressure.system import System
 
-# A kept preconditioner has served its time when it needs more than GROWTH x fresh + 2 iterations: the next matrix gets
-# a new one, of which a second solve with this one would have little. `fresh` is the number it needed at first,
+# A kept preconditioner that needs more than GROWTH x fresh + 2 iterations is rebuilt, for the next matrix and not for a
+# second solve with the present one, which is short. `fresh` is the number it needed at first,
 # at least FRESH, because a nearly exact start needs few. It is expected to last if those before have lasted for LASTING
 # matrices in the mean.
 GROWTH, FRESH, LASTING = 1.5, 4, 4
@@ -139,7 +139,8 @@ class PressureSolver:
             This rank's rows as CSR with global columns in any order; n_owned may be 0.
         rhs : (n_owned,) float, b
         guess : (n_owned,) float, (k, n_owned) float or None
-            Initial guess (the previous pressure), or several, of which the best is taken; None for zero.
+            Initial guess (the previous pressure), or several, of which the best is taken; None for zero. The same k
+            on all ranks.
         renumbered : bool
             Row numbers have changed, on any rank, since the previous matrix.
 

@@ -67,11 +67,14 @@ class System:
     def load(self, rhs: np.ndarray, guess: np.ndarray | None, error: Exception | None = None) -> None:
         """Set b and the initial guess, and compute |b|. Collective.
 
-        error : what is wrong with rhs or guess on this rank, or None; it is raised on all ranks
-
-        guess : (n,) or None for zero, or (k, n), of which the one with the least residual is taken
-
         A guess whose residual is not below |b| is replaced by zero.
+
+        Parameters
+        ----------
+        rhs : (n,)
+        guess : (n,), None for zero, or (k, n), of which the one with the least residual is taken; the same k on all
+            ranks
+        error : what is wrong with rhs or guess on this rank, or None; it is raised on all ranks
 
         Raises
         ------

@@ -7,6 +7,7 @@ import pytest
 
 from parisph.parallel.petsc import PETSc
 from parisph.pressure import matrices
+from parisph.pressure.solver import PressureSolver
 from parisph.pressure.system import System
 from tests import systems
 
@@ -59,3 +60,19 @@ def test_products_with_a_matrix_from_blocks(comm):
     system.matrix.mult(system.x, system.b)
     np.testing.assert_allclose(system.b.array, systems.product(rows, p)[first:last], rtol=1e-12, atol=1e-12)
     system.destroy()
+
+
+@pytest.mark.parametrize("inside", ["sor", "ilu"])
+def test_a_kept_preconditioner_may_outlive_the_matrix_whose_block_it_uses(comm, inside):
+    solver = PressureSolver(comm, ["-pressure_pc_type", "bjacobi", "-pressure_sub_pc_type", inside], rtol=1e-5)
+    try:
+        for seed in range(8):
+            x, _, *rows = systems.square(20, scatter=0.02 * seed)
+            p = np.cos(np.pi * x[:, 0]) * np.cos(0.5 * np.pi * x[:, 1])
+            first, last, *mine = systems.share(comm, rows)
+            found, record = solver.solve(*mine, systems.product(rows, p)[first:last], None)
+            gc.collect()
+            assert np.abs(found - p[first:last]).max() < 1e-3 and record.fallback == ""
+        assert solver.setups < 8    # some were kept
+    finally:
+        solver.destroy()

@@ -53,7 +53,7 @@ def test_moves_beyond_the_skin_in_the_mean_order_anew_and_start_a_new_count():
     p, domain = made()
     domain.refresh()
     far = np.argmin(p.x.sum(axis=1))
-    p.x[far] += 3.0 * SKIN    # one particle alone does not, where no rank waits for it
+    p.x[far] += 3.0 * SKIN    # one particle alone makes no new order on one rank
     assert domain.redistribute() is False and domain.n_plans == 1
     p.x += 1.5 * SKIN  # along both axes: 2.1 skins
     assert domain.redistribute() is True and domain.n_plans == 2

@@ -61,7 +61,10 @@ def test_the_solve_begins_with_the_guess_of_the_least_residual(best):
     try:
         assert solver.solve(*rows, b, guesses)[1].iterations == 0
         assert solver.solve(*rows, b, np.delete(guesses, best, axis=0))[1].iterations > 0
-        assert solver.solve(*rows, b, 100.0 * guesses)[1].iterations > 0    # all worse than zero
+        found, record = solver.solve(*rows, b, 100.0 * guesses)    # all worse than zero
+        due, from_zero = solver.solve(*rows, b, None)
+        assert record.iterations == from_zero.iterations > 0
+        np.testing.assert_array_equal(found, due)
     finally:
         solver.destroy()
 
