@@ -315,7 +315,7 @@ def second_time_axis(axes: "Axes", runs: Sequence[Run], normalise: bool) -> None
         return
     to_own, back = (lambda t: t * unit, lambda t: t / unit) if normalise else (lambda t: t / unit, lambda t: t * unit)
     above = axes.secondary_xaxis("top", functions=(to_own, back))
-    of = f"; {style.height(scales[0])}, the height of the fluid at the start"
+    of = f"; {style.height(scales[0])}, the height of the fluid at the start, without waves"
     above.set_xlabel("$t$ [s]" if normalise else OWN_TIME + of)
     above.tick_params(direction="in")
     axes.tick_params(top=False)

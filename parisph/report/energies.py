@@ -20,7 +20,8 @@ WHOLE = (
 )
 MOVING = (
     "The energy in motion is the kinetic energy plus the potential energy above that of the fluid at rest: the energy "
-    "of the waves and of the flow."
+    "of the waves and of the flow. Where it is a small part of the whole energy, it is a small difference of large "
+    "numbers: a little more or less volume, or a start that is no lattice, changes it more than the flow does."
 )
 KINETIC = "No potential energy is computed for this body force: the energy is the kinetic energy alone."
 Content = Mapping[str, Any]    # of a JSON file
@@ -49,6 +50,16 @@ def motion(summary: Content) -> Table:
         for name, form, of in (("start", ".4g", unit), ("end", ".4g", unit), ("drift", "+.2%", ""),
                                ("high", ".4g", unit), ("high_time", ".4g", "s"))))
     return Table(MOTION_HEAD, (row,) if found else ())
+
+
+def lost(summary: Content) -> list[str]:
+    """Return what has left the scene over the rim of an open tank, in words; nothing if nothing has."""
+    left = summary.get("left") or {}
+    count, volume = left.get("particles"), left.get("volume")
+    if not count:
+        return []
+    many = "1 particle has" if count == 1 else f"{count} particles have"
+    return [f"{many} left over the rim, with a volume of {volume:.3g} in the unit of the scene."]
 
 
 def drift_notes(case: Content, summary: Content) -> list[str]:

@@ -14,7 +14,10 @@ PEAKS = (
     "A share beyond a band is that of its nearer end. Both count from the level at rest, where it is not 0: heights "
     "above the bed include that of still water. A row without a greatest value has an interval that ends after the run."
 )
-PASSED = "The first time at which a probe is at the value given in the case, or passes it, by lines between samples."
+PASSED = (
+    "The first time at which a probe is at the value given in the case, or passes it, by lines between samples. A "
+    "splash that comes by counts as well."
+)
 ARRIVAL_HEAD = ("probe", "passes", "at")
 
 

@@ -20,6 +20,7 @@ from parisph.pictures import beside, curves, overview, view
 from parisph.report import account, energies, events, markup
 
 PAGE, FOLDER = "report.html", "report"
+LAST = 0.005    # of an interval: a greatest value this near to its end may go on to rise
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,7 @@ def _errors(about: Subject) -> list[str]:
     parts, judged = [markup.heading("Errors")], account.errors(about.probes, about.case, about.summary)
     if judged.rows:
         parts += [markup.paragraph(account.ALIGNMENT), markup.table(judged)]
+        parts.append(markup.paragraph("In pictures, what is not compared is grey.", "small"))
     without = [probe.name for probe in about.probes if probe.truth is None]
     if without:
         parts.append(markup.paragraph(f"Without a reference: {', '.join(without)}.", "small"))
@@ -152,6 +154,8 @@ def _of_peak(about: Subject, name: str, value: float, time: float) -> str:
     inside = any(start <= time <= end for start, end in compared)
     where = (" within the time that is compared" if inside else ", which is not of the time that is compared"
              ) if compared else ""
+    if any(end - LAST * (end - start) <= time <= end for start, end in compared):
+        where += ", at its end and so perhaps no peak"
     return f"Pressure at the greatest value of {name}{where}: {value:.4g} {unit} at t = {time:.4g} s"
 
 
@@ -160,7 +164,8 @@ def _conserved(about: Subject) -> list[str]:
         return []
     tables = (energies.drift(about.case, about.summary), energies.motion(about.summary))
     return [markup.heading("Volume and energy"), *(markup.table(content) for content in tables if content.rows),
-            *(markup.paragraph(text, "small") for text in energies.drift_notes(about.case, about.summary))]
+            *(markup.paragraph(text, "small")
+              for text in (*energies.lost(about.summary), *energies.drift_notes(about.case, about.summary)))]
 
 
 def _cost(about: Subject, folder: Path) -> list[str]:

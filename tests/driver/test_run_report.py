@@ -33,7 +33,7 @@ from parisph.base.errors import StoreError
 from parisph.base.fields import FLUID, WALL
 from parisph.base.seal import sealed
 from parisph.io.reader import open_run
-from parisph.report import account, gallery, page
+from parisph.report import account, energies, gallery, page
 from tests.launch import ROOT, parisph
 
 CELL = re.compile(r'<td class="number" data-from="(.*?)" title="(.*?)">(.*?)</td>')
@@ -232,6 +232,22 @@ def test_what_a_picture_does_not_show_is_told_of_the_scene(tmp_path):
     told = {"numerics/jitter": "0.2 spacings", "numerics/seed": "7", "frame/kind": "sway", "absorb/0/start": "1.2 m",
             "absorb/0/length": "0.8 m"}
     assert {name: found[f"case.json: {name}"] for name in told} == told
+
+
+@pytest.mark.parametrize("left, told", [
+    (None, []), ({"particles": 0, "volume": 0.0}, []),
+    ({"particles": 1, "volume": 7.57e-5}, ["1 particle has left over the rim, with a volume of 7.57e-05"]),
+    ({"particles": 12, "volume": 0.5}, ["12 particles have left over the rim, with a volume of 0.5"])])
+def test_what_has_left_is_told(left, told):
+    found = energies.lost({} if left is None else {"left": left})
+    assert len(found) == len(told) and all(text.startswith(due) for text, due in zip(found, told))
+
+
+def test_a_greatest_value_at_the_end_of_what_is_compared_may_be_no_peak(made):
+    about = page.subject(made)
+    inside, last = (page._of_peak(about, "tap", 1.0, time) for time in (0.02, 0.02999))
+    assert "within the time" in inside and "no peak" not in inside
+    assert "perhaps no peak" in last
 
 
 def test_wavemakers_and_walls_that_move_are_told():

@@ -202,7 +202,8 @@ def test_errors_of_others_are_those_of_their_curves_in_the_window_of_the_run(mea
             density = case.fluids[0].density
             found = [level_of((measured_data / file, *column), truths[name], density * 9.81 * height,
                               np.sqrt(height / 9.81)) for column in columns]
-            assert list(truths[name].published.values()) == pytest.approx(found, abs=4e-3), name
+            told = [level for who, level in truths[name].published.items() if not who.startswith(("weakly", "EDAC"))]
+            assert told == pytest.approx(found, abs=4e-3), name
             assert all("recomputed" in who for who in truths[name].published)
 
 
