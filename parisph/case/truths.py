@@ -161,14 +161,18 @@ class WaveTruth(Model):
         return self.level + self.of.elevation(x, np.asarray(times, dtype=float))
 
 
+def bands_of(truth: Optional[Model]) -> tuple[PeakBand, ...]:
+    """Return the bands of the greatest values that a truth has; truth : of a probe, or None."""
+    return truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
+
+
 def intervals(truth: Optional[Model]) -> tuple[tuple[float, float], ...]:
     """Return the intervals (start, end) [s] in which the greatest values of a probe count; () for all of the run.
 
     truth : of the probe, or None. They are those of its bands, or else its window.
     """
-    bands = truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
     window = truth.window if isinstance(truth, (Truth, WaveTruth)) else None
-    return tuple((band.start, band.end) for band in bands) or (() if window is None else (window,))
+    return tuple((band.start, band.end) for band in bands_of(truth)) or (() if window is None else (window,))
 
 
 def read_truth(truth: Truth) -> tuple[Floats, Floats]:

@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 from parisph.base.arrays import sizes
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.kernels import balance, movement
+from parisph.kernels import balance, movement, record
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, regularising, straining, surfaces
 from parisph.methods.catalogue import Parts
@@ -390,7 +390,7 @@ class Projection:
         p, second = flow.particles, flow.position_solve
         div = np.empty(p.n_owned)
         self.rows.divergence(div, p.u_all, p.role_all)
-        sums = np.array([*movement.step_sums(div, p.role, p.kind, flow.by_pressure), flow.collisions])
+        sums = np.array([*record.step_sums(div, p.role, p.kind, flow.by_pressure), flow.collisions])
         if p.comm.size > 1:
             p.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
         squares, count, surface, roots, particles, collisions = sums

@@ -7,9 +7,10 @@ import numpy as np
 
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
+from parisph.case.model import Model
 from parisph.case.probes import AnyProbe, ProbeArray, SurfaceGauge
 from parisph.case.profiles import read_profiles
-from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth, read_truth
+from parisph.case.truths import PeakBand, Truth, WaveTruth, bands_of, read_truth
 from parisph.io.reader import Run
 from parisph.pictures import curves, style
 from parisph.truth import profiled, verdict
@@ -113,10 +114,9 @@ def _legend(picture: "Figure", lines: dict[str, Any]) -> None:
     picture.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
 
 
-def _bands(truth: object) -> list[PeakBand]:
+def _bands(truth: Model | None) -> list[PeakBand]:
     """Return the bands of a truth, each one once: a run may be judged against one as it is, and smoothed too."""
-    bands = truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
-    return list({(band.start, band.end, band.low, band.high, band.when): band for band in bands}.values())
+    return list({(band.start, band.end, band.low, band.high, band.when): band for band in bands_of(truth)}.values())
 
 
 def _over_the_run(time: np.ndarray, values: np.ndarray, run: np.ndarray) -> curves.Samples:

@@ -111,8 +111,12 @@ class System:
 
     def _missing(self, guess):
         """Return this rank's part of |b - A x|^2 for a guess (n,), which is left in x. Collective."""
-        _, b, r = self._arrays
         self._begin(guess)
+        return self._square()
+
+    def _square(self):
+        """Return this rank's part of |b - A x|^2 of the current x. Collective."""
+        _, b, r = self._arrays
         self.operator.mult(self.x, self._r)
         np.subtract(b, r, out=r)
         return r @ r
@@ -124,10 +128,7 @@ class System:
 
     def residual(self) -> float:
         """Return |b - A x| / |b| of the current x (with Q, in a closed domain). Collective."""
-        _, b, r = self._arrays
-        self.operator.mult(self.x, self._r)
-        np.subtract(b, r, out=r)
-        return float(np.sqrt(self.sum(r @ r)[0])) / self.norm
+        return float(np.sqrt(self.sum(self._square())[0])) / self.norm
 
     def solution(self) -> np.ndarray:
         """Return a copy of the owned part of x, with zero mean in a closed domain. Collective."""

@@ -34,7 +34,8 @@ def conditions(case: Content, summary: Content) -> Table:
             *((name, number(summary, SUMMARY, path, "d")) for name, path in PARTICLES if path[0] in summary),
             ("spacing", number(case, CASE, ["numerics", "spacing"], ".6g", "m")), *_scene(case),
             ("steps", number(summary, SUMMARY, ["steps"], "d")),
-            ("time step", number(case, CASE, ["numerics", "time_step"], ".6g", "s")),
+            ("time step", Cell("adaptive") if case["numerics"].get("time_step") is None
+             else number(case, CASE, ["numerics", "time_step"], ".6g", "s")),
             ("time reached", number(summary, SUMMARY, ["time"], ".6g", "s")),
             ("ranks", number(summary, SUMMARY, ["ranks"], "d")),
             ("parisph", number(summary, SUMMARY, ["parisph_version"])),
@@ -42,8 +43,6 @@ def conditions(case: Content, summary: Content) -> Table:
     versions = summary.get("versions")
     rows += [(name, number(summary, SUMMARY, ["versions", name])) for name in
              (versions if isinstance(versions, dict) else ())]
-    if case["numerics"].get("time_step") is None:
-        rows = [(name, Cell("adaptive") if name == "time step" else cell) for name, cell in rows]
     return _named(rows)
 
 

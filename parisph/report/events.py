@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from parisph.case.probes import AnyProbe
-from parisph.case.truths import PeakBand, Peaks, Truth
+from parisph.case.truths import bands_of
 from parisph.report.account import CASE, SUMMARY, Content, Probes, name_of
 from parisph.report.entries import Cell, Table, number
 
@@ -21,12 +20,6 @@ PASSED = (
 ARRIVAL_HEAD = ("probe", "passes", "at")
 
 
-def bands(probe: AnyProbe) -> tuple[PeakBand, ...]:
-    """Return the bands of a probe's greatest values."""
-    truth = probe.truth
-    return truth.bands if isinstance(truth, Peaks) else truth.peaks if isinstance(truth, Truth) else ()
-
-
 def peaks(probes: Probes, summary: Content) -> Table:
     """Return the greatest values in intervals of time beside what others have there."""
     columns = (("start", ".4g"), ("end", ".4g"), ("smooth", ".3g"), ("found", ".4g"), ("time", ".4g"),
@@ -35,7 +28,7 @@ def peaks(probes: Probes, summary: Content) -> Table:
         (Cell(probe.name), *(number(summary, SUMMARY, [*path, name], form, _remark(summary, path, name))
                              for name, form in columns), Cell(name_of(probe.truth)))
         for probe in probes if probe.truth is not None
-        for path in (["errors", probe.name, "peaks", k] for k in range(len(bands(probe))))
+        for path in (["errors", probe.name, "peaks", k] for k in range(len(bands_of(probe.truth))))
     ))
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from parisph.base.arrays import sizes
 from parisph.base.fields import ABSENT, BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.kernels import movement, wetness
+from parisph.kernels import movement, record, wetness
 
 KIND = np.array([FLUID, WALL, FLUID, WALL, FLUID], np.int8)
 
@@ -47,4 +47,4 @@ def test_sums_of_a_step():
     role = np.array([INNER, INNER, SURFACE, BALLISTIC, WET, DRY], np.int8)
     kind = np.array([FLUID, FLUID, FLUID, FLUID, WALL, WALL], np.int8)
     div, acceleration = np.array([1.0, 2.0, 50.0, 60.0, 70.0, 80.0]), np.array([4.0, 9.0, 16.0, 0.0, 100.0, 100.0])
-    assert movement.step_sums(div, role, kind, acceleration) == (5.0, 2.0, 2.0, 9.0, 4.0)
+    assert record.step_sums(div, role, kind, acceleration) == (5.0, 2.0, 2.0, 9.0, 4.0)
