@@ -22,6 +22,7 @@ from parisph import (
     Case,
     Energy,
     Fluid,
+    Friction,
     Numerics,
     Output,
     PeakBand,
@@ -54,6 +55,7 @@ def case(
     end_time: float = 7.0,              # t sqrt(g/H)
     time_step: float | None = None,     # dt sqrt(g/H) at spacing = 1/60, in proportion to it; none to adapt it
     distance: float = 161.0 / 30.0,     # of the walls, D / H; 5.375 for spacings of 1/40 and 1/80
+    friction: float = 1e-6,             # viscosity of the water in the friction on walls [m2/s], 0 for none
     jitter: float = 0.0,
     seed: int = 0,
     snapshot_every: float = 0.1,        # in sqrt(H/g)
@@ -74,6 +76,7 @@ def case(
         fluid=Fluid(Box(width=L, height=H), density=997.0),
         walls=Tank(width=D, height=3.0 * H, lid=True),
         gravity=(0.0, -g),
+        friction=Friction(viscosity=friction) if friction else None,
         numerics=Numerics(
             method=method, preset=preset, spacing=spacing * H, jitter=jitter, seed=seed,
             time_step=None if time_step is None else time_step * spacing * 60.0 * unit,

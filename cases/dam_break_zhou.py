@@ -16,6 +16,7 @@ from parisph import (
     Case,
     Energy,
     Fluid,
+    Friction,
     Momentum,
     Numerics,
     Output,
@@ -53,6 +54,7 @@ def case(
     time_step: float | None = None,     # dt sqrt(g/H) at spacing = 1/60, in proportion to it; none to adapt it
     distance: float = 161.0 / 30.0,     # of the walls, D / H; 5.375 for spacings of 1/40 and 1/80
     face: float = 0.15,                 # height of the sensor's face / H
+    friction: float = 0.0,              # viscosity of the water in the friction on walls [m2/s], 0 for none
     jitter: float = 0.0,
     seed: int = 0,
     snapshot_every: float = 0.1,        # in sqrt(H/g)
@@ -71,6 +73,7 @@ def case(
         fluid=Fluid(Box(width=L, height=H), density=1000.0),
         walls=Tank(width=D, height=3.0 * H, lid=True),
         gravity=(0.0, -g),
+        friction=Friction(viscosity=friction) if friction else None,
         numerics=Numerics(
             method=method, preset=preset, spacing=spacing * H, jitter=jitter, seed=seed,
             time_step=None if time_step is None else time_step * spacing * 60.0 * unit,

@@ -23,6 +23,7 @@ from parisph import (
     Case,
     Energy,
     Fluid,
+    Friction,
     Numerics,
     Output,
     PeakBand,
@@ -62,6 +63,7 @@ def case(
     time_step: float | None = None,     # dt sqrt(g/d); none to adapt it
     height: float = 0.3,                # H / d
     before: float = 12.0,               # distance of the crest at the start from the left wall / d
+    friction: float = 1e-6,             # viscosity of the water in the friction on the beach [m2/s], 0 for none
     jitter: float = 0.0,
     seed: int = 0,
     snapshot_every: float = 1.0,        # in sqrt(d/g)
@@ -79,6 +81,7 @@ def case(
         fluid=Fluid(StillWater(level=d), density=1000.0, wave=SolitaryWave(height=height * d, depth=d, at=start)),
         walls=Profile([(0.0, top), (0.0, 0.0), (toe, 0.0), (toe + top / SLOPE, top)], name="beach"),
         gravity=(0.0, -g),
+        friction=Friction(viscosity=friction) if friction else None,
         numerics=Numerics(
             method=method, preset=preset, spacing=spacing * d, jitter=jitter, seed=seed,
             time_step=None if time_step is None else time_step * unit,

@@ -13,11 +13,16 @@ WORDS: dict[str, list[str]] = {
     "surface_rule": ["gap", "auxiliary", "density", "divergence", "frozen", "none"],
     "source": ["mixed", "divergence", "density", "compensating"],
     "stepping": ["midpoint", "start", "predicted", "symplectic"],
-    "force": ["body", "coriolis", "viscous", "viscous_morris", "absorb"],
+    "force": ["body", "coriolis", "viscous", "viscous_morris", "absorb", "friction"],
     "regulariser": ["film", "filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart",
                     "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"],
 }
 
+# What a scene may have that some forces are for.
+PHYSICS = {
+    "viscous": "viscosity of the fluid or of eddies", "turning": "a tank that turns",
+    "absorbing": "zones that absorb waves", "friction": "friction on walls",
+}
 
 _OURS = {what: tuple(words) for what, words in WORDS.items()}
 

@@ -13,7 +13,7 @@ from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
 from parisph.case import absorb, probe_checks, scenery, size
-from parisph.case.bodies import Flap, Piston, StillWater
+from parisph.case.bodies import Body, Flap, Piston, StillWater
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import check_components
 from parisph.case.lattice import FIT, misfit, nearest_spacings
@@ -21,7 +21,7 @@ from parisph.case.methods import METHODS
 from parisph.case.motion import SHARE, Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
-from parisph.case.shapes import Box
+from parisph.case.shapes import Box, Tank
 from parisph.case.values import LARGEST
 from parisph.case.waves import AnyWave
 
@@ -45,8 +45,8 @@ def problems(case: Scene) -> list[str]:
     if not found:
         found += [*(_spacing(case) if case.plain else ()), *_inside(case), *_size(case)]
     if not found:
-        found += [*_turning(case), *_absorbing(case), *_surface(case), *_wave(case), *_elevation(case), *_finite(case),
-                  *_probes(case)]
+        found += [*_turning(case), *_absorbing(case), *_friction(case), *_surface(case), *_wave(case),
+                  *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
         found += [*_times(case), *_steps(case), *_files(case)]
     return found
@@ -85,6 +85,29 @@ def _absorbing(case: Scene) -> Iterator[str]:
         yield "absorb: weakly compressible SPH has no zones; choose a projection method, or leave them out"
     elif "absorb" not in (case.numerics.resolved().forces or ()):
         yield "absorb: needs the force 'absorb'; add it to numerics.forces"
+
+
+def _friction(case: Scene) -> Iterator[str]:
+    law, s = case.friction, case.numerics.spacing
+    if law is None:
+        return
+    if METHODS[case.numerics.method].step == "compressible":
+        yield "friction: weakly compressible SPH has none; choose a projection method, or leave it out"
+    elif "friction" not in (case.numerics.resolved().forces or ()):
+        yield "friction: needs the force 'friction'; add it to numerics.forces"
+    if all(_sticks(body) for body in case.bodies):
+        yield ("friction: acts on walls along which fluid slips, and this scene has none; leave it out, "
+               "or make walls without no_slip")
+    if law.roughness > s:
+        yield (f"friction.roughness = {law.roughness:g}: must be at most the spacing, here {s:g}, so that water is "
+               "above it; use a larger spacing, or make the roughness a part of the walls")
+
+
+def _sticks(body: Body) -> bool:
+    """Return whether fluid sticks to all of a body."""
+    if isinstance(body, Tank):
+        return {"left", "right", "bottom", *(("top",) if body.closed else ())} <= set(body.sticky)
+    return body.slip == "none"
 
 
 def _surface(case: Scene) -> Iterator[str]:

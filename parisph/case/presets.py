@@ -8,7 +8,7 @@ WITHOUT_FILMS = ("filter", "collisions", "wall_guard", "projection", "parting", 
 USUAL: dict[str, Any] = {
     "divergence": "flux",
     "source": "mixed",
-    "forces": ("body", "coriolis", "viscous", "absorb"),
+    "forces": ("body", "coriolis", "viscous", "absorb", "friction"),
     "regularisers": ("film", *WITHOUT_FILMS),
 }
 

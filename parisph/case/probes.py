@@ -271,6 +271,8 @@ class RunUp(Probe):
 class Force(Probe):
     """Force [N/m] of the fluid's pressure on a body, and its moment [N m/m] against the clock.
 
+    Friction on the body is not included.
+
     on : name of the body
     side : of a tank; None for all of it
     about : point of the moment [m]

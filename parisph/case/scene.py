@@ -5,11 +5,13 @@ from typing import Annotated, Any, Optional, Union
 import numpy as np
 from pydantic import Discriminator, Field, Tag, field_validator
 
+from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.case.absorb import Absorber, AnyZone
 from parisph.case.bodies import Body, Flap, Piston, StillWater, Walls, motion_of
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import Fluid
+from parisph.case.friction import Friction
 from parisph.case.lattice import FIT
 from parisph.case.model import Model
 from parisph.case.motion import AtRest, Frame, Rotation
@@ -37,6 +39,7 @@ class Scene(Model):
         description="body force (x, y) [m/s2], numbers or expressions of x, y, t")
     frame: Frame = AtRest()
     absorb: tuple[AnyZone, ...] = ()
+    friction: Optional[Friction] = Field(None, description="friction of turbulent flow on walls, or None")
     numerics: Numerics
     output: Output = Output()
     probes: tuple[AnyProbe, ...] = ()
@@ -47,6 +50,13 @@ class Scene(Model):
     @classmethod
     def _one_or_more(cls, zones: object) -> object:
         return (zones,) if isinstance(zones, (Model, dict)) else zones
+
+    @field_validator("friction", mode="before")
+    @classmethod
+    def _a_friction(cls, friction: object) -> object:
+        if friction is not None and not isinstance(friction, (Friction, dict)):
+            raise ValueError("must be a Friction; write friction=Friction(), or leave it out")
+        return friction
 
     @field_validator("probes", mode="before")
     @classmethod
@@ -187,6 +197,13 @@ class Scene(Model):
         It is the force on what rests in the tank; in a tank that turns, Coriolis' force is another part of the method.
         """
         return self.frame.seen(vector_field(self.gravity, with_time=True)(x, t), t) + self.frame.felt(x, t)
+
+    @property
+    def physics(self) -> frozenset[str]:
+        """What the scene has that some forces are for, words of vocabulary.PHYSICS."""
+        has = {"viscous": self.viscosity > 0.0 or self.numerics.smagorinsky > 0.0, "turning": self.turns,
+               "absorbing": bool(self.absorb), "friction": self.friction is not None}
+        return frozenset(word for word in vocabulary.PHYSICS if has[word])
 
     @property
     def turns(self) -> bool:

@@ -12,6 +12,7 @@ from parisph.case.absorb import Relaxation, Sponge
 from parisph.case.bodies import Flap, Obstacle, Piston, Plate, Profile, StillWater
 from parisph.case.faults import first_lines
 from parisph.case.fluids import Fluid
+from parisph.case.friction import Friction
 from parisph.case.methods import METHODS
 from parisph.case.model import Model
 from parisph.case.motion import AtRest, FlapStroke, Heave, Moved, PistonStroke, Roll, Series, Sway, Tabulated
@@ -39,10 +40,10 @@ from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWa
 
 __all__ = [
     "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Flap", "FlapStroke",
-    "Fluid", "Force", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Obstacle", "Output", "PeakBand",
-    "Peaks", "Piston", "PistonStroke", "Plate", "Polygon", "PressureTap", "ProbeArray", "Profile", "Profiles",
-    "Relaxation", "Roll", "RunUp", "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave", "StillWater",
-    "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint",
+    "Fluid", "Force", "Friction", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Obstacle", "Output",
+    "PeakBand", "Peaks", "Piston", "PistonStroke", "Plate", "Polygon", "PressureTap", "ProbeArray", "Profile",
+    "Profiles", "Relaxation", "Roll", "RunUp", "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave",
+    "StillWater", "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint",
     "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
 ]
 
@@ -62,6 +63,7 @@ class Case(Scene):
     gravity : components of the body force [m/s2], numbers or expressions of x, y and t
     frame : motion of the tank, in whose frame the flow is computed
     absorb : a Sponge or Relaxation zone, or several
+    friction : Friction of turbulent flow on walls that fluid slips along, or None
     numerics, output : Numerics, Output
     probes : what is watched
     end_time : [s]

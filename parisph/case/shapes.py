@@ -155,7 +155,7 @@ def _area(points: tuple[tuple[float, ...], ...]) -> float:
 class Lid(Model):
     """A lid that moves in its plane with `velocity` [m/s] along x, as in a lid-driven cavity.
 
-    Only viscous fluid notices.
+    Only viscous fluid notices, or one with friction on walls (`Case(friction=...)`).
 
     Examples
     --------

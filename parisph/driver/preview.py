@@ -44,6 +44,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
                       f"{count['wall']} wall), spacing {numerics.spacing:g} m"),
         ("resolution", _resolution(case, expected)),
         *_geometry(case),
+        *_friction(case),
         ("stages", ", ".join(stages(case))),
         ("end time", f"{case.end_time:g} s"),
         ("steps", _steps(case, numerics, steps)),
@@ -79,6 +80,14 @@ def _geometry(case: Case) -> Iterator[tuple[str, str]]:
                      f"({100.0 * (known.lattice / known.volume - 1.0):+.1f} %) before its particles get their own")
 
 
+def _friction(case: Case) -> Iterator[tuple[str, str]]:
+    """Yield the values of the friction on walls."""
+    if case.friction is not None:
+        law = case.friction
+        yield "friction", (f"on walls that fluid slips along: viscosity {law.viscosity:g} m2/s, "
+                           f"roughness {law.roughness:g} m")
+
+
 def _warnings(case: Case, count: Mapping[str, int]) -> Iterator[str]:
     """Warn of a method's limits, and of water without a free surface, which the initial lattice already shows."""
     if catalogue.warning(case.numerics):
@@ -105,7 +114,7 @@ def stages(case: Case) -> list[str]:
 
 
 def _parts(case: Case) -> Any:
-    return catalogue.parts_of(case.complete_numerics(), case.viscosity, case.turns, bool(case.absorb))
+    return catalogue.parts_of(case.complete_numerics(), case.physics)
 
 
 def _text(name: str, value: Any) -> str:

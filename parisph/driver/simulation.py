@@ -126,7 +126,8 @@ class Simulation:
         self._made.append(self.domain)
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
                     solid_walls.boundary_of(case, elements), self.timers, closed=case.closed,
-                    budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin, absorb=case.absorber)
+                    budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin, absorb=case.absorber,
+                    friction=case.friction)
         if start is None and not case.plain:
             solid_walls.fill(case, flow)
         self.method = _method(case, flow, parts, petsc_options)
@@ -327,7 +328,7 @@ def _other_than_first(comm: MPI.Comm, case: Case, petsc_options: list[str] | Non
 
 def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     """Return the parts of the case's method. Collective. Raises CaseError for a part that this scene cannot have."""
-    parts: Parts | CompressibleParts = parts_of(case.numerics, case.viscosity, case.turns, bool(case.absorb))
+    parts: Parts | CompressibleParts = parts_of(case.numerics, case.physics)
     error = None
     try:
         parts.check(case.dim, case.plain)

@@ -17,7 +17,7 @@ class Absorption(Force):
     in a zone of uneven tau would begin to flow.
     """
 
-    name, absorbing, words, cause = "absorb", True, "absorb", "absorb"
+    name, only, words, cause = "absorb", "absorbing", "absorb", "absorb"
 
     def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
         rate, pull = flow.absorb(flow.particles.x_all, time)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
+from parisph.case.friction import Friction
 from parisph.kernels.moving_mirrors import Solids, no_solids
 from parisph.methods.parts import Gradient
 
@@ -74,6 +75,10 @@ class Boundary(ABC):
     @abstractmethod
     def directions(self, flow: "Flow", least: int) -> Directions:
         """Return how walls close angular gaps."""
+
+    @abstractmethod
+    def rub(self, out: np.ndarray, flow: "Flow", law: Friction) -> None:
+        """Add the friction of walls that fluid slips along to out (n_owned, dim) [m/s^2]."""
 
     def cells(self, flow: "Flow") -> np.ndarray:
         """Return the volume (n_all,) [m^dim] by which particles fill their cells, as for kernels.surface_rows."""

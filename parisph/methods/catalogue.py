@@ -1,6 +1,6 @@
 """The parts of a scene: from the words and numbers of a case, and what follows from them."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -21,6 +21,7 @@ from parisph.methods import (  # noqa: F401 (they register)
     straining,
     surfaces,
     velocities,
+    wall_friction,
 )
 from parisph.methods.guesses import Guesses
 from parisph.methods.parts import (
@@ -49,6 +50,9 @@ WORDS: dict[str, Registry[Any]] = {    # the fields of Numerics that name one pa
     "laplacian": LAPLACIANS, "divergence": DIVERGENCES, "wall_rows": WALL_ROWS, "gradient": GRADIENTS,
     "surface_gradient": SURFACE_GRADIENTS, "surface_rule": SURFACES, "source": SOURCES}
 
+# What in a case asks for the forces of some physics.
+ASKED = {"viscous": "fluid.viscosity or numerics.smagorinsky", "friction": "friction"}
+
 
 @dataclass(frozen=True)
 class Parts:
@@ -69,18 +73,16 @@ class Parts:
     regularisers: tuple[Regulariser, ...]
 
     @classmethod
-    def of(cls, numerics: Numerics, viscosity: float = 0.0, turning: bool = False, absorbs: bool = False) -> "Parts":
+    def of(cls, numerics: Numerics, physics: Collection[str] = ()) -> "Parts":
         """Return the parts of a scene. Not collective.
 
-        numerics : resolved; viscosity : of the fluid [m^2/s]; turning : whether the tank turns; absorbs : whether
-            it has zones that absorb waves
+        numerics : resolved; physics : what the scene has, words of vocabulary.PHYSICS
         """
-        n, viscous = numerics, viscosity > 0.0 or numerics.smagorinsky > 0.0
+        n = numerics
         return cls(n, LAPLACIANS[n.laplacian], DIVERGENCES[n.divergence], WALL_ROWS[n.wall_rows], GRADIENTS[n.gradient],
                    SURFACE_GRADIENTS[n.surface_gradient], SURFACES[n.surface_rule], SOURCES[n.source],
                    tuple(part for part in (FORCES[name] for name in n.forces)
-                         if part.wanted(n) and (viscous or not part.viscous) and (turning or not part.turning)
-                         and (absorbs or not part.absorbing)),
+                         if part.wanted(n) and (not part.only or part.only in physics)),
                    tuple(part for part in (REGULARISERS[name] for name in n.regularisers) if part.wanted(n)))
 
     def __iter__(self) -> Iterator[Part]:
@@ -156,8 +158,7 @@ class Parts:
             own = f", of method {n.method}" if METHODS[n.method].values.get(field) == word else ""
             yield f"numerics.{field} = {word}{own}", WORDS[field][word]
         for force in self.forces:
-            yield ("fluid.viscosity or numerics.smagorinsky" if force.viscous else f"numerics.forces = {force.name}",
-                   force)
+            yield ASKED.get(force.only, f"numerics.forces = {force.name}"), force
         for part in self.regularisers:
             own = f", of preset {n.preset}" if part.name in PRESETS[n.preset].get("regularisers", ()) else ""
             yield f"numerics.regularisers = {part.name}{own}", part
@@ -168,7 +169,7 @@ class Parts:
         if field is None:
             if isinstance(part, Regulariser):
                 return "choose another preset, or give numerics.regularisers without it"
-            return "leave them out" if getattr(part, "viscous", False) else "leave it out"
+            return "leave them out" if getattr(part, "only", "") == "viscous" else "leave it out"
         fit = [name for name, other in WORDS[field].items() if (plain or other.shapes) and dim in other.dims
                and not (field == "surface_rule" and name == "none")]
         return f"give numerics.{field} = {' or '.join(fit)}, or choose another method"
@@ -203,11 +204,11 @@ class CompressibleParts:
                             "or choose a projection method")
 
 
-def parts_of(numerics: Numerics, viscosity: float = 0.0, turning: bool = False, absorbs: bool = False) -> Any:
+def parts_of(numerics: Numerics, physics: Collection[str] = ()) -> Any:
     """Return the parts of a method: Parts of a projection, or CompressibleParts. Not collective. See Parts.of."""
     if METHODS[numerics.method].step == "compressible":
         return CompressibleParts(numerics)
-    return Parts.of(numerics, viscosity, turning, absorbs)
+    return Parts.of(numerics, physics)
 
 
 def warning(numerics: Numerics) -> str:

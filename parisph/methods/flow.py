@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from parisph.case.friction import Friction
 from parisph.case.numerics import Numerics
 from parisph.kernels import surface, wetness
 from parisph.kernels.jit import axes_of
@@ -27,6 +28,7 @@ class Flow:
     closed : whether the fluid fills a closed tank: no free surface
     spin : callable t -> angular velocity of the tank [rad/s], or None
     absorb : callable (x (n, dim), t) -> 1/tau (n,) [1/s] and u_t/tau (n, dim) [m/s^2] of zones (case.absorb), or None
+    friction : case.friction.Friction, or None
     budget : measures the energy that the fluid gains by each part of a step, or None
 
     Attributes
@@ -52,10 +54,12 @@ class Flow:
 
     def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, walls: Any,
                  timers: Any, closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
-                 spin: Callable[[float], float] | None = None, absorb: Any = None) -> None:
+                 spin: Callable[[float], float] | None = None, absorb: Any = None,
+                 friction: Friction | None = None) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
         self.closed, self.budget, self.spin, self.absorb = closed, budget or NoBudget(), spin, absorb
+        self.friction = friction
         self.time = self.dt = 0.0
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)

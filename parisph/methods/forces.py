@@ -33,7 +33,7 @@ class Coriolis(Force):
     to u. At walls, the velocity is the water's along them.
     """
 
-    name, source, reach, turning, words = "coriolis", "", lengths.WALL, True, "Coriolis force"
+    name, source, reach, only, words = "coriolis", "", lengths.WALL, "turning", "Coriolis force"
     fields = ("acceleration", "halfway")
     dims = (2,)
 
@@ -58,7 +58,7 @@ class Viscous(Force):
     just come to the surface has p = 0 in its first step there.
     """
 
-    name, source, reach, viscous, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, True, "viscous force"
+    name, source, reach, only, words = "viscous", "Z14 Eq 2", lengths.VISCOUS, "viscous", "viscous force"
     fields = "no_slip", "wall_u", "nu", "viscous"
     open_fields: tuple[str, ...] = ("touched", "surface_pressure")    # beside them, with a free surface
 

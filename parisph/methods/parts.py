@@ -6,7 +6,7 @@ neighbour lists reach, which dimensions it can have, its longest time step, and 
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
@@ -146,18 +146,23 @@ class Source(Part):
 class Force(Part):
     """A force per unit mass.
 
-    viscous : whether only viscous fluid feels it
-    turning : whether only fluid in a tank that turns feels it
-    absorbing : whether only fluid of a scene with zones that absorb waves feels it
+    only : word of vocabulary.PHYSICS, if only a scene with it feels the force, or "" if all scenes do
     cause : column of the energy budget, or "" if pressure works against it within a step
     words : what `parisph check` calls it, or "" for what every scene has
     """
 
-    viscous: ClassVar[bool] = False
-    turning: ClassVar[bool] = False
-    absorbing: ClassVar[bool] = False
+    only: ClassVar[str] = ""
     cause: ClassVar[str] = ""
     words: ClassVar[str] = ""
+
+    def __init_subclass__(cls, **further: Any) -> None:
+        super().__init_subclass__(**further)
+        if cls.only not in ("", *vocabulary.PHYSICS):
+            raise ValueError(f"force {cls.__name__}: only = {cls.only!r} is no physics of a scene; "
+                             f"choose {', '.join(vocabulary.PHYSICS)}, or leave it out")
+        for word in ("viscous", "turning", "absorbing"):
+            if getattr(cls, word, False) is True:    # how it was said before
+                raise ValueError(f"force {cls.__name__}: {word} = True has no effect; write only = \"{word}\"")
 
     @abstractmethod
     def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.kernels import collisions, halves, mirrors, shifting, surface
+from parisph.case.friction import Friction
+from parisph.kernels import collisions, halves, mirrors, shifting, surface, wall_law
 from parisph.kernels.wetness import FREE
 from parisph.methods import lengths
 from parisph.methods.boundary import Boundary, Directions
@@ -50,6 +51,12 @@ class WallImages(Boundary):
         p, d = flow.particles, flow.domain
         collisions.wall_guard(u, self._beside(flow), p.x_all, p.kind_all, p.corner_all, p.normal_all,
                               flow.numerics.wall_guard * flow.spacing, dt, d.indptr, d.indices, flow.axes)
+
+    def rub(self, out: np.ndarray, flow: "Flow", law: Friction) -> None:
+        p, d = flow.particles, flow.domain
+        wall_law.rub_planes(out, self._beside(flow), p.u_all, p.wall_u_all, p.volume_all, p.x_all, p.kind_all,
+                            p.corner_all, p.normal_all, p.no_slip_all, flow.spacing, flow.dt, law.viscosity,
+                            law.roughness, d.indptr, d.indices, flow.axes)
 
     def directions(self, flow: "Flow", least: int) -> Directions:
         dim, none = len(flow.axes), np.zeros(0, np.int32)

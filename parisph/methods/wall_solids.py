@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.base.fields import ABSENT, DRY, WALL
+from parisph.case.friction import Friction
 from parisph.geometry.mesh import CONVEX
-from parisph.kernels import density, gradient, solids, wetness
+from parisph.kernels import density, gradient, solids, wall_law, wetness
 from parisph.kernels.moving_mirrors import GONE, SLIPS, STICKS, Solids
 from parisph.methods import lengths
 from parisph.methods.boundary import Boundary, Directions
@@ -99,6 +100,14 @@ class WallSolids(Boundary):
         p, e = flow.particles, self.elements
         solids.guard_solids(u, p.x_all, p.kind_all, e.corners, e.velocity, flow.numerics.wall_guard * flow.spacing, dt,
                             e.indptr, e.indices, flow.axes)
+
+    def rub(self, out: np.ndarray, flow: "Flow", law: Friction) -> None:
+        p, e = flow.particles, self.elements
+        # walls at rest may slide, as a lid does; those that move have their velocity from their motion
+        u = np.where((e.motion == 0)[:, None], p.wall_u_all[e.nodes].mean(axis=1), e.velocity)
+        sticks = (p.no_slip_all[e.nodes] == 1).all(axis=1)
+        wall_law.rub_elements(out, p.u_all, u, sticks, p.volume_all, p.x_all, p.kind_all, e.corners, flow.spacing,
+                              flow.dt, law.viscosity, law.roughness, e.indptr, e.indices, flow.axes)
 
     def directions(self, flow: "Flow", least: int) -> Directions:
         e = self.elements

@@ -60,6 +60,9 @@ def _scene(case: Content) -> Iterator[tuple[str, Cell]]:
         for what in ("motion", "wave"):    # a wavemaker has one of them
             if (body.get(what) or REST)["kind"] != REST["kind"]:
                 yield f"{what} of {name}", number(case, CASE, [*place, what, "kind"])
+    if case.get("friction"):
+        yield "friction on walls, viscosity", number(case, CASE, ["friction", "viscosity"], ".3g", "m2/s")
+        yield "friction on walls, roughness", number(case, CASE, ["friction", "roughness"], ".3g", "m")
     for k, zone in enumerate(case.get("absorb") or ()):
         yield f"{zone['kind']} from x", number(case, CASE, ["absorb", k, "start"], ".4g", "m")
         yield f"{zone['kind']}, length", number(case, CASE, ["absorb", k, "length"], ".4g", "m")

@@ -21,7 +21,7 @@ OWN = {
 
 def parts(name):
     case = scene(name)
-    return parts_of(case.complete_numerics(), case.fluid.viscosity), case.closed
+    return parts_of(case.complete_numerics(), case.physics), case.closed
 
 
 @pytest.mark.parametrize("name", OWN)

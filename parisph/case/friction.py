@@ -1,0 +1,38 @@
+"""Friction of turbulent flow on walls along which fluid slips."""
+
+from pydantic import Field, model_validator
+
+from parisph.case.model import Model
+
+
+class Friction(Model):
+    """Friction on all walls along which fluid slips, by a law of the wall.
+
+    At sea and in flumes the layer in which a wall slows water down is turbulent, and thinner than a particle. The
+    stress follows from the velocity u of a particle along the wall and its distance y: for smooth walls from u+ = y+
+    or u+ = 8.3 y+^(1/7) (Werner & Wengle 1993), for rough ones from u+ = ln(y/k)/.41 + 8.5 (Nikuradse 1933), whichever
+    gives the larger stress. Viscous fluid beside walls that it sticks to needs none of this.
+
+    The power law is within a tenth of the logarithmic one up to y+ = 1e3, and gives six tenths of its stress at 1e5.
+    There is no transition from smooth to rough, and a particle nearer to the wall than k feels what it would at k.
+
+    Attributes
+    ----------
+    viscosity : kinematic, of the fluid [m2/s]; 0 for the friction of roughness alone
+    roughness : height k of sand grains that would give the same friction [m], at most the spacing
+
+    Examples
+    --------
+    >>> water = Friction()
+    >>> concrete = Friction(roughness=0.001)
+    """
+
+    viscosity: float = Field(1e-6, ge=0, le=1, description="kinematic viscosity of the fluid [m2/s]")
+    roughness: float = Field(0.0, ge=0, description="equivalent height of sand grains on the walls [m]")
+
+    @model_validator(mode="after")
+    def _rubs(self) -> "Friction":
+        if self.viscosity == 0.0 and self.roughness == 0.0:
+            raise ValueError("viscosity = 0 and roughness = 0: then there is no friction; give one of them, "
+                             "or leave friction out")
+        return self

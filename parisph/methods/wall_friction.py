@@ -1,0 +1,34 @@
+"""The friction of walls (case.friction)."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parisph.methods import lengths
+from parisph.methods.parts import FORCES, Force
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
+
+
+class WallFriction(Force):
+    """The stress of turbulent flow on walls along which fluid slips, on the layer of particles beside them."""
+
+    name, source, only = "friction", "Werner & Wengle 1993", "friction"
+    words, cause, reach = "friction", "friction", lengths.WALL
+    fields = ("no_slip", "wall_u", "friction")
+
+    def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
+        p = flow.particles
+        p.friction[:] = 0.0
+        flow.walls.rub(p.friction, flow, flow.friction)
+        flow.domain.update("friction")
+        out += p.friction_all
+
+    def work(self, flow: "Flow", start: np.ndarray) -> float:
+        p = flow.particles
+        power = np.einsum("ia,ia->i", p.friction, 0.5 * (start + p.u))
+        return flow.density * flow.dt * float(p.volume @ power)
+
+
+FORCES.register(WallFriction())
