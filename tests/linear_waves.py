@@ -16,8 +16,8 @@ from parisph.base.log import Timers
 from parisph.case.load import load
 from parisph.case.waves import angular_frequency
 from parisph.geometry import build as geometry
-from parisph.kernels import collisions
 from parisph.kernels import gradient as gradients
+from parisph.kernels import strain
 from parisph.methods import lengths
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
@@ -76,16 +76,16 @@ class StillTank:
                                   for e in self._units(self.pressures)], axis=1)
         self.rows = self._pressure_rows()
         self.measure = rows.rows.measure[self.inner].copy()
-        div, change = np.empty(self.n), np.empty((self.n, 2))
+        div, rough = np.empty(self.n), np.empty((self.n, 2))
         self.divergence, self.smoothing, self.smoothing_of_walls = [], [], []
         for e in self._velocity_units():
             both = self._with_walls(e)
             rows.divergence(div, both, p.role)
             self.divergence.append(div[self.inner])
             for u, columns in ((e, self.smoothing), (both - e, self.smoothing_of_walls)):
-                collisions.smooth_velocity(change, u, p.x, p.kind, p.role, np.full(self.n, self.numerics.filter),
-                                           lengths.MLS * self.numerics.spacing, d.indptr, d.indices, self.flow.axes)
-                columns.append(change[self.fluid].ravel())
+                strain.roughness(rough, u, p.x, p.kind, p.role, lengths.MLS * self.numerics.spacing, d.indptr,
+                                 d.indices, self.flow.axes)
+                columns.append(-self.numerics.filter * rough[self.fluid].ravel())
         for name in ("divergence", "smoothing", "smoothing_of_walls"):
             setattr(self, name, np.stack(getattr(self, name), axis=1))
 

@@ -1,12 +1,10 @@
-"""Pair collisions, wall guard and velocity filter."""
+"""Pair collisions and wall guard."""
 
 import numpy as np
 
 from parisph.base.fields import FLUID
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mirrors import height, near_planes
-from parisph.kernels.mls import linear_fit, moment_count
-from parisph.kernels.near import dot, fill_up, gather, room_for, sum_moments, weigh
 
 ROUNDING = 1e-9    # of the approach by a linear velocity: what differs from it by less is linear
 
@@ -147,43 +145,3 @@ def _any(move, i, axes):
         if move[i, a] != 0.0:
             return True
     return False
-
-
-@kernel
-def smooth_velocity(change: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray,
-                    strength: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
-                    axes: tuple[int, ...]) -> None:
-    """Velocity change -strength_i (u - linear MLS of u) at fluid particles; the fit includes the particle.
-
-    A harmonic velocity has no Laplacian, so a wave is almost unchanged. Where the neighbours do not
-    span a plane (jets, drops) the change is zero, because an extrapolation from two neighbours is
-    unbounded.
-
-    strength : (n_owned,); where it is 0 nothing is computed
-    """
-    dim, room = len(axes), room_for(indptr)
-    near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((dim, room))
-    member = np.empty(room, np.int32)
-    moments, fit, here = np.empty((moment_count(axes), 1)), np.empty((dim + 1, 1)), np.zeros((dim, 1))
-    for i in range(len(indptr) - 1):
-        change[i, :] = 0.0
-        if kind[i] != FLUID or strength[i] == 0.0:
-            continue
-        n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
-        for a in range(dim):
-            near[a, n] = 0.0  # the particle itself comes last
-        m = fill_up(near, n + 1, axes)
-        member[n:m] = i
-        weigh(weighted, near, 0, m, axes)
-        sum_moments(moments, 0, weighted, near, m, axes)
-        if linear_fit(fit, moments, here, 1, axes) == 0:
-            continue
-        # The weight of the particle in its own mean is 1 if the fit passes through it, and .6 to .8
-        # beside a contact line, where surface particles would creep without the filter.
-        if not 0.0 < fit[0, 0] < 0.95:
-            continue
-        for a in range(dim):
-            for k in range(m):
-                difference[a, k] = u[member[k], a] - u[i, a]
-            for r in range(dim + 1):
-                change[i, a] += strength[i] * fit[r, 0] * dot(weighted, r, difference, a, m)

@@ -1,4 +1,4 @@
-"""Displacements of close pairs: turning where the fluid is strained, parting where it has no pressure."""
+"""Close pairs of fluid: their lists, turning where the fluid is strained, parting where it has no pressure."""
 
 import math
 
@@ -36,6 +36,29 @@ def across(side: np.ndarray, d: np.ndarray, first: int, second: int, axes: tuple
     rest = math.sqrt(max(0.0, 1.0 - z * z))
     ax, ay = rest * math.cos(angle), rest * math.sin(angle)
     side[0], side[1], side[2] = ay * d[2] - z * d[1], z * d[0] - ax * d[2], ax * d[1] - ay * d[0]
+
+
+@kernel
+def close_pairs(x: np.ndarray, kind: np.ndarray, distance: float, indptr: np.ndarray, indices: np.ndarray,
+                axes: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the fluid neighbours of owned fluid that are nearer than the distance [m], but not in the same place.
+
+    As CSR, in the order of the lists: indptr (n_owned + 1,) int32, indices int32. What only concerns close pairs looks
+    at these, which are few, in place of all neighbours.
+    """
+    n, close, distance2 = 0, np.empty(len(indices), np.int32), distance * distance
+    start = np.zeros(len(indptr), np.int32)
+    for i in range(len(indptr) - 1):
+        if kind[i] == FLUID:
+            for k in range(indptr[i], indptr[i + 1]):
+                j = np.uint32(indices[k])
+                r2 = 0.0
+                for a in range(len(axes)):
+                    r2 += (x[j, a] - x[i, a]) ** 2
+                close[n] = j    # overwritten by the next one if j is not close
+                n += (kind[j] == FLUID) & (0.0 < r2) & (r2 < distance2)
+        start[i + 1] = n
+    return start, close[:n].copy()
 
 
 @kernel
@@ -114,27 +137,29 @@ def part_pairs(shift: np.ndarray, number: np.ndarray, x: np.ndarray, kind: np.nd
 
 @kernel
 def keep_apart(move: np.ndarray, near: np.ndarray, x: np.ndarray, kind: np.ndarray, ident: np.ndarray, distance: float,
-               longest: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
+               longest: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> tuple[int, int]:
     """Sum of the moves that bring each fluid pair to the distance, half each, along its line turned by TILT.
 
     For repeated sweeps: the sum is right for a pair of its own, and limited in a crowd.
 
-    move : (n_owned, dim) output, at most `longest` [m]
-    near : (n_owned,) bool, the particles to look at, all in the first sweep; those stay that have a
-        neighbour which the next sweep may bring too near
-    Returns the number of owned particles with a neighbour nearer than the distance.
+    move : (n_owned, dim), at most `longest` [m]; changed only at the particles that are looked at, 0 before the first
+        sweep
+    near : int32, the owned particles to look at, all in the first sweep; those that have a neighbour which the next
+        sweep may bring too near are moved to its beginning
+    Returns the number of particles with a neighbour nearer than the distance, and how many are left in `near`.
     """
     dim = len(axes)
     d, side = np.empty(dim), np.empty(dim)
     cosine, sine = math.cos(TILT), math.sin(TILT)
-    crowded, reach = 0, distance + longest
-    for i in range(len(indptr) - 1):
-        move[i, :] = 0.0
-        if kind[i] != FLUID or not near[i]:
+    crowded, left, reach = 0, 0, distance + longest
+    for i in near:
+        for a in range(dim):
+            move[i, a] = 0.0
+        if kind[i] != FLUID or not _any_within(reach, i, x, kind, indptr, indices, axes):
             continue
-        close, near[i] = False, _any_within(reach, i, x, kind, indptr, indices, axes)
-        if not near[i]:
-            continue
+        near[left] = i
+        left += 1
+        close = False
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             if kind[j] != FLUID:
@@ -153,7 +178,7 @@ def keep_apart(move: np.ndarray, near: np.ndarray, x: np.ndarray, kind: np.ndarr
         if length > longest**2:
             for a in range(dim):
                 move[i, a] *= longest / math.sqrt(length)
-    return crowded
+    return crowded, left
 
 
 @inlined

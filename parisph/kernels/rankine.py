@@ -179,54 +179,41 @@ def divergence(div: np.ndarray, u: np.ndarray, role: np.ndarray, count: np.ndarr
 
 
 @kernel
-def second_invariant(out: np.ndarray, u: np.ndarray, role: np.ndarray, count: np.ndarray, columns: np.ndarray,
-                     flux: np.ndarray, indptr: np.ndarray, axes: tuple[int, ...]) -> None:
-    """tr((grad u)^2) of a velocity at inner particles, from the stored flux coefficients [1/s^2].
+def gradient_invariants(square: np.ndarray, rate: np.ndarray, div: np.ndarray, u: np.ndarray, role: np.ndarray,
+                        count: np.ndarray, columns: np.ndarray, flux: np.ndarray, indptr: np.ndarray,
+                        axes: tuple[int, ...]) -> None:
+    """Invariants of G = grad u of a velocity at inner particles, from the stored flux coefficients.
 
     (dim/R) times the mean of u_b n_a over the circle is d u_b/dx_a for linear u.
+
+    square : (n_owned,) output, tr(G^2) [1/s^2]
+    rate : (n_owned,) output, sqrt(2 G:G), at which neighbours move relative to each other: a shear rate, or twice a
+        rotation's angular velocity [1/s]
+    div : (n_owned,) output, tr(G), the flux divergence [1/s]
+    All are 0 but at inner particles.
     """
     dim = len(axes)
-    g = np.empty((dim, dim))
     for i in range(len(indptr) - 1):
-        out[i] = 0.0
+        square[i], rate[i], div[i] = 0.0, 0.0, 0.0
         if role[i] != INNER:
             continue
-        _gradient(g, i, u, count, columns, flux, indptr, axes)
-        for a in range(dim):
-            for b in range(dim):
-                out[i] += g[a, b] * g[b, a]
-
-
-@kernel
-def turnover(out: np.ndarray, u: np.ndarray, role: np.ndarray, count: np.ndarray, columns: np.ndarray, flux: np.ndarray,
-             indptr: np.ndarray, axes: tuple[int, ...]) -> None:
-    """sqrt(2 G:G) with G = grad u at inner particles, from the stored flux coefficients [1/s].
-
-    The rate at which neighbours move relative to each other: a shear rate, or twice a rotation's angular velocity.
-    """
-    dim = len(axes)
-    g = np.empty((dim, dim))
-    for i in range(len(indptr) - 1):
-        out[i] = 0.0
-        if role[i] != INNER:
-            continue
-        _gradient(g, i, u, count, columns, flux, indptr, axes)
-        square = 0.0
-        for a in range(dim):
-            for b in range(dim):
-                square += g[a, b] * g[a, b]
-        out[i] = math.sqrt(2.0 * square)
-
-
-@inlined
-def _gradient(g, i, u, count, columns, flux, indptr, axes):
-    """Write g[a, b] = d u_b/dx_a at an inner particle."""
-    dim = len(axes)
-    for a in range(dim):
-        for b in range(dim):
-            g[a, b] = 0.0
-    for k in range(indptr[i], indptr[i] + count[i]):
-        j = columns[k]
-        for a in range(dim):
-            for b in range(dim):
-                g[a, b] += flux[k, a] * (u[j, b] - u[i, b])
+        # named scalars, which stay in registers
+        xx, xy, yx, yy, xz, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(indptr[i], indptr[i] + count[i]):
+            j = np.uint32(columns[k])
+            fx, fy, dx, dy = flux[k, 0], flux[k, 1], u[j, 0] - u[i, 0], u[j, 1] - u[i, 1]
+            xx += fx * dx
+            xy += fx * dy
+            yx += fy * dx
+            yy += fy * dy
+            if dim == 3:
+                fz, dz = flux[k, 2], u[j, 2] - u[i, 2]
+                xz += fx * dz
+                yz += fy * dz
+                zx += fz * dx
+                zy += fz * dy
+                zz += fz * dz
+        square[i] = xx * xx + yy * yy + zz * zz + 2.0 * (xy * yx + xz * zx + yz * zy)
+        rate[i] = math.sqrt(2.0 * (xx * xx + yy * yy + zz * zz + xy * xy + yx * yx + xz * xz + zx * zx + yz * yz
+                                   + zy * zy))
+        div[i] = xx + yy + zz

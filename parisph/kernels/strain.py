@@ -1,4 +1,4 @@
-"""The velocity gradient of the fluid, and its rate of strain."""
+"""The velocity gradient of the fluid, its rate of strain, and its roughness."""
 
 import math
 
@@ -6,14 +6,19 @@ import numpy as np
 
 from parisph.base.fields import FLUID
 from parisph.kernels.gradient import support
-from parisph.kernels.jit import kernel
+from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.near import dot, fill_up, gather, room_for
+
+# The weight of a particle in its own mean is 1 if the fit passes through it, and .6 to .8 beside a contact line, where
+# surface particles would creep without the filter.
+ALONE = 0.95
 
 
 @kernel
-def velocity_gradient(g: np.ndarray, rate: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray,
-                      radius: float, floor: float, indptr: np.ndarray, indices: np.ndarray,
-                      axes: tuple[int, ...]) -> None:
+def velocity_gradient(g: np.ndarray, rate: np.ndarray, rough: np.ndarray, u: np.ndarray, x: np.ndarray,
+                      kind: np.ndarray, role: np.ndarray, radius: float, floor: float, indptr: np.ndarray,
+                      indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Gradient of the velocity at owned fluid particles, by linear least squares with the quartic weight.
 
     It is exact for a linear velocity. It is zero at walls, and where the neighbours do not span the
@@ -21,29 +26,96 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, u: np.ndarray, x: np.ndar
 
     g : (n_owned, dim, dim) output, g[i, a, b] = d u_a / d x_b [1/s]
     rate : (n_owned,) output, sqrt(2 S : S) with S the symmetric part of g [1/s]
+    rough : (n_owned, dim) output, of `roughness` and with the same weights, or (0, dim) if it is not wanted [m/s]
     u, x, kind, role : of owned and ghost particles, walls with the velocity of `wall_velocity`
     """
     dim, room = len(axes), room_for(indptr)
     near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
     member = np.empty(room, np.int32)
     m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
+    moments, fit, here = np.empty((moment_count(axes), 1)), np.empty((dim + 1, 1)), np.zeros((dim, 1))
     for i in range(len(indptr) - 1):
         g[i] = 0.0
         rate[i] = 0.0
+        if len(rough) > 0:
+            for c in range(dim):
+                rough[i, c] = 0.0
         if kind[i] != FLUID:
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
-        if support(m, inverse, weighted, near, 0, n, columns, axes) < floor:
+        spans = not support(m, inverse, weighted, near, 0, n, columns, axes) < floor
+        fitted = len(rough) > 0 and _fit_here(fit, moments, here, weighted, m, columns, axes)
+        if not (spans or fitted):
             continue
         for c in range(dim):
             for k in range(columns):
-                difference[0, k] = (u[member[k], c] - u[i, c]) / radius if k < n else 0.0
-            for b in range(dim):
-                right = dot(weighted, 1 + b, difference, 0, columns)
+                difference[0, k] = u[member[k], c] - u[i, c] if k < n else 0.0
+            if fitted:
+                rough[i, c] = _beyond_fit(fit, weighted, difference, columns, axes)
+            for b in range(dim if spans else 0):
+                right = dot(weighted, 1 + b, difference, 0, columns) / radius
                 for a in range(dim):
                     g[i, c, a] += inverse[a, b] * right
         rate[i] = _strain_rate(g, i, axes)
+
+
+@kernel
+def roughness(rough: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, radius: float,
+              indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Velocity of owned fluid particles less the linear moving least squares of it, with the quartic weight.
+
+    The fit includes the particle. A harmonic velocity has no Laplacian, so that of a wave is almost 0. Where the
+    neighbours do not span a plane (jets, drops) it is 0, because an extrapolation from two neighbours is unbounded.
+
+    rough : (n_owned, dim) output [m/s], 0 at walls
+    """
+    dim, room = len(axes), room_for(indptr)
+    near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
+    member = np.empty(room, np.int32)
+    m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
+    moments, fit, here = np.empty((moment_count(axes), 1)), np.empty((dim + 1, 1)), np.zeros((dim, 1))
+    for i in range(len(indptr) - 1):
+        for c in range(dim):
+            rough[i, c] = 0.0
+        if kind[i] != FLUID:
+            continue
+        n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
+        columns = fill_up(near, n, axes)
+        support(m, inverse, weighted, near, 0, n, columns, axes)
+        if _fit_here(fit, moments, here, weighted, m, columns, axes):
+            for c in range(dim):
+                for k in range(columns):
+                    difference[0, k] = u[member[k], c] - u[i, c] if k < n else 0.0
+                rough[i, c] = _beyond_fit(fit, weighted, difference, columns, axes)
+
+
+@inlined
+def _fit_here(fit, moments, here, weighted, m, columns, axes):
+    """Write the fit at the particle, which has the weight 1, by its own and its neighbours' moments; return whether
+    it is linear and not that of the particle alone."""
+    dim = len(axes)
+    for r in range(1 + dim):
+        total = 0.0
+        for k in range(columns):
+            total += weighted[r, k]
+        moments[r, 0] = total
+    moments[0, 0] += 1.0
+    r = 1 + dim
+    for a in range(dim):
+        for b in range(a + 1):
+            moments[r, 0] = m[a, b]
+            r += 1
+    return linear_fit(fit, moments, here, 1, axes) == 1 and 0.0 < fit[0, 0] < ALONE
+
+
+@inlined
+def _beyond_fit(fit, weighted, difference, columns, axes):
+    """Return what a value at the particle has beyond the fit, by the differences (1, columns) of its neighbours."""
+    total = 0.0
+    for r in range(1 + len(axes)):
+        total -= fit[r, 0] * dot(weighted, r, difference, 0, columns)
+    return total
 
 
 @kernel
@@ -69,13 +141,11 @@ def mean_over_fluid(out: np.ndarray, f: np.ndarray, x: np.ndarray, kind: np.ndar
             continue
         total, n = f[i], 1
         for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if kind[j] != FLUID:
-                continue
+            j = np.uint32(indices[k])
             r2 = 0.0
             for a in range(len(axes)):
                 r2 += (x[j, a] - x[i, a]) ** 2
-            if r2 < radius2:
-                total += f[j]
-                n += 1
+            counts = (kind[j] == FLUID) & (r2 < radius2)    # no branch: half of the neighbours do
+            total += f[j] if counts else 0.0
+            n += counts
         out[i] = total / n

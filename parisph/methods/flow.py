@@ -7,7 +7,7 @@ import numpy as np
 
 from parisph.case.friction import Friction
 from parisph.case.numerics import Numerics
-from parisph.kernels import surface, wetness
+from parisph.kernels import pairs, surface, wetness
 from parisph.kernels.jit import axes_of
 from parisph.methods import lengths
 from parisph.methods.budget import Budget, NoBudget
@@ -41,6 +41,7 @@ class Flow:
     mean_acceleration : of fluid by pressure in the last steps (methods.straining.remember), on all ranks [m/s^2];
         0 before the first
     strained, doubt, rapid : (n_owned,) or None, and whole, of methods.straining in this step
+    rough : (n_owned, dim) the velocity beyond its fit [m/s] (kernels.strain.roughness), if straining.begin has found it
     accelerations : of fluid in the last step, on all ranks [m/s^2], the largest and the root of the mean square; known
         with an adaptive step
     top_speed : of fluid, on all ranks [m/s]; known in steps with a part that needs it
@@ -69,6 +70,7 @@ class Flow:
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None
         self.rapid: np.ndarray | None = None
+        self.rough: np.ndarray | None = None
         self.accelerations = 0.0, 0.0
         self.mean_acceleration = self.top_speed = 0.0
         self.whole = 1.0
@@ -119,6 +121,15 @@ class Flow:
         if spin:
             shear += 2.0 * spin * np.stack([p.normal[:, 1], -p.normal[:, 0]], axis=1)
         return shear
+
+    def close_pairs(self, distance: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the CSR lists of fluid pairs nearer than a distance [spacings], made once in a preparation of
+        regularisers: (indptr, indices) of kernels.pairs.close_pairs. Not collective."""
+        p, d, name = self.particles, self.domain, f"pairs within {distance}"
+        if name not in self.found:
+            self.found[name] = pairs.close_pairs(p.x_all, p.kind_all, distance * self.spacing, d.indptr, d.indices,
+                                                 self.axes)
+        return self.found[name]
 
     def density_ratio(self, least: int) -> None:
         """Write the field alpha of owned fluid, with walls whose `closing` is at least so much. Not collective."""

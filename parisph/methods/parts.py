@@ -181,6 +181,7 @@ class Regulariser(Part):
 
     moves : whether it changes positions; else velocities
     strain : whether its strength is in proportion to the strain of the step
+    rough : whether it needs flow.rough where the strain is measured
     free : whether it may move particles farther than positions.CAP
     cause : column of the energy budget
     words : what `parisph check` calls it
@@ -191,6 +192,7 @@ class Regulariser(Part):
 
     moves: ClassVar[bool] = False
     strain: ClassVar[bool] = True
+    rough: ClassVar[bool] = False
     free: ClassVar[bool] = False
     cause: ClassVar[str]
     words: ClassVar[str]

@@ -22,6 +22,7 @@ TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how
 # times that, at most: a lattice collapses within a few long steps, in which the shift has its full strength
 TURNS = 3.0
 PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the fraction of what is missing
+CLOSE = max(TURN_WITHIN, PART_WITHIN)
 # distance that all pairs are brought to, sweeps at most, and longest move in one
 APART, SWEEPS, SWEEP = 0.45, 8, 0.15
 
@@ -65,16 +66,16 @@ class Parting(Regulariser):
         return numerics.shift > 0.0
 
     def prepare(self, flow: "Flow", dt: float) -> None:
-        p, d = flow.particles, flow.domain
+        p = flow.particles
         pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, PART_WITHIN * flow.spacing,
-                          d.indptr, d.indices, flow.axes)
+                          *flow.close_pairs(CLOSE), flow.axes)
         flow.stale.add("pairs")
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        p, d = flow.particles, flow.domain
+        p = flow.particles
         move = np.empty_like(p.x)
         pairs.part_pairs(move, p.pairs_all, p.x_all, p.kind_all, p.role_all, p.id_all, PART_WITHIN * flow.spacing, PART,
-                         d.indptr, d.indices, flow.axes)
+                         *flow.close_pairs(CLOSE), flow.axes)
         return move
 
 
@@ -112,7 +113,7 @@ class FickShift(Regulariser):
                             straining.strength(flow, n.shift, n.shift_strain) * h * h, CAP * flow.spacing,
                             2.0 * flow.spacing, d.indptr, d.indices, flow.axes)
         pairs.turn_pairs(move, p.x_all, p.kind_all, p.role_all, p.id_all, TURN_WITHIN * flow.spacing, p.turn_all,
-                         d.indptr, d.indices, flow.axes)
+                         *flow.close_pairs(CLOSE), flow.axes)
         return move
 
 
@@ -130,13 +131,14 @@ class KeepApart(Limiter):
 
     def apply(self, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
-        move, near = np.empty_like(p.x), np.ones(p.n_owned, bool)
+        move, near = np.zeros_like(p.x), np.arange(p.n_owned, dtype=np.int32)
         for _ in range(SWEEPS):
             flow.fresh("x")
-            crowded = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing,
-                                       SWEEP * flow.spacing, d.indptr, d.indices, flow.axes)
+            crowded, left = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing,
+                                             SWEEP * flow.spacing, d.indptr, d.indices, flow.axes)
             if not sums(p.comm, crowded)[0]:
                 break
+            near = near[:left]
             displace(flow, move)
 
 

@@ -135,9 +135,7 @@ class Projection:
         self._wall_velocity()
         flow.domain.update("role", "u")
         self.rows.fill(flow.force, flow.cloud)
-        invariant = np.empty(p.n_owned)
-        self.rows.second_invariant(invariant, p.u_all, p.role_all)
-        target = flow.density * (self.rows.div - invariant)
+        target = flow.density * (self.rows.div - self.rows.gradient_invariants(p.u_all, p.role_all)[0])
         matrix, right, isolated = self._equation(target)
         p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
         self.guesses.restart(time)
@@ -330,7 +328,7 @@ class Projection:
         flow.collisions, flow.position_solve = 0, None
         flow.fresh("role", "u")
         if strains:
-            straining.begin(flow)
+            straining.begin(flow, any(part.rough for part in regularisers))
         regularising.prepare(flow, regularisers, dt)
         if strains:
             straining.finish(flow, dt)

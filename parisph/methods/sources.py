@@ -33,10 +33,12 @@ class Mixed(Source):
     def target(self, flow: "Flow", dt: float) -> np.ndarray:
         n, density = flow.numerics, flow.density
         zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
-        strain = strain_source(flow, dt) if n.strain > 0.0 or n.residual_strain > 0.0 else 0.0
-        divergence = flow.rows.div
-        if n.residual_strain > 0.0:
-            divergence = divergence - put_off(flow, dt, strain)
+        strain, divergence = 0.0, flow.rows.div
+        if n.strain > 0.0 or n.residual_strain > 0.0:
+            square, rate, before = flow.rows.gradient_invariants(flow.particles.u_all, flow.particles.role_all)
+            strain = strain_source(square, dt)
+            if n.residual_strain > 0.0:
+                divergence = divergence - put_off(flow, dt, before, rate, strain)
         target = density / dt * zeta * divergence
         if n.gamma > 0.0:
             target -= n.gamma * density / dt**2 * compression(flow, flow.particles.alpha,
@@ -79,22 +81,21 @@ class ErrorCompensating(Source):
         return flow.density / dt * (flow.rows.div + np.abs(e) * before - np.abs(before) * e)
 
 
-def strain_source(flow: "Flow", dt: float) -> np.ndarray:
-    """Return tr((grad u)^2)/2 (n_owned,) [1/s^2], the effect of a step in straight lines on volume. Not collective.
+def strain_source(square: np.ndarray, dt: float) -> np.ndarray:
+    """Return tr((grad u)^2)/2 (n,) [1/s^2], the effect of a step of dt [s] in straight lines on volume.
 
     Particles move from one set of operators to the next by dt u, which changes a volume by the factor
     det(1 + dt grad u) = 1 + dt div u - dt^2/2 tr((grad u)^2) + ... With div u = 0 a straining flow
     shrinks: the dam break loses 4 % of its volume until the impact. div u = dt/2 tr((grad u)^2)
     conserves it. The value is limited to the range in which the expansion is valid.
+
+    square : (n,), tr((grad u)^2) [1/s^2]
     """
-    p = flow.particles
-    out = np.empty(p.n_owned)
-    flow.rows.second_invariant(out, p.u_all, p.role_all)
     limit = STRAIN_LIMIT / dt**2
-    return np.minimum(np.maximum(0.5 * out, -limit), limit)
+    return np.minimum(np.maximum(0.5 * square, -limit), limit)
 
 
-def put_off(flow: "Flow", dt: float, strain: np.ndarray) -> np.ndarray:
+def put_off(flow: "Flow", dt: float, before: np.ndarray, rate: np.ndarray, strain: np.ndarray) -> np.ndarray:
     """Return the part of the divergence that is left to later steps (n_owned,) [1/s]. Not collective.
 
     Rows and gradients do not match exactly: a pressure solve leaves a part of the divergence, near the surface
@@ -104,14 +105,12 @@ def put_off(flow: "Flow", dt: float, strain: np.ndarray) -> np.ndarray:
     the fluid's velocity gradient or to its free fall; a step of usual length still removes all of it. Forces and
     the strain of the flow itself, thus also impacts, act at once.
 
+    before, rate : (n_owned,) [1/s], divergence of the velocity at the start of the step, sqrt(2 G:G) of its gradient
     strain : (n_owned,) of `strain_source`; the step before has aimed at a divergence of `numerics.strain` dt times it,
         which the flow since then has reduced by 2 dt times it. Exact also after a step of another length if strain is 1
     """
     p, n = flow.particles, flow.numerics
-    residual, rate = np.empty(p.n_owned), np.empty(p.n_owned)
-    flow.rows.divergence(residual, p.u_all, p.role_all)
-    residual += (2.0 - n.strain) * dt * strain
-    flow.rows.turnover(rate, p.u_all, p.role_all)
+    residual = before + (2.0 - n.strain) * dt * strain
     fall = np.sqrt(sizes(flow.force[:p.n_owned]) / flow.spacing)
     return (1.0 - np.minimum(1.0, n.residual_strain * dt * np.maximum(rate, fall))) * residual
 

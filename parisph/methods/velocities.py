@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.case.numerics import Numerics
-from parisph.kernels import collisions, films, movement
+from parisph.kernels import collisions, films, movement, strain
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Limiter, Regulariser
 
@@ -17,6 +17,7 @@ class Filter(Regulariser):
     """Removes a part of each velocity's difference to the moving least squares of its neighbours."""
 
     name, cause, words, reach = "filter", "filter", "velocity filter", lengths.MLS
+    rough = True
 
     def wanted(self, numerics: Numerics) -> bool:
         return numerics.filter > 0.0
@@ -26,11 +27,12 @@ class Filter(Regulariser):
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p, d, n = flow.particles, flow.domain, flow.numerics
-        change = np.empty_like(p.u)
-        collisions.smooth_velocity(change, p.u_all, p.x_all, p.kind_all, p.role_all,
-                                   straining.strength(flow, n.filter, n.filter_strain), lengths.MLS * flow.spacing,
-                                   d.indptr, d.indices, flow.axes)
-        return change
+        rough = flow.rough
+        if rough is None:
+            rough = np.empty_like(p.u)
+            strain.roughness(rough, p.u_all, p.x_all, p.kind_all, p.role_all, lengths.MLS * flow.spacing,
+                             d.indptr, d.indices, flow.axes)
+        return -straining.strength(flow, n.filter, n.filter_strain)[:, None] * rough
 
 
 class Film(Regulariser):
@@ -58,17 +60,17 @@ class Collisions(Regulariser):
         return numerics.collision_distance > 0.0
 
     def prepare(self, flow: "Flow", dt: float) -> None:
-        p, d = flow.particles, flow.domain
-        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.kind_all,
-                                    flow.numerics.collision_distance * flow.spacing, d.indptr, d.indices, flow.axes)
+        p, distance = flow.particles, flow.numerics.collision_distance
+        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.kind_all, distance * flow.spacing,
+                                    *flow.close_pairs(distance), flow.axes)
         flow.stale.add("pairs")
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        p, d, n = flow.particles, flow.domain, flow.numerics
+        p, n = flow.particles, flow.numerics
         change = np.empty_like(p.u)
         flow.collisions = collisions.pair_collisions(change, p.pairs_all, p.u_all, p.x_all, p.grad_u_all, p.kind_all,
                                                      p.volume_all, n.collision_distance * flow.spacing, n.restitution,
-                                                     d.indptr, d.indices, flow.axes)
+                                                     *flow.close_pairs(n.collision_distance), flow.axes)
         return change
 
 

@@ -148,13 +148,14 @@ class PressureRows:
         """Write the flux divergence of u (n_all, dim) at inner particles to out (n_owned,) [1/s]."""
         rankine.divergence(out, u, role, *self._stencils())
 
-    def second_invariant(self, out: np.ndarray, u: np.ndarray, role: np.ndarray) -> None:
-        """Write tr((grad u)^2) of u (n_all, dim) at inner particles to out (n_owned,) [1/s^2]."""
-        rankine.second_invariant(out, u, role, *self._stencils())
+    def gradient_invariants(self, u: np.ndarray, role: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return tr(G^2) [1/s^2], sqrt(2 G:G) and tr(G) [1/s] of G = grad u at inner particles, (n_owned,) each.
 
-    def turnover(self, out: np.ndarray, u: np.ndarray, role: np.ndarray) -> None:
-        """Write sqrt(2 G:G), G = grad u of u (n_all, dim), at inner particles to out (n_owned,) [1/s]."""
-        rankine.turnover(out, u, role, *self._stencils())
+        u : (n_all, dim) [m/s]; role : (n_all,)
+        """
+        square, rate, div = np.empty((3, len(self.cloud.indptr) - 1))
+        rankine.gradient_invariants(square, rate, div, u, role, *self._stencils())
+        return square, rate, div
 
     def _stencils(self):
         flux, cloud = self.flux, self.cloud

@@ -84,14 +84,15 @@ def test_what_reads_the_rankine_stencils_reads_these(dim):
     pool = block(dim, 9 if dim == 2 else 6, 0.8)
     slope = np.random.default_rng(6).normal(size=(dim, dim))
     u, deep = pool.x @ slope.T, pool.far_inside(2)
-    expected = {rankine.divergence: np.trace(slope), rankine.second_invariant: np.trace(slope @ slope),
-                rankine.turnover: np.sqrt(2.0 * (slope**2).sum())}
+    exact = np.trace(slope @ slope), np.sqrt(2.0 * (slope**2).sum()), np.trace(slope)
     for rows in (of_the_circle(pool, np.zeros_like(u)), nodal(pool, np.zeros_like(u))):
         assert np.all(rows.div == 0.0)
-        for function, exact in expected.items():
-            out = np.full(pool.n, np.nan)
-            function(out, u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes)
-            np.testing.assert_allclose(out[deep], exact, atol=1e-9)
+        stencils = u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes
+        out = np.full((4, pool.n), np.nan)
+        rankine.divergence(out[0], *stencils)
+        rankine.gradient_invariants(*out[1:], *stencils)
+        for found, value in zip(out, (exact[2], *exact), strict=True):
+            np.testing.assert_allclose(found[deep], value, atol=1e-9)
 
 
 @dims

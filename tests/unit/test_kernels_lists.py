@@ -44,7 +44,7 @@ def wall_velocity(pool):
 def filtered(pool):
     out = np.empty_like(pool.x)
     u = U[: pool.n, : pool.dim].copy()
-    collisions.smooth_velocity(out, u, pool.x, pool.kind, pool.role, np.ones(pool.n), 2.1 * S, *pool.csr)
+    strain.roughness(out, u, pool.x, pool.kind, pool.role, 2.1 * S, *pool.csr)
     return out
 
 
@@ -58,8 +58,8 @@ def collided(pool):
 
 def velocity_gradient(pool):
     out, rate = np.empty((pool.n, pool.dim, pool.dim)), np.empty(pool.n)
-    strain.velocity_gradient(out, rate, U[: pool.n, : pool.dim].copy(), pool.x, pool.kind, pool.role, 2.1 * S,
-                             0.05, *pool.csr)
+    strain.velocity_gradient(out, rate, np.empty_like(pool.x), U[: pool.n, : pool.dim].copy(), pool.x, pool.kind,
+                             pool.role, 2.1 * S, 0.05, *pool.csr)
     return out
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from parisph.base.fields import INNER, SURFACE
 from parisph.kernels import pairs
-from tests.pools import block, free, part
+from tests.pools import block, free, part, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
 
@@ -113,10 +113,10 @@ def test_result_depends_on_ids_and_not_on_the_order(dim, move):
 
 
 def apart(pool, ident, distance=0.45, longest=1.0):
-    move = np.full_like(pool.x, np.nan)
+    move = np.zeros_like(pool.x)
     s = pool.spacing
-    crowded = pairs.keep_apart(move, np.ones(pool.n, bool), pool.x, pool.kind, ident, distance * s,
-                               longest * s, *pool.csr)
+    crowded, _ = pairs.keep_apart(move, np.arange(pool.n, dtype=np.int32), pool.x, pool.kind, ident, distance * s,
+                                  longest * s, *pool.csr)
     return move, crowded
 
 
@@ -148,3 +148,16 @@ def test_a_crowd_is_spread_by_a_few_sweeps_within_the_longest_move():
         pool.x += move
         pool.relist()
     assert least[0] < 0.05 and least[8] > 0.25 and least[-1] >= 0.449
+
+
+@dims
+def test_close_pairs_are_the_fluid_neighbours_within_the_distance(dim):
+    pool = tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.8)
+    pool.x[1] = pool.x[0]    # in one place: no pair
+    indptr, indices = pairs.close_pairs(pool.x, pool.kind, 0.8 * pool.spacing, *pool.csr)
+    apart = np.linalg.norm(pool.x[:, None] - pool.x, axis=2)
+    for i in range(pool.n):
+        listed = pool.indices[pool.indptr[i]:pool.indptr[i + 1]]
+        want = [j for j in listed if pool.fluid[i] and pool.fluid[j] and 0.0 < apart[i, j] < 0.8 * pool.spacing]
+        assert indices[indptr[i]:indptr[i + 1]].tolist() == want
+    assert len(indices) > 0

@@ -149,34 +149,30 @@ def test_flux_divergence_of_linear_velocity_is_exact(dim, jitter):
     again = np.full(pool.n, np.nan)
     rankine.divergence(again, u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes)
     np.testing.assert_allclose(again, rows.div, atol=1e-12)
+    np.testing.assert_allclose(invariants(pool, u, rows)[2], rows.div, atol=1e-12)
+
+
+def invariants(pool, u, rows):
+    """Return tr(G^2), sqrt(2 G:G) and tr(G) of a velocity."""
+    out = np.full((3, pool.n), np.nan)
+    rankine.gradient_invariants(*out, u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes)
+    return out
 
 
 @dims
 @jitters
-def test_second_invariant_of_linear_velocity_is_exact(dim, jitter):
+def test_invariants_of_linear_velocity_are_exact(dim, jitter):
     pool, _ = cloud(dim, jitter)
     slope = np.random.default_rng(7).normal(size=(dim, dim))
-    u = pool.x @ slope.T + 1.0
-    rows = filled(pool, u)
-    pool.role[pool.at(*[4] * dim)] = SURFACE
-    out = np.full(pool.n, np.nan)
-    rankine.second_invariant(out, u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes)
-    deep = pool.far_inside(2) & (pool.role == INNER)
-    np.testing.assert_allclose(out[deep], np.trace(slope @ slope), atol=1e-9)
-    assert out[pool.at(*[4] * dim)] == 0.0
-
-
-@dims
-@jitters
-def test_turnover_of_linear_velocity_is_exact_and_zero_in_translation(dim, jitter):
-    pool, _ = cloud(dim, jitter)
-    slope = np.random.default_rng(8).normal(size=(dim, dim))
     for matrix in (slope, slope - slope.T, np.zeros((dim, dim))):
         u = pool.x @ matrix.T + 1.0
         rows = filled(pool, u)
-        out = np.full(pool.n, np.nan)
-        rankine.turnover(out, u, pool.role, rows.count, rows.columns, rows.flux, pool.indptr, pool.axes)
-        np.testing.assert_allclose(out[pool.far_inside(2)], np.sqrt(2.0 * (matrix**2).sum()), atol=1e-9)
+        pool.role[pool.at(*[4] * dim)] = SURFACE
+        found, deep = invariants(pool, u, rows), pool.far_inside(2) & (pool.role == INNER)
+        exact = np.trace(matrix @ matrix), np.sqrt(2.0 * (matrix**2).sum()), np.trace(matrix)
+        np.testing.assert_allclose(found[:, deep], np.broadcast_to(np.reshape(exact, (3, 1)), (3, deep.sum())),
+                                   atol=1e-9)
+        assert np.all(found[:, pool.at(*[4] * dim)] == 0.0)
 
 
 @dims

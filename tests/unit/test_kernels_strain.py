@@ -12,7 +12,8 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 def found(pool, u, floor=0.05):
     g, rate = np.full((pool.n, pool.dim, pool.dim), np.nan), np.full(pool.n, np.nan)
-    strain.velocity_gradient(g, rate, u, pool.x, pool.kind, pool.role, 2.1 * pool.spacing, floor, *pool.csr)
+    strain.velocity_gradient(g, rate, np.empty((0, pool.dim)), u, pool.x, pool.kind, pool.role, 2.1 * pool.spacing,
+                             floor, *pool.csr)
     return g, rate
 
 
