@@ -1,5 +1,7 @@
 """Guesses of the next pressure from those of the last steps, from which the solve begins."""
 
+from math import prod
+
 import numpy as np
 
 from parisph.parallel.particles import Particles
@@ -47,6 +49,4 @@ def _weights(times: list[float], time: float) -> np.ndarray:
 
     They are rounded: with equal steps they are whole numbers, however their times were summed up.
     """
-    t = np.array(times)
-    weights = [np.prod((time - np.delete(t, k)) / (t[k] - np.delete(t, k))) for k in range(len(t))]
-    return np.round(weights, 9)
+    return np.array([round(prod((time - t) / (own - t) for t in times if t != own), 9) for own in times])

@@ -25,6 +25,7 @@ PART_WITHIN, PART = 0.6, 0.5    # pairs without pressure that part, and the frac
 CLOSE = max(TURN_WITHIN, PART_WITHIN)
 # distance that all pairs are brought to, sweeps at most, and longest move in one
 APART, SWEEPS, SWEEP = 0.45, 8, 0.15
+WATCHED = APART + 3.0 * SWEEP    # pairs that the sweeps look at
 
 
 class PositionProjection(Regulariser):
@@ -131,11 +132,13 @@ class KeepApart(Limiter):
 
     def apply(self, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
+        flow.fresh("x")
+        watched = pairs.close_pairs(p.x_all, p.kind_all, WATCHED * flow.spacing, d.indptr, d.indices, flow.axes)
         move, near = np.zeros_like(p.x), np.arange(p.n_owned, dtype=np.int32)
         for _ in range(SWEEPS):
             flow.fresh("x")
             crowded, left = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing,
-                                             SWEEP * flow.spacing, d.indptr, d.indices, flow.axes)
+                                             SWEEP * flow.spacing, *watched, flow.axes)
             if not sums(p.comm, crowded)[0]:
                 break
             near = near[:left]

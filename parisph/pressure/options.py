@@ -23,7 +23,10 @@ PREFIX = "pressure_"
 # In the first steps of a dam break (3840 unknowns, warm start, two solves a step) the whole step
 # took: with new factors in each step ILU(1) 14 (15), ILU(2) 24 (10), BoomerAMG 19 (9); with factors
 # kept while they worked ILU(1) 12.2 (20), ILU(2) 12.5 (14), BoomerAMG 14.6 (12), ILU(0) 13.8 (35).
-# Hence one level of fill if factors are rebuilt often, two if they are kept, and multigrid for
+# In violent flow factors last for 2 to 8 matrices. From t sqrt(g/H) = 1.6 to 2.2 a step took 31.9 ms with ILU(0), which
+# lasted for 3.1 (17 iterations), 33.3 with ILU(1), 2.8 (10); from 0.5 to 0.65 28.6 with ILU(0), 7.7 (18), 32.1 with
+# ILU(2), 4.8 (9) (on a slower machine, to 1e-5, all in the order of Cuthill and McKee).
+# Hence no fill if factors are rebuilt often, two levels if they are kept, and multigrid for
 # large systems, where the iterations of incomplete factors grow with the domain.
 SMALL = 6_000
 
@@ -95,7 +98,7 @@ def primary(rtol: float, closed: bool, ranks: int, unknowns: int, entries: int,
         kind = "incomplete" if unknowns <= SMALL else "hypre" if PETSc.Sys.hasExternalPackage("hypre") else "gamg"
     if kind == "incomplete":
         # Long rows produce more fill: with 37 entries per row, each level doubles the set-up time.
-        preconditioner = _incomplete(ranks, int(entries < 32 * unknowns) + int(lasting))
+        preconditioner = _incomplete(ranks, (1 + int(entries < 32 * unknowns)) * int(lasting))
     elif kind == "hypre":
         preconditioner = dict(_BOOMERAMG, **(_BOOMERAMG_CLOSED if closed else {}))
     else:

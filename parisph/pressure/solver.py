@@ -18,7 +18,7 @@ from parisph.pressure.system import System
 # A kept preconditioner that needs more than GROWTH x fresh + 2 iterations is rebuilt, for the next matrix and not for a
 # second solve with the present one, which is short. `fresh` is the number it needed at first, at least FRESH, because a
 # nearly exact start needs few. It is expected to last if those before have lasted for LASTING matrices in the mean.
-GROWTH, FRESH, LASTING = 1.5, 4, 4
+GROWTH, FRESH, LASTING = 1.5, 4, 12
 
 # An attempt has failed if its true residual exceeds this many times the tolerance.
 SLACK = 10.0

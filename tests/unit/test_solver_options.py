@@ -72,7 +72,7 @@ def test_detail_of_the_default_preconditioner_may_be_changed(make):
 
 @pytest.mark.parametrize("unknowns, entries, ranks, lasting, expected", [
     (1000, 21_000, 1, True, {"pc_type": "ilu", "pc_factor_levels": "2"}),
-    (1000, 21_000, 1, False, {"pc_type": "ilu", "pc_factor_levels": "1"}),
+    (1000, 21_000, 1, False, {"pc_type": "ilu", "pc_factor_levels": "0"}),
     (1000, 38_000, 1, True, {"pc_type": "ilu", "pc_factor_levels": "1"}),
     (1000, 38_000, 1, False, {"pc_type": "ilu", "pc_factor_levels": "0"}),
     (1000, 21_000, 4, True, {"pc_type": "asm", "sub_pc_type": "ilu", "sub_pc_factor_levels": "2"}),
