@@ -48,6 +48,7 @@ FILES = {
 # (02f_decourcy2024_acsph_lobovsky_numerical.csv) and compared as a run is (no shift, at even times, until t sqrt(g/H) =
 # 6.4), from where they begin, 2.36 to 2.47. Some of their times go back: other ways to read them differ by .003.
 LEVELS = {"S1": 0.413, "S2": 0.301, "S3": 0.265, "S4": 0.349}
+PULSE = 0.002    # [s], a tenth of the rise of the measured pressure; particles pass their spacing in .7 ms at H/s = 150
 ACSPH = "De Courcy et al. 2024, ACSPH, H/s = 400, recomputed from the digitised curve"
 
 
@@ -115,14 +116,15 @@ def _pressure(name: str, height: float, files: Files, unit: float, pressure: flo
 
 
 def _band(file: str | None, unit: float, pressure: float) -> tuple[PeakBand, ...]:
-    """Return between the peaks of which percentiles 95 % of a hundred events lie at S2."""
+    """Return between the peaks of which percentiles 95 % of a hundred events lie at S2, also for a mean over PULSE."""
     if file is None:
         return ()
     low, high = (
         read_truth(Truth(file, time="t_sqrt_g_over_H", value=name, scale=pressure))[1].max()
         for name in ("p_2.5pct", "p_97.5pct")
     )
-    return (PeakBand(start=2.3 * unit, end=3.0 * unit, low=low, high=high),)
+    return tuple(PeakBand(start=2.3 * unit, end=3.0 * unit, low=low, high=high, smooth=smooth)
+                 for smooth in (None, PULSE))
 
 
 def _level(name: str, file: str | None, unit: float, height: float) -> Truth | None:
