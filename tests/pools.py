@@ -60,7 +60,7 @@ class Pool:
     @property
     def beside(self):
         """The fluid that has walls in its lists."""
-        return beside_walls(self.kind, *self.csr[:2])
+        return beside_walls(self.kind, *self.csr[:2])[0]
 
     @property
     def csr(self):

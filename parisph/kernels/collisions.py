@@ -92,7 +92,7 @@ def wall_guard(u: np.ndarray, beside: np.ndarray, x: np.ndarray, kind: np.ndarra
     unbounded pressure. u of the wall particles is the wall's normal velocity. Returns the number of
     particles that were slowed down.
 
-    beside : fluid with walls in its lists, of `mirrors.beside_walls`
+    beside : fluid with walls in its lists, and indptr, indices : of these walls, of `mirrors.beside_walls`
     """
     dim = len(axes)
     member = np.empty(dim, np.int64)
@@ -120,7 +120,7 @@ def keep_off_walls(move: np.ndarray, beside: np.ndarray, x: np.ndarray, kind: np
     """Remove the part of a displacement that would bring fluid closer to a wall than the distance.
 
     move : (n_owned, dim) [m], changed in place
-    beside : fluid with walls in its lists, of `mirrors.beside_walls`
+    beside : fluid with walls in its lists, and indptr, indices : of these walls, of `mirrors.beside_walls`
     """
     dim = len(axes)
     member = np.empty(dim, np.int64)

@@ -56,7 +56,7 @@ def surplus(ratio: np.ndarray, gradient: np.ndarray, beside: np.ndarray, x: np.n
     ratio_i = sum_j (1 - share_j) W_ij / sum W over wall particles and their mirror images (`surface.density_ratio`).
 
     ratio : (n_owned,), gradient : (n_owned, dim) [1/m]
-    beside : fluid with walls in its lists, of `mirrors.beside_walls`
+    beside : fluid with walls in its lists, and indptr, indices : of these walls, of `mirrors.beside_walls`
     kind : (n_all,), ABSENT for particles that are no neighbours; share : (n_all,), of `wall_share`
     """
     dim = len(axes)

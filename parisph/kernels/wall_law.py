@@ -63,7 +63,8 @@ def rub_planes(out: np.ndarray, beside: np.ndarray, u: np.ndarray, wall_u: np.nd
     The force on a particle is the stress on s^(dim-1) of the wall, whatever its volume: a layer of particles gets what
     the wall below it does.
 
-    beside : fluid with walls in its lists, of `mirrors.beside_walls`; wall_u : (n_all, dim), of the walls themselves
+    beside : fluid with walls in its lists, and indptr, indices : of these walls, of `mirrors.beside_walls`
+    wall_u : (n_all, dim), of the walls themselves
     volume : (n_all,) [m^dim]; dt : step [s], at whose end friction is taken
     """
     dim = len(axes)

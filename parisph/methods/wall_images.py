@@ -18,10 +18,14 @@ class WallImages(Boundary):
     """The walls of a tank alone: its particles know planes, and neighbours have images in them."""
 
     def __init__(self) -> None:
-        self._lists, self._found = np.zeros(0, np.int32), np.zeros(0, np.int32)
+        self._lists = np.zeros(0, np.int32)
+        self._found = mirrors.beside_walls(np.zeros(0, np.int8), np.zeros(1, np.int32), self._lists)
 
     def _beside(self, flow):
-        """Return which owned fluid has walls in its lists. Others are most, and kernels leave them out."""
+        """Return which owned fluid has walls in its lists, and the CSR lists of these walls.
+
+        Others are most, and kernels leave them out.
+        """
         d = flow.domain
         if self._lists is not d.indices:
             self._lists, self._found = d.indices, mirrors.beside_walls(flow.particles.kind_all, d.indptr, d.indices)
@@ -38,25 +42,29 @@ class WallImages(Boundary):
                                lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
 
     def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
-        p, d = flow.particles, flow.domain
-        halves.surplus(ratio, gradient, self._beside(flow), p.x_all, flow.seen(FREE), p.share_all, p.corner_all,
-                       p.normal_all, lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+        p = flow.particles
+        beside, *walls = self._beside(flow)
+        halves.surplus(ratio, gradient, beside, p.x_all, flow.seen(FREE), p.share_all, p.corner_all,
+                       p.normal_all, lengths.DENSITY * flow.spacing, flow.full, *walls, flow.axes)
 
     def keep_off(self, move: np.ndarray, flow: "Flow") -> None:
-        p, d = flow.particles, flow.domain
-        collisions.keep_off_walls(move, self._beside(flow), p.x_all, p.kind_all, p.corner_all, p.normal_all,
-                                  flow.numerics.wall_guard * flow.spacing, d.indptr, d.indices, flow.axes)
+        p = flow.particles
+        beside, *walls = self._beside(flow)
+        collisions.keep_off_walls(move, beside, p.x_all, p.kind_all, p.corner_all, p.normal_all,
+                                  flow.numerics.wall_guard * flow.spacing, *walls, flow.axes)
 
     def guard(self, u: np.ndarray, flow: "Flow", dt: float) -> None:
-        p, d = flow.particles, flow.domain
-        collisions.wall_guard(u, self._beside(flow), p.x_all, p.kind_all, p.corner_all, p.normal_all,
-                              flow.numerics.wall_guard * flow.spacing, dt, d.indptr, d.indices, flow.axes)
+        p = flow.particles
+        beside, *walls = self._beside(flow)
+        collisions.wall_guard(u, beside, p.x_all, p.kind_all, p.corner_all, p.normal_all,
+                              flow.numerics.wall_guard * flow.spacing, dt, *walls, flow.axes)
 
     def rub(self, out: np.ndarray, flow: "Flow", law: Friction) -> None:
-        p, d = flow.particles, flow.domain
-        wall_law.rub_planes(out, self._beside(flow), p.u_all, p.wall_u_all, p.volume_all, p.x_all, p.kind_all,
+        p = flow.particles
+        beside, *walls = self._beside(flow)
+        wall_law.rub_planes(out, beside, p.u_all, p.wall_u_all, p.volume_all, p.x_all, p.kind_all,
                             p.corner_all, p.normal_all, p.no_slip_all, flow.spacing, flow.dt, law.viscosity,
-                            law.roughness, d.indptr, d.indices, flow.axes)
+                            law.roughness, *walls, flow.axes)
 
     def directions(self, flow: "Flow", least: int) -> Directions:
         dim, none = len(flow.axes), np.zeros(0, np.int32)

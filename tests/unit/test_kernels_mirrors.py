@@ -61,7 +61,22 @@ def test_fluid_beside_walls(dim):
     pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.5)
     due = [i for i in range(pool.n) if pool.fluid[i]
            and not pool.fluid[pool.indices[pool.indptr[i]:pool.indptr[i + 1]]].all()]
-    assert pool.beside.tolist() == due and 0 < len(due) < np.count_nonzero(pool.fluid)
+    beside, start, walls = mirrors.beside_walls(pool.kind, *pool.csr[:2])
+    assert beside.tolist() == due and 0 < len(due) < np.count_nonzero(pool.fluid)
+    for i in range(pool.n):
+        listed = pool.indices[pool.indptr[i]:pool.indptr[i + 1]]
+        assert walls[start[i]:start[i + 1]].tolist() == (listed[~pool.fluid[listed]].tolist() if pool.fluid[i] else [])
+
+
+@dims
+def test_lists_of_walls_alone_give_the_same_planes(dim):
+    pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.5)
+    beside, *walls = mirrors.beside_walls(pool.kind, *pool.csr[:2])
+    for i in beside:
+        whole, some = np.empty(dim, np.int64), np.empty(dim, np.int64)
+        n = mirrors.near_planes(whole, i, *pool.walls, *pool.csr)
+        assert mirrors.near_planes(some, i, *pool.walls, *walls, pool.axes) == n
+        assert some[:n].tolist() == whole[:n].tolist()
 
 
 @dims
