@@ -191,10 +191,11 @@ def push_off_less(flow: "Flow", surplus: np.ndarray) -> None:
     """
     p = flow.particles
     size = sizes(surplus)
-    some = size > 0.0
-    towards = surplus[some] / size[some, None]
-    push = np.einsum("ia,ia->i", p.grad_alpha[some], towards)
-    p.grad_alpha[some] += (less_pushed(push, push - size[some], flow.rapid[some]) - push)[:, None] * towards
+    some = np.flatnonzero(size)    # a few beside walls
+    size = size[some]
+    towards, gradient = surplus[some] / size[:, None], p.grad_alpha[some]
+    push = (gradient * towards).sum(axis=1)
+    p.grad_alpha[some] = gradient + (less_pushed(push, push - size, flow.rapid[some]) - push)[:, None] * towards
 
 
 def density_error(flow: "Flow") -> np.ndarray:

@@ -358,7 +358,7 @@ class Projection:
         fluid = (p.role == INNER) | ((p.role == SURFACE) & (self.flow.numerics.surface_offset > 0.0))
         for some, over in ((fluid, time), (p.role == WET, at_walls)):
             if dt < over:
-                p.p[some] = earlier[some] + dt / over * (p.p[some] - earlier[some])
+                np.copyto(p.p, earlier + dt / over * (p.p - earlier), where=some)
                 self.flow.stale.add("p")
 
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
