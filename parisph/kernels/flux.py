@@ -1,6 +1,6 @@
 """Divergence stencils of the velocity, without a pressure row.
 
-Both kernels write stencils in the form that `rankine.divergence`, `second_invariant` and `turnover` read:
+Both kernels write stencils in the form that `rankine.divergence` and `gradient_invariants` read:
 div u_I = sum_J flux_J . (u_J - u_I).
 """
 

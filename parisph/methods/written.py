@@ -32,8 +32,8 @@ def _vorticity(flow):
     p, d = flow.particles, flow.domain
     d.update("x", "u", "role")
     gradient, rate = np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned)
-    strain.velocity_gradient(gradient, rate, p.u_all, p.x_all, p.kind_all, p.role_all, lengths.MLS * flow.spacing,
-                             straining.SPAN, d.indptr, d.indices, flow.axes)
+    strain.velocity_gradient(gradient, rate, np.empty((0, p.dim)), p.u_all, p.x_all, p.kind_all, p.role_all,
+                             lengths.MLS * flow.spacing, straining.SPAN, d.indptr, d.indices, flow.axes)
     p.vorticity[:] = gradient[:, 1, 0] - gradient[:, 0, 1]
 
 
