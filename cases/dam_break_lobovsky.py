@@ -38,6 +38,7 @@ from parisph import (
 )
 from parisph.case.elsewhere import measured
 from parisph.case.truths import read_truth
+from parisph.truth.norms import moving_mean
 
 Files = dict[str, str | None]
 FILES = {
@@ -116,15 +117,15 @@ def _pressure(name: str, height: float, files: Files, unit: float, pressure: flo
 
 
 def _band(file: str | None, unit: float, pressure: float) -> tuple[PeakBand, ...]:
-    """Return between the peaks of which percentiles 95 % of a hundred events lie at S2, also for a mean over PULSE."""
+    """Return between the peaks of which percentiles 95 % of a hundred events lie at S2, also of means over PULSE."""
     if file is None:
         return ()
-    low, high = (
-        read_truth(Truth(file, time="t_sqrt_g_over_H", value=name, scale=pressure))[1].max()
-        for name in ("p_2.5pct", "p_97.5pct")
-    )
+    curves = [read_truth(Truth(file, time="t_sqrt_g_over_H", value=name, scale=pressure, time_scale=unit))
+              for name in ("p_2.5pct", "p_97.5pct")]
+    raw = [p.max() for _, p in curves]
+    means = [moving_mean(t, p, PULSE).max() for t, p in curves]
     return tuple(PeakBand(start=2.3 * unit, end=3.0 * unit, low=low, high=high, smooth=smooth)
-                 for smooth in (None, PULSE))
+                 for smooth, (low, high) in ((None, raw), (PULSE, means)))
 
 
 def _level(name: str, file: str | None, unit: float, height: float) -> Truth | None:

@@ -76,16 +76,16 @@ class StillTank:
                                   for e in self._units(self.pressures)], axis=1)
         self.rows = self._pressure_rows()
         self.measure = rows.rows.measure[self.inner].copy()
-        div, rough = np.empty(self.n), np.empty((self.n, 2))
+        div, beyond = np.empty(self.n), np.empty((self.n, 2))
         self.divergence, self.smoothing, self.smoothing_of_walls = [], [], []
         for e in self._velocity_units():
             both = self._with_walls(e)
             rows.divergence(div, both, p.role)
             self.divergence.append(div[self.inner])
             for u, columns in ((e, self.smoothing), (both - e, self.smoothing_of_walls)):
-                strain.roughness(rough, u, p.x, p.kind, p.role, lengths.MLS * self.numerics.spacing, d.indptr,
+                strain.beyond_fit(beyond, u, p.x, p.kind, p.role, lengths.MLS * self.numerics.spacing, d.indptr,
                                  d.indices, self.flow.axes)
-                columns.append(-self.numerics.filter * rough[self.fluid].ravel())
+                columns.append(-self.numerics.filter * beyond[self.fluid].ravel())
         for name in ("divergence", "smoothing", "smoothing_of_walls"):
             setattr(self, name, np.stack(getattr(self, name), axis=1))
 

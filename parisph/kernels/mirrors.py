@@ -21,7 +21,7 @@ def beside_walls(kind: np.ndarray, indptr: np.ndarray,
     """Return which owned fluid has wall particles in its lists, and the lists of these alone.
 
     The numbers of the particles, int32, rising; and the CSR lists of all owned particles, empty for all others:
-    indptr (n_owned + 1,) int32, indices int32. What only concerns walls looks at these, a fifth of all neighbours.
+    indptr (n_owned + 1,) int32, indices int32. What only concerns walls looks at these few.
     """
     found, n = np.empty(len(indptr) - 1, np.int32), 0
     start, walls, m = np.zeros(len(indptr), np.int32), np.empty(len(indices), np.int32), 0

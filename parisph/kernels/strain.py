@@ -1,4 +1,4 @@
-"""The velocity gradient of the fluid, its rate of strain, and its roughness."""
+"""The velocity gradient of the fluid, its rate of strain, and its part beyond a fit."""
 
 import math
 
@@ -16,7 +16,7 @@ ALONE = 0.95
 
 
 @kernel
-def velocity_gradient(g: np.ndarray, rate: np.ndarray, rough: np.ndarray, u: np.ndarray, x: np.ndarray,
+def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, u: np.ndarray, x: np.ndarray,
                       kind: np.ndarray, role: np.ndarray, radius: float, floor: float, indptr: np.ndarray,
                       indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Gradient of the velocity at owned fluid particles, by linear least squares with the quartic weight.
@@ -26,7 +26,7 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, rough: np.ndarray, u: np.
 
     g : (n_owned, dim, dim) output, g[i, a, b] = d u_a / d x_b [1/s]
     rate : (n_owned,) output, sqrt(2 S : S) with S the symmetric part of g [1/s]
-    rough : (n_owned, dim) output, of `roughness` and with the same weights, or (0, dim) if it is not wanted [m/s]
+    beyond : (n_owned, dim) output, of `beyond_fit` and with the same weights, or (0, dim) if it is not wanted [m/s]
     u, x, kind, role : of owned and ghost particles, walls with the velocity of `wall_velocity`
     """
     dim, room = len(axes), room_for(indptr)
@@ -37,22 +37,22 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, rough: np.ndarray, u: np.
     for i in range(len(indptr) - 1):
         g[i] = 0.0
         rate[i] = 0.0
-        if len(rough) > 0:
+        if len(beyond) > 0:
             for c in range(dim):
-                rough[i, c] = 0.0
+                beyond[i, c] = 0.0
         if kind[i] != FLUID:
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
         spans = not support(m, inverse, weighted, near, 0, n, columns, axes) < floor
-        fitted = len(rough) > 0 and _fit_here(fit, moments, here, weighted, m, columns, axes)
+        fitted = len(beyond) > 0 and _fit_here(fit, moments, here, weighted, m, columns, axes)
         if not (spans or fitted):
             continue
         for c in range(dim):
             for k in range(columns):
                 difference[0, k] = u[member[k], c] - u[i, c] if k < n else 0.0
             if fitted:
-                rough[i, c] = _beyond_fit(fit, weighted, difference, columns, axes)
+                beyond[i, c] = _what_is_beyond(fit, weighted, difference, columns, axes)
             for b in range(dim if spans else 0):
                 right = dot(weighted, 1 + b, difference, 0, columns) / radius
                 for a in range(dim):
@@ -61,14 +61,14 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, rough: np.ndarray, u: np.
 
 
 @kernel
-def roughness(rough: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, radius: float,
+def beyond_fit(beyond: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, radius: float,
               indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Velocity of owned fluid particles less the linear moving least squares of it, with the quartic weight.
 
     The fit includes the particle. A harmonic velocity has no Laplacian, so that of a wave is almost 0. Where the
     neighbours do not span a plane (jets, drops) it is 0, because an extrapolation from two neighbours is unbounded.
 
-    rough : (n_owned, dim) output [m/s], 0 at walls
+    beyond : (n_owned, dim) output [m/s], 0 at walls
     """
     dim, room = len(axes), room_for(indptr)
     near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
@@ -77,7 +77,7 @@ def roughness(rough: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray,
     moments, fit, here = np.empty((moment_count(axes), 1)), np.empty((dim + 1, 1)), np.zeros((dim, 1))
     for i in range(len(indptr) - 1):
         for c in range(dim):
-            rough[i, c] = 0.0
+            beyond[i, c] = 0.0
         if kind[i] != FLUID:
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
@@ -87,7 +87,7 @@ def roughness(rough: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray,
             for c in range(dim):
                 for k in range(columns):
                     difference[0, k] = u[member[k], c] - u[i, c] if k < n else 0.0
-                rough[i, c] = _beyond_fit(fit, weighted, difference, columns, axes)
+                beyond[i, c] = _what_is_beyond(fit, weighted, difference, columns, axes)
 
 
 @inlined
@@ -110,7 +110,7 @@ def _fit_here(fit, moments, here, weighted, m, columns, axes):
 
 
 @inlined
-def _beyond_fit(fit, weighted, difference, columns, axes):
+def _what_is_beyond(fit, weighted, difference, columns, axes):
     """Return what a value at the particle has beyond the fit, by the differences (1, columns) of its neighbours."""
     total = 0.0
     for r in range(1 + len(axes)):

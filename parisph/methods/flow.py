@@ -41,7 +41,7 @@ class Flow:
     mean_acceleration : of fluid by pressure in the last steps (methods.straining.remember), on all ranks [m/s^2];
         0 before the first
     strained, doubt, rapid : (n_owned,) or None, and whole, of methods.straining in this step
-    rough : (n_owned, dim) the velocity beyond its fit [m/s] (kernels.strain.roughness), if straining.begin has found it
+    beyond_fit : (n_owned, dim) [m/s] of kernels.strain.beyond_fit, if straining.begin has found it, else None
     accelerations : of fluid in the last step, on all ranks [m/s^2], the largest and the root of the mean square; known
         with an adaptive step
     top_speed : of fluid, on all ranks [m/s]; known in steps with a part that needs it
@@ -70,7 +70,7 @@ class Flow:
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None
         self.rapid: np.ndarray | None = None
-        self.rough: np.ndarray | None = None
+        self.beyond_fit: np.ndarray | None = None
         self.accelerations = 0.0, 0.0
         self.mean_acceleration = self.top_speed = 0.0
         self.whole = 1.0
@@ -123,8 +123,12 @@ class Flow:
         return shear
 
     def close_pairs(self, distance: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the CSR lists of fluid pairs nearer than a distance [spacings], made once in a preparation of
-        regularisers: (indptr, indices) of kernels.pairs.close_pairs. Not collective."""
+        """Return the CSR lists of fluid pairs nearer than a distance [spacings]: (indptr, indices) of
+        kernels.pairs.close_pairs. Not collective.
+
+        For `prepare` and `change` of regularisers, which see the same positions: lists are made once in a preparation.
+        Limiters, which act when positions have changed, make their own.
+        """
         p, d, name = self.particles, self.domain, f"pairs within {distance}"
         if name not in self.found:
             self.found[name] = pairs.close_pairs(p.x_all, p.kind_all, distance * self.spacing, d.indptr, d.indices,

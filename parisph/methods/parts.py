@@ -181,7 +181,7 @@ class Regulariser(Part):
 
     moves : whether it changes positions; else velocities
     strain : whether its strength is in proportion to the strain of the step
-    rough : whether it needs flow.rough where the strain is measured
+    needs_fit : whether it uses flow.beyond_fit, which the pass for the strain finds if there is one
     free : whether it may move particles farther than positions.CAP
     cause : column of the energy budget
     words : what `parisph check` calls it
@@ -192,7 +192,7 @@ class Regulariser(Part):
 
     moves: ClassVar[bool] = False
     strain: ClassVar[bool] = True
-    rough: ClassVar[bool] = False
+    needs_fit: ClassVar[bool] = False
     free: ClassVar[bool] = False
     cause: ClassVar[str]
     words: ClassVar[str]

@@ -328,7 +328,7 @@ class Projection:
         flow.collisions, flow.position_solve = 0, None
         flow.fresh("role", "u")
         if strains:
-            straining.begin(flow, any(part.rough for part in regularisers))
+            straining.begin(flow, any(part.needs_fit for part in regularisers))
         regularising.prepare(flow, regularisers, dt)
         if strains:
             straining.finish(flow, dt)

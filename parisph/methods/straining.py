@@ -21,17 +21,17 @@ WHOLE = 0.02  # length of a step, over sqrt(s/a), in which regularisation may ha
 FIELDS = ("grad_u", "strain_rate")
 
 
-def begin(flow: "Flow", rough: bool = False) -> None:
+def begin(flow: "Flow", fit: bool = False) -> None:
     """Write the fields grad_u and strain_rate, and name them in flow.stale. Collective.
 
-    rough : whether flow.rough is wanted, too, which the same pass finds
+    fit : whether flow.beyond_fit is wanted, which the same pass finds
     """
     p, d = flow.particles, flow.domain
     flow.fresh("role", "u")
-    found = np.empty((p.n_owned if rough else 0, p.dim))
+    found = np.empty((p.n_owned if fit else 0, p.dim))
     strain.velocity_gradient(p.grad_u, p.strain_rate, found, p.u_all, p.x_all, p.kind_all, p.role_all,
                              lengths.MLS * flow.spacing, SPAN, d.indptr, d.indices, flow.axes)
-    flow.rough = found if rough else None
+    flow.beyond_fit = found if fit else None
     flow.stale.update(FIELDS)
 
 

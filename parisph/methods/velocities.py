@@ -17,7 +17,7 @@ class Filter(Regulariser):
     """Removes a part of each velocity's difference to the moving least squares of its neighbours."""
 
     name, cause, words, reach = "filter", "filter", "velocity filter", lengths.MLS
-    rough = True
+    needs_fit = True
 
     def wanted(self, numerics: Numerics) -> bool:
         return numerics.filter > 0.0
@@ -27,12 +27,12 @@ class Filter(Regulariser):
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p, d, n = flow.particles, flow.domain, flow.numerics
-        rough = flow.rough
-        if rough is None:
-            rough = np.empty_like(p.u)
-            strain.roughness(rough, p.u_all, p.x_all, p.kind_all, p.role_all, lengths.MLS * flow.spacing,
+        beyond = flow.beyond_fit
+        if beyond is None:
+            beyond = np.empty_like(p.u)
+            strain.beyond_fit(beyond, p.u_all, p.x_all, p.kind_all, p.role_all, lengths.MLS * flow.spacing,
                              d.indptr, d.indices, flow.axes)
-        return -straining.strength(flow, n.filter, n.filter_strain)[:, None] * rough
+        return -straining.strength(flow, n.filter, n.filter_strain)[:, None] * beyond
 
 
 class Film(Regulariser):

@@ -18,8 +18,8 @@ class WallImages(Boundary):
     """The walls of a tank alone: its particles know planes, and neighbours have images in them."""
 
     def __init__(self) -> None:
-        self._lists = np.zeros(0, np.int32)
-        self._found = mirrors.beside_walls(np.zeros(0, np.int8), np.zeros(1, np.int32), self._lists)
+        self._lists: np.ndarray | None = None
+        self._found: tuple[np.ndarray, np.ndarray, np.ndarray]
 
     def _beside(self, flow):
         """Return which owned fluid has walls in its lists, and the CSR lists of these walls.

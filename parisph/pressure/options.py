@@ -23,11 +23,14 @@ PREFIX = "pressure_"
 # In the first steps of a dam break (3840 unknowns, warm start, two solves a step) the whole step
 # took: with new factors in each step ILU(1) 14 (15), ILU(2) 24 (10), BoomerAMG 19 (9); with factors
 # kept while they worked ILU(1) 12.2 (20), ILU(2) 12.5 (14), BoomerAMG 14.6 (12), ILU(0) 13.8 (35).
-# In violent flow factors last for 2 to 8 matrices. From t sqrt(g/H) = 1.6 to 2.2 a step took 31.9 ms with ILU(0), which
-# lasted for 3.1 (17 iterations), 33.3 with ILU(1), 2.8 (10); from 0.5 to 0.65 28.6 with ILU(0), 7.7 (18), 32.1 with
-# ILU(2), 4.8 (9) (on a slower machine, to 1e-5, all in the order of Cuthill and McKee).
-# Hence no fill if factors are rebuilt often, two levels if they are kept, and multigrid for
-# large systems, where the iterations of incomplete factors grow with the domain.
+# In violent flow factors last for fewer matrices. CPU milliseconds of a whole step of the dam break with H/s = 80, one
+# rank, solves to 1e-5, on a slower machine (iterations; matrices that factors last for):
+#     t sqrt(g/H)      ILU(0)            ILU(1) or ILU(2), as it was before
+#     0.5 to 0.65      28.6 (18; 7.7)    32.1 (9; 4.8)
+#     1.6 to 2.2       31.9 (17; 3.1)    33.3 (10; 2.8)
+# Factors with fill pay where they last for a dozen matrices (solver.LASTING). Hence no fill if they are rebuilt more
+# often, two levels if they are kept, and multigrid for large systems, where the iterations of incomplete factors grow
+# with the domain.
 SMALL = 6_000
 
 # Krylov methods that support right preconditioning, with which the monitored residual is the true one.

@@ -44,7 +44,7 @@ def wall_velocity(pool):
 def filtered(pool):
     out = np.empty_like(pool.x)
     u = U[: pool.n, : pool.dim].copy()
-    strain.roughness(out, u, pool.x, pool.kind, pool.role, 2.1 * S, *pool.csr)
+    strain.beyond_fit(out, u, pool.x, pool.kind, pool.role, 2.1 * S, *pool.csr)
     return out
 
 

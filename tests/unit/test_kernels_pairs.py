@@ -150,6 +150,23 @@ def test_a_crowd_is_spread_by_a_few_sweeps_within_the_longest_move():
     assert least[0] < 0.05 and least[8] > 0.25 and least[-1] >= 0.449
 
 
+def test_sweeps_leave_out_what_is_not_near_and_find_the_same():
+    pool = block(2, 12, jitter=1.4)
+    ident, lists, moved = np.arange(pool.n), (pool.indptr, pool.indices), set()
+    move, near = np.zeros_like(pool.x), np.arange(pool.n, dtype=np.int32)
+    for _ in range(4):
+        whole = np.zeros_like(pool.x)
+        due, _ = pairs.keep_apart(whole, np.arange(pool.n, dtype=np.int32), pool.x, pool.kind, ident, 0.045, 0.015,
+                                  *lists, pool.axes)
+        crowded, left = pairs.keep_apart(move, near, pool.x, pool.kind, ident, 0.045, 0.015, *lists, pool.axes)
+        assert crowded == due
+        np.testing.assert_array_equal(move, whole)
+        near = near[:left]
+        moved |= set(np.flatnonzero(move.any(axis=1)))
+        pool.x += move
+    assert moved - set(near) and len(near) > 0, "some have moved and are left out since"
+
+
 @dims
 def test_close_pairs_are_the_fluid_neighbours_within_the_distance(dim):
     pool = tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.8)

@@ -30,10 +30,10 @@ def cloud(dim, jitter):
 # -- the points of the mean --------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("dim", "count", "degree"), [(2, None, 5), (2, 8, 7), (2, 3, 2), (3, None, 5)])
+@pytest.mark.parametrize(("dim", "count", "degree"), [(2, None, 7), (2, 6, 5), (2, 3, 2), (3, None, 5)])
 def test_mean_over_the_points_is_that_over_the_sphere(dim, count, degree):
     unit = rankine.directions(dim, count)
-    assert unit.shape == ({2: count or rankine.POINTS, 3: 12}[dim], dim)
+    assert unit.shape == ({2: count or 8, 3: 12}[dim], dim)
     np.testing.assert_allclose(np.linalg.norm(unit, axis=1), 1.0, atol=1e-14)
     random = np.random.default_rng(0)
     for power in range(1, degree + 1):

@@ -1,4 +1,4 @@
-"""The roughness of a velocity, which the filter removes, against exact fields."""
+"""What a velocity has beyond its fit, which the filter removes, against exact fields."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 def smoothed(pool, u, strength=0.03):
     """Return the change by the filter, and check that the pass for the velocity gradient finds the same."""
     alone, beside = np.full_like(pool.x, np.nan), np.full_like(pool.x, np.nan)
-    strain.roughness(alone, u, pool.x, pool.kind, pool.role, 2.1 * pool.spacing, *pool.csr)
+    strain.beyond_fit(alone, u, pool.x, pool.kind, pool.role, 2.1 * pool.spacing, *pool.csr)
     g, rate = np.empty((pool.n, pool.dim, pool.dim)), np.empty(pool.n)
     strain.velocity_gradient(g, rate, beside, u, pool.x, pool.kind, pool.role, 2.1 * pool.spacing, 0.05, *pool.csr)
     np.testing.assert_array_equal(beside, alone)
