@@ -4,16 +4,21 @@ L = 2 H, and walls at a distance of 1.61 m. Pressure sensors of 4.2 mm, or of fo
 30 and 80 mm above the bed of the far wall, and the depth of the water at four places. The pressures are compared,
 without any shift of time, with one event (2.3 < t sqrt(g/H) < 6.4); the peak at S2 with 95 % of all events.
 
-The walls rub the water, by a law of the wall (--set friction=0 leaves that out). Errors at S1 to S4, and how far the
-peak at S2 is above the band:
+The walls rub the water, by a law of the wall (--set friction=0 leaves that out). Errors at S1 to S4 for some H/s:
 
-    H/s = 60: .21 .17 .22 .25, 8 %    90: .15 .15 .20 .24, 5 %    150: .18 .12 .16 .22, inside
-    H/s = 120: .11 .13 .18 .22, 5 %; from two other starts the same to .01, inside and 6 %
+     60: .21  .17  .22  .25
+     90: .15  .15  .20  .24
+    120: .11 to .14  .13  .18  .22    (four runs)
+    150: .18 and .21  .12 and .14  .16 and .17  .22    (two runs)
 
-Without friction they are .32 .30 .28 .31 at 60 and .40 .31 .265 .32 at 120, where the peak is inside: that water comes
-.04 sqrt(H/g) early (moved by that, S2 has .27). Half the steps at 90 change these errors by at most .006, other starts
-at 120 those of S2 and S3 by .002, and sensors of another size by .001. Three codes at H/s = 400, of which two have no
-friction, have .41 to .43, .29 to .30, .258 to .265 and .34 to .35.
+Without friction they are .32 .30 .28 .31 at 60 and .40 .31 .265 .32 at 120: that water comes .04 sqrt(H/g) early (moved
+by that, S2 has .27). There, other starts change those of S2 and S3 by .002, and sensors of another size by .001; half
+the steps at 90 change all by at most .006. Three codes at H/s = 400, of which two have no friction, have .41 to .43,
+.29 to .30, .258 to .265 and .34 to .35.
+
+The greatest value at S2 is chance. It was 8 and 5 % above the band at 60 and 90, inside and up to 7 % above in four
+runs at 120, and inside in one of two at 150. In the other, one step of .3 ms, in which the water arrives, had twice the
+pressure that follows. Of means over 2 ms, the greatest is inside at 120 and 150 (one run each).
 
 mpirun -n 2 parisph run cases/dam_break_lobovsky.py --set spacing=1/30    # 15 s on one core; 1/60: 80 s; 1/120: 7 min
 """

@@ -3,9 +3,10 @@
 The wave starts exact, with its crest half its length before the toe: L = arccosh(sqrt 20)/sqrt(3H/4d). One
 with H/d = 0.30 breaks, before and after it has reached the shore; profiles were measured at t sqrt(g/d) = 15, 20,
 25 and 30, and the run-up of such waves is some 0.55 d. The beach is a wedge of 2.9 degrees, whose tip is not resolved,
-and without friction its film tears: `run_up` is where the particles part, `run_up_film` where a film of 1 mm would end.
-They come nearer to each other with finer spacing: 0.27 and 0.62 to 0.85 d at d/s = 16, 0.40 to 0.43 and 0.51 to 0.53 d
-at d/s = 32.
+and its film tears: `run_up` is where the particles part, `run_up_film` where a film of 1 mm would end. The beach rubs
+the water (friction). With that, they are 0.52 and 0.65 d at d/s = 32, and the surface is 0.15, 0.135, 0.08 and 0.05 H
+(rms) off at the four times; at d/s = 48 0.15, 0.15, 0.07 and 0.045 H. Without friction, the run-ups are 0.27 and 0.62
+to 0.85 d at d/s = 16, 0.40 to 0.43 and 0.51 to 0.53 d at d/s = 32.
 
 The measured wave is 0.7 d behind this one at t sqrt(g/d) = 15, before it breaks: 0.13 H (rms), and 0.03 H if this one
 is moved. Particles are not the cause. The equations of Serre, Green & Naghdi on a fine grid, the other truth of
