@@ -83,8 +83,8 @@ class StillTank:
             rows.divergence(div, both, p.role)
             self.divergence.append(div[self.inner])
             for u, columns in ((e, self.smoothing), (both - e, self.smoothing_of_walls)):
-                strain.beyond_fit(beyond, u, p.x, p.kind, p.role, lengths.MLS * self.numerics.spacing, d.indptr,
-                                 d.indices, self.flow.axes)
+                strain.velocity_gradient(np.empty((0, 2, 2)), np.empty(0), beyond, u, p.x, p.kind, p.role,
+                                         lengths.MLS * self.numerics.spacing, 0.05, d.indptr, d.indices, self.flow.axes)
                 columns.append(-self.numerics.filter * beyond[self.fluid].ravel())
         for name in ("divergence", "smoothing", "smoothing_of_walls"):
             setattr(self, name, np.stack(getattr(self, name), axis=1))

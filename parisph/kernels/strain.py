@@ -19,14 +19,19 @@ ALONE = 0.95
 def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, u: np.ndarray, x: np.ndarray,
                       kind: np.ndarray, role: np.ndarray, radius: float, floor: float, indptr: np.ndarray,
                       indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Gradient of the velocity at owned fluid particles, by linear least squares with the quartic weight.
+    """Gradient of the velocity at owned fluid particles, by linear least squares with the quartic weight, and what the
+    velocity has beyond such a fit.
 
-    It is exact for a linear velocity. It is zero at walls, and where the neighbours do not span the
+    The gradient is exact for a linear velocity. It is zero at walls, and where the neighbours do not span the
     plane: fewer than dim + 1 of them, or det/(trace/dim)^dim of their moment < floor.
 
+    Beyond the fit is what the filter removes: the velocity less the moving least squares of it, which include the
+    particle itself. A harmonic velocity has no Laplacian, so that of a wave has almost nothing there. It is zero where
+    the neighbours do not span a plane (jets, drops), because an extrapolation from two neighbours is unbounded.
+
     g : (n_owned, dim, dim) output, g[i, a, b] = d u_a / d x_b [1/s]
-    rate : (n_owned,) output, sqrt(2 S : S) with S the symmetric part of g [1/s]
-    beyond : (n_owned, dim) output, of `beyond_fit` and with the same weights, or (0, dim) if it is not wanted [m/s]
+    rate : (n_owned,) output, sqrt(2 S : S) with S the symmetric part of g [1/s]; both without rows if not wanted
+    beyond : (n_owned, dim) output [m/s], without rows if not wanted
     u, x, kind, role : of owned and ghost particles, walls with the velocity of `wall_velocity`
     """
     dim, room = len(axes), room_for(indptr)
@@ -35,8 +40,9 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, u: np
     m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
     moments, fit, here = np.empty((moment_count(axes), 1)), np.empty((dim + 1, 1)), np.zeros((dim, 1))
     for i in range(len(indptr) - 1):
-        g[i] = 0.0
-        rate[i] = 0.0
+        if len(g) > 0:
+            g[i] = 0.0
+            rate[i] = 0.0
         if len(beyond) > 0:
             for c in range(dim):
                 beyond[i, c] = 0.0
@@ -44,7 +50,8 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, u: np
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
-        spans = not support(m, inverse, weighted, near, 0, n, columns, axes) < floor
+        quality = support(m, inverse, weighted, near, 0, n, columns, axes)
+        spans = len(g) > 0 and not quality < floor
         fitted = len(beyond) > 0 and _fit_here(fit, moments, here, weighted, m, columns, axes)
         if not (spans or fitted):
             continue
@@ -57,37 +64,8 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, u: np
                 right = dot(weighted, 1 + b, difference, 0, columns) / radius
                 for a in range(dim):
                     g[i, c, a] += inverse[a, b] * right
-        rate[i] = _strain_rate(g, i, axes)
-
-
-@kernel
-def beyond_fit(beyond: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, radius: float,
-              indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Velocity of owned fluid particles less the linear moving least squares of it, with the quartic weight.
-
-    The fit includes the particle. A harmonic velocity has no Laplacian, so that of a wave is almost 0. Where the
-    neighbours do not span a plane (jets, drops) it is 0, because an extrapolation from two neighbours is unbounded.
-
-    beyond : (n_owned, dim) output [m/s], 0 at walls
-    """
-    dim, room = len(axes), room_for(indptr)
-    near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
-    member = np.empty(room, np.int32)
-    m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
-    moments, fit, here = np.empty((moment_count(axes), 1)), np.empty((dim + 1, 1)), np.zeros((dim, 1))
-    for i in range(len(indptr) - 1):
-        for c in range(dim):
-            beyond[i, c] = 0.0
-        if kind[i] != FLUID:
-            continue
-        n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
-        columns = fill_up(near, n, axes)
-        support(m, inverse, weighted, near, 0, n, columns, axes)
-        if _fit_here(fit, moments, here, weighted, m, columns, axes):
-            for c in range(dim):
-                for k in range(columns):
-                    difference[0, k] = u[member[k], c] - u[i, c] if k < n else 0.0
-                beyond[i, c] = _what_is_beyond(fit, weighted, difference, columns, axes)
+        if spans:
+            rate[i] = _strain_rate(g, i, axes)
 
 
 @inlined

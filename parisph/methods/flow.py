@@ -41,7 +41,7 @@ class Flow:
     mean_acceleration : of fluid by pressure in the last steps (methods.straining.remember), on all ranks [m/s^2];
         0 before the first
     strained, doubt, rapid : (n_owned,) or None, and whole, of methods.straining in this step
-    beyond_fit : (n_owned, dim) [m/s] of kernels.strain.beyond_fit, if straining.begin has found it, else None
+    beyond_fit : (n_owned, dim) [m/s] of kernels.strain.velocity_gradient, if straining.begin has found it, else None
     accelerations : of fluid in the last step, on all ranks [m/s^2], the largest and the root of the mean square; known
         with an adaptive step
     top_speed : of fluid, on all ranks [m/s]; known in steps with a part that needs it

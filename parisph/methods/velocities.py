@@ -30,8 +30,9 @@ class Filter(Regulariser):
         beyond = flow.beyond_fit
         if beyond is None:
             beyond = np.empty_like(p.u)
-            strain.beyond_fit(beyond, p.u_all, p.x_all, p.kind_all, p.role_all, lengths.MLS * flow.spacing,
-                             d.indptr, d.indices, flow.axes)
+            strain.velocity_gradient(np.empty((0, p.dim, p.dim)), np.empty(0), beyond, p.u_all, p.x_all, p.kind_all,
+                                     p.role_all, lengths.MLS * flow.spacing, straining.SPAN, d.indptr, d.indices,
+                                     flow.axes)
         return -straining.strength(flow, n.filter, n.filter_strain)[:, None] * beyond
 
 

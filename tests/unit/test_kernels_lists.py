@@ -44,7 +44,8 @@ def wall_velocity(pool):
 def filtered(pool):
     out = np.empty_like(pool.x)
     u = U[: pool.n, : pool.dim].copy()
-    strain.beyond_fit(out, u, pool.x, pool.kind, pool.role, 2.1 * S, *pool.csr)
+    strain.velocity_gradient(np.empty((0, pool.dim, pool.dim)), np.empty(0), out, u, pool.x, pool.kind, pool.role,
+                             2.1 * S, 0.05, *pool.csr)
     return out
 
 
