@@ -14,9 +14,7 @@ from parisph.parallel.sums import sums
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-# Tolerance of the position solve over that of the pressure: one in a hundred of a small move. One in a thousand changes
-# volume and energy of the dam break by less than another start does.
-SLACK = 1e3
+SLACK = 1e3  # tolerance of the position solve over that of the pressure, at most one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
 
 # Close pairs; lengths in spacings.

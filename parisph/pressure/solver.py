@@ -23,7 +23,7 @@ GROWTH, FRESH, LASTING = 1.5, 4, 12
 # An attempt has failed if its true residual exceeds this many times the tolerance.
 SLACK = 10.0
 # The loosest tolerance for a second right-hand side, whatever its slack.
-LOOSEST = 0.01
+LOOSEST = 1e-3
 
 _BACKUPS = ("gamg", "asm", "lu")
 
