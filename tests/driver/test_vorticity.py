@@ -29,7 +29,9 @@ def test_it_is_exact_for_a_linear_velocity():
 
 def test_a_run_writes_it_and_computes_it_for_that_alone(tmp_path, monkeypatch):
     calls, gradient = [], strain.velocity_gradient
-    monkeypatch.setattr(strain, "velocity_gradient", lambda *given: calls.append(1) or gradient(*given))
+    # the filter asks the same kernel for something else, and gives no room for a gradient
+    monkeypatch.setattr(strain, "velocity_gradient", lambda *given: calls.extend([1] * (len(given[0]) > 0))
+                        or gradient(*given))
     gentle = {"preset": "gentle", "time_step": 0.01}
     case = scene("dam_break", gentle, spacing=0.25).changed(end_time=0.05, probes=[], output=Output(fields=ASKED))
     run(case, MPI.COMM_SELF, tmp_path / "asked", progress=False)
