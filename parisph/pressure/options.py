@@ -28,9 +28,9 @@ PREFIX = "pressure_"
 #     t sqrt(g/H)      ILU(0)            ILU(1) or ILU(2), as it was before
 #     0.5 to 0.65      28.6 (18; 7.7)    32.1 (9; 4.8)
 #     1.6 to 2.2       31.9 (17; 3.1)    33.3 (10; 2.8)
-# Factors with fill pay where they last for a dozen matrices (solver.LASTING). Hence no fill if they are rebuilt more
-# often, two levels if they are kept, and multigrid for large systems, where the iterations of incomplete factors grow
-# with the domain.
+# From these times, factors with fill should pay where they last for a dozen matrices (solver.LASTING). Hence no fill if
+# they are rebuilt more often, two levels if they are kept, and multigrid for large systems, where the iterations of
+# incomplete factors grow with the domain.
 SMALL = 6_000
 
 # Krylov methods that support right preconditioning, with which the monitored residual is the true one.
