@@ -5,24 +5,26 @@ from collections.abc import Iterable
 
 ROUNDED = 1.0 + 1e-12   # a time that is reached but for rounding is reached
 ROUNDING = 1e-6         # of a step: what the sum of many steps may be off by
+SHARING = 10            # steps before a time that is to be met
 
 
 def step_towards(target: float, time: float, limit: float) -> tuple[float, float]:
     """Return a step of at most `limit` (or a thousandth more) on the way to `target`, and the time after it, all in s.
 
-    The last two steps before the target share the remaining time, so that neither is shorter than
-    half of `limit` and the target is met exactly. The result does not depend on earlier steps: a run
-    that is restarted between these two takes the same steps. A fixed step that divides the remaining
-    time is unchanged, to the last bit.
+    The last SHARING steps before the target share the remaining time, and the target is met exactly. So steps do not
+    shorten by more than a tenth at once, unless fewer are left: what a step leaves of the divergence is proportional
+    to its length, the next one takes that out, and its pressure jumps by a tenth where it is half as long. The result
+    does not depend on earlier steps: a run that is restarted between these takes the same steps. A fixed step that
+    divides the remaining time is unchanged, to the last bit.
     """
     left = target - time
-    if not 0.0 < left <= 2.0 * limit:
+    if not 0.0 < left <= SHARING * limit:
         return limit, time + limit
-    last = left < 1.001 * limit
-    dt = left if last else 0.5 * left
+    steps = max(1, math.ceil(left / limit - 1e-3))
+    dt = left / steps
     if abs(dt - limit) < ROUNDING * limit:
         dt = limit
-    return dt, target if last else time + dt
+    return dt, target if steps == 1 else time + dt
 
 
 class Times:

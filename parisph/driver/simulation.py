@@ -155,8 +155,8 @@ class Simulation:
     def choose_step(self, until: float | None = None) -> float:
         """Choose the length of the next step, and return the time [s] after it, the same on all ranks.
 
-        until : a time [s] to meet exactly, None for none. When it is less than two steps away, the steps to
-            it are shortened. Nothing else changes, and an adaptive step then grows again from its length
+        until : a time [s] to meet exactly, None for none. When it is less than ten steps away, the steps to
+            it are shortened alike. Nothing else changes, and an adaptive step then grows again from its length
             before it was shortened.
 
         Raises SolverDiverged.

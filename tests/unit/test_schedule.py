@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from parisph.driver.schedule import Times, step_towards
+from parisph.driver.schedule import SHARING, Times, step_towards
 
 
 def walk(limit, due, end, time=0.0):
@@ -27,8 +27,16 @@ def test_what_is_due_is_met_exactly_and_without_a_crumb(trial):
         assert k * every in times
     assert steps.max() <= 1.001 * limit and steps.min() > 0.5 * limit
     np.testing.assert_allclose(np.cumsum(steps), times, rtol=1e-12)
-    # no more than the last two before each are shorter
-    assert np.count_nonzero(steps < limit) <= 2 * len(times[np.isin(times, every * np.arange(1, 200))]) + 2
+    # no more than the last few before each are shorter
+    assert np.count_nonzero(steps < limit) <= SHARING * len(times[np.isin(times, every * np.arange(1, 200))]) + SHARING
+
+
+@pytest.mark.parametrize("trial", range(20))
+def test_no_step_shortens_by_more_than_a_tenth_where_enough_are_left(trial):
+    random = np.random.default_rng(trial)
+    limit = random.uniform(1e-3, 2e-3)
+    steps, _ = walk(limit, Times(random.uniform(20.0, 30.0) * limit), 1.0)
+    assert np.all(steps[1:] > (1.0 - 1.01 / SHARING) * steps[:-1])
 
 
 def test_a_run_that_goes_on_takes_the_same_steps():
