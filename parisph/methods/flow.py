@@ -35,6 +35,7 @@ class Flow:
     ----------
     full : lattice value of the density ratio's sum
     time : of the operators of the step that begins [s]; dt : its length [s], 0 for a look at an instant
+    usual : what that length would be if no step were shortened to meet a time [s]
     force : (n_all, dim) [m/s^2], of this step
     absorbed : (n_owned, dim) the part of force by such zones
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
@@ -61,7 +62,7 @@ class Flow:
         self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
         self.closed, self.budget, self.spin, self.absorb = closed, budget or NoBudget(), spin, absorb
         self.friction = friction
-        self.time = self.dt = 0.0
+        self.time = self.dt = self.usual = 0.0
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)

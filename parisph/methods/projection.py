@@ -77,6 +77,7 @@ class Projection:
         flow, parts, timers = self.flow, self.parts, self.flow.timers
         p, domain, budget = flow.particles, flow.domain, flow.budget
         budget.begin(p)
+        flow.usual = dt if usual is None else usual
         with timers("predict"):
             self._predict(time, dt)
         with timers("redistribute"):

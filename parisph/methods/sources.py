@@ -102,7 +102,8 @@ def put_off(flow: "Flow", dt: float, before: np.ndarray, rate: np.ndarray, strai
     most of it, and in some stencils it makes it grow. Regularisation and changes of role add to it. Taken
     out anew in each step, the residual acts per step and not per time: as dt -> 0 its pressure grows as 1/dt,
     and damping in proportion to strain can no longer stop it. So it is removed at a rate in time, in proportion to
-    the fluid's velocity gradient or to its free fall; a step of usual length still removes all of it. Forces and
+    the fluid's velocity gradient or to its free fall; a step of usual length still removes all of it. One that is
+    shortened to meet a time removes the same part per time, so that its pressure is that of its neighbours. Forces and
     the strain of the flow itself, thus also impacts, act at once.
 
     before, rate : (n_owned,) [1/s], divergence of the velocity at the start of the step, sqrt(2 G:G) of its gradient
@@ -112,7 +113,8 @@ def put_off(flow: "Flow", dt: float, before: np.ndarray, rate: np.ndarray, strai
     p, n = flow.particles, flow.numerics
     residual = before + (2.0 - n.strain) * dt * strain
     fall = np.sqrt(sizes(flow.force[:p.n_owned]) / flow.spacing)
-    return (1.0 - np.minimum(1.0, n.residual_strain * dt * np.maximum(rate, fall))) * residual
+    removed = np.minimum(1.0, n.residual_strain * dt * np.maximum(rate, fall)) * min(1.0, dt / flow.usual)
+    return (1.0 - removed) * residual
 
 
 for part in (Mixed(), VelocityDivergence(), DensityInvariance(), ErrorCompensating()):

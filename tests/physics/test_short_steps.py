@@ -24,3 +24,18 @@ def test_pressure_at_two_times_close_together(tmp_path, later, time_step):
     p, q = (seen["p"][np.argsort(seen["id"])] for seen in (first, second))
     assert second["time"] - first["time"] == pytest.approx(later)
     assert np.linalg.norm(q - p) < 0.05 * np.linalg.norm(p)
+
+
+def test_steps_shortened_alike_have_the_pressure_of_their_neighbours(tmp_path):
+    """What a step leaves of the divergence is in proportion to it: the next must not take it out in a shorter time."""
+    def pressures(name, times):
+        case = scene("dam_break", spacing=0.05, end_time=2.45).changed(output=Output(times=times))
+        run(case, MPI.COMM_SELF, tmp_path / name, progress=False)
+        return case.numerics.time_step, reader.open_run(tmp_path / name).probe("P2")
+    dt, plain = pressures("plain", ())
+    meet = plain["time"][-40] + 0.05 * dt
+    _, shared = pressures("shared", (meet,))
+    here = np.abs(shared["time"] - meet).argmin()
+    expected = np.interp(shared["time"], plain["time"], plain["pressure"])
+    assert shared["time"][here] == pytest.approx(meet) and np.diff(shared["time"])[here - 1] < 0.92 * dt
+    np.testing.assert_allclose(shared["pressure"][here - 9:here + 3], expected[here - 9:here + 3], rtol=0.006)
