@@ -48,14 +48,15 @@ class _Column(Sampler):
         (x, y), s = view.body, self.scene.spacing
         chosen = np.abs(x - self.at) <= COLUMN * s * ROUNDING
         y, inside = y[chosen], view.inside[chosen]
-        found = []
-        for number in range(len(self.floors) + 1):
-            own = self._layer(y) == number
-            layer = bodies(y[own], self.gap * s, counts=np.ones(own.sum()), ends=(y + self.stretch * s * inside)[own])
-            tops = np.zeros((len(layer), WIDTH - 1))
-            tops[:, 0], tops[:, 1] = TOP, [y[own][(y[own] >= low) & (y[own] <= end)].max() for low, end, _ in layer]
-            found += [body_rows(layer), tops]
-        return np.concatenate(found)
+        reach, layer, found = y + self.stretch * s * inside, self._layer(y), []
+        for number in np.unique(layer):
+            own = layer == number
+            z = y[own]
+            there = bodies(z, self.gap * s, counts=np.ones(len(z)), ends=reach[own])
+            tops = np.zeros((len(there), WIDTH - 1))
+            tops[:, 0], tops[:, 1] = TOP, [z[(z >= low) & (z <= end)].max() for low, end, _ in there]
+            found += [body_rows(there), tops]
+        return np.concatenate(found) if found else super().rows(view)
 
     def top(self, rows: np.ndarray) -> tuple[float, bool]:
         """Return the height of the water on the highest floor on which some stands [m], and whether there is any.

@@ -69,18 +69,27 @@ class PressureTap(Sampler):
     def sums(self, view: View) -> np.ndarray:
         x, p = self._nodes(view)
         away = (x - self.at) @ self.axes.T
-        d = away / self.radius
-        same_wall = (np.abs(away) < 0.5 * self.scene.step)[:, self.across].all(axis=1)
-        weight = same_wall * np.clip(1.0 - (d[:, ~self.across] ** 2).sum(axis=1), 0.0, None) ** 2
-        basis = np.column_stack([np.ones(len(x)), d[:, ~self.across]])
-        return np.append((basis.T * weight) @ basis, (basis.T * weight) @ p)
+        along = away[:, ~self.across] / self.radius
+        weight = 1.0 - (along * along).sum(axis=1)
+        near = (weight > 0.0) & (np.abs(away[:, self.across]) < 0.5 * self.scene.step[self.across]).all(axis=1)
+        basis = np.column_stack([np.ones(np.count_nonzero(near)), along[near]])
+        weighted = basis.T * weight[near] ** 2
+        return np.append(weighted @ basis, weighted @ p[near])
 
     def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
         n = 1 + np.count_nonzero(~self.across)
         moments, right = np.reshape(sums[:n * n], (n, n)), sums[n * n:]
-        if np.isfinite(moments).all() and np.linalg.matrix_rank(moments) == n:
+        if _regular(moments):
             return (np.linalg.solve(moments, right)[0],)
         return (right[0] / moments[0, 0] if moments[0, 0] > 0.0 else np.nan,)
+
+
+def _regular(moments):
+    """Return whether a symmetric matrix (n, n) without negative eigenvalues has full rank, to rounding."""
+    if not np.isfinite(moments).all():
+        return False
+    found = np.linalg.eigvalsh(moments)
+    return found[0] > len(moments) * np.finfo(float).eps * found[-1]
 
 
 class DiscTap(PressureTap):
