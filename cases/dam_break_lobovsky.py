@@ -8,8 +8,8 @@ The walls rub the water, by a law of the wall (--set friction=0 leaves that out)
 
      60: .21  .17  .22  .25
      90: .15  .15  .20  .24
-    120: .11 to .14  .13  .18  .22    (four runs)
-    150: .18 and .21  .12 and .14  .16 and .17  .22    (two runs)
+    120: .11 to .16  .13  .18  .22    (five runs)
+    150: .18 to .21  .12 to .14  .16 to .17  .22    (three runs)
 
 Without friction they are .32 .30 .28 .31 at 60 and .40 .31 .265 .32 at 120: that water comes .04 sqrt(H/g) early (moved
 by that, S2 has .27). There, other starts change those of S2 and S3 by .002, and sensors of another size by .001; half
