@@ -3,7 +3,7 @@
 A column of L x 2L, L = 0.146 m, falls in a tank 4L wide against a box of 24 mm x 48 mm that stands 2L from the left
 wall. The water shoots up at the box and strikes the far wall: there is a jet, a cavity behind the box, and thin sheets.
 
-parisph run cases/dam_break_box.py
+parisph run cases/dam_break_box.py        # 40 s on one core
 """
 
 from parisph import (

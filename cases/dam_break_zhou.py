@@ -1,10 +1,10 @@
 """Dam break against a far wall, with the pressure that Zhou, De Kat & Buchner (1999) measured (Z14, Fig 15).
 
 L = 2 H, D = 161/30 H = 5.3667 H. The sensor is a disc of 90 mm (0.15 H with H = 0.6 m in the experiment) whose centre
-is 160 mm (0.267 H) above the bed. The tap P2 has a face of this height, and P2_point one of 0.02 H, as the sensors of
+is 160 mm (0.267 H) above the bed. P2 is the mean over this disc, and P2_point has a face of 0.02 H, as the sensors of
 two codes that have converged (H/s = 400). Both are compared with these codes, smoothed over 0.1 sqrt(H/g), and with
 two readings of the experiment, a single event: 2.5 < t sqrt(g/H) < 6.3, no shift. At H/s = 80 (spacing=1/80
-distance=5.375) P2_point is .037 and .031 from the codes, which are .028 from each other, and .44 from the experiment.
+distance=5.375) P2_point is .036 and .033 from the codes, which are .028 from each other, and .44 from the experiment.
 
 mpirun -n 2 parisph run cases/dam_break_zhou.py --set spacing=1/30        # 15 s on one core; 1/60: 80 s; 1/80: 3 min
 """
@@ -53,7 +53,7 @@ def case(
     end_time: float = 7.5,              # t sqrt(g/H)
     time_step: float | None = None,     # dt sqrt(g/H) at spacing = 1/60, in proportion to it; none to adapt it
     distance: float = 161.0 / 30.0,     # of the walls, D / H; 5.375 for spacings of 1/40 and 1/80
-    face: float = 0.15,                 # height of the sensor's face / H
+    face: float = 0.15,                 # diameter of the sensor's disc / H
     friction: float = 0.0,              # viscosity of the water in the friction on walls [m2/s], 0 for none
     jitter: float = 0.0,
     seed: int = 0,
@@ -80,9 +80,9 @@ def case(
         ),
         output=Output(every=snapshot_every * unit, checkpoint_every=unit),
         probes=[
-            PressureTap("P2", at=(D, low), radius=0.5 * face * H, peak=True, truth=_first([*readings, *codes])),
+            PressureTap("P2", at=(D, low), diameter=face * H, peak=True, truth=_first([*readings, *codes])),
             PressureTap("P2_point", at=(D, low), radius=0.01 * H, truth=_first([*codes, *readings])),
-            PressureTap("P3", at=(D, high), radius=0.5 * face * H),
+            PressureTap("P3", at=(D, high), diameter=face * H),
             WaterFront("front"),
             Energy("energy"),
             Volume("volume", every=10),

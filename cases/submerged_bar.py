@@ -5,7 +5,7 @@ The water is 0.4 m deep. The bar rises with 1:20 from 6 m to a crest 0.1 m below
 lengths takes them up where the experiments have a beach of 1:25, a wedge of 2.3 degrees whose tip is not
 resolved. There is no data beside parisph; seaward of the bar the wave is compared with stream-function theory.
 
-parisph run cases/submerged_bar.py
+parisph run cases/submerged_bar.py        # 6 minutes on one core
 mpirun -n 2 parisph run cases/submerged_bar.py --set spacing=0.0125
 """
 

@@ -19,6 +19,7 @@ from tests.validation import (  # noqa: E402
     cavity,
     cold_start,
     dam_break,
+    measured,
     motion,
     ranks,
     record,
@@ -29,7 +30,8 @@ from tests.validation import (  # noqa: E402
 )
 
 PARTS = {"rest": rest, "rest_of_methods": rest_of_methods, "rest_at_walls": rest_at_walls, "waves": waves,
-         "motion": motion, "dam_break": dam_break, "ranks": ranks, "cold_start": cold_start, "cavity": cavity}
+         "motion": motion, "dam_break": dam_break, "measured": measured, "ranks": ranks, "cold_start": cold_start,
+         "cavity": cavity}
 
 
 def main():
