@@ -4,8 +4,8 @@ a/d = 0.2 in a tank of 10 m. The piston moves as Goring's theory says, with the 
 Z17 does not say how its own moved. The gauges are compared with the exact wave that this motion is made for: its crest
 is where the piston is when this has gone half its way. Z17 compares with Boussinesq's wave, whose form is 5 % off.
 
-parisph run cases/solitary_piston.py
-mpirun -n 2 parisph run cases/solitary_piston.py --set spacing=1/30     # as Z17 Fig 6
+parisph run cases/solitary_piston.py       # 20 s on one core
+mpirun -n 2 parisph run cases/solitary_piston.py --set spacing=1/30     # as Z17 Fig 6: 3 minutes on one core
 """
 
 from parisph import (
