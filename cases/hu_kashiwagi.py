@@ -4,8 +4,9 @@ A column of 0.68 m x 0.12 m in a tank of 1.18 m. The first peak at P2, 0.01 m ab
 near 0.36 s; there are two peaks at this height, and one above it. At the left wall, P1, the pressure is nearly that of
 still water. The papers do not print the tank's height.
 
-parisph run cases/hu_kashiwagi.py
-mpirun -n 2 parisph run cases/hu_kashiwagi.py --set spacing=0.00125     # Z17 has 0.0012, which divides neither length
+parisph run cases/hu_kashiwagi.py        # 30 s on one core
+mpirun -n 2 parisph run cases/hu_kashiwagi.py --set spacing=0.00125     # HU minutes on one core; Z17 has 0.0012, which
+                                                                        # divides neither length
 """
 
 from parisph import (
