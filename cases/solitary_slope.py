@@ -2,7 +2,8 @@
 
 a/d = 0.6 in a tank of 10 m with the slope at its end, 1 m high. The pressure on the slope has its peak near
 t sqrt(g/h) = 18.5, h = 1 m, and a second event, when the water runs down and overturns, near 22.5. Z17 does not print
-the height of its sensor: `tap`. With the spacing of Z17, p1 has its peaks at 18.2 and 22.5, and the water climbs to 0.70 m.
+the height of its sensor: `tap`. With the spacing of Z17, p1 has its peaks at 18.2 and 22.5, and the water climbs to
+y = 0.70 m.
 
 parisph run cases/solitary_slope.py        # 4 minutes on one core
 mpirun -n 2 parisph run cases/solitary_slope.py --set spacing=0.008     # as Z17: 35 minutes on one core
