@@ -5,7 +5,7 @@ near 0.36 s; there are two peaks at this height, and one above it. At the left w
 still water. The papers do not print the tank's height.
 
 parisph run cases/hu_kashiwagi.py        # 30 s on one core
-mpirun -n 2 parisph run cases/hu_kashiwagi.py --set spacing=0.00125     # HU minutes on one core; Z17 has 0.0012, which
+mpirun -n 2 parisph run cases/hu_kashiwagi.py --set spacing=0.00125     # 17 minutes on one core; Z17 has 0.0012, which
                                                                         # divides neither length
 """
 
