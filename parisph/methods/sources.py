@@ -113,7 +113,9 @@ def put_off(flow: "Flow", dt: float, before: np.ndarray, rate: np.ndarray, strai
     p, n = flow.particles, flow.numerics
     residual = before + (2.0 - n.strain) * dt * strain
     fall = np.sqrt(sizes(flow.force[:p.n_owned]) / flow.spacing)
-    removed = np.minimum(1.0, n.residual_strain * dt * np.maximum(rate, fall)) * min(1.0, dt / flow.usual)
+    removed = np.minimum(1.0, n.residual_strain * dt * np.maximum(rate, fall))
+    if dt < flow.usual:
+        removed *= dt / flow.usual
     return (1.0 - removed) * residual
 
 
