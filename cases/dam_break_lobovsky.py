@@ -17,8 +17,8 @@ the steps at 90 change all by at most .006. Three codes at H/s = 400, of which t
 .29 to .30, .258 to .265 and .34 to .35.
 
 The greatest value at S2 is inside the band of the events from H/s = 120 on: 5.62, 5.42 and 5.56 kPa there (three
-starts, jitter=0.02 for two of them), and 5.54 kPa at 150; measured are 5.19 to 5.94 kPa. Three starts at 60 have 5.96,
-5.69 and 6.13 kPa.
+starts), and 5.54 and 5.46 kPa at 150 (two); measured are 5.19 to 5.94 kPa. Three starts at 60 have 5.96, 5.69 and
+6.13 kPa.
 
 mpirun -n 2 parisph run cases/dam_break_lobovsky.py --set spacing=1/30    # 15 s on one core; 1/60: 80 s; 1/120: 7 min
 """

@@ -7,7 +7,7 @@ parisph, so that a cavity that closes at the wall collapses completely, with a s
 sensitive to it than `sensor`. The means over 5 ms of the four peaks, 4.7, 4.0, 7.9 and 6.8 kPa, lie in their bands (2.6
 to 5.6, 3.1 to 8.4, 2.7 to 8.7 and 3.0 to 8.2 kPa). Of the peaks themselves, 23.7, 8.3, 33.3 and 21.8 kPa, only the
 second does; the others are 18.0, 24.6 and 13.6 kPa beyond. The flow is computed in the frame of the tank. The same test
-with oil is not here: neither its motion nor its properties are known.
+with oil is left out: its motion and the properties of the oil are not at hand.
 
 The motion is not part of parisph: see the parameter `data`.
 

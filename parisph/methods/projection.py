@@ -106,7 +106,7 @@ class Projection:
             self._move(start, time, dt)
             budget.mark(p, "pressure")
         if self.knows_pressure:
-            self._average_pressure(earlier, dt, *self._mean_times(dt, usual))
+            self._average_pressure(earlier, dt, *self._mean_times(dt))
         self.knows_pressure = True
         if parts.position_regularisers:
             with timers("regularise"):
@@ -335,14 +335,14 @@ class Projection:
             straining.finish(flow, dt)
         regularising.change(flow, regularisers, dt)
 
-    def _mean_times(self, dt, usual):
+    def _mean_times(self, dt):
         """Return the times [s] over which the pressures of the fluid and of walls are averaged in a step of dt.
 
         0 for the step's own pressure. Collective.
         """
         flow = self.flow
         p, n = flow.particles, flow.numerics
-        shortened = usual if usual is not None and dt < 0.5 * usual else 0.0
+        shortened = flow.usual if dt < 0.5 * flow.usual else 0.0
         if not n.pressure_mean:
             return shortened, shortened
         time = n.pressure_mean * resolved_time(p.comm, p, flow.spacing,

@@ -79,17 +79,9 @@ class PressureTap(Sampler):
     def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
         n = 1 + np.count_nonzero(~self.across)
         moments, right = np.reshape(sums[:n * n], (n, n)), sums[n * n:]
-        if _regular(moments):
+        if np.isfinite(moments).all() and np.linalg.matrix_rank(moments, hermitian=True) == n:
             return (np.linalg.solve(moments, right)[0],)
         return (right[0] / moments[0, 0] if moments[0, 0] > 0.0 else np.nan,)
-
-
-def _regular(moments):
-    """Return whether a symmetric matrix (n, n) without negative eigenvalues has full rank, to rounding."""
-    if not np.isfinite(moments).all():
-        return False
-    found = np.linalg.eigvalsh(moments)
-    return found[0] > len(moments) * np.finfo(float).eps * found[-1]
 
 
 class DiscTap(PressureTap):
