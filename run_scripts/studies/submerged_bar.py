@@ -13,6 +13,7 @@ import numpy as np
 
 from parisph.study import Function, Study, TruthError
 
+METHODS = ["ISPH_R"]
 SPACINGS = [0.4 / 12.0, 0.025, 0.4 / 24.0]    # [m]
 GAUGES = ["x4m", "x10.5m", "x12.5m", "x13.5m", "x14.5m", "x15.7m", "x17.3m"]
 START, END = 20.0 - 3.0 * 2.02, 20.0          # [s]
@@ -28,7 +29,7 @@ def height(run, gauge):
 study = Study(
     title="Waves over a submerged bar, H = 20 mm, T = 2.02 s",
     case="../../cases/submerged_bar.py",
-    spacings=SPACINGS, parameters={"end_time": END},
+    methods=METHODS, spacings=SPACINGS, parameters={"end_time": END},
     errors=[TruthError(probe="x4m", name="wave at 4 m against stream-function theory"),
             *(Function(f"height at {gauge[1:-1]} m [mm]", of=partial(height, gauge=gauge)) for gauge in GAUGES)],
     histories=["x12.5m", "x14.5m", "x17.3m"],
