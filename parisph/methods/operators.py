@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.kernels import fatehi, gfd, gradient, laplacian, quadratic_circle, rankine, row, schwaiger, walls
+from parisph.kernels import curvature, fatehi, gfd, gradient, laplacian, quadratic_circle, rankine, row, schwaiger, walls
 from parisph.kernels import flux as fluxes
 from parisph.kernels.near import SPLINE, SPLINE_SLOPE
 from parisph.methods import lengths
@@ -171,6 +171,22 @@ class HarmonicWalls(SfdiWalls):
                             lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
 
+class CurvedWalls(HarmonicWalls):
+    """Harmonic rows that know the Laplacian of the pressure beside them, so that they are exact for quadratics.
+
+    For waves of permanent form. Beside a standing wave it makes the mean level drift.
+    """
+
+    name = "curved"
+
+    def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
+        laplacian = np.empty(flow.particles.n_owned)
+        curvature.laplacian_at_walls(laplacian, flow.density, flow.particles.u_all, cloud.x, cloud.role,
+                                     lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
+        curvature.add_at_walls(right, laplacian, rows.count, rows.columns, rows.values, cloud.x, cloud.role,
+                               cloud.indptr, cloud.axes)
+
+
 class LeastSquares(Gradient):
     """First-order weighted least squares, the weight over r^power.
 
@@ -262,18 +278,32 @@ class HarmonicSurface(Gradient):
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
         p, d = flow.particles, flow.domain
-        most = INFLATION if SURFACES[flow.numerics.surface_rule].keeps else RAPID_INFLATION
-        gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, most, d.indptr, d.indices,
-                                   flow.axes)
+        gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, self.most(flow), d.indptr,
+                                   d.indices, flow.axes)
+
+    def most(self, flow: "Flow") -> float:
+        """Return by how much the harmonic terms may raise the variance of the slope."""
+        return INFLATION if SURFACES[flow.numerics.surface_rule].keeps else RAPID_INFLATION
+
+
+class CurvedSurface(HarmonicSurface):
+    """Harmonic gradients that know the Laplacian of the pressure, so that they are exact for quadratics."""
+
+    name = "curved"
+
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        p, d = flow.particles, flow.domain
+        curvature.add_at_surface(out, flow.density, p.u_all, p.x_all, p.role_all, lengths.WALL * flow.spacing,
+                                 self.most(flow), d.indptr, d.indices, flow.axes)
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):
     LAPLACIANS.register(part)
 for divergence_part in (FluxDivergence(), Nodal()):
     DIVERGENCES.register(divergence_part)
-for walls_part in (SfdiWalls(), HarmonicWalls()):
+for walls_part in (SfdiWalls(), HarmonicWalls(), CurvedWalls()):
     WALL_ROWS.register(walls_part)
 for gradient_part in (Mixed(), Sfdi(), Symmetric(), Spline(), Corrected()):
     GRADIENTS.register(gradient_part)
-for surface_part in (Same(), HarmonicSurface()):
+for surface_part in (Same(), HarmonicSurface(), CurvedSurface()):
     SURFACE_GRADIENTS.register(surface_part)

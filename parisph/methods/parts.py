@@ -94,6 +94,13 @@ class WallRows(Part):
     def fill(self, rows: Rows, cloud: Cloud) -> None:
         """Write count, columns, values and measure of wet wall particles. Not collective."""
 
+    def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
+        """Add what the rows need to know of the pressure beside its normal derivative to the right-hand side
+        (n_owned,) [Pa]. Not collective.
+
+        rows : as filled, with the roles of flow.particles
+        """
+
 
 class Gradient(Part):
     """The gradient of pressure at fluid particles."""
@@ -103,6 +110,12 @@ class Gradient(Part):
         """Write the gradient of f (n_all,) at owned fluid particles to out (n_owned, dim). Not collective.
 
         A particle with too few neighbours gets a zero gradient, and the role BALLISTIC.
+        """
+
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        """Add what is known of the pressure of the flow, and of no other field, to its gradient (n_owned, dim) [Pa/m].
+
+        Not collective. Asked of the gradient at the surface alone.
         """
 
     def form(self, spacing: float) -> tuple[float, int, float] | None:

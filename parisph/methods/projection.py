@@ -155,7 +155,7 @@ class Projection:
         flow.domain.update("p")
         role = p.role.copy()
         self._sum_forces(time)
-        found = flow.force[:p.n_owned] - self.pressure_gradient(p.p_all, flow.density * flow.force) / flow.density
+        found = flow.force[:p.n_owned] - self._gradient_of_pressure() / flow.density
         p.role[:] = role
         found[p.kind != FLUID] = 0.0
         return found
@@ -250,6 +250,7 @@ class Projection:
             target[walls] -= self.flow.density * moved[walls]
         right = self.rows.right_hand_side(target)
         self._balance_walls(right, moved)
+        self.parts.wall_rows.complete(right, self.rows.rows, self.rows.cloud, self.flow)
         matrix, isolated = self._matrix()
         right[(p.role != INNER) & (p.role != WET)] = 0.0
         if "surface_pressure" in p.fields:
@@ -310,7 +311,7 @@ class Projection:
         """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
         flow = self.flow
         p = flow.particles
-        grad = self.pressure_gradient(p.p_all, flow.density * flow.force)
+        grad = self._gradient_of_pressure()
         acceleration = flow.force[:p.n_owned] - grad / flow.density
         flow.by_pressure = sizes(grad) / flow.density
         movement.add_to_fluid(p.u, dt * acceleration, p.kind)
@@ -374,6 +375,13 @@ class Projection:
         self.flow.walls.mend_gradient(out, f, slope, self.flow, self.parts.gradient)
         self.parts.surface_gradient.write(out, f, self.flow)
         self.flow.stale.add("role")
+        return out
+
+    def _gradient_of_pressure(self):
+        """Return the gradient of the flow's pressure at owned fluid particles (n_owned, dim) [Pa/m]. Collective."""
+        flow = self.flow
+        out = self.pressure_gradient(flow.particles.p_all, flow.density * flow.force)
+        self.parts.surface_gradient.complete(out, flow)
         return out
 
     def _move(self, start, time, dt):

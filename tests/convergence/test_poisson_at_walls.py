@@ -12,6 +12,7 @@ from mpi4py import MPI
 from parisph import Box, Case, Fluid, Numerics, Obstacle, Polygon, Profile, StillWater, Tank
 from parisph.base.fields import INNER, WET
 from parisph.driver import Simulation
+from parisph.kernels import curvature
 from tests.manufactured import orders
 
 SPACINGS, K = (0.1, 0.05, 0.025), 2.0
@@ -53,6 +54,10 @@ def error(name, spacing, wall_rows, field, jitter=0.4):
     target = np.where(p.role == WET, np.einsum("ia,ia->i", gradient, p.normal), target)
     flow.rows.fill(np.zeros_like(p.u_all), flow.cloud)
     right = flow.rows.right_hand_side(target)
+    if wall_rows == "curved":
+        rows, cloud = flow.rows.rows, flow.rows.cloud
+        curvature.add_at_walls(right, field(*p.x.T)[2], rows.count, rows.columns, rows.values, cloud.x, cloud.role,
+                               cloud.indptr, cloud.axes)
     solved = (p.role == INNER) | (p.role == WET)
     right[~solved] = 0.0
     flow.rows.add_surface_values(right, value, p.role_all)
@@ -72,6 +77,8 @@ def errors(name, wall_rows, field):
 @pytest.mark.parametrize(("wall_rows", "field", "order"), [
     ("harmonic", harmonic, 1.5),    # measured 2.1 to 2.5 from the first to the last spacing
     ("harmonic", other, 1.0),       # their normal derivative is of second order for harmonic pressure alone: 1.1
+    ("curved", harmonic, 1.5),      # the same as harmonic ones
+    ("curved", other, 1.5),         # measured
     ("sfdi", harmonic, 1.0),        # of first order: 1.2
     ("sfdi", other, 1.0)])          # 1.1
 def test_walls_of_any_shape_are_as_good_as_a_tank(name, wall_rows, field, order):

@@ -1,0 +1,94 @@
+"""What a pressure that is not harmonic adds to derivatives from a fit by harmonic polynomials.
+
+With lap p = f known, p - f r^2/(2 dim) is harmonic around a particle, up to terms of third order in r. The fit of it,
+and so that of p, is of second order. In an inviscid flow that keeps its volume f = -rho tr((grad u)^2), the divergence
+of Euler's equation; its velocity gradient is that of the same fit.
+"""
+
+import numpy as np
+
+from parisph.base.fields import SURFACE, WET
+from parisph.kernels import harmonic
+from parisph.kernels.jit import inlined, kernel
+
+
+@kernel
+def laplacian_at_walls(out: np.ndarray, density: float, u: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float,
+                       indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Write -rho tr((grad u)^2) at wet wall particles to out (n_owned,) [Pa/m^2]; 0 elsewhere, and where neighbours
+    do not suffice for the harmonic fit.
+
+    density [kg/m^3]; u : (n_all, dim) [m/s], walls with the velocity of `gradient.wall_velocity`
+    """
+    c, work, b = harmonic.scratch(indptr, axes)
+    g = np.empty((len(axes), len(axes)))
+    for i in range(len(indptr) - 1):
+        out[i] = 0.0
+        if role[i] == WET and harmonic.coefficients(c, i, x, role, radius, np.inf, work, b, indptr, indices, axes):
+            out[i] = -density * _square(g, c, i, u, indptr, indices, axes)
+
+
+@kernel
+def add_at_walls(right: np.ndarray, laplacian: np.ndarray, count: np.ndarray, columns: np.ndarray, values: np.ndarray,
+                 x: np.ndarray, role: np.ndarray, indptr: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Add what wall rows find for the part of the pressure that is not harmonic to the right-hand side (n_owned,) [Pa].
+
+    Harmonic rows are then exact for every quadratic pressure.
+
+    laplacian : (n_owned,) of the pressure [Pa/m^2], used at wet wall particles; others as of pressure.rows.Rows
+    """
+    dim = len(axes)
+    for i in range(len(indptr) - 1):
+        if role[i] != WET or laplacian[i] == 0.0:
+            continue
+        total = 0.0
+        for k in range(indptr[i], indptr[i] + count[i]):
+            total += values[k] * _square_distance(i, columns[k], x, axes)
+        right[i] -= laplacian[i] * total / (2.0 * dim)
+
+
+@kernel
+def add_at_surface(out: np.ndarray, density: float, u: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float,
+                   most: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Correct the harmonic gradient of the pressure at surface particles by what is not harmonic in it.
+
+    out : (n_owned, dim) [Pa/m] of `gradient.harmonic_gradient` with the same radius and `most`
+    density [kg/m^3]; u : (n_all, dim) [m/s], walls with the velocity of `gradient.wall_velocity`
+    """
+    dim = len(axes)
+    c, work, b = harmonic.scratch(indptr, axes)
+    g = np.empty((dim, dim))
+    for i in range(len(indptr) - 1):
+        if role[i] != SURFACE:
+            continue
+        if not harmonic.coefficients(c, i, x, role, radius, most, work, b, indptr, indices, axes):
+            continue
+        laplacian = -density * _square(g, c, i, u, indptr, indices, axes)
+        for k in range(indptr[i], indptr[i + 1]):
+            r2 = _square_distance(i, indices[k], x, axes)
+            for a in range(dim):
+                out[i, a] -= c[k - indptr[i], a] * laplacian * r2 / (2.0 * dim)
+
+
+@inlined
+def _square(g, c, i, u, indptr, indices, axes):
+    """Return tr(g^2) of the velocity gradient g (dim, dim), which is written by the coefficients c of a fit."""
+    dim = len(axes)
+    for a in range(dim):
+        for d in range(dim):
+            g[a, d] = 0.0
+            for k in range(indptr[i], indptr[i + 1]):
+                g[a, d] += c[k - indptr[i], d] * (u[indices[k], a] - u[i, a])
+    square = 0.0
+    for a in range(dim):
+        for d in range(dim):
+            square += g[a, d] * g[d, a]
+    return square
+
+
+@inlined
+def _square_distance(i, j, x, axes):
+    r2 = 0.0
+    for a in range(len(axes)):
+        r2 += (x[j, a] - x[i, a]) ** 2
+    return r2
