@@ -12,6 +12,35 @@ USUAL: dict[str, Any] = {
     "regularisers": ("film", *WITHOUT_FILMS),
 }
 
+# Waves that do not break: the surface keeps its particles, and stencils are exact for harmonic pressure.
+_GENTLE: dict[str, Any] = {
+    **USUAL,
+    "cfl": 0.4,
+    "fall": 0.0,
+    "zeta": 1.0,
+    "zeta_time": 0.0,
+    "residual_strain": 0.0,
+    "gamma": 0.0,
+    "strain": 1.0,
+    "kappa": 0.0,
+    "kappa_strain": 56.0,
+    "shift": 0.0,
+    "shift_strain": 28.0,
+    "filter": 0.03,
+    "filter_strain": 0.0,
+    "collision_distance": 0.0,
+    "restitution": 0.0,
+    "wall_guard": 0.0,
+    "surface_rule": "frozen",
+    "surface_offset": 0.0,
+    "pressure_mean": 0.0,
+    "wall_rows": "harmonic",
+    "gradient": "mixed",
+    "surface_gradient": "harmonic",
+    "stepping": "midpoint",
+    "rtol": 1e-9,
+}
+
 PRESETS: dict[str, dict[str, Any]] = {
     # Breaking waves and impacts: a moving free surface, regularised particles.
     "violent": {
@@ -73,34 +102,11 @@ PRESETS: dict[str, dict[str, Any]] = {
         "stepping": "midpoint",
         "rtol": 1e-6,
     },
-    # Waves that do not break: the surface keeps its particles, and stencils are exact for harmonic pressure.
-    "gentle": {
-        **USUAL,
-        "cfl": 0.4,
-        "fall": 0.0,
-        "zeta": 1.0,
-        "zeta_time": 0.0,
-        "residual_strain": 0.0,
-        "gamma": 0.0,
-        "strain": 1.0,
-        "kappa": 0.0,
-        "kappa_strain": 56.0,
-        "shift": 0.0,
-        "shift_strain": 28.0,
-        "filter": 0.03,
-        "filter_strain": 0.0,
-        "collision_distance": 0.0,
-        "restitution": 0.0,
-        "wall_guard": 0.0,
-        "surface_rule": "frozen",
-        "surface_offset": 0.0,
-        "pressure_mean": 0.0,
-        "wall_rows": "harmonic",
-        "gradient": "mixed",
-        "surface_gradient": "harmonic",
-        "stepping": "midpoint",
-        "rtol": 1e-9,
-    },
+    "gentle": _GENTLE,
+    # Waves that travel and do not break: stencils also know the Laplacian of the pressure. In steep waves it is far
+    # from 0: a solitary wave with a = 0.6 d loses 1.8 % of its height where it loses 8.8 % without. Beside standing
+    # waves the mean level drifts more.
+    "progressive": {**_GENTLE, "wall_rows": "curved", "surface_gradient": "curved"},
 }
 
 # A closed tank full of fluid has no free surface, beside which stencils are one-sided: far weaker regularisation keeps

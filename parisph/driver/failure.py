@@ -8,6 +8,7 @@ import numpy as np
 from parisph.base.errors import Interrupted, ParisphError, ParticleLost, SolverDiverged, StoreError
 from parisph.base.fields import FLUID
 from parisph.case.numerics import Numerics
+from parisph.case.presets import PRESETS
 from parisph.driver.simulation import Simulation
 from parisph.parallel.particles import Particles
 
@@ -41,8 +42,9 @@ def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path
 
 def _beyond_range(numerics: Numerics) -> str:
     """Return advice for a surface that keeps its particles, which fails in breaking waves."""
-    chosen = 'preset="gentle"' if numerics.preset == "gentle" else 'surface_rule="frozen"'
-    instead = 'preset="violent"' if numerics.preset == "gentle" else 'surface_rule="gap"'
+    of_preset = PRESETS[numerics.preset]["surface_rule"] == "frozen"
+    chosen = f'preset="{numerics.preset}"' if of_preset else 'surface_rule="frozen"'
+    instead = 'preset="violent"' if of_preset else 'surface_rule="gap"'
     return (f"{chosen} keeps the initial surface particles, and fails if waves are steep or break: use {instead}, "
             "a smaller amplitude, or a smaller time step")
 
