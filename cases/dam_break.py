@@ -50,6 +50,7 @@ def case(
     unit = sqrt(H / g)                  # [s]
     return Case(
         title="Dam break, H/L = 2, D/L = 4",
+        source="Zheng, Ma & Duan (2014), Figs 7-9 and 11-14",
         fluid=Fluid(Box(width=L, height=H), density=1000.0),
         walls=Tank(width=D, height=2.0 * H, lid=True),
         gravity=(0.0, -g),

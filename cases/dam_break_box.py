@@ -34,6 +34,7 @@ def case(
     L, side = 0.146, 0.024              # widths of the column and of the box [m]
     return Case(
         title="Dam break against a box",
+        source="Koshizuka & Oka (1996)",
         fluid=Fluid(Box(width=L, height=2.0 * L), density=1000.0),
         walls=(
             Tank(width=4.0 * L, height=4.0 * L, lid=True),

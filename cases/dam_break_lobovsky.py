@@ -81,6 +81,7 @@ def case(
     gauges = {"H1": 0.300, "H2": 0.865, "H3": 1.114, "H4": 1.3625}    # distances from the back wall [m]
     return Case(
         title="Dam break, H = 0.3 m (Lobovsky et al.)",
+        source="Lobovsky et al. (2014)",
         fluid=Fluid(Box(width=L, height=H), density=997.0),
         walls=Tank(width=D, height=3.0 * H, lid=True),
         gravity=(0.0, -g),

@@ -40,6 +40,7 @@ def case(
     sill = Polygon([(foot, 0.0), (foot + side, height), (foot + side + crest, height), (foot + base, 0.0)])
     return Case(
         title="Dam break over a trapezoidal sill",
+        source="Zheng et al. (2017), Figs 22-24; Ozmen-Cagatay & Kocaman (2011)",
         fluid=Fluid(Box(width=dam, height=0.25), density=1000.0),
         walls=(Tank(width=9.0, height=0.34), Obstacle(sill, name="sill")),
         gravity=(0.0, -9.81),

@@ -70,6 +70,7 @@ def case(
     low, high = 160.0 / 600.0 * H, 584.0 / 600.0 * H    # heights of the sensors [m]
     return Case(
         title=f"Dam break, L/H = 2, D/H = {distance:.4g} (Zhou, De Kat & Buchner)",
+        source="Zhou, De Kat & Buchner (1999); Zheng, Ma & Duan (2014), Fig 15",
         fluid=Fluid(Box(width=L, height=H), density=1000.0),
         walls=Tank(width=D, height=3.0 * H, lid=True),
         gravity=(0.0, -g),

@@ -47,6 +47,7 @@ def case(
     heights = (0.01, 0.02, 0.03, 0.04, 0.05)    # [m]
     return Case(
         title="Dam break, 0.68 m x 0.12 m (Hu & Kashiwagi)",
+        source="Hu & Kashiwagi (2004); Zheng et al. (2017), Figs 18-20",
         fluid=Fluid(Box(width=0.68, height=0.12), density=1000.0),
         walls=Tank(width=width, height=0.36, lid=True),
         gravity=(0.0, -9.81),

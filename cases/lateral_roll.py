@@ -64,6 +64,7 @@ def case(
     angle = Series(file=motion, time="t_s", value="roll_deg", scale=pi / 180.0)
     return Case(
         title="Lateral impact in a rolling tank (SPHERIC 10, water)",
+        source="SPHERIC test 10, Souto-Iglesias, Botia-Vera et al. (2011)",
         fluid=Fluid(Box(width=width, height=depth), density=density),
         walls=Tank(width=width, height=spacing * round(0.508 / spacing), lid=True),
         gravity=(0.0, -9.81),

@@ -23,6 +23,7 @@ def case(
     s = spacing * side
     return Case(
         title=f"Lid-driven cavity, Re = {reynolds:g}",
+        source="Zheng, Ma & Duan (2014), Sec. 3.3; Ghia, Ghia & Shin (1982)",
         fluid=Fluid(Box(width=side, height=side), density=1.0, viscosity=speed * side / reynolds),
         walls=Tank(width=side, height=side, lid=Lid(speed), no_slip=True),
         gravity=(0.0, 0.0),

@@ -21,6 +21,7 @@ def case(
     omega = 1.0                         # rate of rotation, clockwise [rad/s]
     return Case(
         title="Rotating square patch",
+        source="Colagrossi (2005)",
         fluid=Fluid(
             Box(width=L, height=L, at=(-0.5 * L, -0.5 * L)), density=1000.0, velocity=(f"{omega}*y", f"-{omega}*x"),
         ),

@@ -79,6 +79,7 @@ def case(
     gauges = {f"{k}d": shore - k * d for k in (20, 10, 5, 2)}    # distances from the shore
     return Case(
         title=f"Run-up on a beach of 1:19.85, H/d = {height:g} (Synolakis)",
+        source="Synolakis (1987)",
         fluid=Fluid(StillWater(level=d), density=1000.0, wave=SolitaryWave(height=height * d, depth=d, at=start)),
         walls=Profile([(0.0, top), (0.0, 0.0), (toe, 0.0), (toe + top / SLOPE, top)], name="beach"),
         gravity=(0.0, -g),

@@ -30,6 +30,7 @@ def case(
     truth = Truth("exact/small_sloshing.csv", time="t_s", value="eta_nonlinear_m", offset=d, wave=True)
     return Case(
         title="Small sloshing, Omega = 0.8 omega_1",
+        source="Zheng, Ma & Duan (2014), Figs 17-20",
         fluid=Fluid(Box(width=L, height=d), density=1000.0),
         walls=Tank(width=L, height=1.5 * d),
         gravity=(0.0, -g),

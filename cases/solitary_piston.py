@@ -43,6 +43,7 @@ def case(
     truth = WaveTruth(stroke.made.model_copy(update={"theory": "exact"}), level=d)
     return Case(
         title=f"Solitary wave by a piston, a/d = {height:g}",
+        source="Zheng et al. (2017), Figs 6-8",
         fluid=Fluid(StillWater(level=d), density=1000.0),
         walls=(
             Profile([(-0.5, 0.0), (length, 0.0), (length, 2.0 * d)], name="bed"),

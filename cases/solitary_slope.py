@@ -55,6 +55,7 @@ def case(
     toe = length - rise * cotangent
     return Case(
         title=f"Solitary wave on a slope of {angle:g} degrees, a/d = {height / d:g}",
+        source="Zheng et al. (2017), Figs 14-16",
         fluid=Fluid(StillWater(level=d), density=1000.0),
         walls=(
             Profile([(-0.5, 0.0), (toe, 0.0), (length, rise)], name="bed"),

@@ -31,6 +31,7 @@ def case(
     truth = Truth("exact/standing_wave.csv", time="t_s", value="eta_nonlinear_m", offset=d, wave=True)
     return Case(
         title="Standing wave, kd = pi",
+        source="Zheng et al. (2017), Figs 9-12",
         fluid=Fluid(Box(width=2.0 * d, height=d), density=1000.0, velocity=standing_wave_start(amplitude * d, k, d, g)),
         walls=Tank(width=2.0 * d, height=1.5 * d),
         gravity=(0.0, -g),

@@ -48,6 +48,7 @@ def case(
     bed = [(-0.5, 0.0), (6.0, 0.0), (12.0, crest), (14.0, crest), (17.0, 0.0), (end, 0.0), (end, top)]
     return Case(
         title=f"Waves over a submerged bar, H = {1e3 * height:g} mm, T = {period:g} s",
+        source="Beji & Battjes (1993), Dingemans (1994)",
         fluid=Fluid(StillWater(level=d), density=1000.0),
         walls=(
             Profile(bed, name="bed"),

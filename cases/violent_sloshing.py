@@ -30,6 +30,7 @@ def case(
     d = 0.4 * h                         # depth of the water [m]
     return Case(
         title=f"Violent sloshing, a0 = {amplitude:g} m, T0 = {period:g} s",
+        source="Zheng, Ma & Duan (2014), Figs 21-23",
         fluid=Fluid(Box(width=L, height=d), density=1000.0),
         walls=Tank(width=L, height=h, lid=True),
         gravity=(0.0, -g),

@@ -50,6 +50,7 @@ def case(
     times = (0.156, 0.219, 0.281, 0.343, 0.406, 0.468, 0.531, 0.593)    # of the photographs [s]
     return Case(
         title=f"Dam break on a wet bed of {1e3 * layer:g} mm (SPHERIC 5)",
+        source="SPHERIC test 5, Janosi et al. (2004)",
         fluid=(
             Fluid(Box(width=dam, height=depth), density=1000.0),
             Fluid(StillWater(level=layer), density=1000.0),

@@ -33,6 +33,7 @@ class Scene(Model):
     """The fields of a Case, where they are described, and what follows from them."""
 
     title: str = Field(min_length=1, max_length=200, description="one line for people")
+    source: str = Field("", max_length=200, description="where the scene is from, such as a paper and its figures")
     fluid: Fluids = Field(description="a Fluid, or several")
     walls: Optional[Walls] = Field(None, description="a Tank or another body, or several")
     gravity: tuple[Union[float, str], ...] = Field(

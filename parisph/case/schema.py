@@ -58,6 +58,7 @@ class Case(Scene):
     Attributes
     ----------
     title : one line, shown in pictures and tables
+    source : where the scene is from, such as a paper and its figures; shown on pages
     fluid : Fluid, or several of one density and viscosity, which do not overlap
     walls : Tank, Profile, Obstacle, Plate, Piston or Flap, several of them, or None
     gravity : components of the body force [m/s2], numbers or expressions of x, y and t

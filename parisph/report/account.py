@@ -29,7 +29,9 @@ Content = Mapping[str, Any]    # of a JSON file
 
 def conditions(case: Content, summary: Content) -> Table:
     """Return what was run: method, resolution, what is special of the scene, steps, ranks and versions."""
-    rows = [("status", number(summary, SUMMARY, ["status"])), ("method", number(case, CASE, ["numerics", "method"])),
+    origin = [("scene of", number(case, CASE, ["source"]))] if case.get("source") else []
+    rows = [("status", number(summary, SUMMARY, ["status"])), *origin,
+            ("method", number(case, CASE, ["numerics", "method"])),
             ("preset", number(case, CASE, ["numerics", "preset"])),
             *((name, number(summary, SUMMARY, path, "d")) for name, path in PARTICLES if path[0] in summary),
             ("spacing", number(case, CASE, ["numerics", "spacing"], ".6g", "m")), *_scene(case),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath
-from parisph.base.text import named
+from parisph.base.text import named, plain
 from parisph.io.files import write_text
 from parisph.io.reader import Run
 from parisph.pictures import curves, overview, style
@@ -187,7 +187,8 @@ def _joined(text: str, *cells: Cell) -> Cell:
 
 def _text(alternative: str, about: Subject, picture: str) -> list[str]:
     """Return the lines of a run: its picture, its size and cost, its truths."""
-    told = (f"{about.title}. " if alternative == about.title else "") + _in_words(_facts(about))
+    origin = f"{plain(about.case['source'])}. " if about.case.get("source") else ""
+    told = (f"{about.title}. " if alternative == about.title else "") + origin + _in_words(_facts(about))
     content = _table(about)
     return [*([f"![{alternative}]({picture})", ""] if picture else []), f"{told}.", "",
             *([_markdown(content)] if content.rows else ["No truth."]), ""]

@@ -163,6 +163,17 @@ def test_every_readme_is_linked_from_the_first():
     assert seen == set(READMES)
 
 
+def test_figures_of_the_cases_are_those_that_their_pages_name():
+    """The figures of a scene in both papers, as the table of the cases and the scene itself have them."""
+    papers, found = {"Z14": "Zheng, Ma & Duan (2014)", "Z17": "Zheng et al. (2017)"}, 0
+    for name, figures in re.findall(r"^\| `(\w+)\.py`: [^|]*\| (Z1[47] [^|]*) \|",
+                                    (ROOT / "cases" / "README.md").read_text(encoding="utf-8"), re.MULTILINE):
+        paper, _, places = figures.partition(" ")
+        assert f"{papers[paper]}, {places}" in load(ROOT / "cases" / f"{name}.py").source, name
+        found += 1
+    assert found == 10
+
+
 def test_readme_is_short_and_shows_a_picture():
     text = README.read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 150

@@ -55,7 +55,7 @@ def made(tmp_path_factory):
     truth = first.model_copy(update={"others": (other,), "peaks": bands, "note": "a sensor of brass"})
     late = first.model_copy(update={"window": (0.5, 0.9), "note": "a sensor of brass"})
     case = Case(
-        title="Still & <calm>", fluid=Fluid(Box(width=1.0, height=0.4), density=1e3), walls=Tank(width=1.0, height=0.5),
+        title="Still & <calm>", source="Nobody (1999), <Fig 2>", fluid=Fluid(Box(width=1.0, height=0.4), density=1e3), walls=Tank(width=1.0, height=0.5),
         gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.005),
         probes=[PressureTap("tap", at=(0.0, 0.2), truth=truth, peak=True), SurfaceGauge("late", at=0.5, truth=late),
                 Energy("energy")],
@@ -100,6 +100,10 @@ def test_every_number_of_the_page_is_in_the_files_of_the_run(made, text):
             "case.json: probes/0/truth/published/others", "summary.json: cpu_seconds",
             "summary.json: volume_range/low", "summary.json: energy_in_motion/high",
             "summary.json: wall_particles", "summary.json: errors/late/reason"} <= sources
+
+
+def test_page_says_where_the_scene_is_from(text):
+    assert "scene of" in text and "Nobody (1999), &lt;Fig 2&gt;" in text
 
 
 def test_the_page_is_one_file_with_its_pictures(made, text):
