@@ -28,7 +28,7 @@ from parisph import (
 def case(
     spacing: float = 1 / 16,            # particle spacing / d; 1/30 in Z17 Fig 6
     method: str = "ISPH_R",
-    preset: str = "progressive",
+    preset: str = "solitary",
     end_time: float = 5.0,              # [s]
     time_step: float | None = None,     # [s]; 0.001 in Z17; none to adapt it
     height: float = 0.2,                # a / d

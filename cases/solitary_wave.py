@@ -28,7 +28,7 @@ from parisph import (
 def case(
     spacing: float = 0.05,              # particle spacing / d
     method: str = "ISPH_R",
-    preset: str = "progressive",
+    preset: str = "solitary",
     end_time: float = 5.0,              # [s]
     time_step: float = 0.064,           # dt sqrt(g/d) at spacing = 0.05
     refine_time: bool = True,           # time step in proportion to the spacing

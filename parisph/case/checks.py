@@ -120,7 +120,7 @@ def _surface(case: Scene) -> Iterator[str]:
                f"choose {rules}, or leave it to the preset")
     else:
         yield (f"numerics.preset = {case.numerics.preset}: looks for no free surface, only for a tank with a lid that "
-               "is full; choose violent, gentle or progressive, or give numerics.surface_rule")
+               "is full; choose violent, gentle or solitary, or give numerics.surface_rule")
 
 
 def _spacing(case: Scene) -> Iterator[str]:

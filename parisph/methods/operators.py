@@ -174,7 +174,7 @@ class HarmonicWalls(SfdiWalls):
 class CurvedWalls(HarmonicWalls):
     """Harmonic rows that know the Laplacian of the pressure beside them, so that they are exact for quadratics.
 
-    For waves of permanent form. Beside a standing wave it makes the mean level drift.
+    For solitary waves: beside standing waves they make the mean level drift.
     """
 
     name = "curved"

@@ -9,7 +9,7 @@ from parisph.io import checkpoint
 from tests.scenes import difference, on_ranks
 
 STEPS = 20
-PRESETS = ("violent", "gentle", "progressive")
+PRESETS = ("violent", "gentle", "solitary")
 
 # one launch: first two ranks beside one alone, then all three
 BODY = f"""
