@@ -2,7 +2,7 @@
 
     parisph study run_scripts/studies/z14_fig21_violent_sloshing.py
 
-About 40 minutes of CPU time, two thirds of it for the two finest. As in the paper, a run is compared with the finest:
+About 50 minutes of CPU time, two thirds of it for the two finest. As in the paper, a run is compared with the finest:
 pressures at both heights of the left wall, and the surface 0.1 L from the walls. Impacts scatter, so that differences
 do not vanish with the spacing. `parisph plot RUN --time T` draws the surface of a run.
 """
