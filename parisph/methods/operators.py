@@ -174,7 +174,8 @@ class HarmonicWalls(SfdiWalls):
 class CurvedWalls(HarmonicWalls):
     """Harmonic rows that know the Laplacian of the pressure beside them, so that they are exact for quadratics.
 
-    For solitary waves: beside standing waves they make the mean level drift.
+    In no preset, since waves then gain energy: a solitary one with a = 0.2 d, ten spacings deep, 14 % of what is in
+    motion in 5 s.
     """
 
     name = "curved"
