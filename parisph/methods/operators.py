@@ -6,7 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.kernels import curvature, fatehi, gfd, gradient, laplacian, quadratic_circle, rankine, row, schwaiger, walls
+from parisph.kernels import (
+    curvature,
+    fatehi,
+    gfd,
+    gradient,
+    laplacian,
+    quadratic_circle,
+    rankine,
+    row,
+    schwaiger,
+    walls,
+)
 from parisph.kernels import flux as fluxes
 from parisph.kernels.near import SPLINE, SPLINE_SLOPE
 from parisph.methods import lengths

@@ -55,7 +55,8 @@ def made(tmp_path_factory):
     truth = first.model_copy(update={"others": (other,), "peaks": bands, "note": "a sensor of brass"})
     late = first.model_copy(update={"window": (0.5, 0.9), "note": "a sensor of brass"})
     case = Case(
-        title="Still & <calm>", source="Nobody (1999), <Fig 2>", fluid=Fluid(Box(width=1.0, height=0.4), density=1e3), walls=Tank(width=1.0, height=0.5),
+        title="Still & <calm>", source="Nobody (1999), <Fig 2>",
+        fluid=Fluid(Box(width=1.0, height=0.4), density=1e3), walls=Tank(width=1.0, height=0.5),
         gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.005),
         probes=[PressureTap("tap", at=(0.0, 0.2), truth=truth, peak=True), SurfaceGauge("late", at=0.5, truth=late),
                 Energy("energy")],
