@@ -1,8 +1,8 @@
 """What a pressure that is not harmonic adds to derivatives from a fit by harmonic polynomials.
 
 With lap p = f known, p - f r^2/(2 dim) is harmonic around a particle, up to terms of third order in r. The fit of it,
-and so that of p, is of second order. In an inviscid flow that keeps its volume f = -rho tr((grad u)^2), the divergence
-of Euler's equation; its velocity gradient is that of the same fit.
+and so that of p, is of second order. In an inviscid flow that keeps its volume, seen from a frame that does not turn,
+f = -rho tr((grad u)^2), the divergence of Euler's equation; its velocity gradient is that of the same fit.
 """
 
 import numpy as np

@@ -244,6 +244,8 @@ def test_only_tanks_that_turn_pay():
     [
         ({"method": "SPH"}, "frame = roll: weakly compressible SPH has no Coriolis force; choose a projection method"),
         ({"forces": ("body",)}, "frame = roll: needs the force 'coriolis'; add it to numerics.forces"),
+        ({"preset": "solitary"}, "numerics.surface_gradient = curved: does not know the Laplacian of the pressure"),
+        ({"wall_rows": "curved"}, "numerics.wall_rows = curved: does not know the Laplacian of the pressure"),
     ],
 )
 def test_refused(changes, words):
