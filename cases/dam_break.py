@@ -29,7 +29,7 @@ def case(
     method: str = "ISPH_R",
     preset: str = "violent",
     end_time: float = 10.0,             # t sqrt(g/H)
-    time_step: float | None = 0.004,    # dt sqrt(g/H) from H/40 to H/80, else in proportion to s; none to adapt it
+    time_step: float | None = None,     # dt sqrt(g/H) from H/40 to H/80, else in proportion to s; none to adapt it
     cfl: float | None = None,
     gradient: str | None = None,        # this and the next five, if given, replace the preset's
     surface_rule: str | None = None,
@@ -77,10 +77,10 @@ def case(
 
 
 def _scaled(spacing: float) -> float:
-    """Return by how much the time step is longer or shorter than between H/40 and H/80.
+    """Return by how much a fixed time step is longer or shorter than between H/40 and H/80.
 
-    There it is that of the impact, which lasts as long with any spacing. At H/s = 80, half the step would cost twice
-    as much, for an error of P2 of .04 in place of .05. Finer particles should not move farther than some .8 spacings.
+    There it is that of the impact, which lasts as long with any spacing. Finer particles should not move farther than
+    some .8 spacings.
     """
     return min(spacing * 80.0, max(1.0, spacing * 40.0))
 

@@ -73,10 +73,6 @@ def _turning(case: Scene) -> Iterator[str]:
                "or a frame that does not turn")
     elif "coriolis" not in (numerics.forces or ()):
         yield f"frame = {case.frame.kind}: needs the force 'coriolis'; add it to numerics.forces"
-    for name in ("wall_rows", "surface_gradient"):
-        if getattr(numerics, name) == "curved":
-            yield (f"numerics.{name} = curved: does not know the Laplacian of the pressure in a frame that turns "
-                   f"(frame = {case.frame.kind}); choose harmonic, preset gentle, or give the motion to the walls")
 
 
 def _absorbing(case: Scene) -> Iterator[str]:

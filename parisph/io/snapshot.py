@@ -22,7 +22,7 @@ from parisph.base.log import logger
 from parisph.base.paths import AnyPath
 from parisph.io import digest, slabs
 from parisph.io.files import read_json, write_json
-from parisph.io.slabs import Slab
+from parisph.io.slabs import Pattern, Slab
 
 # Names in the file, where they differ from those of the registry.
 NAMES = {"u": "velocity", "p": "pressure", "alpha": "density_ratio", "phi": "position_potential"}
@@ -54,7 +54,7 @@ class Written(Protocol):
 
 
 def write(comm: Communicator, path: Path, particles: Written, time: float, step: int, fields: Iterable[str],
-          attributes: Mapping[str, str | float]) -> None:
+          attributes: Mapping[str, str | float], pattern: Pattern | None = None) -> None:
     """Write the particles of all ranks to the file `path`. Collective.
 
     Parameters
@@ -64,6 +64,7 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
     time [s], step : of the particles
     fields : names in the field registry; id, kind and role are always written
     attributes : dict of str, int or float for the root of the file
+    pattern : of a series of snapshots, for the speed of the next one; default none
 
     Raises
     ------
@@ -78,8 +79,11 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
         data = _three(data) if field.shape == "vector" else data
         about = {"unit": field.unit, "meaning": field.meaning}
         arrays.append(Slab(f"VTKHDF/PointData/{NAMES.get(name, name)}", data, start, total, about))
-    slabs.write(comm, path, arrays,
-                lambda file: _decorate(file, total, particles.dim, time, step, comm.size, attributes))
+    about = {**attributes, "dim": particles.dim, "ranks": comm.size}
+    if pattern is not None:
+        pattern.renew = lambda file: _renew(file, time, step)
+    slabs.write(comm, path, arrays, lambda file: _decorate(file, total, time, step, about), pattern,
+                (about, [(slab.path, slab.data.dtype, slab.data.shape[1:], slab.total) for slab in arrays]))
 
 
 def read(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:
@@ -231,8 +235,8 @@ def _cells(n, start, total):
     ]
 
 
-def _decorate(file, total, dim, time, step, ranks, attributes):
-    file.attrs.update({**attributes, "time": float(time), "step": int(step), "dim": dim, "ranks": ranks})
+def _decorate(file, total, time, step, attributes):
+    file.attrs.update({**attributes, "time": float(time), "step": int(step)})
     group = file.create_group("VTKHDF")
     group.attrs["Version"] = np.array([1, 0], dtype=np.int64)
     # VTK asks for an ASCII string of fixed length here.
@@ -241,3 +245,11 @@ def _decorate(file, total, dim, time, step, ranks, attributes):
         group[name] = np.array([total], dtype=np.int64)
     group["FieldData/TimeValue"] = np.array([time], dtype=np.float64)
     group["FieldData/Step"] = np.array([step], dtype=np.int64)
+
+
+def _renew(file, time, step):
+    """Change the time and the step of a snapshot."""
+    file.attrs.modify("time", float(time))
+    file.attrs.modify("step", int(step))
+    file["VTKHDF/FieldData/TimeValue"][0] = time
+    file["VTKHDF/FieldData/Step"][0] = step

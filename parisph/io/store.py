@@ -21,6 +21,7 @@ from parisph.io.files import on_first, write_json
 from parisph.io.layout import BEFORE, INDEX, PEAKS
 from parisph.io.lock import Lock
 from parisph.io.series import Series, read_own
+from parisph.io.slabs import Pattern
 from parisph.io.snapshot import Written
 from parisph.parallel.particles import Particles
 
@@ -46,6 +47,7 @@ class Store:
         snapshot.check_fields(fields)
         self._fields = tuple(fields)
         self._names, self._checkpoints, self._series, self._keep_to, self._here = [], [], {}, None, False
+        self._pattern = Pattern()
         self.about = dict(about)
         self._set_run(case, comm.bcast(os.urandom(8).hex() if comm.rank == 0 else None))
 
@@ -127,7 +129,7 @@ class Store:
     def snapshot(self, particles: Particles, time: float, step: int) -> None:
         """Write the particles at `time` [s]; a snapshot of the same time is replaced."""
         name = self.comm.bcast(self._next_name(time) if self.comm.rank == 0 else None)
-        snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about)
+        snapshot.write(self.comm, self.folder / name, particles, time, step, self._fields, self.about, self._pattern)
 
         def enter() -> None:
             if self.times[-1:] == [time]:

@@ -1,9 +1,12 @@
 """What a pressure that is not harmonic adds to derivatives from a fit by harmonic polynomials.
 
 With lap p = f known, p - f r^2/(2 dim) is harmonic around a particle, up to terms of third order in r. The fit of it,
-and so that of p, is of second order. In an inviscid flow that keeps its volume, seen from a frame that does not turn,
-f = -rho tr((grad u)^2), the divergence of Euler's equation; its velocity gradient is that of the same fit.
+and so that of p, is of second order. In an inviscid flow that keeps its volume, f = rho (div F - tr((grad u)^2)) with
+the force F per unit mass, the divergence of Euler's equation; the gradients of u and F are those of the same fit. Only
+in a frame that turns has the force a divergence: without rows, it has none.
 """
+
+import math
 
 import numpy as np
 
@@ -13,19 +16,21 @@ from parisph.kernels.jit import inlined, kernel
 
 
 @kernel
-def laplacian_at_walls(out: np.ndarray, density: float, u: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float,
-                       indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Write -rho tr((grad u)^2) at wet wall particles to out (n_owned,) [Pa/m^2]; 0 elsewhere, and where neighbours
-    do not suffice for the harmonic fit.
+def laplacian_at_walls(out: np.ndarray, density: float, u: np.ndarray, force: np.ndarray, x: np.ndarray,
+                       role: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
+                       axes: tuple[int, ...]) -> None:
+    """Write the Laplacian of the pressure at wet wall particles to out (n_owned,) [Pa/m^2]; 0 elsewhere, and where
+    neighbours do not suffice for the harmonic fit.
 
     density [kg/m^3]; u : (n_all, dim) [m/s], walls with the velocity of `gradient.wall_velocity`
+    force : (n_all, dim) [m/s^2], without rows where it has no divergence
     """
     c, work, b = harmonic.scratch(indptr, axes)
     g = np.empty((len(axes), len(axes)))
     for i in range(len(indptr) - 1):
         out[i] = 0.0
         if role[i] == WET and harmonic.coefficients(c, i, x, role, radius, np.inf, work, b, indptr, indices, axes):
-            out[i] = -density * _square(g, c, i, u, indptr, indices, axes)
+            out[i] = density * _divergence(g, c, i, u, force, indptr, indices, axes)
 
 
 @kernel
@@ -48,42 +53,64 @@ def add_at_walls(right: np.ndarray, laplacian: np.ndarray, count: np.ndarray, co
 
 
 @kernel
-def add_at_surface(out: np.ndarray, density: float, u: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float,
-                   most: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def add_at_surface(out: np.ndarray, density: float, u: np.ndarray, force: np.ndarray, x: np.ndarray, role: np.ndarray,
+                   radius: float, most: float, indptr: np.ndarray, indices: np.ndarray,
+                   axes: tuple[int, ...]) -> None:
     """Correct the harmonic gradient of the pressure at surface particles by what is not harmonic in it.
 
-    out : (n_owned, dim) [Pa/m] of `gradient.harmonic_gradient` with the same radius and `most`
-    density [kg/m^3]; u : (n_all, dim) [m/s], walls with the velocity of `gradient.wall_velocity`
+    The correction is shortened to the length of the gradient. It is a small part of it in waves and in a tongue of
+    water; between particles that collide, u is not smooth, and its square has no bound.
+
+    out : (n_owned, dim) [Pa/m] of `gradient.harmonic_gradient` with the same radius
+    most : as there
+    density [kg/m^3]; u, force : as of `laplacian_at_walls`
     """
     dim = len(axes)
     c, work, b = harmonic.scratch(indptr, axes)
-    g = np.empty((dim, dim))
+    g, change = np.empty((dim, dim)), np.empty(dim)
     for i in range(len(indptr) - 1):
         if role[i] != SURFACE:
             continue
         if not harmonic.coefficients(c, i, x, role, radius, most, work, b, indptr, indices, axes):
             continue
-        laplacian = -density * _square(g, c, i, u, indptr, indices, axes)
+        laplacian = density * _divergence(g, c, i, u, force, indptr, indices, axes)
+        for a in range(dim):
+            change[a] = 0.0
         for k in range(indptr[i], indptr[i + 1]):
             r2 = _square_distance(i, indices[k], x, axes)
             for a in range(dim):
-                out[i, a] -= c[k - indptr[i], a] * laplacian * r2 / (2.0 * dim)
+                change[a] -= c[k - indptr[i], a] * laplacian * r2 / (2.0 * dim)
+        _add_shortened(out, i, change, axes)
 
 
 @inlined
-def _square(g, c, i, u, indptr, indices, axes):
-    """Return tr(g^2) of the velocity gradient g (dim, dim), which is written by the coefficients c of a fit."""
-    dim = len(axes)
+def _add_shortened(out, i, change, axes):
+    """Add a change to row i, shortened to the length of the row."""
+    dim, own, added = len(axes), 0.0, 0.0
+    for a in range(dim):
+        own += out[i, a] ** 2
+        added += change[a] ** 2
+    part = math.sqrt(own / added) if added > own else 1.0
+    for a in range(dim):
+        out[i, a] += part * change[a]
+
+
+@inlined
+def _divergence(g, c, i, u, force, indptr, indices, axes):
+    """Return div F - tr(g^2) by the coefficients c of a fit, which also writes the velocity gradient g (dim, dim)."""
+    dim, found = len(axes), 0.0
     for a in range(dim):
         for d in range(dim):
             g[a, d] = 0.0
             for k in range(indptr[i], indptr[i + 1]):
                 g[a, d] += c[k - indptr[i], d] * (u[indices[k], a] - u[i, a])
-    square = 0.0
+        if len(force) > 0:
+            for k in range(indptr[i], indptr[i + 1]):
+                found += c[k - indptr[i], a] * (force[indices[k], a] - force[i, a])
     for a in range(dim):
         for d in range(dim):
-            square += g[a, d] * g[d, a]
-    return square
+            found -= g[a, d] * g[d, a]
+    return found
 
 
 @inlined
