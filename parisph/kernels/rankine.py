@@ -32,14 +32,13 @@ UNSOUND = 0.5   # a row beyond this gave a drop at the lid fourteen times the pr
 def directions(dim: int, count: int | None = None) -> np.ndarray:
     """Return unit vectors spread evenly over the circle or the sphere: (K, dim).
 
-    2D: `count` (default 4) points; 3D: the 12 corners of the icosahedron, whose mean
-    integrates polynomials up to degree five exactly. Four points in 2D integrate those up to degree three, and their
-    rows on a square lattice do not change with a quarter turn. Rows of eight cost half as much again, for errors that
-    are no smaller: .0113 for .0102 of small sloshing with 3200 particles, .072 for .073 of P2 in the dam break with
-    H/s = 40.
+    2D: `count` (default 8) points; 3D: the 12 corners of the icosahedron, whose mean
+    integrates polynomials up to degree five exactly. With six points in 2D rows cost a fifth less, and errors are the
+    same within 1 %, but rows on a square lattice change with a quarter turn. With four, rows cost a third less; errors
+    of small sloshing with 200, 800 and 3200 particles are then .045, .0154 and .0102 in place of .040, .0165 and .0113.
     """
     if dim == 2:
-        angle = 2.0 * np.pi * np.arange(count or 4) / (count or 4)
+        angle = 2.0 * np.pi * np.arange(count or 8) / (count or 8)
         return np.stack([np.cos(angle), np.sin(angle)], axis=1)
     golden = 0.5 * (1.0 + math.sqrt(5.0))
     corner = [(0.0, a, b * golden) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]

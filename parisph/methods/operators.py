@@ -43,8 +43,6 @@ if TYPE_CHECKING:
 INFLATION = 6.0
 RAPID_INFLATION = 60.0    # on a surface that breaks
 
-POINTS_OF_QUADRATIC = 8    # of the larger circle of quadratic rows, in 2D
-
 directions = cache(rankine.directions)    # of a dimension, the same in every step; kernels only read them
 
 
@@ -137,8 +135,8 @@ class QuadraticRankine(Sparse):
         s = cloud.spacing
         quadratic_circle.quadratic_rankine_rows(
             rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role,
-            directions(len(cloud.axes), POINTS_OF_QUADRATIC), lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s,
-            cloud.indptr, cloud.indices, cloud.axes)
+            directions(len(cloud.axes)), lengths.QUADRATIC_CIRCLE * s, lengths.QUADRATIC * s, cloud.indptr,
+            cloud.indices, cloud.axes)
 
 
 class Fatehi(Sparse):

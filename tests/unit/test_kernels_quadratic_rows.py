@@ -18,7 +18,7 @@ def filled(pool, name):
     if name == "gfd":
         gfd.gfd_rows(*rows.matrix, pool.x, pool.role, RADIUS * s, *pool.csr)
     elif name == "circle":
-        quadratic_circle.quadratic_rankine_rows(*rows.matrix, pool.x, pool.role, rankine.directions(pool.dim, 8),
+        quadratic_circle.quadratic_rankine_rows(*rows.matrix, pool.x, pool.role, rankine.directions(pool.dim),
                                                 CIRCLE * s, RADIUS * s, *pool.csr)
     else:
         fatehi.fatehi_rows(*rows.matrix, pool.x, pool.role, H * s, *pool.csr)
@@ -72,7 +72,7 @@ def test_quadratic_circle_is_the_mean_of_the_fit_over_the_circle():
     pool = cloud(2, 0.8)
     i, radius, circle = pool.at(4, 4), RADIUS * pool.spacing, CIRCLE * pool.spacing
     p, mean = np.random.default_rng(2).normal(size=pool.n), 0.0
-    for direction in rankine.directions(2, 8):
+    for direction in rankine.directions(2):
         x, y = (pool.x - pool.x[i] - circle * direction).T
         root = np.sqrt([quartic_weight(v, radius**2) for v in x * x + y * y])
         basis = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
