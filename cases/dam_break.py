@@ -30,7 +30,8 @@ def case(
     preset: str = "violent",
     end_time: float = 10.0,             # t sqrt(g/H)
     time_step: float | None = None,     # dt sqrt(g/H) from H/40 to H/80, else in proportion to s; none to adapt it
-    cfl: float | None = None,
+    cfl: float | None = None,           # if given, replaces the 1.5 below
+    rtol: float | None = None,          # the same for the 1e-4
     gradient: str | None = None,        # this and the next five, if given, replace the preset's
     surface_rule: str | None = None,
     zeta_time: float | None = None,     # in sqrt(H/g)
@@ -48,6 +49,10 @@ def case(
     H = 2.0 * L                         # height of the column [m]
     D = 4.0 * L                         # distance of the walls [m]
     unit = sqrt(H / g)                  # [s]
+    if preset == "violent" and method != "SPH":
+        # The fastest are single drops of the jet, which need no shorter steps; a tenth of the steps less for the same
+        # errors. Nor does the pressure of this flow need more than four digits: a third of the iterations less.
+        cfl, rtol = cfl or 1.5, rtol or 1e-4
     return Case(
         title="Dam break, H/L = 2, D/L = 4",
         source="Zheng, Ma & Duan (2014), Figs 7-9 and 11-14",
@@ -55,7 +60,7 @@ def case(
         walls=Tank(width=D, height=2.0 * H, lid=True),
         gravity=(0.0, -g),
         numerics=Numerics(
-            method=method, preset=preset, spacing=spacing * H, cfl=cfl, jitter=jitter, seed=seed,
+            method=method, preset=preset, spacing=spacing * H, cfl=cfl, rtol=rtol, jitter=jitter, seed=seed,
             gradient=gradient, surface_rule=surface_rule, gamma=gamma, kappa=kappa, shift=shift,
             zeta_time=None if zeta_time is None else zeta_time * unit,
             time_step=None if time_step is None else time_step * unit * _scaled(spacing),

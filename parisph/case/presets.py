@@ -45,8 +45,8 @@ PRESETS: dict[str, dict[str, Any]] = {
     # Breaking waves and impacts: a moving free surface, regularised particles.
     "violent": {
         **USUAL,
-        "cfl": 1.5,
-        "fall": 0.075,
+        "cfl": 0.8,
+        "fall": 0.05,
         "zeta": 1.0,
         "zeta_time": 0.0,
         "residual_strain": 100.0,
@@ -66,9 +66,9 @@ PRESETS: dict[str, dict[str, Any]] = {
         "pressure_mean": 1.0,
         "wall_rows": "sfdi",
         "gradient": "mixed",
-        "surface_gradient": "curved",
+        "surface_gradient": "harmonic",
         "stepping": "midpoint",
-        "rtol": 1e-4,
+        "rtol": 1e-5,
     },
     # A closed tank full of viscous fluid: only positions are regularised, by a shift in proportion to strain. A
     # position projection would keep cells more equal, but takes a quarter of the energy of the flow in a cavity at

@@ -106,6 +106,8 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
     for i in range(n_owned):
         k_last = min(max(int((x[i, dim - 1] - lower[dim - 1]) / size), 0), last - 1)
         lo, hi = max(k_last - 1, 0), min(k_last + 1, last - 1)
+        cx, cy = x[i, 0], x[i, 1]
+        cz = x[i, 2] if dim == 3 else 0.0
         for block in range(blocks):
             rest, row, inside = block, 0, True
             for a in range(dim - 1):
@@ -120,9 +122,10 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
             if n + stop - first > len(indices):
                 indices = _enlarged(indices, n, 2 * len(indices) + stop - first)
             for m in range(first, stop):
-                d2 = 0.0
-                for a in range(dim):
-                    d2 += (place[m, a] - x[i, a]) ** 2
+                dx, dy = place[m, 0] - cx, place[m, 1] - cy
+                d2 = dx * dx + dy * dy
+                if dim == 3:
+                    d2 += (place[m, 2] - cz) ** 2
                 indices[n] = member[m]
                 n += (d2 < r2) & (member[m] != i)
         indptr[i + 1] = n

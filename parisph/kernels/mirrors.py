@@ -74,7 +74,7 @@ def near_planes(member: np.ndarray, i: int, x: np.ndarray, kind: np.ndarray, cor
     return kept
 
 
-@kernel
+@inlined
 def _is_beside(i, wall, x, kind, normal, indptr, indices, axes):
     """Return whether particle i is in front of a wall, not past its end.
 
@@ -106,7 +106,7 @@ def _is_beside(i, wall, x, kind, normal, indptr, indices, axes):
     return True
 
 
-@kernel
+@inlined
 def height(i: int, wall: int, x: np.ndarray, normal: np.ndarray, axes: tuple[int, ...]) -> float:
     """Return the distance of particle i from the plane of a wall particle, positive inside."""
     h = 0.0
@@ -115,7 +115,7 @@ def height(i: int, wall: int, x: np.ndarray, normal: np.ndarray, axes: tuple[int
     return h
 
 
-@kernel
+@inlined
 def reflect(image: np.ndarray, j: int, subset: int, member: np.ndarray, x: np.ndarray, normal: np.ndarray,
             axes: tuple[int, ...]) -> None:
     """Write the image of particle j in the planes whose bits are set in subset."""
@@ -132,7 +132,7 @@ def reflect(image: np.ndarray, j: int, subset: int, member: np.ndarray, x: np.nd
                 image[a] -= 2.0 * h * normal[wall, a]
 
 
-@kernel
+@inlined
 def casts_image(j: int, subset: int, member: np.ndarray, x: np.ndarray, kind: np.ndarray, normal: np.ndarray,
                 thin: float, axes: tuple[int, ...]) -> bool:
     """Return whether particle j has an image, other than itself, in the planes whose bits are set in subset.
@@ -160,15 +160,15 @@ def gather_around(near: np.ndarray, member: np.ndarray, image: np.ndarray, i: in
     member : (dim,) int64, image : (dim,) scratch
     Returns the number of columns in use, including the padding with points without weight.
     """
-    dim, n, walls = len(axes), 0, False
+    dim, n, walls, scale, cx, cy = len(axes), 0, False, 1.0 / h, x[i, 0], x[i, 1]
+    cz = x[i, 2] if dim == 3 else 0.0
     for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        if kind[j] == ABSENT:
-            continue
+        j = np.uint32(indices[k])
+        near[0, n], near[1, n] = (x[j, 0] - cx) * scale, (x[j, 1] - cy) * scale    # overwritten if j does not count
+        if dim == 3:
+            near[2, n] = (x[j, 2] - cz) * scale
+        n += kind[j] != ABSENT
         walls |= kind[j] == WALL
-        for a in range(dim):
-            near[a, n] = (x[j, a] - x[i, a]) / h
-        n += 1
     if walls:
         planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
         for subset in range(1, 1 << planes):

@@ -50,11 +50,14 @@ def close_pairs(x: np.ndarray, kind: np.ndarray, distance: float, indptr: np.nda
     start = np.zeros(len(indptr), np.int32)
     for i in range(len(indptr) - 1):
         if kind[i] == FLUID:
+            cx, cy = x[i, 0], x[i, 1]
+            cz = x[i, 2] if len(axes) == 3 else 0.0
             for k in range(indptr[i], indptr[i + 1]):
                 j = np.uint32(indices[k])
-                r2 = 0.0
-                for a in range(len(axes)):
-                    r2 += (x[j, a] - x[i, a]) ** 2
+                dx, dy = x[j, 0] - cx, x[j, 1] - cy
+                r2 = dx * dx + dy * dy
+                if len(axes) == 3:
+                    r2 += (x[j, 2] - cz) ** 2
                 close[n] = j    # overwritten by the next one if j is not close
                 n += (kind[j] == FLUID) & (0.0 < r2) & (r2 < distance2)
         start[i + 1] = n

@@ -173,10 +173,13 @@ def divergence(div: np.ndarray, u: np.ndarray, role: np.ndarray, count: np.ndarr
         div[i] = 0.0
         if role[i] != INNER:
             continue
-        total = 0.0
+        total, ux, uy = 0.0, u[i, 0], u[i, 1]
+        uz = u[i, 2] if len(axes) == 3 else 0.0
         for k in range(indptr[i], indptr[i] + count[i]):
-            for a in range(len(axes)):
-                total += flux[k, a] * (u[columns[k], a] - u[i, a])
+            j = np.uint32(columns[k])
+            total += flux[k, 0] * (u[j, 0] - ux) + flux[k, 1] * (u[j, 1] - uy)
+            if len(axes) == 3:
+                total += flux[k, 2] * (u[j, 2] - uz)
         div[i] = total
 
 

@@ -8,7 +8,7 @@ from parisph.base.fields import FLUID
 from parisph.kernels.gradient import support
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mls import linear_fit, moment_count
-from parisph.kernels.near import dot, fill_up, gather, room_for
+from parisph.kernels.near import dot, fill_up, gather_within, room_for
 
 # The weight of a particle in its own mean is 1 if the fit passes through it, and .6 to .8 beside a contact line, where
 # surface particles would creep without the filter.
@@ -48,7 +48,7 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, u: np
                 beyond[i, c] = 0.0
         if kind[i] != FLUID:
             continue
-        n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
+        n = gather_within(near, member, 0, i, x, role, radius, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
         quality = support(m, inverse, weighted, near, 0, n, columns, axes)
         spans = len(g) > 0 and not quality < floor
@@ -117,13 +117,15 @@ def mean_over_fluid(out: np.ndarray, f: np.ndarray, x: np.ndarray, kind: np.ndar
         out[i] = 0.0
         if kind[i] != FLUID:
             continue
-        total, n = f[i], 1
+        total, n, cx, cy = f[i], 1.0, x[i, 0], x[i, 1]
+        cz = x[i, 2] if len(axes) == 3 else 0.0
         for k in range(indptr[i], indptr[i + 1]):
             j = np.uint32(indices[k])
-            r2 = 0.0
-            for a in range(len(axes)):
-                r2 += (x[j, a] - x[i, a]) ** 2
-            counts = (kind[j] == FLUID) & (r2 < radius2)    # no branch: half of the neighbours do
-            total += f[j] if counts else 0.0
+            dx, dy = x[j, 0] - cx, x[j, 1] - cy
+            r2 = dx * dx + dy * dy
+            if len(axes) == 3:
+                r2 += (x[j, 2] - cz) ** 2
+            counts = 1.0 if (kind[j] == FLUID) & (r2 < radius2) else 0.0    # no branch: half of the neighbours do
+            total += counts * f[j]
             n += counts
         out[i] = total / n

@@ -148,10 +148,10 @@ def _bound_of_gap(i, x, kind, radius2, indptr, indices):
     A gap covers consecutive empty sectors, and at most the sectors at its two ends. The code has no
     branches, because the sector of a neighbour cannot be predicted.
     """
-    n, occupied = 0, 0
+    n, occupied, cx, cy = 0, 0, x[i, 0], x[i, 1]
     for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
+        j = np.uint32(indices[k])
+        dx, dy = x[j, 0] - cx, x[j, 1] - cy
         r2 = dx * dx + dy * dy
         near = (0.0 < r2) & (r2 < radius2) & (kind[j] != ABSENT)  # one in the same place is in no direction
         n += near
