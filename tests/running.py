@@ -15,7 +15,7 @@ from tests.launch import clean_environment
 FALLING = """
 from tests.scenes import scene
 def case(end_time: float = 0.5, checkpoint_every: float = 0.01):
-    return scene("dam_break", {"rtol": 1e-13}, spacing=0.05, end_time=end_time).changed(
+    return scene("dam_break", {"rtol": 1e-13}, spacing=0.05, end_time=end_time, time_step=0.004).changed(
         **{"output.checkpoint_every": checkpoint_every})
 """
 # What stands around a program that changes something before it does as `parisph`.

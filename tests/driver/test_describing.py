@@ -43,7 +43,7 @@ def test_a_part_that_other_walls_do_not_have_is_refused_by_the_check_too():
 
 
 def test_stages_are_those_that_the_scene_has():
-    calm, violent = describe(scene("hydrostatic")), describe(scene("dam_break"))
+    calm, violent = describe(scene("hydrostatic")), describe(scene("dam_break", time_step=0.004))
     assert ("surface" not in calm.replace("at the surface", "") and "position projection" not in calm
             and "collisions" not in calm)
     assert "surface (gap)" in violent and "position projection, parting of close pairs, Fick shift" in violent

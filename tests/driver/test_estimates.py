@@ -66,7 +66,7 @@ def test_the_estimate_knows_the_factors_of_the_real_step():
 
 
 def test_fixed_steps_are_counted():
-    case = scene("dam_break", spacing=1 / 80)
+    case = scene("dam_break", spacing=1 / 80, time_step=0.004)
     assert estimated_steps(case, case.numerics.resolved(), scales.expected(case)) == 2500
 
 

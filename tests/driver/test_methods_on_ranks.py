@@ -87,7 +87,7 @@ def counted(self, *names):
     return update(self, *names)
 Halo.update = counted
 
-s = Simulation(scene("dam_break", spacing=0.05, jitter=0.2), comm)
+s = Simulation(scene("dam_break", spacing=0.05, jitter=0.2, time_step=0.004), comm)
 for _ in range(40):
     s.advance()
 found = []

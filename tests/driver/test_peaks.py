@@ -165,7 +165,8 @@ def test_a_peak_that_cannot_be_brought_is_said(tmp_path, caplog):
 # ---- whole runs
 
 def impact(end_time, **output):
-    return scene("dam_break", {"rtol": 1e-13}, spacing=0.05, end_time=end_time).changed(output=Output(**output))
+    return scene("dam_break", {"rtol": 1e-13}, spacing=0.05, end_time=end_time, time_step=0.004).changed(
+        output=Output(**output))
 
 
 def done(case, folder):

@@ -18,7 +18,7 @@ SEVERAL = ProbeArray("several", [RunUp("up", side="left"), Force("load"), Veloci
 def fall(folder, **output):
     """Run the first moments of a dam break in adaptive steps."""
     case = scene("dam_break", {"rtol": 1e-13}, spacing=0.1, end_time=0.6,
-                 time_step="none")
+                 time_step="none", cfl=0.8)
     case = case.changed(probes=[*case.probes, SEVERAL], output=Output(**output))
     run(case, MPI.COMM_SELF, folder, progress=False)
     return reader.open_run(folder)

@@ -15,7 +15,8 @@ from parisph import driver
 
 def fall(end, **sets):
     # snapshots and checkpoints fall between steps, where what is due could be missed or repeated
-    case = scene("dam_break", {"rtol": 1e-13, "gamma": 0.01}, spacing=0.05, end_time=end, snapshot_every=0.11, **sets)
+    case = scene("dam_break", {"rtol": 1e-13, "gamma": 0.01}, spacing=0.05, end_time=end, snapshot_every=0.11,
+                 **{"time_step": 0.004, **sets})
     return case.changed(**{"output.checkpoint_every": 0.0777, "output.probe_every": 3})
 """
 FIRST = """
