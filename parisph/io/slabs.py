@@ -51,39 +51,42 @@ class Slab:
 
 
 class Pattern:
-    """The last file that rank 0 has laid out, of which the next one may be a copy: HDF5 takes 15 ms for a snapshot's
-    groups, datasets and attributes, and 2 ms to change two of them.
+    """The last file of a series, of which the next one is a copy, if they differ only by rows and by what is renewed.
 
-    Parameters
-    ----------
-    renew : function of an open h5py.File, which changes what differs between files of the same key in place
+    HDF5 takes 15 ms for the groups, datasets and attributes of a snapshot, and 2 ms to change two of them.
     """
 
-    def __init__(self, renew: Callable[[h5py.File], None] | None = None) -> None:
-        self.renew = renew
+    def __init__(self) -> None:
         self._key: Any = None
+        self._expected: Any = None
+        self._renew: Callable[[h5py.File], None]
         self._content, self._places = b"", []
 
-    def fits(self, key: Any) -> bool:
-        """Return whether a file of this key has been kept."""
-        return self._key is not None and self._key == key
+    def expect(self, key: Any, renew: Callable[[h5py.File], None]) -> None:
+        """Say what the next file is: files of equal keys differ by their rows, and by what `renew` changes in place."""
+        self._expected, self._renew = key, renew
 
-    def keep(self, key: Any, path: Path, places: list[int]) -> None:
-        """Keep a file that has just been laid out, if it is small."""
+    def fits(self) -> bool:
+        """Return whether the last file has the key of the next one."""
+        return self._key is not None and self._key == self._expected
+
+    def keep(self, path: Path, places: list[int]) -> None:
+        """Keep the next file, which has just been laid out, if it is small."""
         small = path.stat().st_size <= KEPT
-        self._key, self._content, self._places = (key, path.read_bytes(), places) if small else (None, b"", [])
+        self._key = self._expected if small else None
+        self._content, self._places = (path.read_bytes(), places) if small else (b"", [])
 
     def copy(self, path: Path) -> list[int]:
-        """Write the file that has been kept, renewed; return the offset of the rows of each slab [bytes]."""
+        """Write the last file again, renewed; return the offset of the rows of each slab [bytes]."""
         with open(create(path), "wb") as file:
             file.write(self._content)
         with h5py.File(path, "r+") as file:
-            self.renew(file)
+            self._renew(file)
         return self._places
 
 
 def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Callable[[h5py.File], None],
-          pattern: Pattern | None = None, key: Any = None) -> None:
+          pattern: Pattern | None = None) -> None:
     """Write one HDF5 file from the rows of all ranks, with its digest, and publish it under its name. Collective.
 
     Parameters
@@ -91,7 +94,7 @@ def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Calla
     path : pathlib.Path of the file
     slabs : list of Slab, the same paths, types and totals on every rank
     decorate : function of the open h5py.File, run on rank 0: groups, attributes, small datasets
-    pattern, key : of files that differ from one with an equal key only by their rows and by what the pattern renews
+    pattern : of the series that the file belongs to, which expects it; None for a file of its own
 
     Raises
     ------
@@ -100,7 +103,7 @@ def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Calla
     doing = f"write {path}"
     hidden = temporary(path)
     try:
-        places = comm.bcast(on_first(comm, doing, lambda: _laid_out(hidden, slabs, decorate, pattern, key)))
+        places = comm.bcast(on_first(comm, doing, lambda: _laid_out(hidden, slabs, decorate, pattern)))
         together(comm, doing, lambda: _write_own(hidden, slabs, places))
         digest.append(comm, hidden, doing)
         on_first(comm, doing, lambda: publish(path))
@@ -111,15 +114,15 @@ def write(comm: Communicator, path: Path, slabs: Sequence[Slab], decorate: Calla
         raise
 
 
-def _laid_out(path, slabs, decorate, pattern, key):
+def _laid_out(path, slabs, decorate, pattern):
     """Copy the pattern or do _lay_out; if the file disappears meanwhile, HDF5 only reports that it has no
     information."""
     try:
-        if pattern is not None and pattern.fits(key):
+        if pattern is not None and pattern.fits():
             return pattern.copy(path)
         places = _lay_out(path, slabs, decorate)
         if pattern is not None:
-            pattern.keep(key, path, places)
+            pattern.keep(path, places)
         return places
     except OSError as error:
         if error.errno is not None or path.exists():

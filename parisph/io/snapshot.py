@@ -64,7 +64,7 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
     time [s], step : of the particles
     fields : names in the field registry; id, kind and role are always written
     attributes : dict of str, int or float for the root of the file
-    pattern : of a series of snapshots, for the speed of the next one; default none
+    pattern : of a series of snapshots, which are then written faster
 
     Raises
     ------
@@ -79,11 +79,11 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
         data = _three(data) if field.shape == "vector" else data
         about = {"unit": field.unit, "meaning": field.meaning}
         arrays.append(Slab(f"VTKHDF/PointData/{NAMES.get(name, name)}", data, start, total, about))
-    about = {**attributes, "dim": particles.dim, "ranks": comm.size}
+    root = {**attributes, "dim": particles.dim, "ranks": comm.size}
     if pattern is not None:
-        pattern.renew = lambda file: _renew(file, time, step)
-    slabs.write(comm, path, arrays, lambda file: _decorate(file, total, time, step, about), pattern,
-                (about, [(slab.path, slab.data.dtype, slab.data.shape[1:], slab.total) for slab in arrays]))
+        layout = [(slab.path, slab.data.dtype, slab.data.shape[1:], slab.total) for slab in arrays]
+        pattern.expect((root, layout), lambda file: _renew(file, time, step))
+    slabs.write(comm, path, arrays, lambda file: _decorate(file, total, time, step, root), pattern)
 
 
 def read(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:

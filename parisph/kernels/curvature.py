@@ -2,11 +2,9 @@
 
 With lap p = f known, p - f r^2/(2 dim) is harmonic around a particle, up to terms of third order in r. The fit of it,
 and so that of p, is of second order. In an inviscid flow that keeps its volume, f = rho (div F - tr((grad u)^2)) with
-the force F per unit mass, the divergence of Euler's equation; the gradients of u and F are those of the same fit. Only
-in a frame that turns has the force a divergence: without rows, it has none.
+the force F per unit mass, the divergence of Euler's equation; the gradients of u and F are those of the same fit. div F
+is 0 for uniform gravity, but not for the forces in a frame that turns.
 """
-
-import math
 
 import numpy as np
 
@@ -23,7 +21,7 @@ def laplacian_at_walls(out: np.ndarray, density: float, u: np.ndarray, force: np
     neighbours do not suffice for the harmonic fit.
 
     density [kg/m^3]; u : (n_all, dim) [m/s], walls with the velocity of `gradient.wall_velocity`
-    force : (n_all, dim) [m/s^2], without rows where it has no divergence
+    force : (n_all, dim) [m/s^2]
     """
     c, work, b = harmonic.scratch(indptr, axes)
     g = np.empty((len(axes), len(axes)))
@@ -58,41 +56,22 @@ def add_at_surface(out: np.ndarray, density: float, u: np.ndarray, force: np.nda
                    axes: tuple[int, ...]) -> None:
     """Correct the harmonic gradient of the pressure at surface particles by what is not harmonic in it.
 
-    The correction is shortened to the length of the gradient. It is a small part of it in waves and in a tongue of
-    water; between particles that collide, u is not smooth, and its square has no bound.
-
-    out : (n_owned, dim) [Pa/m] of `gradient.harmonic_gradient` with the same radius
-    most : as there
+    out : (n_owned, dim) [Pa/m] of `gradient.harmonic_gradient` with the same radius; most : as there
     density [kg/m^3]; u, force : as of `laplacian_at_walls`
     """
     dim = len(axes)
     c, work, b = harmonic.scratch(indptr, axes)
-    g, change = np.empty((dim, dim)), np.empty(dim)
+    g = np.empty((dim, dim))
     for i in range(len(indptr) - 1):
         if role[i] != SURFACE:
             continue
         if not harmonic.coefficients(c, i, x, role, radius, most, work, b, indptr, indices, axes):
             continue
         laplacian = density * _divergence(g, c, i, u, force, indptr, indices, axes)
-        for a in range(dim):
-            change[a] = 0.0
         for k in range(indptr[i], indptr[i + 1]):
             r2 = _square_distance(i, indices[k], x, axes)
             for a in range(dim):
-                change[a] -= c[k - indptr[i], a] * laplacian * r2 / (2.0 * dim)
-        _add_shortened(out, i, change, axes)
-
-
-@inlined
-def _add_shortened(out, i, change, axes):
-    """Add a change to row i, shortened to the length of the row."""
-    dim, own, added = len(axes), 0.0, 0.0
-    for a in range(dim):
-        own += out[i, a] ** 2
-        added += change[a] ** 2
-    part = math.sqrt(own / added) if added > own else 1.0
-    for a in range(dim):
-        out[i, a] += part * change[a]
+                out[i, a] -= c[k - indptr[i], a] * laplacian * r2 / (2.0 * dim)
 
 
 @inlined
@@ -104,9 +83,8 @@ def _divergence(g, c, i, u, force, indptr, indices, axes):
             g[a, d] = 0.0
             for k in range(indptr[i], indptr[i + 1]):
                 g[a, d] += c[k - indptr[i], d] * (u[indices[k], a] - u[i, a])
-        if len(force) > 0:
-            for k in range(indptr[i], indptr[i + 1]):
-                found += c[k - indptr[i], a] * (force[indices[k], a] - force[i, a])
+        for k in range(indptr[i], indptr[i + 1]):
+            found += c[k - indptr[i], a] * (force[indices[k], a] - force[i, a])
     for a in range(dim):
         for d in range(dim):
             found -= g[a, d] * g[d, a]

@@ -193,7 +193,7 @@ class CurvedWalls(HarmonicWalls):
 
     def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
         laplacian = np.empty(flow.particles.n_owned)
-        curvature.laplacian_at_walls(laplacian, flow.density, flow.particles.u_all, _turning_force(flow), cloud.x,
+        curvature.laplacian_at_walls(laplacian, flow.density, flow.particles.u_all, flow.force, cloud.x,
                                      cloud.role, lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
         curvature.add_at_walls(right, laplacian, rows.count, rows.columns, rows.values, cloud.x, cloud.role,
                                cloud.indptr, cloud.axes)
@@ -301,21 +301,15 @@ class HarmonicSurface(Gradient):
 class CurvedSurface(HarmonicSurface):
     """Harmonic gradients that know the Laplacian of the pressure, so that they are exact for quadratics.
 
-    They know it where the fit is good, also in violent flow: what they add would amplify the velocity of single
-    particles of a sheet.
+    Only where the fit is good, in violent flow as well: elsewhere it would feed single particles of a sheet.
     """
 
     name = "curved"
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
         p, d = flow.particles, flow.domain
-        curvature.add_at_surface(out, flow.density, p.u_all, _turning_force(flow), p.x_all, p.role_all,
+        curvature.add_at_surface(out, flow.density, p.u_all, flow.force, p.x_all, p.role_all,
                                  lengths.WALL * flow.spacing, INFLATION, d.indptr, d.indices, flow.axes)
-
-
-def _turning_force(flow):
-    """Return the force (n_all, dim) [m/s^2] in a frame that turns, where it has a divergence; else no rows of it."""
-    return flow.force if flow.spin is not None else np.zeros((0, flow.particles.dim))
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from parisph.base.table import read_reference
-from parisph.case.presets import PRESETS
+from parisph.case.load import load
 from parisph.io import checkpoint
 from parisph.io.reader import Run
 from parisph.truth import norms
@@ -206,9 +206,9 @@ def _other_steps(bench, spacing, full):
     Of two sets of starts, which chance has spread, means are compared. Steps of different length differ by less than
     what the codes themselves leave open (with 256 cells, Basilisk's onset still moves), so these stand beside it.
     """
-    found, usual = [], PRESETS["violent"]
+    found, usual = [], load(ROOT / "cases" / "dam_break.py").numerics.resolved()
     for label, parts in (("half", 2), ("a quarter", 4)):
-        limits = {name: usual[name] / parts for name in ("cfl", "fall")}
+        limits = {name: getattr(usual, name) / parts for name in ("cfl", "fall")}
         starts = _starts(bench, spacing, f"{label} of the step", numerics=limits)
         found += _beside(f"dam break, H/s = {1 / spacing:.0f}, {label} of the step", starts, full)
     return found
