@@ -14,6 +14,7 @@ from parisph.case.schema import Case
 from parisph.geometry.rims import Face, Rim, faces_of, rim_of
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
+from parisph.parallel.sums import sums
 from parisph.watch.sampling import Scene
 
 
@@ -64,15 +65,14 @@ class OpenTank:
         """
         p = domain.particles
         gone, lost = self._gone_and_lost(p, time)
-        counts = np.array([gone.sum(), lost.sum(), np.count_nonzero(p.kind == FLUID)])
-        if p.comm.size > 1:
-            counts = p.comm.allreduce(counts)
-        if counts[1]:
+        n_gone, n_lost = sums(p.comm, np.count_nonzero(gone), np.count_nonzero(lost))
+        if n_lost:
             agree(p.comm, self._loss(p, lost))
-        if counts[0]:
+        if n_gone:
+            left, = sums(p.comm, np.count_nonzero((p.kind == FLUID) & ~gone))
             self._count(p, gone)
             domain.remove(gone)
-            if counts[0] == counts[2]:
+            if not left:
                 raise ParticleLost("all water has left the tank over its rim; end the run earlier, "
                                    "or make the tank higher")
 

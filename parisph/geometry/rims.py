@@ -37,16 +37,25 @@ class Rim:
         """
         if not isinstance(self.motion, AtRest):    # as seen in what holds the water
             x = self.motion.placed_by(x, -self.motion.law(t)[0])
+        if self._within(x, reach):    # as in most steps
+            return np.zeros(len(x), bool), np.zeros(len(x), bool)
         up = x[:, -1]
         beyond = np.maximum(self.lower[:-1] - x[:, :-1], x[:, :-1] - self.upper[:-1]).max(axis=1)
-        if not (beyond > 0.0).any() and up.min(initial=np.inf) >= self.lower[-1] - reach:    # as in most steps
-            return np.zeros(len(x), bool), np.zeros(len(x), bool)
         rim = np.where(x[:, 0] < 0.5 * (self.lower[0] + self.upper[0]), self.left, self.right)
         gone: Flags = np.where(up >= rim, beyond > OUTSIDE * spacing, (beyond > 0.0) & (up > rim - BELOW * spacing))
         behind: Flags = (beyond > reach) | (up < self.lower[-1] - reach)
         if not np.isfinite(self.left):
             return gone | behind, np.zeros_like(gone)
         return gone, ~gone & behind
+
+    def _within(self, x: Floats, reach: float) -> bool:
+        """Return whether no point is beyond a side, nor `reach` [m] below the lower corner."""
+        if not len(x):
+            return True
+        for column, low, high in zip(x.T[:-1], self.lower, self.upper):    # numpy is slow along a short last axis
+            if not (column.min() >= low and column.max() <= high):
+                return False
+        return bool(x[:, -1].min() >= self.lower[-1] - reach)
 
 
 @dataclass(frozen=True)

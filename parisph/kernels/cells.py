@@ -20,7 +20,7 @@ def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndar
     Returns
     -------
     indptr : (n_owned + 1,) int32, indices : (nnz,) int32
-        A point is not its own neighbour.
+        A point is not its own neighbour. Owned neighbours come first, in the order of their numbers.
 
     Raises
     ------
@@ -40,7 +40,8 @@ def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndar
     counts, size = _grid(extent, radius, len(x))
     axes = axes_of(x.shape[1])
     start, member = _sort(x, lower, size, counts, axes)
-    return _search(x, n_owned, radius, lower, size, counts, start, member, axes)
+    indptr, indices = _search(x, n_owned, radius, lower, size, counts, start, member, axes)
+    return indptr, _ordered(indptr, indices)
 
 
 def _grid(extent, radius, n):
@@ -130,6 +131,40 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
                 n += (d2 < r2) & (member[m] != i)
         indptr[i + 1] = n
     return indptr, indices[:n]
+
+
+@kernel
+def _ordered(indptr, indices):
+    """Return the lists with the owned neighbours of each point first, in the order of their numbers.
+
+    Each point goes to the lists of its own neighbours, in the order of the points: that takes less time than sorting,
+    and rows of matrices are then in order, too. It needs that two points see each other; should the rounding of a
+    distance ever be another in the other direction, the lists are returned as they are.
+    """
+    n = len(indptr) - 1
+    found, fill = np.empty_like(indices), indptr[:-1].copy()
+    for i in range(n):
+        for k in range(indptr[i], indptr[i + 1]):
+            j = np.uint32(indices[k])
+            if j < n:
+                place = np.uint32(fill[j])
+                if place == indptr[j + 1]:
+                    return indices
+                found[place] = i
+                fill[j] = place + 1
+    for i in range(n):
+        free = fill[i]
+        if free == indptr[i + 1]:    # no ghosts
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            if indices[k] >= n:
+                if free == indptr[i + 1]:
+                    return indices
+                found[free] = indices[k]
+                free += 1
+        if free != indptr[i + 1]:
+            return indices
+    return found
 
 
 def nearby(x: np.ndarray, others: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,5 @@
 """Guesses of the next pressure from those of the last steps, from which the solve begins."""
 
-from math import prod
-
 import numpy as np
 
 from parisph.parallel.particles import Particles
@@ -27,10 +25,15 @@ class Guesses:
     def at(self, particles: Particles, time: float) -> np.ndarray:
         """Return the guesses of the pressure at a time [s]: (1 to 3, n_owned) [Pa]. Not collective."""
         p = particles
-        known = np.stack([p.p, p.p_before, p.p_earlier])
-        orders = [_weights(self.times[:order], time) for order in range(2, len(self.times) + 1)
-                  if len(set(self.times[:order])) == order]
-        return np.stack([known[0], *(weights @ known[:len(weights)] for weights in orders)])
+        orders = [order for order in range(2, len(self.times) + 1) if len(set(self.times[:order])) == order]
+        found = np.empty((1 + len(orders), p.n_owned))
+        found[0] = p.p
+        known = (p.p, p.p_before, p.p_earlier)
+        for own, order in zip(found[1:], orders):
+            own[:] = 0.0
+            for weight, values in zip(_weights(self.times[:order], time), known):
+                own += weight * values
+        return found
 
     def remember(self, particles: Particles, time: float) -> None:
         """Keep the pressure that particles have, before they get that of `time` [s]. Not collective."""
@@ -44,9 +47,16 @@ class Guesses:
         self.times = [time]
 
 
-def _weights(times: list[float], time: float) -> np.ndarray:
+def _weights(times: list[float], time: float) -> list[float]:
     """Return Lagrange's weights of values at some times for that at another.
 
     They are rounded: with equal steps they are whole numbers, however their times were summed up.
     """
-    return np.array([round(prod((time - t) / (own - t) for t in times if t != own), 9) for own in times])
+    found = []
+    for own in times:
+        weight = 1.0
+        for other in times:
+            if other != own:
+                weight *= (time - other) / (own - other)
+        found.append(round(weight, 9))
+    return found

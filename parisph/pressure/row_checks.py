@@ -3,6 +3,7 @@
 import numpy as np
 
 from parisph.base.errors import ParisphError, SolverDiverged
+from parisph.kernels import row
 
 
 def row_fault(indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, n: int, total: int) -> ParisphError | None:
@@ -18,14 +19,15 @@ def row_fault(indptr: np.ndarray, indices: np.ndarray, values: np.ndarray, n: in
     if np.shape(indptr) != (n + 1,) or np.shape(indices) != np.shape(values) or np.ndim(values) != 1:
         return ParisphError(f"the pressure rows do not fit together: {n} right-hand sides, indptr {np.shape(indptr)}, "
                             f"indices {np.shape(indices)}, values {np.shape(values)}")
-    if indptr[0] != 0 or indptr[-1] != len(values) or (n and np.diff(indptr).min() < 1):
+    fewest, lowest, highest, finite = row.looked_over(indptr, indices, values)
+    if indptr[0] != 0 or indptr[-1] != len(values) or (n and fewest < 1):
         return ParisphError("the pressure rows are not a CSR matrix with an entry in each row")
-    if len(indices) and not 0 <= indices.min() <= indices.max() < total:
-        return ParisphError(f"a pressure row refers to column {indices.min()} or {indices.max()} of {total}")
-    if not _finite(values):
+    if len(indices) and not 0 <= lowest <= highest < total:
+        return ParisphError(f"a pressure row refers to column {lowest} or {highest} of {total}")
+    if not finite:
         entry = int(np.flatnonzero(~np.isfinite(values))[0])
-        row = int(np.searchsorted(indptr, entry, side="right")) - 1
-        return SolverDiverged(f"the pressure matrix holds {values[entry]} in owned row {row}")
+        owned = int(np.searchsorted(indptr, entry, side="right")) - 1
+        return SolverDiverged(f"the pressure matrix holds {values[entry]} in owned row {owned}")
     return None
 
 
@@ -36,8 +38,8 @@ def vector_fault(name: str, vector: np.ndarray | None, n: int) -> ParisphError |
     if np.shape(vector) != (n,):
         return ParisphError(f"the {name} of the pressure equation has shape {np.shape(vector)}, not ({n},)")
     if not _finite(vector):
-        row = int(np.flatnonzero(~np.isfinite(vector))[0])
-        return SolverDiverged(f"the {name} of the pressure equation holds {vector[row]} in owned row {row}")
+        owned = int(np.flatnonzero(~np.isfinite(vector))[0])
+        return SolverDiverged(f"the {name} of the pressure equation holds {vector[owned]} in owned row {owned}")
     return None
 
 

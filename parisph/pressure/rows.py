@@ -199,9 +199,7 @@ def compress(n: int, count: np.ndarray, columns: np.ndarray, values: np.ndarray,
     m = 0
     indptr[0] = 0
     for i in range(n):
-        out_columns[m] = global_rows[i]
-        out_values[m] = 1.0
-        m += 1
+        own, placed = global_rows[i], False
         if role[i] == INNER or role[i] == WET or (role[i] == SURFACE and solved):
             anchored[i] = role[i] == SURFACE
             for k in range(start[i], start[i] + count[i]):
@@ -211,6 +209,9 @@ def compress(n: int, count: np.ndarray, columns: np.ndarray, values: np.ndarray,
                 if role[j] == SURFACE:
                     anchored[i] = True
                 if role[j] == INNER or role[j] == WET or (role[j] == SURFACE and solved):
+                    if not placed and global_rows[j] > own:    # so that a row in order stays so
+                        out_columns[m], out_values[m] = own, 1.0
+                        m, placed = m + 1, True
                     out_columns[m] = global_rows[j]
                     out_values[m] = -values[k]
                     m += 1
@@ -218,5 +219,8 @@ def compress(n: int, count: np.ndarray, columns: np.ndarray, values: np.ndarray,
                     anchored[i] = True
         else:
             anchored[i] = True
+        if not placed:
+            out_columns[m], out_values[m] = own, 1.0
+            m += 1
         indptr[i + 1] = m
     return indptr, out_columns[:m], out_values[:m], anchored

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from parisph.case import probes
+from parisph.kernels.water_columns import BODY, HEIGHT, TOP, column_rows
 from parisph.watch.elevation import COLUMN, bodies, surface_height
 from parisph.watch.sampling import WIDTH, Sampler, Scene, View
 
@@ -17,8 +18,6 @@ BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradi
 NODES = 4.0         # surface particles that may serve a gauge
 
 ROUNDING = 1.0 + 1e-9
-# what a row is: a surface particle (x, y), a body (lower end, upper end, particles), or the top of a body (y)
-HEIGHT, BODY, TOP = 0.0, 1.0, 2.0
 
 
 class _Column(Sampler):
@@ -30,6 +29,7 @@ class _Column(Sampler):
 
     columns = {"y": "m"}
     gap, stretch = GAUGE_GAP, STRETCH
+    beside = -1.0    # spacings to either side of `at` within which surface particles serve, too
 
     def __init__(self, probe, scene, at):
         super().__init__(probe, scene)
@@ -40,38 +40,29 @@ class _Column(Sampler):
         if self.scene.now is not None and self.scene.now.moving:
             self.floors = self.scene.floors_at(self.at, time)
 
-    def _layer(self, y):
-        """Return above how many floors heights (n,) are: those below all floors do not count, unless there is none."""
-        return np.searchsorted(self.floors, y, side="right")
-
     def rows(self, view: View) -> np.ndarray:
-        (x, y), s = view.body, self.scene.spacing
-        chosen = np.abs(x - self.at) <= COLUMN * s * ROUNDING
-        y, inside = y[chosen], view.inside[chosen]
-        reach, layer, found = y + self.stretch * s * inside, self._layer(y), []
-        for number in np.unique(layer):
-            own = layer == number
-            z = y[own]
-            there = bodies(z, self.gap * s, counts=np.ones(len(z)), ends=reach[own])
-            tops = np.zeros((len(there), WIDTH - 1))
-            tops[:, 0], tops[:, 1] = TOP, [z[(z >= low) & (z <= end)].max() for low, end, _ in there]
-            found += [body_rows(there), tops]
-        return np.concatenate(found) if found else super().rows(view)
+        p, s = view.particles, self.scene.spacing
+        return column_rows(p.x, p.kind, p.role, self.at, COLUMN * s * ROUNDING, self.beside * s, self.gap * s,
+                           self.stretch * s, self.floors)
 
     def top(self, rows: np.ndarray) -> tuple[float, bool]:
         """Return the height of the water on the highest floor on which some stands [m], and whether there is any.
 
         That is the lowest floor where all are dry. Without walls it is the top of the largest body, nan without one.
         """
-        layer, s = self._layer(rows[:, 1]), self.scene.spacing
-        for number in range(len(self.floors), -1 if not len(self.floors) else 0, -1):
-            own = rows[layer == number]
-            found, tops = bodies_of_all(own[own[:, 0] == BODY], self.gap * s), own[own[:, 0] == TOP, 1]
-            if not len(found) or (number and found[0, 0] > self.floors[number - 1] + BED_GAP * s):
+        s, floors = self.scene.spacing, self.floors.tolist()
+        for number in range(len(floors), -1 if not floors else 0, -1):
+            found, tops = self._standing(rows, number)
+            if not len(found) or (number and found[0, 0] > floors[number - 1] + BED_GAP * s):
                 continue
             low, end, _ = found[0] if number else found[np.argmax(found[:, 2])]
-            return tops[(tops >= low) & (tops <= end)].max(), True
-        return (self.floors[0] if len(self.floors) else np.nan), False
+            return float(tops[(tops >= low) & (tops <= end)].max()), True
+        return (floors[0] if floors else np.nan), False
+
+    def _standing(self, rows, number):
+        """Return the bodies (n, 3) above so many floors, from the rows of all ranks, and the tops of their parts."""
+        own = rows if not number else rows[np.searchsorted(self.floors, rows[:, 1], side="right") == number]
+        return bodies_of_all(own[own[:, 0] == BODY], self.gap * self.scene.spacing), own[own[:, 0] == TOP, 1]
 
 
 class ColumnHeight(_Column):
@@ -100,6 +91,7 @@ class SurfaceGauge(_Column):
     """
 
     dims = (2,)
+    beside = NODES
 
     def __init__(self, probe: probes.SurfaceGauge | probes.RunUp, scene: Scene, at: float | None = None) -> None:
         super().__init__(probe, scene, probe.at if at is None else at)
@@ -113,13 +105,6 @@ class SurfaceGauge(_Column):
         super().place(time)
         if self.scene.now is not None and self.scene.now.moving:
             self.mirrors = self._mirrors(time)
-
-    def rows(self, view: View) -> np.ndarray:
-        x, y = view.surface
-        chosen = np.abs(x - self.at) <= NODES * self.scene.spacing
-        heights = np.zeros((np.count_nonzero(chosen), WIDTH - 1))
-        heights[:, 0], heights[:, 1], heights[:, 2] = HEIGHT, x[chosen], y[chosen]
-        return np.concatenate([heights, super().rows(view)])
 
     def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         height = rows[:, 0] == HEIGHT
@@ -170,4 +155,6 @@ def body_rows(found: np.ndarray) -> np.ndarray:
 
 def bodies_of_all(rows: np.ndarray, gap: float) -> np.ndarray:
     """Return the bodies (n, 3) that those of all ranks are together."""
+    if len(rows) < 2:
+        return rows[:, 1:]
     return bodies(rows[:, 1], gap, counts=rows[:, 3], ends=rows[:, 2])

@@ -12,8 +12,9 @@ from functools import cached_property
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError
-from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL
+from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
 from parisph.case import expressions
 from parisph.case.probes import AnyProbe, ProbeArray
 from parisph.case.scenery import body_names
@@ -47,13 +48,29 @@ def sample_all(samplers: "Sequence[Sampler]", particles: Particles, domain: Doma
     members = [member for sampler in samplers for member in sampler.members]
     for member in members:
         member.place(time)
-    parts = [np.asarray(member.sums(view), float) for member in members]
-    rows = [_numbered(number, member.rows(view)) for number, member in enumerate(members)]
-    sums, rows = _together(particles.comm, np.concatenate(parts), np.concatenate(rows))
-    split = np.split(sums, np.cumsum([len(part) for part in parts])[:-1])
-    found = iter([tuple(float(v) for v in member.values(own, rows[rows[:, 0] == number, 1:]))
-                  for number, (member, own) in enumerate(zip(members, split))])
+    sums = [np.asarray(member.sums(view), float) for member in members]
+    rows = [member.rows(view) for member in members]
+    if particles.comm.size > 1:
+        sums, rows = _together(particles.comm, sums, rows)
+    found = iter([tuple(float(v) for v in member.values(*own)) for *own, member in zip(sums, rows, members)])
     return {sampler.name: sum((next(found) for _ in sampler.members), ()) for sampler in samplers}
+
+
+def _together(comm: Communicator, sums: Sequence[np.ndarray],
+              rows: Sequence[np.ndarray]) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return the sums over all ranks and the rows of all ranks, of each sampler. Collective."""
+    table = np.concatenate([_numbered(number, own) for number, own in enumerate(rows)])
+    ends = np.cumsum([len(own) for own in sums])
+    # how many rows each rank has travels with the sums
+    packed = np.concatenate([*sums, np.zeros(comm.size)])
+    packed[ends[-1] + comm.rank] = len(table)
+    comm.Allreduce(MPI.IN_PLACE, packed, op=MPI.SUM)
+    counts = packed[ends[-1]:].astype(int)
+    everyone = np.empty((counts.sum(), WIDTH))
+    if len(everyone):
+        comm.Allgatherv(table, [everyone, WIDTH * counts])
+    return (np.split(packed[:ends[-1]], ends[:-1]),
+            [everyone[everyone[:, 0] == number, 1:] for number in range(len(rows))])
 
 
 def _numbered(number, rows):
@@ -61,21 +78,6 @@ def _numbered(number, rows):
     table = np.empty((len(rows), WIDTH))
     table[:, 0], table[:, 1:] = number, rows
     return table
-
-
-def _together(comm, sums, rows):
-    """Return the sums over all ranks and the rows of all ranks. Collective."""
-    if comm.size == 1:
-        return sums, rows
-    # how many rows each rank has travels with the sums
-    packed = np.concatenate([sums, np.zeros(comm.size)])
-    packed[len(sums) + comm.rank] = len(rows)
-    comm.Allreduce(MPI.IN_PLACE, packed, op=MPI.SUM)
-    counts = packed[len(sums):].astype(int)
-    everyone = np.empty((counts.sum(), WIDTH))
-    if len(everyone):
-        comm.Allgatherv(rows, [everyone, WIDTH * counts])
-    return packed[:len(sums)], everyone
 
 
 @dataclass(frozen=True)
@@ -186,12 +188,6 @@ class View:
         p = self.particles
         chosen = self.fluid & (p.role != BALLISTIC)
         return p.x[chosen, 0], p.x[chosen, -1]
-
-    @cached_property
-    def inside(self) -> np.ndarray:
-        """Whether a particle of `body` is inside the fluid: bool (n,)."""
-        p = self.particles
-        return p.role[self.fluid & (p.role != BALLISTIC)] == INNER
 
     @cached_property
     def surface(self) -> tuple[np.ndarray, np.ndarray]:

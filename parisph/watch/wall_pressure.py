@@ -7,6 +7,7 @@ import numpy as np
 from parisph.case import probes
 from parisph.geometry.mesh import area_vectors
 from parisph.geometry.probe_places import tap_element
+from parisph.kernels.tap import tap_moments
 from parisph.watch.sampling import WIDTH, Sampler, Scene, View
 
 # Sides of a tank: the axis across them, and the sign of the normal into the fluid.
@@ -68,13 +69,7 @@ class PressureTap(Sampler):
 
     def sums(self, view: View) -> np.ndarray:
         x, p = self._nodes(view)
-        away = (x - self.at) @ self.axes.T
-        along = away[:, ~self.across] / self.radius
-        weight = 1.0 - (along * along).sum(axis=1)
-        near = (weight > 0.0) & (np.abs(away[:, self.across]) < 0.5 * self.scene.step[self.across]).all(axis=1)
-        basis = np.column_stack([np.ones(np.count_nonzero(near)), along[near]])
-        weighted = basis.T * weight[near] ** 2
-        return np.append(weighted @ basis, weighted @ p[near])
+        return tap_moments(x, p, self.at, self.axes, self.across, 0.5 * self.scene.step, self.radius)
 
     def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
         n = 1 + np.count_nonzero(~self.across)

@@ -21,6 +21,9 @@ def listed(x, n_owned, radius):
     assert np.all(np.diff(indptr) >= 0)
     rows = [indices[first:last].tolist() for first, last in zip(indptr[:-1], indptr[1:])]
     assert all(len(set(row)) == len(row) for row in rows), "a neighbour stands in a list twice"
+    for row in rows:
+        owned = [j for j in row if j < n_owned]
+        assert row[:len(owned)] == sorted(owned), "owned neighbours come first, in order"
     return [set(row) for row in rows]
 
 

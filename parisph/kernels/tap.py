@@ -1,0 +1,41 @@
+"""The moments of a linear pressure on the wall particles that face a pressure tap."""
+
+import numpy as np
+
+from parisph.kernels.jit import kernel
+
+
+@kernel
+def tap_moments(x: np.ndarray, p: np.ndarray, at: np.ndarray, frame: np.ndarray, across: np.ndarray, half: np.ndarray,
+                radius: float) -> np.ndarray:
+    """Return sum w b b^T (n, n), then sum w p b (n,), of the basis b = (1, places along the wall over the radius).
+
+    The weight is w = (1 - r^2/radius^2)^2, with the distance r along the wall. Particles that are half[a] or more away
+    along an axis across the wall do not count.
+
+    x : (m, dim) wall particles [m]; p : (m,) [Pa]; at : (dim,) the tap [m]; frame : (dim, dim) axes across and along
+    the wall; across : (dim,) bool; half : (dim,) [m]; radius [m]
+    """
+    dim, n = len(at), 1
+    for a in range(dim):
+        n += not across[a]
+    found, basis = np.zeros(n * n + n), np.ones(n)
+    for k in range(len(x)):
+        weight, on_wall, m = 1.0, True, 1
+        for a in range(dim):
+            away = 0.0
+            for b in range(dim):
+                away += frame[a, b] * (x[k, b] - at[b])
+            if across[a]:
+                on_wall &= abs(away) < half[a]
+            else:
+                basis[m] = away / radius
+                weight -= basis[m] ** 2
+                m += 1
+        if not on_wall or weight <= 0.0:
+            continue
+        for r in range(n):
+            for s in range(n):
+                found[r * n + s] += weight * weight * basis[r] * basis[s]
+            found[n * n + r] += weight * weight * basis[r] * p[k]
+    return found

@@ -1,0 +1,66 @@
+"""What a gauge sees: the bodies of water above a place, and the surface beside it."""
+
+import numpy as np
+
+from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE
+from parisph.kernels.jit import inlined, kernel
+
+# what a row is: a surface particle (x, y), a body (lower end, upper end, particles), or the top of a body (y)
+HEIGHT, BODY, TOP = 0.0, 1.0, 2.0
+
+
+@kernel
+def column_rows(x: np.ndarray, kind: np.ndarray, role: np.ndarray, at: float, half: float, beside: float, gap: float,
+                stretch: float, floors: np.ndarray) -> np.ndarray:
+    """Return rows (n, 4) of what these are and three numbers: HEIGHT, BODY and TOP, one TOP for each BODY.
+
+    Bodies are of fluid that is not in free flight, in the column within `half` of `at` along x. Neighbours upwards are
+    of one body unless they are farther apart than the gap, above an inner particle than gap + stretch. Water on
+    one floor is no part of that on another.
+
+    x : (n, dim), the last axis upwards; kind, role : (n,); beside : from `at`, of surface particles, negative for none
+    floors : (m,) heights of the floors, upwards; all lengths [m]
+    """
+    up, inside, most = x.shape[1] - 1, 0, 0
+    for i in range(len(x)):
+        away = abs(x[i, 0] - at)
+        inside += (kind[i] == FLUID) & (role[i] != BALLISTIC) & (away <= half)
+        most += (kind[i] == FLUID) & (role[i] == SURFACE) & (away <= beside)
+    y, reach = np.empty(inside), np.empty(inside)
+    rows = np.zeros((most + 2 * inside, 4))
+    n, made = 0, 0
+    for i in range(len(x)):
+        away = abs(x[i, 0] - at)
+        if kind[i] == FLUID and role[i] == SURFACE and away <= beside:
+            rows[made, 0], rows[made, 1], rows[made, 2] = HEIGHT, x[i, 0], x[i, up]
+            made += 1
+        if kind[i] == FLUID and role[i] != BALLISTIC and away <= half:
+            y[n], reach[n] = x[i, up], x[i, up] + (stretch if role[i] == INNER else 0.0)
+            n += 1
+    _sort(y, reach)
+    floor, body = 0, -1
+    for k in range(n):
+        new = body < 0 or y[k] - rows[body, 2] > gap
+        while floor < len(floors) and y[k] >= floors[floor]:
+            floor, new = floor + 1, True
+        if new:
+            body, made = made, made + 2
+            rows[body, 0], rows[body, 1], rows[body, 2], rows[body + 1, 0] = BODY, y[k], reach[k], TOP
+        rows[body, 2] = max(rows[body, 2], reach[k])
+        rows[body, 3] += 1.0
+        rows[body + 1, 1] = y[k]
+    return rows[:made]
+
+
+@inlined
+def _sort(y, reach):
+    """Sort y (n,) upwards, and what belongs to it alike (Shell 1959)."""
+    step = len(y) // 2
+    while step > 0:
+        for k in range(step, len(y)):
+            own, belongs, j = y[k], reach[k], k
+            while j >= step and y[j - step] > own:
+                y[j], reach[j] = y[j - step], reach[j - step]
+                j -= step
+            y[j], reach[j] = own, belongs
+        step = 1 if step == 2 else int(step / 2.2)
