@@ -102,12 +102,14 @@ def vector_field(components: tuple[str | float, ...], with_time: bool) -> Vector
 
     def evaluate(x: Floats, t: float = 0.0) -> Floats:
         x = np.asarray(x, dtype=np.float64)
+        out = np.empty((len(x), dim))
         if uniform is not None:    # as gravity nearly always is, and it is asked for in every step
-            return np.full((len(x), dim), uniform)
+            for axis, value in enumerate(uniform):    # numpy is slow along a short last axis
+                out[:, axis] = value
+            return out
         variables: dict[str, float | Floats] = {name: x[:, axis] for axis, name in enumerate("xyz"[:dim])}
         if with_time:
             variables["t"] = t
-        out = np.empty((len(x), dim))
         for axis, function in enumerate(functions):
             out[:, axis] = function(**variables)
         return out

@@ -197,7 +197,16 @@ class Scene(Model):
 
         It is the force on what rests in the tank; in a tank that turns, Coriolis' force is another part of the method.
         """
-        return self.frame.seen(vector_field(self.gravity, with_time=True)(x, t), t) + self.frame.felt(x, t)
+        force = self.frame.seen(vector_field(self.gravity, with_time=True)(x, t), t)
+        felt = self.frame.felt(x, t)
+        for axis in range(self.dim):    # numpy is slow along a short last axis
+            force[:, axis] += felt[..., axis]
+        return force
+
+    @property
+    def same_force_everywhere(self) -> bool:
+        """Whether the body force is the same at every place, at any one time."""
+        return uniform_field(self.gravity) is not None and not self.turns
 
     @property
     def physics(self) -> frozenset[str]:

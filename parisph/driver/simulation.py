@@ -135,6 +135,7 @@ class Simulation:
         if start is not None:
             self.method.resume(start.state)
         self.bad_force: float | None = None
+        self._same_force = case.same_force_everywhere
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
         self._chosen: tuple[float, float, float] | None = None     # (limit, step, time after it) of the next step
@@ -288,7 +289,8 @@ class Simulation:
         if self.numerics.time_step is not None:    # nobody asks
             return 0.0
         p = self.particles
-        return _largest(self._force(p.x.compress(p.kind == FLUID, axis=0), self.time))
+        where = p.x[:1] if self._same_force else p.x.compress(p.kind == FLUID, axis=0)
+        return _largest(self._force(where, self.time))
 
 
 def _largest(force: Floats) -> float:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from parisph.kernels.jit import kernel
+from parisph.kernels.moments import cholesky, cholesky_solve
 
 
 @kernel
@@ -39,3 +40,23 @@ def tap_moments(x: np.ndarray, p: np.ndarray, at: np.ndarray, frame: np.ndarray,
                 found[r * n + s] += weight * weight * basis[r] * basis[s]
             found[n * n + r] += weight * weight * basis[r] * p[k]
     return found
+
+
+@kernel
+def fitted_at_tap(moments: np.ndarray, n: int) -> float:
+    """Return the pressure [Pa] of the fit at the tap, from the sums of all ranks of `tap_moments` with n functions.
+
+    Where the particles do not determine the fit it is their mean, and nan where there are none.
+    """
+    matrix, right = np.empty((n, n)), np.empty(n)
+    for r in range(n):
+        right[r] = moments[n * n + r]
+        for s in range(n):
+            matrix[r, s] = moments[r * n + s]
+    if not matrix[0, 0] > 0.0:
+        return np.nan
+    mean = right[0] / matrix[0, 0]
+    if not cholesky(matrix, n):
+        return mean
+    cholesky_solve(matrix, right, n)
+    return right[0]

@@ -7,7 +7,7 @@ import numpy as np
 from parisph.case import probes
 from parisph.geometry.mesh import area_vectors
 from parisph.geometry.probe_places import tap_element
-from parisph.kernels.tap import tap_moments
+from parisph.kernels.tap import fitted_at_tap, tap_moments
 from parisph.watch.sampling import WIDTH, Sampler, Scene, View
 
 # Sides of a tank: the axis across them, and the sign of the normal into the fluid.
@@ -72,11 +72,7 @@ class PressureTap(Sampler):
         return tap_moments(x, p, self.at, self.axes, self.across, 0.5 * self.scene.step, self.radius)
 
     def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
-        n = 1 + np.count_nonzero(~self.across)
-        moments, right = np.reshape(sums[:n * n], (n, n)), sums[n * n:]
-        if np.isfinite(moments).all() and np.linalg.matrix_rank(moments, hermitian=True) == n:
-            return (np.linalg.solve(moments, right)[0],)
-        return (right[0] / moments[0, 0] if moments[0, 0] > 0.0 else np.nan,)
+        return (fitted_at_tap(sums, 1 + np.count_nonzero(~self.across)),)
 
 
 class DiscTap(PressureTap):
