@@ -138,7 +138,8 @@ class PressureSolver:
         Parameters
         ----------
         indptr : (n_owned + 1,) int, indices : (nnz,) int, values : (nnz,) float
-            This rank's rows as CSR with global columns in any order; n_owned may be 0.
+            This rank's rows as CSR with global columns in any order; n_owned may be 0. The solver sorts the entries of
+            each row in place and keeps the arrays until the next matrix: do not change them.
         rhs : (n_owned,) float, b
         guess : (n_owned,) float, (k, n_owned) float or None
             Initial guess (the previous pressure), or several, of which the best is taken; None for zero. The same k

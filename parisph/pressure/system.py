@@ -54,9 +54,10 @@ class System:
             PETSc.Vec().createWithArray(array, size=(n, total), comm=self.comm) for array in self._arrays)
 
     def assemble(self, indptr: np.ndarray, indices: np.ndarray, values: np.ndarray) -> None:
-        """Make the matrix from this rank's rows (global columns, any order). Collective."""
+        """Make the matrix from this rank's rows (global columns, any order), whose arrays it keeps. Collective."""
         self._drop_matrix()
-        csr = (np.array(indptr, PETSc.IntType), np.array(indices, PETSc.IntType), np.array(values, float))
+        csr = (np.ascontiguousarray(indptr, PETSc.IntType), np.ascontiguousarray(indices, PETSc.IntType),
+               np.ascontiguousarray(values, float))
         self.matrix = matrix_of(self.x, *csr)
         self.operator = self.preconditioned = self.matrix
         self.matrix.getDiagonal(self._r)
