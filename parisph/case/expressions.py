@@ -89,7 +89,7 @@ def vector_field(components: tuple[str | float, ...], with_time: bool) -> Vector
 
     Returns
     -------
-    function(x, t=0.0) -> float64 array (n, dim), for positions x (n, dim) [m] and t [s]
+    function(x, t=0.0) -> a new float64 array (n, dim), for positions x (n, dim) [m] and t [s]
 
     Raises
     ------

@@ -285,7 +285,10 @@ class Simulation:
         return force
 
     def _strongest_force(self) -> float:
-        """Return the largest body force on this rank's fluid, for an adaptive time step [m/s^2]."""
+        """Return the largest body force on this rank's fluid, for an adaptive time step [m/s^2].
+
+        One that is the same everywhere is looked at in one place, which need not be in the fluid.
+        """
         if self.numerics.time_step is not None:    # nobody asks
             return 0.0
         p = self.particles

@@ -49,7 +49,7 @@ class Rim:
         return gone, ~gone & behind
 
     def _within(self, x: Floats, reach: float) -> bool:
-        """Return whether no point is beyond a side, nor `reach` [m] below the lower corner."""
+        """Return whether no point x (n, dim) [m] is beyond a side, or more than `reach` [m] below the lower corner."""
         if not len(x):
             return True
         for column, low, high in zip(x.T[:-1], self.lower, self.upper):    # numpy is slow along a short last axis

@@ -20,7 +20,7 @@ def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndar
     Returns
     -------
     indptr : (n_owned + 1,) int32, indices : (nnz,) int32
-        A point is not its own neighbour. Owned neighbours come first, in the order of their numbers.
+        A point is not its own neighbour. Owned neighbours come first, in the order of their numbers (_ordered).
 
     Raises
     ------
@@ -138,8 +138,10 @@ def _ordered(indptr, indices):
     """Return the lists with the owned neighbours of each point first, in the order of their numbers.
 
     Each point goes to the lists of its own neighbours, in the order of the points: that takes less time than sorting,
-    and rows of matrices are then in order, too. It needs that two points see each other; should the rounding of a
-    distance ever be another in the other direction, the lists are returned as they are.
+    and rows of matrices are then in order, too. It needs that two points see each other. Should a distance be rounded
+    to either side of the radius, by the direction from which it is seen, some list would get too many or too few: then
+    all are returned as they are. Only numbers are compared: two such pairs that make up for each other would exchange
+    neighbours whose weight is zero.
     """
     n = len(indptr) - 1
     found, fill = np.empty_like(indices), indptr[:-1].copy()

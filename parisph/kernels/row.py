@@ -59,8 +59,10 @@ def mean_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measur
 def looked_over(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> tuple[int, int, int, bool]:
     """Look over the rows of a CSR matrix in one pass.
 
-    Returns the fewest entries of a row, the lowest and the highest column (0 without entries), and whether all values
-    are finite.
+    Returns the fewest entries of a row (all of them where there are no rows), the lowest and the highest column (0
+    without entries), and whether all values are finite.
+
+    indptr : (n + 1,), columns, values : (nnz,)
     """
     fewest = len(columns)
     for i in range(len(indptr) - 1):

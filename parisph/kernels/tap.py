@@ -1,5 +1,7 @@
 """The moments of a linear pressure on the wall particles that face a pressure tap."""
 
+import math
+
 import numpy as np
 
 from parisph.kernels.jit import kernel
@@ -9,7 +11,8 @@ from parisph.kernels.moments import cholesky, cholesky_solve
 @kernel
 def tap_moments(x: np.ndarray, p: np.ndarray, at: np.ndarray, frame: np.ndarray, across: np.ndarray, half: np.ndarray,
                 radius: float) -> np.ndarray:
-    """Return sum w b b^T (n, n), then sum w p b (n,), of the basis b = (1, places along the wall over the radius).
+    """Return sum w b b^T [-] and then sum w p b [Pa], one after the other (n n + n,), of the n functions b = (1, places
+    along the wall over the radius).
 
     The weight is w = (1 - r^2/radius^2)^2, with the distance r along the wall. Particles that are half[a] or more away
     along an axis across the wall do not count.
@@ -33,7 +36,7 @@ def tap_moments(x: np.ndarray, p: np.ndarray, at: np.ndarray, frame: np.ndarray,
                 basis[m] = away / radius
                 weight -= basis[m] ** 2
                 m += 1
-        if not on_wall or weight <= 0.0:
+        if not (on_wall and weight > 0.0):
             continue
         for r in range(n):
             for s in range(n):
@@ -46,17 +49,20 @@ def tap_moments(x: np.ndarray, p: np.ndarray, at: np.ndarray, frame: np.ndarray,
 def fitted_at_tap(moments: np.ndarray, n: int) -> float:
     """Return the pressure [Pa] of the fit at the tap, from the sums of all ranks of `tap_moments` with n functions.
 
-    Where the particles do not determine the fit it is their mean, and nan where there are none.
+    Where the particles do not determine the fit (moments.PIVOT_FLOOR) it is their mean, and nan where there are none.
+
+    moments : (n n + n,)
     """
-    matrix, right = np.empty((n, n)), np.empty(n)
-    for r in range(n):
-        right[r] = moments[n * n + r]
-        for s in range(n):
-            matrix[r, s] = moments[r * n + s]
-    if not matrix[0, 0] > 0.0:
+    if not moments[0] > 0.0:
         return np.nan
-    mean = right[0] / matrix[0, 0]
-    if not cholesky(matrix, n):
-        return mean
-    cholesky_solve(matrix, right, n)
-    return right[0]
+    # over the sizes of the functions: close to a particle, the next one counts for little, and still gives the slope
+    matrix, right, size = np.empty((n, n)), np.empty(n), np.empty(n)
+    for r in range(n):
+        size[r] = math.sqrt(moments[r * n + r]) if moments[r * n + r] > 0.0 else 1.0
+    for r in range(n):
+        right[r] = moments[n * n + r] / size[r]
+        for s in range(n):
+            matrix[r, s] = moments[r * n + s] / (size[r] * size[s])
+    if cholesky(matrix, n):
+        cholesky_solve(matrix, right, n)
+    return right[0] / size[0]

@@ -41,6 +41,8 @@ class Flow:
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
     mean_acceleration : of fluid by pressure in the last steps (methods.straining.remember), on all ranks [m/s^2];
         0 before the first
+    mean_strain : sqrt(2 S:S) of fluid in the last step, in the mean on all ranks [1/s]; 0 before the first, and in a
+        method that measures no strain
     strained, doubt, rapid : (n_owned,) or None, and whole, of methods.straining in this step
     beyond_fit : (n_owned, dim) [m/s] of kernels.strain.velocity_gradient, if straining.begin has found it, else None
     accelerations : of fluid in the last step, on all ranks [m/s^2], the largest and the root of the mean square; known
@@ -73,7 +75,7 @@ class Flow:
         self.rapid: np.ndarray | None = None
         self.beyond_fit: np.ndarray | None = None
         self.accelerations = 0.0, 0.0
-        self.mean_acceleration = self.top_speed = 0.0
+        self.mean_acceleration = self.mean_strain = self.top_speed = 0.0
         self.whole = 1.0
         self.collisions = 0
         self.stale: set[str] = set()

@@ -15,7 +15,7 @@ from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.guesses import Guesses
 from parisph.methods.reports import ProjectionReport
-from parisph.methods.timestep import resolved_time
+from parisph.methods.timestep import resolved_time, strained_step
 from parisph.methods.velocities import keep_in_tank
 from parisph.pressure import groups
 from parisph.pressure.rows import PressureRows
@@ -161,11 +161,13 @@ class Projection:
         return found
 
     def longest_step(self) -> float:
-        """Return the longest step [s] that the parts of the method allow, infinite if none limits it. Collective."""
-        limiting = [part for part in self.parts if part.limits_step]
+        """Return the longest step [s] that the strain of the last one and the parts of the method allow, infinite if
+        nothing limits it. Collective."""
+        flow = self.flow
+        longest, limiting = strained_step(flow.numerics, flow.mean_strain), [p for p in self.parts if p.limits_step]
         if not limiting:
-            return np.inf
-        return self.flow.particles.comm.allreduce(min(part.longest_step(self.flow) for part in limiting), op=MPI.MIN)
+            return longest
+        return flow.particles.comm.allreduce(min(longest, *(part.longest_step(flow) for part in limiting)), op=MPI.MIN)
 
     @property
     def accelerations(self) -> tuple[float, float]:
@@ -182,12 +184,13 @@ class Projection:
         """Return what a checkpoint needs beside the particles. Not collective."""
         largest, mean = self.flow.accelerations
         return {"acceleration": largest, "rms_acceleration": mean, "mean_acceleration": self.flow.mean_acceleration,
-                "pressure_times": self.guesses.times}
+                "mean_strain": self.flow.mean_strain, "pressure_times": self.guesses.times}
 
     def resume(self, state: dict) -> None:
         """Continue from the state in a checkpoint. Not collective."""
         self.flow.accelerations = state.get("acceleration", 0.0), state.get("rms_acceleration", 0.0)
         self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
+        self.flow.mean_strain = state.get("mean_strain", 0.0)
         self.guesses.times = list(state.get("pressure_times", ()))
         self.knows_pressure = True
 
@@ -397,10 +400,12 @@ class Projection:
         p, second = flow.particles, flow.position_solve
         div = np.empty(p.n_owned)
         self.rows.divergence(div, p.u_all, p.role_all)
-        sums = np.array([*record.step_sums(div, p.role, p.kind, flow.by_pressure), flow.collisions])
+        strain = 0.0 if flow.strained is None else flow.strained[p.kind == FLUID].sum()
+        sums = np.array([*record.step_sums(div, p.role, p.kind, flow.by_pressure), flow.collisions, strain])
         if p.comm.size > 1:
             p.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
-        squares, count, surface, roots, particles, collisions = sums
+        squares, count, surface, roots, particles, collisions, strain = sums
+        flow.mean_strain = float(strain / max(particles, 1.0)) / dt
         straining.remember(flow, float(roots / max(particles, 1.0)) ** 2, dt)
         again = {} if second is None else {"position_iterations": second.iterations,
                                            "position_residual": second.residual, "position_fallback": second.fallback}

@@ -54,7 +54,10 @@ class System:
             PETSc.Vec().createWithArray(array, size=(n, total), comm=self.comm) for array in self._arrays)
 
     def assemble(self, indptr: np.ndarray, indices: np.ndarray, values: np.ndarray) -> None:
-        """Make the matrix from this rank's rows (global columns, any order), whose arrays it keeps. Collective."""
+        """Make the matrix from this rank's rows (global columns, any order). Collective.
+
+        Sorts the entries of each row in place, and keeps the arrays; copies of those that are not of PETSc's types.
+        """
         self._drop_matrix()
         csr = (np.ascontiguousarray(indptr, PETSc.IntType), np.ascontiguousarray(indices, PETSc.IntType),
                np.ascontiguousarray(values, float))

@@ -29,7 +29,7 @@ class _Column(Sampler):
 
     columns = {"y": "m"}
     gap, stretch = GAUGE_GAP, STRETCH
-    beside = -1.0    # spacings to either side of `at` within which surface particles serve, too
+    beside = -1.0    # spacings to either side of `at` within which surface particles serve, too; negative for none
 
     def __init__(self, probe, scene, at):
         super().__init__(probe, scene)
@@ -155,6 +155,6 @@ def body_rows(found: np.ndarray) -> np.ndarray:
 
 def bodies_of_all(rows: np.ndarray, gap: float) -> np.ndarray:
     """Return the bodies (n, 3) that those of all ranks are together."""
-    if len(rows) < 2:
+    if len(rows) < 2:    # as for most gauges in most steps
         return rows[:, 1:]
     return bodies(rows[:, 1], gap, counts=rows[:, 3], ends=rows[:, 2])

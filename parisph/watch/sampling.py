@@ -12,7 +12,6 @@ from functools import cached_property
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError
 from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
 from parisph.case import expressions
@@ -56,9 +55,9 @@ def sample_all(samplers: "Sequence[Sampler]", particles: Particles, domain: Doma
     return {sampler.name: sum((next(found) for _ in sampler.members), ()) for sampler in samplers}
 
 
-def _together(comm: Communicator, sums: Sequence[np.ndarray],
+def _together(comm: MPI.Comm, sums: Sequence[np.ndarray],
               rows: Sequence[np.ndarray]) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Return the sums over all ranks and the rows of all ranks, of each sampler. Collective."""
+    """Return the sums over all ranks (k,) and the rows of all ranks (n, 4), of each sampler. Collective."""
     table = np.concatenate([_numbered(number, own) for number, own in enumerate(rows)])
     ends = np.cumsum([len(own) for own in sums])
     # how many rows each rank has travels with the sums

@@ -11,6 +11,7 @@ from parisph.base.errors import SolverDiverged
 from parisph.driver import Simulation, describe
 from parisph.driver.schedule import SHARING
 from parisph.io import checkpoint
+from parisph.methods.timestep import STRAIN
 
 PERIOD = 1.0    # [s]
 CFL = 0.8       # of the violent preset
@@ -71,6 +72,15 @@ def test_the_step_does_not_know_when_the_run_ends():
     assert len(short) > SHARING + 6
     for (t, a), (u, b) in zip(short[:-SHARING - 1], long[:len(short) - SHARING - 1], strict=True):
         assert t == u and all(np.array_equal(a[name], b[name]) for name in a)
+
+
+@pytest.mark.parametrize("rate", [3.0, 6.0])
+def test_a_step_strains_the_fluid_by_no_more_than_a_limit(rate):
+    """u = rate (x, -y) has sqrt(2 S:S) = 2 rate everywhere; the fluid is free, and nothing else limits its step."""
+    steps = steps_of(still(velocity=(f"{rate}*x", f"-{rate}*y")), 4)
+    assert steps[1:] == pytest.approx([STRAIN / (2.0 * rate)] * 3, rel=0.1)
+    turning = steps_of(still(velocity=(f"{rate}*y", f"-{rate}*x")), 4)
+    assert min(turning) > 2.0 * max(steps[1:])    # as a rigid body
 
 
 @pytest.mark.parametrize("end_time", [10.0, 1e3])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from parisph.kernels.cells import neighbour_lists
+from parisph.kernels.cells import _ordered, neighbour_lists
 
 dims = pytest.mark.parametrize("dim", [2, 3])
 
@@ -119,3 +119,10 @@ def test_positions_too_far_apart_for_a_difference_are_refused(dim):
 def test_radius_must_be_positive(radius):
     with pytest.raises(ValueError, match="radius"):
         neighbour_lists(np.zeros((2, 2)), 2, radius)
+
+
+def test_lists_that_are_not_mutual_are_left_as_they_are():
+    """As if one distance were rounded to either side of the radius."""
+    for start, listed_ones in (([0, 1, 1], [1]), ([0, 2, 3, 3], [2, 1, 0])):
+        indptr, indices = np.array(start, np.int32), np.array(listed_ones, np.int32)
+        np.testing.assert_array_equal(_ordered(indptr, indices), indices)

@@ -5,7 +5,7 @@ import pytest
 
 from parisph.base.fields import BALLISTIC, CONTACT, INNER, SURFACE, WET
 from parisph.case.methods import METHODS
-from parisph.kernels.row import split_rows
+from parisph.kernels.row import looked_over, split_rows
 from tests.made_rows import PROJECTIONS, cloud_of, rows_of_method
 from tests.pools import block, tank
 
@@ -74,6 +74,16 @@ def test_known_pressures_become_identity_rows_and_leave_the_other_rows(dim):
         else:
             assert set(others) == set(felt[~known[felt]]) and anchored[i] == known[felt].any()
             assert values[row].sum() == pytest.approx(0.0, abs=1e-12) or anchored[i]
+
+
+def test_a_matrix_is_looked_over_in_one_pass():
+    indptr, columns, values = np.array([0, 2, 3]), np.array([4, 1, 7]), np.array([1.0, -1e308, 2.0])
+    assert looked_over(indptr, columns, values) == (1, 1, 7, True)
+    assert looked_over(indptr.astype(np.int32), columns.astype(np.int32), values) == (1, 1, 7, True)
+    for broken in (np.nan, np.inf, -np.inf):
+        assert not looked_over(indptr, columns, np.array([1.0, broken, 2.0]))[-1]
+    assert looked_over(np.array([0, 0, 3]), columns, values)[0] == 0
+    assert looked_over(np.array([0]), np.empty(0, int), np.empty(0)) == (0, 0, 0, True)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -245,6 +245,12 @@ def test_a_tap_of_one_spacing_takes_the_two_wall_particles_beside_it_and_no_othe
             assert value(tap, one_particle_at(0.25)) == pytest.approx(100.0 * weight, abs=1e-9)
 
 
+@pytest.mark.parametrize("away", [1e-4, 0.01, 0.02, 0.1])
+def test_a_tap_of_one_spacing_is_exact_close_to_a_particle(away):
+    tap = PressureTap(name="p", at=(0.0, 0.25 + away * S), radius=S)
+    assert value(tap, hydrostatic) == pytest.approx(DENSITY * G * (0.25 - away * S), rel=1e-9)
+
+
 @pytest.mark.parametrize("radius, given", [(3 * S, None), (3 * S, 3 * S), (4.5 * S, 4.5 * S)])
 def test_a_tap_weighs_the_wall_within_its_radius(radius, given):
     def weight(y):

@@ -13,7 +13,7 @@ from tests.scenes import scene
 
 def stored(**numerics):
     """Return a case as a run stores it: resolved, through JSON and back."""
-    case = scene("small_sloshing", {"rtol": None, **numerics})    # nothing that the scene itself gives
+    case = scene("small_sloshing", numerics)
     return from_json(to_json(case.resolved(case.numerics.resolved())))
 
 

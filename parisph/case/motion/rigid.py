@@ -66,7 +66,10 @@ class Motion(Model):
 
     @abstractmethod
     def seen(self, vectors: Floats, t: float) -> Floats:
-        """Return vectors (n, dim) of the room, such as gravity, as they are seen from the body at time t [s]."""
+        """Return vectors (n, dim) of the room, such as gravity, as they are seen from the body at time t [s].
+
+        These may be the same array: whoever changes it owns both.
+        """
 
     @abstractmethod
     def felt(self, x: Floats, t: float) -> Floats:
