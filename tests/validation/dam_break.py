@@ -204,23 +204,25 @@ def _other_steps(bench, spacing, full):
     """Return the rows of half and a quarter of the limits on the time step, beside the starts at the default ones.
 
     Of two sets of starts, which chance has spread, means are compared. Steps of different length differ by less than
-    what the codes themselves leave open (with 256 cells, Basilisk's onset still moves), so these stand beside it.
+    what the codes themselves leave open (with 256 cells, Basilisk's onset still moves), so these stand beside it. The
+    pressure is solved more closely, as the errors of more steps add up: to 1e-4, one start of three with a quarter of
+    the step at H/s = 80 errs by 0.136 in P2, to 1e-5 by less than 0.05.
     """
     found, usual = [], load(ROOT / "cases" / "dam_break.py").numerics.resolved()
     for label, parts in (("half", 2), ("a quarter", 4)):
-        limits = {name: getattr(usual, name) / parts for name in ("cfl", "fall")}
+        limits = {"cfl": usual.cfl / parts, "fall": usual.fall / parts, "rtol": usual.rtol / parts**2}
         starts = _starts(bench, spacing, f"{label} of the step", numerics=limits)
-        found += _beside(f"dam break, H/s = {1 / spacing:.0f}, {label} of the step", starts, full)
+        found += _beside(f"dam break, H/s = {1 / spacing:.0f}, {label} of the step", starts, full, no_worse=True)
     return found
 
 
-def _beside(name, starts, full):
-    """Return the rows of starts with another step than the default one, whose error and change count."""
+def _beside(name, starts, full, no_worse=False):
+    """Return the rows of starts with another step than the default one, beside these. no_worse : whether P2 must be."""
     pairs = list(zip(starts, full))
     ours, due = (float(np.mean([start["P2 against Basilisk"] for start in some])) for some in (starts, full))
     return [
-        Row(f"{name}: P2 against Basilisk, mean of the starts, and that at the full step", ours, due,
-            cost=max(start.cpu for start in starts)),
+        Row(f"{name}: P2 against Basilisk, mean of the starts, and that at the full step", ours,
+            due if no_worse else None, cost=max(start.cpu for start in starts)),
         *(Row.of_starts(f"{name}: {what}", [start[what] for start in starts]) for what in
           (*(f"P2 against {truth}" for truth in ("Basilisk", EXTRAPOLATED, "interFoam")), "onset", "quiet", "E(2)")),
         Row.of_starts(f"{name}: change of E(2), of each start",
@@ -234,9 +236,9 @@ def _fixed(bench, spacing, adaptive):
     """Return the rows of a fixed time step, beside the starts with the adaptive one."""
     name = f"dam break, H/s = {1 / spacing:.0f}, fixed step"
     fixed = _starts(bench, spacing, "fixed", time_step=STEP)
-    ours, due = (float(np.mean([start.cpu for start in starts])) for starts in (fixed, adaptive))
+    ours, due = (float(np.mean([start.cpu for start in starts])) for starts in (adaptive, fixed))
     return [*_beside(name, fixed, adaptive),
-            Row(f"{name}: CPU s, mean of the starts, and that of the adaptive steps", ours, due)]
+            Row(f"{name}: CPU s of the adaptive steps, mean of the starts, and that of the fixed one", ours, due)]
 
 
 def _volume(bench):
