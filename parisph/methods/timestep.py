@@ -124,9 +124,9 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: n
 def strained_step(numerics: Numerics, rate: float) -> float:
     """Return the longest adaptive step [s] for fluid that is strained at a mean rate [1/s], sqrt(2 S:S).
 
-    Infinite without strain, and for waves that do not break (`numerics.fall` = 0).
+    Infinite without strain, with a fixed step, and for waves that do not break (`numerics.fall` = 0).
     """
-    return STRAIN / rate if numerics.fall and rate > 0.0 else np.inf
+    return STRAIN / rate if numerics.time_step is None and numerics.fall and rate > 0.0 else np.inf
 
 
 def rest_step(numerics: Numerics) -> float:

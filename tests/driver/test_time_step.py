@@ -81,6 +81,8 @@ def test_a_step_strains_the_fluid_by_no_more_than_a_limit(rate):
     assert steps[1:] == pytest.approx([STRAIN / (2.0 * rate)] * 3, rel=0.1)
     turning = steps_of(still(velocity=(f"{rate}*y", f"-{rate}*x")), 4)
     assert min(turning) > 2.0 * max(steps[1:])    # as a rigid body
+    fixed = still(velocity=(f"{rate}*x", f"-{rate}*y")).changed(**{"numerics.time_step": 0.01})
+    assert steps_of(fixed, 4) == [0.01] * 4
 
 
 @pytest.mark.parametrize("end_time", [10.0, 1e3])

@@ -88,7 +88,7 @@ def test_rotating_patch():
     """The pressure in the middle is negative and the corners move outwards, until t omega = 1.4."""
     s = Simulation(scene("rotating_patch", spacing=0.05), MPI.COMM_SELF)
     turning = spin(s.particles)
-    before, after = steps(s, 66)
+    before, after = steps(s, 88)
     p = s.particles
     assert np.isfinite(p.x).all() and np.isfinite(p.u).all() and len(p.x) == 441
     assert s.time > 1.2
