@@ -30,9 +30,9 @@ class Numerics(Model):
     method, preset : names, see METHODS and PRESETS
     time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s) and to
         `fall` (over sqrt(s/a), with 1.5 times the largest acceleration of the fluid for a, at most the body force, or
-        1.25 times the root of its mean square if that is more, but then no shorter than the fastest fluid takes for a
-        tenth of a spacing), of at most a fiftieth of the period of a Sway; where `fall` is not 0, no step strains the
-        fluid by more than 1.5 % in the mean
+        1.25 times the root of its mean square if that is more; and where it is not 0, a step strains the fluid by no
+        more than 1.5 % in the mean; these two make it no shorter than the fastest fluid takes for a tenth of a
+        spacing), of at most a fiftieth of the period of a Sway
     max_time_step : upper limit of an adaptive step [s]
     zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)

@@ -248,7 +248,7 @@ class Simulation:
     def _limit(self) -> float:
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
         dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt, self._shortest,
-                       self.method.accelerations)
+                       self.method.accelerations, self.method.strain_rate)
         dt = min(dt, self.method.longest_step())
         if self.numerics.time_step is not None:
             return dt

@@ -65,6 +65,7 @@ class Compressible:
         self.mass = flow.density * flow.spacing**flow.particles.dim
         self.pressure, self.density = EQUATIONS[n.equation_of_state]
         self.accelerations = 0.0, 0.0    # without the mean, as the speed of sound limits these steps
+        self.strain_rate = 0.0           # nor is strain looked at
         self._steps, self._begun = 0, False
 
     # -- what the driver asks for ----------------------------------------------------------

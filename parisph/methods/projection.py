@@ -15,7 +15,7 @@ from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.guesses import Guesses
 from parisph.methods.reports import ProjectionReport
-from parisph.methods.timestep import resolved_time, strained_step
+from parisph.methods.timestep import resolved_time
 from parisph.methods.velocities import keep_in_tank
 from parisph.pressure import groups
 from parisph.pressure.rows import PressureRows
@@ -161,19 +161,22 @@ class Projection:
         return found
 
     def longest_step(self) -> float:
-        """Return the longest step [s] that the strain of the last one and the parts of the method allow, infinite if
-        nothing limits it. Collective."""
-        flow = self.flow
-        longest, limiting = strained_step(flow.numerics, flow.mean_strain), [p for p in self.parts if p.limits_step]
+        """Return the longest step [s] that the parts of the method allow, infinite if none limits it. Collective."""
+        limiting = [part for part in self.parts if part.limits_step]
         if not limiting:
-            return longest
-        return flow.particles.comm.allreduce(min(longest, *(part.longest_step(flow) for part in limiting)), op=MPI.MIN)
+            return np.inf
+        return self.flow.particles.comm.allreduce(min(part.longest_step(self.flow) for part in limiting), op=MPI.MIN)
 
     @property
     def accelerations(self) -> tuple[float, float]:
         """Largest acceleration of fluid in the last step, and the root of the mean square, on all ranks [m/s^2]; known
         with an adaptive step."""
         return self.flow.accelerations
+
+    @property
+    def strain_rate(self) -> float:
+        """Mean rate at which fluid was strained in the last step, on all ranks, sqrt(2 S:S) [1/s]."""
+        return self.flow.mean_strain
 
     @property
     def columns(self) -> dict[str, str]:

@@ -17,7 +17,8 @@ GROWTH = 1.1    # from one step to the next, at most
 BRISK = 1.5
 # times the root mean square of the acceleration of fluid: limits the step in an impact, also above the body force
 IMPACT = 1.25
-# spacings the fastest particle may move in any impact: shorter steps feed jets that pass close above a solid
+# spacings the fastest particle may move in any impact or strain: shorter steps feed jets that pass close above a solid,
+# and columns one or two particles wide that fall to pieces
 LEAST_MOVE = 0.1
 # strain of a step, dt sqrt(2 S:S), in the mean over the fluid: in a step particles move along straight lines, and the
 # volume is wrong by the square of the strain. In the second splash of the dam break at H/s = 40, nine starts, it is too
@@ -29,15 +30,17 @@ TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do
 
 
 def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity: float, previous: float | None = None,
-              shortest: float = 0.0, accelerations: tuple[float, float] = (0.0, 0.0)) -> float:
+              shortest: float = 0.0, accelerations: tuple[float, float] = (0.0, 0.0),
+              strain_rate: float = 0.0) -> float:
     """Return the time step [s]: fixed, or limited by velocity, acceleration and body force. Collective.
 
     No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor
     from rest (g dt^2/2). Nor is a step longer than `numerics.fall` sqrt(s/a). In waves and in water that is set in
     motion, a is 1.5 times the largest acceleration, at most that of the body force: a longer step costs accuracy long
     before it moves a particle far. In an impact a is 1.25 times the root of the mean square, which then is larger: in
-    a dam break, half the step while the water hits the wall is worth as much as half the step all the time. No impact
-    makes it shorter than the fastest particle takes for LEAST_MOVE spacings. A step is at most a tenth longer than the
+    a dam break, half the step while the water hits the wall is worth as much as half the step all the time. Where
+    `fall` is not 0, no step strains the fluid by more than STRAIN in the mean. Neither impact nor strain makes it
+    shorter than the fastest particle takes for LEAST_MOVE spacings. A step is at most a tenth longer than the
     last one, so that a single calm step during an impact does not undo the reduction. Infinite if nothing limits it.
 
     Parameters
@@ -46,6 +49,7 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     previous : float or None, the last step [s]
     shortest : float, a step [s] below which the run has diverged
     accelerations : of fluid in the last step, on all ranks [m/s^2]: the largest, and the root of their mean square
+    strain_rate : of fluid in the last step, sqrt(2 S:S) in the mean on all ranks [1/s]
 
     Raises
     ------
@@ -62,10 +66,12 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
         raise SolverDiverged(f"a particle has reached {fastest:.3g} m/s, for which the time step would have to "
                              f"be {dt:.3g} s: the flow is far too fast for this scene")
     largest, mean = accelerations
-    in_impact = _accurate(numerics, IMPACT * mean)
+    violent = _accurate(numerics, IMPACT * mean)
+    if numerics.fall and strain_rate > 0.0:
+        violent = min(violent, STRAIN / strain_rate)
     if fastest > 0.0:
-        in_impact = max(in_impact, LEAST_MOVE * numerics.spacing / fastest)
-    dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * largest, gravity)), in_impact)
+        violent = max(violent, LEAST_MOVE * numerics.spacing / fastest)
+    dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * largest, gravity)), violent)
     if numerics.max_time_step is not None:
         dt = min(dt, numerics.max_time_step)
     if previous is not None:
@@ -119,14 +125,6 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: n
                                             float(sizes(force).max(initial=0.0)))
     rate = max(fastest / (TOLD_MOVE * spacing), np.sqrt(strongest / spacing) / TOLD_FALL)
     return 1.0 / rate if 0.0 < rate < np.inf else 0.0
-
-
-def strained_step(numerics: Numerics, rate: float) -> float:
-    """Return the longest adaptive step [s] for fluid that is strained at a mean rate [1/s], sqrt(2 S:S).
-
-    Infinite without strain, with a fixed step, and for waves that do not break (`numerics.fall` = 0).
-    """
-    return STRAIN / rate if numerics.time_step is None and numerics.fall and rate > 0.0 else np.inf
 
 
 def rest_step(numerics: Numerics) -> float:
