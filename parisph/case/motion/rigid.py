@@ -68,7 +68,7 @@ class Motion(Model):
     def seen(self, vectors: Floats, t: float) -> Floats:
         """Return vectors (n, dim) of the room, such as gravity, as they are seen from the body at time t [s].
 
-        These may be the same array: whoever changes it owns both.
+        The result may be `vectors` itself, not a copy.
         """
 
     @abstractmethod
