@@ -7,8 +7,9 @@ import numpy as np
 from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
 from parisph.kernels import harmonic
 from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.mls import moment_count
 from parisph.kernels.moments import invert, pair_weight
-from parisph.kernels.near import dot, fill_up, gather, room_for, weigh
+from parisph.kernels.near import dot, fill_up, gather, room_for, sum_changes, sum_moments, weigh, weights
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline_slope
 from parisph.kernels.solids import element_normal, nearest_point
@@ -35,28 +36,52 @@ def least_squares_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: 
     f, x, role : owned and ghost
     """
     dim, room = len(axes), room_for(indptr)
-    near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
+    near, weighted, difference = np.empty((dim, room)), np.empty((1, room)), np.empty((1, room))
     member = np.empty(room, np.int32)
     m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
+    moments, sums = np.empty((moment_count(axes), 1)), np.empty(1 + dim)
     for i in range(len(indptr) - 1):
-        out[i, :] = 0.0
+        for a in range(dim):
+            out[i, a] = 0.0
         if role[i] != INNER and role[i] != SURFACE:
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
-        quality = support(m, inverse, weighted, near, power, n, columns, axes)
+        quality = fitted(m, inverse, moments, weighted, near, power, columns, axes)
         if quality == TOO_FEW:
             role[i] = BALLISTIC
             continue
         if quality < floor and not _soften(m, inverse, floor - quality, axes):
             role[i] = BALLISTIC     # all in one place
             continue
-        for k in range(columns):
-            difference[0, k] = (f[member[k]] - f[i]) / radius if k < n else 0.0
+        for k in range(n):
+            difference[0, k] = f[np.uint32(member[k])] - f[i]
+        for k in range(n, columns):
+            difference[0, k] = 0.0
+        sum_changes(sums, weighted, near, difference, 0, columns, axes)
         for b in range(dim):
-            right = dot(weighted, 1 + b, difference, 0, columns)
+            right = sums[1 + b] / radius
             for a in range(dim):
                 out[i, a] += inverse[a, b] * right
+
+
+@inlined
+def fitted(m: np.ndarray, inverse: np.ndarray, moments: np.ndarray, weighted: np.ndarray, near: np.ndarray, power: int,
+           columns: int, axes: tuple[int, ...]) -> float:
+    """Weigh the neighbours in row 0 and invert their moment; return what `support` returns.
+
+    It needs no products of weights and coordinates, and takes less time. moments : (moment_count, 1), written
+    """
+    dim = len(axes)
+    weights(weighted, near, power, columns, axes)
+    found = sum_moments(moments, 0, weighted, near, columns, axes)
+    r = 1 + dim
+    for a in range(dim):
+        for b in range(a + 1):
+            m[a, b] = m[b, a] = moments[r, 0]
+            r += 1
+    quality = invert(m, inverse, axes)
+    return quality if found > dim else TOO_FEW
 
 
 @inlined

@@ -89,30 +89,38 @@ def fill_up(near: np.ndarray, n: int, axes: tuple[int, ...]) -> int:
 
 @inlined
 def weigh(weighted: np.ndarray, near: np.ndarray, power: int, m: int, axes: tuple[int, ...]) -> None:
-    """Write the least-squares weight of each neighbour and its products with the coordinates.
+    """Write the least-squares weight of each neighbour, as `weights`, and its products with the coordinates.
 
-    weighted : (1 + dim, columns): w, then w near[a]; w is the quartic weight over r^power
-        (power 0 or 2; with 2, a neighbour at the particle's own position has no direction and no
-        weight, and 1/r^2 stops growing at a quarter of the radius), or SPLINE or SPLINE_SLOPE
+    weighted : (1 + dim, columns): w, then w near[a]
     """
-    if power < 0:
-        _weigh_by_spline(weighted, near, power, m, axes)
-        return
-    for k in range(m):
-        q2 = 0.0
-        for a in range(len(axes)):
-            q2 += near[a, k] ** 2
-        w = quartic_weight(q2, 1.0)
-        if power == 2:
-            w = w / max(q2, CLOSE) if q2 > 0.0 else 0.0
-        weighted[0, k] = w
+    weights(weighted, near, power, m, axes)
     for a in range(len(axes)):
         for k in range(m):
             weighted[1 + a, k] = weighted[0, k] * near[a, k]
 
 
 @inlined
-def _weigh_by_spline(weighted, near, power, m, axes):
+def weights(weighted: np.ndarray, near: np.ndarray, power: int, m: int, axes: tuple[int, ...]) -> None:
+    """Write the least-squares weight of each neighbour to row 0.
+
+    It is the quartic weight over r^power (power 0 or 2; with 2, a neighbour at the particle's own position has no
+    direction and no weight, and 1/r^2 stops growing at a quarter of the radius), or SPLINE or SPLINE_SLOPE.
+    """
+    if power < 0:
+        _weights_by_spline(weighted, near, power, m, axes)
+        return
+    for k in range(m):
+        q2 = near[0, k] ** 2 + near[1, k] ** 2
+        if len(axes) == 3:
+            q2 += near[2, k] ** 2
+        w = quartic_weight(q2, 1.0)
+        if power == 2:
+            w = w / max(q2, CLOSE) if q2 > 0.0 else 0.0
+        weighted[0, k] = w
+
+
+@inlined
+def _weights_by_spline(weighted, near, power, m, axes):
     """Weigh with the cubic spline or its slope, lengths in units of its support 2h."""
     dim = len(axes)
     for k in range(m):
@@ -122,25 +130,58 @@ def _weigh_by_spline(weighted, near, power, m, axes):
         r = math.sqrt(q2)
         w = cubic_spline(r, 0.5, dim) if power == SPLINE else -cubic_spline_slope(r, 0.5, dim)
         weighted[0, k] = w
-    for a in range(dim):
-        for k in range(m):
-            weighted[1 + a, k] = weighted[0, k] * near[a, k]
 
 
 @inlined
-def sum_moments(moments: np.ndarray, q: np.ndarray, weighted: np.ndarray, near: np.ndarray, m: int,
-                axes: tuple[int, ...]) -> None:
-    """Write the sums of w, w x_a and w x_a x_b (in the order 00, 10, 11, 20, 21, 22) to column q."""
-    r = 1 + len(axes)
-    for a in range(len(axes)):
-        for b in range(a + 1):
-            moments[r, q] = dot(weighted, 1 + a, near, b, m)
-            r += 1
-    for r in range(1 + len(axes)):
-        total = 0.0
+def sum_moments(moments: np.ndarray, q: int, weighted: np.ndarray, near: np.ndarray, m: int,
+                axes: tuple[int, ...]) -> float:
+    """Write the sums of w, w x_a and w x_a x_b (in the order 00, 10, 11, 20, 21, 22) to column q, with the weights of
+    row 0; return the number of neighbours that have a weight.
+
+    The sums are named scalars, which stay in registers.
+    """
+    dim = len(axes)
+    found, s, sx, sy, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(m):
+        w, x, y = weighted[0, k], near[0, k], near[1, k]
+        wx, wy = w * x, w * y
+        found += 1.0 if w > 0.0 else 0.0
+        s += w
+        sx += wx
+        sy += wy
+        xx += wx * x
+        xy += wx * y
+        yy += wy * y
+    moments[0, q], moments[1, q], moments[2, q] = s, sx, sy
+    moments[1 + dim, q], moments[2 + dim, q], moments[3 + dim, q] = xx, xy, yy
+    if dim == 3:
+        sz, xz, yz, zz = 0.0, 0.0, 0.0, 0.0
         for k in range(m):
-            total += weighted[r, k]
-        moments[r, q] = total
+            z = near[2, k]
+            wz = weighted[0, k] * z
+            sz += wz
+            xz += wz * near[0, k]
+            yz += wz * near[1, k]
+            zz += wz * z
+        moments[3, q], moments[7, q], moments[8, q], moments[9, q] = sz, xz, yz, zz
+    return found
+
+
+@inlined
+def sum_changes(sums: np.ndarray, weighted: np.ndarray, near: np.ndarray, change: np.ndarray, c: int, m: int,
+                axes: tuple[int, ...]) -> None:
+    """Write the sums of w f and w f x_a, (1 + dim,), with the weights of row 0 and f in row c of `change`."""
+    s, sx, sy, sz = 0.0, 0.0, 0.0, 0.0
+    for k in range(m):
+        v = weighted[0, k] * change[c, k]
+        s += v
+        sx += v * near[0, k]
+        sy += v * near[1, k]
+        if len(axes) == 3:
+            sz += v * near[2, k]
+    sums[0], sums[1], sums[2] = s, sx, sy
+    if len(axes) == 3:
+        sums[3] = sz
 
 
 @inlined

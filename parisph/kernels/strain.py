@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID
-from parisph.kernels.gradient import support
+from parisph.kernels.gradient import fitted
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mls import linear_fit, moment_count
-from parisph.kernels.near import dot, fill_up, gather_within, room_for
+from parisph.kernels.near import fill_up, gather_within, room_for, sum_changes
 
 # The weight of a particle in its own mean is 1 if the fit passes through it, and .6 to .8 beside a contact line, where
 # surface particles would creep without the filter.
@@ -35,65 +35,56 @@ def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, u: np
     u, x, kind, role : of owned and ghost particles, walls with the velocity of `wall_velocity`
     """
     dim, room = len(axes), room_for(indptr)
-    near, weighted, difference = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty((1, room))
+    near, weighted, difference = np.empty((dim, room)), np.empty((1, room)), np.empty((dim, room))
     member = np.empty(room, np.int32)
-    m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
+    m, inverse, sums = np.empty((dim, dim)), np.empty((dim, dim)), np.empty(1 + dim)
     moments, fit, here = np.empty((moment_count(axes), 1)), np.empty((dim + 1, 1)), np.zeros((dim, 1))
     for i in range(len(indptr) - 1):
-        if len(g) > 0:
-            g[i] = 0.0
+        for c in range(dim if len(g) > 0 else 0):
             rate[i] = 0.0
-        if len(beyond) > 0:
-            for c in range(dim):
-                beyond[i, c] = 0.0
+            for a in range(dim):
+                g[i, c, a] = 0.0
+        for c in range(dim if len(beyond) > 0 else 0):
+            beyond[i, c] = 0.0
         if kind[i] != FLUID:
             continue
         n = gather_within(near, member, 0, i, x, role, radius, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
-        quality = support(m, inverse, weighted, near, 0, n, columns, axes)
-        spans = len(g) > 0 and not quality < floor
-        fitted = len(beyond) > 0 and _fit_here(fit, moments, here, weighted, m, columns, axes)
-        if not (spans or fitted):
+        spans = fitted(m, inverse, moments, weighted, near, 0, columns, axes) >= floor and len(g) > 0
+        smooth = len(beyond) > 0 and _fit_here(fit, moments, here, axes)
+        if not (spans or smooth):
             continue
+        _differences(difference, u, member, i, n, columns, axes)
         for c in range(dim):
-            for k in range(columns):
-                difference[0, k] = u[member[k], c] - u[i, c] if k < n else 0.0
-            if fitted:
-                beyond[i, c] = _what_is_beyond(fit, weighted, difference, columns, axes)
+            sum_changes(sums, weighted, near, difference, c, columns, axes)
+            if smooth:
+                for r in range(1 + dim):
+                    beyond[i, c] -= fit[r, 0] * sums[r]
             for b in range(dim if spans else 0):
-                right = dot(weighted, 1 + b, difference, 0, columns) / radius
                 for a in range(dim):
-                    g[i, c, a] += inverse[a, b] * right
+                    g[i, c, a] += inverse[a, b] * sums[1 + b] / radius
         if spans:
             rate[i] = _strain_rate(g, i, axes)
 
 
 @inlined
-def _fit_here(fit, moments, here, weighted, m, columns, axes):
-    """Write the fit at the particle, which has the weight 1, by its own and its neighbours' moments; return whether
-    it is linear and not that of the particle alone."""
-    dim = len(axes)
-    for r in range(1 + dim):
-        total = 0.0
-        for k in range(columns):
-            total += weighted[r, k]
-        moments[r, 0] = total
+def _fit_here(fit, moments, here, axes):
+    """Write the fit at the particle, which has the weight 1, by its neighbours' moments, to which it is added; return
+    whether it is linear and not that of the particle alone."""
     moments[0, 0] += 1.0
-    r = 1 + dim
-    for a in range(dim):
-        for b in range(a + 1):
-            moments[r, 0] = m[a, b]
-            r += 1
     return linear_fit(fit, moments, here, 1, axes) == 1 and 0.0 < fit[0, 0] < ALONE
 
 
 @inlined
-def _what_is_beyond(fit, weighted, difference, columns, axes):
-    """Return what a value at the particle has beyond the fit, by the differences (1, columns) of its neighbours."""
-    total = 0.0
-    for r in range(1 + len(axes)):
-        total -= fit[r, 0] * dot(weighted, r, difference, 0, columns)
-    return total
+def _differences(difference, u, member, i, n, columns, axes):
+    """Write what the velocities of n neighbours differ by from that of particle i, (dim, columns)."""
+    for k in range(n):
+        j = np.uint32(member[k])
+        for c in range(len(axes)):
+            difference[c, k] = u[j, c] - u[i, c]
+    for k in range(n, columns):
+        for c in range(len(axes)):
+            difference[c, k] = 0.0
 
 
 @kernel
