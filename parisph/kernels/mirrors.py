@@ -47,9 +47,15 @@ def near_planes(member: np.ndarray, i: int, x: np.ndarray, kind: np.ndarray, cor
         normal of that particle. Of several parallel walls, the one closest to i is taken.
     Returns the number of planes, at most dim.
     """
+    return _planes_among(member, i, x, kind, corner, normal, indptr[i], indptr[i + 1], indices, axes)
+
+
+@inlined
+def _planes_among(member, i, x, kind, corner, normal, first, stop, indices, axes):
+    """Find the planes of `near_planes` among a part of a list, in which all walls near i must be."""
     dim = len(axes)
     found = 0
-    for k in range(indptr[i], indptr[i + 1]):
+    for k in range(first, stop):
         j = indices[k]
         if kind[j] != WALL or corner[j]:
             continue
@@ -68,14 +74,14 @@ def near_planes(member: np.ndarray, i: int, x: np.ndarray, kind: np.ndarray, cor
             found += 1
     kept = 0
     for p in range(found):
-        if _is_beside(i, member[p], x, kind, normal, indptr, indices, axes):
+        if _is_beside(i, member[p], x, kind, normal, first, stop, indices, axes):
             member[kept] = member[p]
             kept += 1
     return kept
 
 
 @inlined
-def _is_beside(i, wall, x, kind, normal, indptr, indices, axes):
+def _is_beside(i, wall, x, kind, normal, first, stop, indices, axes):
     """Return whether particle i is in front of a wall, not past its end.
 
     Along each tangent the wall particles of that plane, corners included, must lie on both sides of i.
@@ -84,9 +90,9 @@ def _is_beside(i, wall, x, kind, normal, indptr, indices, axes):
     for b in range(dim):  # the tangent along axis b is e_b - n_b n
         if 1.0 - normal[wall, b] ** 2 < 0.25:
             continue
-        first, last = 0.0, 0.0
+        least, most = 0.0, 0.0
         seen = False
-        for k in range(indptr[i], indptr[i + 1]):
+        for k in range(first, stop):
             j = indices[k]
             if kind[j] != WALL:
                 continue
@@ -97,11 +103,11 @@ def _is_beside(i, wall, x, kind, normal, indptr, indices, axes):
             if off * off > 0.01 * apart:
                 continue  # on another wall
             along = x[j, b] - x[i, b] + height(i, wall, x, normal, axes) * normal[wall, b]
-            first = min(first, along) if seen else along
-            last = max(last, along) if seen else along
+            least = min(least, along) if seen else along
+            most = max(most, along) if seen else along
             seen = True
-        slack = SLACK * (last - first)
-        if first > slack or last < -slack:
+        slack = SLACK * (most - least)
+        if least > slack or most < -slack:
             return False
     return True
 
@@ -149,18 +155,18 @@ def casts_image(j: int, subset: int, member: np.ndarray, x: np.ndarray, kind: np
 
 
 @inlined
-def gather_around(near: np.ndarray, member: np.ndarray, image: np.ndarray, i: int, x: np.ndarray, kind: np.ndarray,
-                  corner: np.ndarray, normal: np.ndarray, h: float, indptr: np.ndarray, indices: np.ndarray,
-                  axes: tuple[int, ...]) -> int:
+def gather_around(near: np.ndarray, walls: np.ndarray, member: np.ndarray, image: np.ndarray, i: int, x: np.ndarray,
+                  kind: np.ndarray, corner: np.ndarray, normal: np.ndarray, h: float, indptr: np.ndarray,
+                  indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Write all neighbours of fluid particle i, and the images of itself and its neighbours in nearby walls.
 
     Particles of the kind ABSENT are left out, as neighbours and as walls.
 
     near : (dim, 2^dim times the columns from `near.room_for`), relative to i, in units of h
-    member : (dim,) int64, image : (dim,) scratch
+    walls : int32, of the length from `near.room_for`, member : (dim,) int64, image : (dim,) scratch
     Returns the number of columns in use, including the padding with points without weight.
     """
-    dim, n, walls, scale, cx, cy = len(axes), 0, False, 1.0 / h, x[i, 0], x[i, 1]
+    dim, n, w, scale, cx, cy = len(axes), 0, 0, 1.0 / h, x[i, 0], x[i, 1]
     cz = x[i, 2] if dim == 3 else 0.0
     for k in range(indptr[i], indptr[i + 1]):
         j = np.uint32(indices[k])
@@ -168,9 +174,12 @@ def gather_around(near: np.ndarray, member: np.ndarray, image: np.ndarray, i: in
         if dim == 3:
             near[2, n] = (x[j, 2] - cz) * scale
         n += kind[j] != ABSENT
-        walls |= kind[j] == WALL
-    if walls:
-        planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
+        walls[w] = j
+        w += kind[j] == WALL
+    if w > 0:
+        planes = _planes_among(member, i, x, kind, corner, normal, 0, w, walls, axes)
+        if planes == 1:
+            return fill_up(near, _reflect_all(near, n, i, member[0], x, kind, normal, h, indptr, indices, axes), axes)
         for subset in range(1, 1 << planes):
             for k in range(indptr[i] - 1, indptr[i + 1]):
                 j = i if k < indptr[i] else indices[k]
@@ -180,3 +189,27 @@ def gather_around(near: np.ndarray, member: np.ndarray, image: np.ndarray, i: in
                         near[a, n] = (image[a] - x[i, a]) / h
                     n += 1
     return fill_up(near, n, axes)
+
+
+@inlined
+def _reflect_all(near, n, i, wall, x, kind, normal, h, indptr, indices, axes):
+    """Write the images in one plane of particle i and of its first n neighbours behind these; return how many columns
+    are in use then. No branches: near a wall every other particle is a wall's own image or too far away."""
+    dim, own = len(axes), height(i, wall, x, normal, axes) / h
+    nx, ny = normal[wall, 0], normal[wall, 1]
+    nz = normal[wall, 2] if dim == 3 else 0.0
+    near[0, n], near[1, n] = -2.0 * own * nx, -2.0 * own * ny
+    if dim == 3:
+        near[2, n] = -2.0 * own * nz
+    m, c = n + 1, 0
+    for k in range(indptr[i], indptr[i + 1]):
+        j = np.uint32(indices[k])
+        up = own + near[0, c] * nx + near[1, c] * ny
+        if dim == 3:
+            up += near[2, c] * nz
+            near[2, m] = near[2, c] - 2.0 * up * nz
+        near[0, m], near[1, m] = near[0, c] - 2.0 * up * nx, near[1, c] - 2.0 * up * ny
+        there = kind[j] != ABSENT
+        m += there & ((kind[j] == FLUID) | (up >= 0.1))    # as `casts_image`
+        c += there
+    return m

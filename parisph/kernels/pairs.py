@@ -58,8 +58,9 @@ def close_pairs(x: np.ndarray, kind: np.ndarray, distance: float, indptr: np.nda
                 r2 = dx * dx + dy * dy
                 if len(axes) == 3:
                     r2 += (x[j, 2] - cz) ** 2
-                close[n] = j    # overwritten by the next one if j is not close
-                n += (kind[j] == FLUID) & (0.0 < r2) & (r2 < distance2)
+                if (r2 < distance2) & (0.0 < r2) & (kind[j] == FLUID):    # few are, which a processor foresees
+                    close[n] = j
+                    n += 1
         start[i + 1] = n
     return start, close[:n].copy()
 

@@ -34,13 +34,13 @@ def xu_shift(shift: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndar
     strength : (n_owned,) [m]; cap : [m]
     """
     dim = len(axes)
-    member, image = np.empty(dim, np.int64), np.empty(dim)
+    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
     near = np.empty((dim, room_for(indptr) * 2**dim))
     for i in range(len(indptr) - 1):
         shift[i, :] = 0.0
         if kind[i] != FLUID or role[i] != INNER:
             continue
-        m = gather_around(near, member, image, i, x, kind, corner, normal, radius, indptr, indices, axes)
+        m = gather_around(near, walls, member, image, i, x, kind, corner, normal, radius, indptr, indices, axes)
         total, count = 0.0, 0
         for k in range(m):
             r2 = _square(near, k, axes)
@@ -68,14 +68,14 @@ def tensile_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: n
     out : (n_owned, dim) output, zero for walls; h : of the cubic spline [m]; spacing : s [m]; full : of `lattice_sum`
     """
     dim = len(axes)
-    member, image = np.empty(dim, np.int64), np.empty(dim)
+    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
     near = np.empty((dim, room_for(indptr) * 2**dim))
     at_spacing = cubic_spline(spacing, h, dim)
     for i in range(len(indptr) - 1):
         out[i, :] = 0.0
         if kind[i] != FLUID:
             continue
-        m = gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)
+        m = gather_around(near, walls, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)
         for k in range(m):
             r = h * math.sqrt(_square(near, k, axes))
             ratio = cubic_spline(r, h, dim) / at_spacing
@@ -181,7 +181,7 @@ def pressure_shift(shift: np.ndarray, p: np.ndarray, x: np.ndarray, kind: np.nda
     p : (n_all,) [Pa], of walls too; radius : of the quartic weight w [m]; strength : [m^3 s^2/kg]
     """
     dim = len(axes)
-    member, image = np.empty(dim, np.int64), np.empty(dim)
+    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
     near = np.empty((dim, room_for(indptr) * 2**dim))
     for i in range(len(indptr) - 1):
         shift[i, :] = 0.0
@@ -194,7 +194,7 @@ def pressure_shift(shift: np.ndarray, p: np.ndarray, x: np.ndarray, kind: np.nda
                 r2 += (x[indices[k], a] - x[i, a]) ** 2
             if r2 < radius * radius and role[indices[k]] <= WET:
                 least = min(least, p[indices[k]])
-        m = gather_around(near, member, image, i, x, kind, corner, normal, radius, indptr, indices, axes)
+        m = gather_around(near, walls, member, image, i, x, kind, corner, normal, radius, indptr, indices, axes)
         weights = 0.0
         for k in range(m):
             r2 = _square(near, k, axes)

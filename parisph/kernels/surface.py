@@ -46,14 +46,14 @@ def density_ratio(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np
     alpha : (n_owned,) output; walls get 1
     """
     dim = len(axes)
-    member, image = np.empty(dim, np.int64), np.empty(dim)
+    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
     near = np.empty((dim, room_for(indptr) * 2**dim))
     for i in range(len(indptr) - 1):
         alpha[i] = 1.0
         if kind[i] != FLUID:
             continue
         total = cubic_spline(0.0, h, dim)
-        for k in range(gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)):
+        for k in range(gather_around(near, walls, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)):
             q2 = 0.0
             for a in range(dim):
                 q2 += near[a, k] ** 2
@@ -76,14 +76,14 @@ def position_divergence(div: np.ndarray, x: np.ndarray, kind: np.ndarray, corner
     h : smoothing length of the cubic spline [m]; volume : of a particle [m^dim]
     """
     dim = len(axes)
-    member, image = np.empty(dim, np.int64), np.empty(dim)
+    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
     near = np.empty((dim, room_for(indptr) * 2**dim))
     for i in range(len(indptr) - 1):
         div[i] = dim
         if kind[i] != FLUID:
             continue
         total = 0.0
-        for k in range(gather_around(near, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)):
+        for k in range(gather_around(near, walls, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)):
             q2 = 0.0
             for a in range(dim):
                 q2 += near[a, k] ** 2
