@@ -16,9 +16,8 @@ def sizes(vectors: Floats) -> Floats:
 
     As np.linalg.norm along the last axis, which takes several times as long for vectors of two or three components.
     """
-    squares = vectors * vectors
-    total = squares[:, 0]
-    for axis in range(1, squares.shape[1]):
-        total = total + squares[:, axis]
-    lengths: Floats = np.sqrt(total)
+    total = np.square(vectors[:, 0])
+    for axis in range(1, vectors.shape[1]):
+        total += np.square(vectors[:, axis])
+    lengths: Floats = np.sqrt(total, out=total)
     return lengths
