@@ -8,6 +8,7 @@ from mpi4py import MPI
 from parisph.base.errors import ParisphError, agree
 from parisph.case.numerics import Numerics
 from parisph.case.schema import Box, Case, Fluid, Obstacle, Tank, Volume
+from parisph.pressure import matrices
 from parisph.watch import instruments
 
 CELLS = 12     # sides of the small tank, in spacings
@@ -59,5 +60,6 @@ def _step(simulation: Any) -> None:
         simulation.advance()
         samplers = instruments.build(simulation.case, simulation.comm)
         instruments.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
+        matrices.compile_for_ranks()
     finally:
         simulation.destroy()

@@ -31,6 +31,11 @@ def matrix_of(rows: PETSc.Vec, indptr: np.ndarray, columns: np.ndarray, values: 
     return PETSc.Mat().createAIJWithArrays((rows.sizes, rows.sizes), (indptr, columns, values), comm=rows.comm)
 
 
+def compile_for_ranks() -> None:
+    """Compile what only several ranks need, or load it. Not collective."""
+    split_rows(np.zeros(1, PETSc.IntType), np.zeros(0, PETSc.IntType), np.zeros(0), 0, 0)
+
+
 def _from_blocks(rows, indptr, columns, values):
     """Return the matrix of sorted rows from its blocks of own and of other columns, as PETSc stores it on ranks.
 

@@ -142,8 +142,8 @@ class PressureSolver:
             each row in place and keeps the arrays until the next matrix: do not change them.
         rhs : (n_owned,) float, b
         guess : (n_owned,) float, (k, n_owned) float or None
-            Initial guess (the previous pressure), or several, of which the best is taken; None for zero. The same k
-            on all ranks.
+            Initial guess (the previous pressure), or several, of which the first is taken if it solves the equation,
+            else the best; None for zero. The same k on all ranks.
         renumbered : bool
             Row numbers have changed, on any rank, since the previous matrix.
 
@@ -255,8 +255,7 @@ class PressureSolver:
         Return (p, SolveRecord). error : of this rank's vectors, or None.
         """
         system, self._goal = self._system, goal
-        self._ksp.setTolerances(rtol=goal)
-        system.load(rhs, guess, error)
+        self._ksp.setTolerances(rtol=system.load(rhs, guess, error, goal))
         self._seconds = [perf_counter() - start, 0.0]
         if system.norm == 0.0:
             return np.zeros(np.size(rhs)), SolveRecord(0, 0, 0.0, self._seconds[0], 0.0, "", False)

@@ -69,6 +69,29 @@ def test_the_solve_begins_with_the_guess_of_the_least_residual(best):
         solver.destroy()
 
 
+def test_a_pressure_that_still_holds_stays_and_an_extrapolation_is_solved_closer():
+    x, _, *rows = systems.square(20)
+    p = np.cos(np.pi * x[:, 0]) * np.cos(0.5 * np.pi * x[:, 1])
+    b = systems.product(rows, p)
+    wrong = b * np.sin(40.0 * x[:, 0])
+
+    def off(residual):
+        """Return a guess with about this relative residual."""
+        error = systems.product(rows, wrong)
+        return p + wrong * residual * np.linalg.norm(b) / np.linalg.norm(error)
+    solver = PressureSolver(MPI.COMM_SELF, rtol=1e-6)
+    try:
+        holds, record = solver.solve(*rows, b, np.stack([off(0.9e-6), off(0.1e-6)]))
+        assert record.iterations == 0
+        np.testing.assert_array_equal(holds, off(0.9e-6))
+        _, record = solver.solve(*rows, b, np.stack([off(1e-3), off(0.9e-6)]))
+        assert record.iterations > 0 and record.residual < 1e-7
+        _, record = solver.solve(*rows, b, np.stack([off(1e-3), off(1e-4)]))    # no closer than asked
+        assert record.iterations > 0 and 1e-8 < record.residual < 1e-6
+    finally:
+        solver.destroy()
+
+
 def test_a_bad_guess_among_several_is_named():
     _, _, *rows = systems.square(8)
     b = np.ones(len(rows[0]) - 1)
