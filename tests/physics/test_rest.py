@@ -26,7 +26,7 @@ def test_open_tank(jitter):
         wet = p.role != DRY
         error[n] = np.abs(p.p - DENSITY * G * np.maximum(1.0 - p.x[:, 1], 0.0))[wet].max() / (DENSITY * G)
     s.destroy()
-    assert speed.max() <= 1e-6 and error.max() <= 1e-6
+    assert speed.max() <= 1e-10 and error.max() <= 1e-8    # of solves to 1e-9: 4e-11, 9e-10
     # nothing grows: the last fifth is no worse than the second
     fifth = STEPS // 5
     assert speed[-fifth:].max() < 1.5 * speed[fifth:2 * fifth].max()
