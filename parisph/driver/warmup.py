@@ -57,9 +57,9 @@ def small(case: Case, numerics: Numerics) -> Case:
 
 def _step(simulation: Any) -> None:
     try:
+        matrices.compile_for_ranks()
         simulation.advance()
         samplers = instruments.build(simulation.case, simulation.comm)
         instruments.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
-        matrices.compile_for_ranks()
     finally:
         simulation.destroy()

@@ -10,8 +10,9 @@ from parisph.base.environment import cache_folder
 from parisph.base.paths import AnyPath
 
 
-def folder() -> str:
-    """Return the folder for compiled kernels. Its name contains a digest of their sources. Not collective.
+def folder(level: int) -> str:
+    """Return the folder for kernels compiled at a level of the optimiser. Its name contains a digest of this level and
+    of the kernels' sources. Not collective.
 
     numba recompiles a cached kernel when its own file changes, but not when a kernel that it has
     inlined changes in another file. The digest makes sure that stale code is never loaded. The
@@ -20,7 +21,8 @@ def folder() -> str:
     """
     here = Path(__file__).resolve().parent
     sources = [*sorted(here.glob("*.py")), here.parent / "base" / "fields.py"]
-    name = "kernels-" + hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+    digest = hashlib.sha256(b"".join([b"%d" % level, *(path.read_bytes() for path in sources)]))
+    name = f"kernels-{digest.hexdigest()[:16]}"
     places = [Path(os.environ["NUMBA_CACHE_DIR"])] if os.environ.get("NUMBA_CACHE_DIR") else []
     for place in [*places, here / "__pycache__", cache_folder()]:
         if _can_be_made(place / name):

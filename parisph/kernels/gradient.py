@@ -126,14 +126,14 @@ def regain_role(role: np.ndarray, start_role: np.ndarray, x: np.ndarray, radius:
     role : (n_all,), changed; start_role : (n_owned,); others as of least_squares_gradient
     """
     dim, room = len(axes), room_for(indptr)
-    near, weighted, member = np.empty((dim, room)), np.empty((dim + 1, room)), np.empty(room, np.int32)
-    m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
+    near, weighted, member = np.empty((dim, room)), np.empty((1, room)), np.empty(room, np.int32)
+    m, inverse, moments = np.empty((dim, dim)), np.empty((dim, dim)), np.empty((moment_count(axes), 1))
     for i in range(len(indptr) - 1):
         if role[i] != BALLISTIC:
             continue
         n = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, n, axes)
-        if support(m, inverse, weighted, near, power, n, columns, axes) >= floor:
+        if fitted(m, inverse, moments, weighted, near, power, columns, axes) >= floor:
             role[i] = start_role[i]
 
 

@@ -5,6 +5,7 @@ import gc
 from parisph.kernels import cache, processor
 from parisph.kernels.processor import numba
 
+processor.choose_level()
 processor.leave_out_avx512()
 
 # Kernels avoid division by zero themselves, so the checks of Python's error model are not needed.
@@ -13,7 +14,7 @@ processor.leave_out_avx512()
 _OPTIONS = dict(error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"}, no_cfunc_wrapper=True)
 
 
-_FOLDER = cache.folder()
+_FOLDER = cache.folder(int(numba.config.OPT))
 
 
 def _compiler(**options):

@@ -194,7 +194,7 @@ def gather_around(near: np.ndarray, walls: np.ndarray, member: np.ndarray, image
 @inlined
 def _reflect_all(near, n, i, wall, x, kind, normal, h, indptr, indices, axes):
     """Write the images in one plane of particle i and of its first n neighbours behind these; return how many columns
-    are in use then. No branches: near a wall every other particle is a wall's own image or too far away."""
+    are in use then. No branches: which neighbours are a wall's particles, their own images, cannot be predicted."""
     dim, own = len(axes), height(i, wall, x, normal, axes) / h
     nx, ny = normal[wall, 0], normal[wall, 1]
     nz = normal[wall, 2] if dim == 3 else 0.0

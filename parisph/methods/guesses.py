@@ -8,9 +8,10 @@ from parisph.parallel.particles import Particles
 class Guesses:
     """The pressure of the last step, and extrapolations in time along the paths of particles, linear and quadratic.
 
-    The solve takes the last pressure if it still solves the equation, as at rest, else the one with the least residual.
-    In waves that is the quadratic one, with a third fewer iterations to follow; in violent flow, where pressures come
-    and go, it changes from step to step, with a fifth fewer.
+    The solve takes the last pressure if it still solves the equation, as at rest, else the one with the least residual,
+    from which it goes on even if that solves the equation (pressure.system.CLOSER). In waves that is the quadratic one,
+    with a third fewer iterations to follow; in violent flow, where pressures come and go, it changes from step to step,
+    with a fifth fewer.
 
     Attributes
     ----------

@@ -74,7 +74,7 @@ class System:
 
     def load(self, rhs: np.ndarray, guess: np.ndarray | None, error: Exception | None = None,
              goal: float = 0.0) -> float:
-        """Set b and the initial guess, and compute |b|. Collective.
+        """Set b and the initial guess, compute |b|, and return the tolerance of the solve. Collective.
 
         A guess whose residual is not below |b| is replaced by zero.
 
@@ -85,12 +85,12 @@ class System:
             else the one with the least; the same k on all ranks
         goal : of |b - A x| / |b|. A pressure that still holds stays. An extrapolation is a start, and no solution: of
             pressures at rest it extrapolates the errors within the tolerance, and they would move the water.
+        error : what is wrong with rhs or guess on this rank, or None; it is raised on all ranks
 
         Returns
         -------
         the tolerance of the solve: the goal, or CLOSER times less if it starts from a guess, other than the first,
         whose residual is within the goal
-        error : what is wrong with rhs or guess on this rank, or None; it is raised on all ranks
 
         Raises
         ------

@@ -143,6 +143,26 @@ def test_kept_fails_and_rebuilt_succeeds(comm, make):
 
 
 @pytest.mark.parametrize("busy", BUSY)
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_pressure_that_still_holds_stays_and_an_extrapolation_is_solved_closer(comm, make, closed, busy):
+    problem = Problem(comm, 20, closed=closed, busy=BUSY[busy])
+    exact = problem.p - (problem.p.mean() if closed else 0.0)
+    wrong = np.sin(40.0 * np.arange(exact.size))
+    wrong -= wrong.mean() if closed else 0.0
+    unit = np.linalg.norm(problem.b) / np.linalg.norm(systems.product(problem.rows, wrong))
+    far, near = (exact + residual * unit * wrong for residual in (1e-3, 0.9e-6))
+    solver = make(rtol=1e-6, closed=closed)
+
+    def solved(*guesses):
+        return solver.solve(*problem.mine, problem.b[problem.part], np.stack(guesses)[:, problem.part])
+    found, record = solved(near, exact)
+    assert record.iterations == 0 and same_everywhere(comm, record)
+    np.testing.assert_allclose(problem.whole(found), near, atol=1e-12)
+    _, record = solved(far, near)
+    assert record.iterations > 0 and record.residual < 1e-7 and same_everywhere(comm, record)
+
+
+@pytest.mark.parametrize("busy", BUSY)
 @pytest.mark.parametrize("kind", ["", "hypre"])
 def test_closed_domain_has_one_answer(comm, make, kind, busy):
     # Sources that do not add up, columns of a nonsymmetric matrix: the answer must not depend on
