@@ -14,14 +14,14 @@ processor.leave_out_avx512()
 _OPTIONS = dict(error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"}, no_cfunc_wrapper=True)
 
 
-_FOLDER = cache.folder(int(numba.config.OPT))
+FOLDER = cache.folder(int(numba.config.OPT))
 
 
 def _compiler(**options):
     """Return a decorator like numba.njit(**options), with the cache in parisph's folder."""
     def decorate(function):
         # numba reads the setting when it decorates; other code in this process keeps its own
-        before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, _FOLDER
+        before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, FOLDER
         try:
             return numba.njit(**options)(function)
         finally:

@@ -26,8 +26,8 @@ def test_read_only_install_without_a_home(tmp_path):
     for folder in (tmp_path, *tmp_path.parents[:3]):    # one more in a process of several
         folder.chmod(0o755)
     work.chmod(0o777)
-    program = "import os\nfrom parisph.kernels import cache, smoothing\nsmoothing.quartic_weight(0.5, 1.0)\n" \
-              "print(cache.folder(), len(os.listdir(cache.folder())) > 0)"
+    program = "import os\nfrom parisph.kernels import jit, smoothing\nsmoothing.quartic_weight(0.5, 1.0)\n" \
+              "print(jit.FOLDER, len(os.listdir(jit.FOLDER)) > 0)"
     done = run(["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", sys.executable, "-c", program], cwd=work,
                HOME="/nonexistent", XDG_CACHE_HOME="/nonexistent", TMPDIR=str(work), PYTHONPATH=str(package))
     assert done.returncode == 0, done.stderr

@@ -11,7 +11,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from parisph.kernels import cache
+from parisph.kernels import jit
 from tests.launch import clean_environment
 
 NOBODY = 65534    # who runs the case when this is root, whom no permission stops
@@ -42,7 +42,7 @@ def make(count, random, folder):
 def _make(count, random, folder):
     os.chmod(folder, 0o755)
     kernels = folder / "kernels"
-    shutil.copytree(cache.folder(), kernels / Path(cache.folder()).name)
+    shutil.copytree(jit.FOLDER, kernels / Path(jit.FOLDER).name)
     (folder / "home").mkdir()
     _give(kernels)
     _give(folder / "home")
