@@ -81,8 +81,8 @@ class System:
         Parameters
         ----------
         rhs : (n,)
-        guess : (n,), None for zero, or (k, n), of which one is taken: the first whose residual is within the goal,
-            else the one with the least; the same k on all ranks
+        guess : (n,), None for zero, or (k, n), the last pressure and extrapolations, of which one is taken: the first
+            if its residual is within the goal, else the one with the least; the same k on all ranks
         goal : of |b - A x| / |b|. A pressure that still holds stays. An extrapolation is a start, and no solution: of
             pressures at rest it extrapolates the errors within the tolerance, and they would move the water.
         error : what is wrong with rhs or guess on this rank, or None; it is raised on all ranks
