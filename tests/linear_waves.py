@@ -22,6 +22,7 @@ from parisph.methods import lengths
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
+from parisph.methods.stepping import SHARE
 from parisph.methods.wall_images import WallImages
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
@@ -46,9 +47,9 @@ class StillTank:
     def __init__(self, across, **overrides):
         case = load(str(Path(__file__).parents[1] / "cases" / "small_sloshing.py"), {"spacing": 2.0 / across})
         self.numerics = case.numerics.model_copy(update=overrides).resolved()
-        self.particles = p = Particles(MPI.COMM_SELF, 2)
-        p.assign(geometry.build(case))
         parts = Parts.of(self.numerics)
+        self.particles = p = Particles(MPI.COMM_SELF, 2, parts.fields)
+        p.assign({name: values for name, values in geometry.build(case).items() if name in p.fields})
         reach = parts.reach * self.numerics.spacing
         self.domain = Domain(p, *geometry.domain(case), reach, 0.1 * self.numerics.spacing)
         self.domain.refresh()
@@ -146,26 +147,37 @@ class StillTank:
         return np.linalg.eig(GRAVITY * self.gradient[self.rise] @ surface)
 
     def step_matrix(self, dt):
-        """Return the matrix of one step on the state (eta of surface particles, u of the fluid)."""
+        """Return the matrix of one step on the state (eta of surface particles, u of the fluid, the vertical
+        acceleration of surface particles in the last step and in the one before)."""
         surface, unit = self._response(self.rows, -self.measure)
         m, n = len(self.surface), 2 * len(self.fluid)
-        eta, u = np.eye(m, m + n), np.eye(n, m + n, m)
+        eta, u, last, before = np.split(np.eye(n + 3 * m), [m, m + n, 2 * m + n])
         middle = eta + 0.5 * dt * u[self.rise]
+        if self.method.stepping.corrected:
+            middle = middle + SHARE * dt**2 * (2.0 * last - before)
         pressure = surface @ (GRAVITY * middle) + unit @ (self.divergence @ u / dt)
-        after = u - dt * self.gradient @ pressure
+        acceleration = -self.gradient @ pressure
+        after = u + dt * acceleration
         # the filter meets the walls' velocity of the start of the step
         after = after + self.smoothing @ after + self.smoothing_of_walls @ u
-        return np.vstack([eta + 0.5 * dt * (u + after)[self.rise], after])
+        return np.vstack([eta + 0.5 * dt * (u + after)[self.rise], after, acceleration[self.rise], last])
 
-    def step(self, eta, u, dt):
-        """Take one real step from a small displacement eta (m,) and velocity u (n, 2); return both after it."""
-        p = self.particles
+    def step(self, eta, u, last, before, dt):
+        """Take one real step from a small displacement eta (m,), velocity u (n, 2) and accelerations (m,).
+
+        Returns them after it, in the order of the state.
+        """
+        p, earlier = self.particles, self.method.earlier_accelerations
         p.x[:], p.u[:], p.p[:] = self.x, 0.0, 0.0
         p.x[self.surface, 1] += eta
         p.u[self.fluid] = u
+        p.acceleration[:] = p.acceleration_before[:] = 0.0
+        p.acceleration[self.surface, 1], p.acceleration_before[self.surface, 1] = last, before
+        earlier.times = [-0.5 * dt, -1.5 * dt]
         self.method.step(0.0, dt)
         assert np.array_equal(p.id, self._ids), "the step has sorted the particles anew"
-        return p.x[self.surface, 1] - self.x[self.surface, 1], p.u[self.fluid].copy()
+        return np.concatenate([p.x[self.surface, 1] - self.x[self.surface, 1], p.u[self.fluid].ravel(),
+                               p.acceleration[self.surface, 1], p.acceleration_before[self.surface, 1]])
 
     def mode(self, number, values, shapes):
         """Return the index of the eigenvalue whose surface has the shape of a standing wave."""

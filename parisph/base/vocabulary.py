@@ -12,7 +12,7 @@ WORDS: dict[str, list[str]] = {
     "wall_rows": ["sfdi", "harmonic", "curved"],
     "surface_rule": ["gap", "auxiliary", "density", "divergence", "frozen", "none"],
     "source": ["mixed", "divergence", "density", "compensating"],
-    "stepping": ["midpoint", "start", "predicted", "symplectic"],
+    "stepping": ["midpoint", "corrected", "start", "predicted", "symplectic"],
     "force": ["body", "coriolis", "viscous", "viscous_morris", "absorb", "friction"],
     "regulariser": ["film", "filter", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart",
                     "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"],

@@ -439,8 +439,15 @@ def stable_time_step(case: Scene) -> tuple[float, str]:
         if cfl is not None and case.numerics.time_step is not None:
             cfl = min(cfl, STEADY)
         speed += np.sqrt(2.0 * g * (upper - lower)[-1])
-    by_waves = np.sqrt(s / g) if g > 0.0 else np.inf
+    by_waves = wave_time(case)
     by_speed = cfl * s / speed if speed > 0.0 and cfl is not None else np.inf
     if by_speed < by_waves:
         return by_speed, f"moves the fastest fluid by {cfl:g} spacings"
     return by_waves, "resolves the shortest waves on the lattice"
+
+
+def wave_time(case: Scene) -> float:
+    """Return sqrt(s/g) [s] with the largest body force at the start, the time scale of the shortest waves on the
+    lattice; infinite without a force."""
+    g = _start(case)[1]
+    return float(np.sqrt(case.numerics.spacing / g)) if g > 0.0 else np.inf

@@ -39,9 +39,9 @@ class Method:
 _PAPER = {
     "divergence": "flux", "wall_guard": 0.25, "gradient": "sfdi", "surface_gradient": "same", "wall_rows": "sfdi",
     "surface_rule": "auxiliary",
-    "stepping": "predicted", "strain": 0.0, "residual_strain": 0.0, "kappa": 0.0, "shift": 0.0, "filter": 0.0,
-    "collision_distance": 0.0, "surface_offset": 0.0, "pressure_mean": 0.0, "zeta_time": 0.0,
-    "regularisers": WITHOUT_FILMS,
+    "stepping": "predicted", "strain": 0.0, "residual_strain": 0.0, "volume_time": 0.0, "kappa": 0.0, "shift": 0.0,
+    "filter": 0.0, "collision_distance": 0.0, "surface_offset": 0.0, "pressure_mean": 0.0,
+    "zeta_time": 0.0, "regularisers": WITHOUT_FILMS,
 }
 _DENSITY = ("with these settings, water at rest on disordered particles begins to move, "
             "and may leave the tank within 1000 steps")

@@ -38,6 +38,8 @@ class Numerics(Model):
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)
     residual_strain : part of the divergence left by earlier steps that a step removes, over dt sqrt(2 G:G) with
         G = grad u, or over dt sqrt(g/s) if that is more; at most all of it; 0 for all in every step
+    volume_time : time over which the volume is given back that the residual divergence of earlier steps has made, over
+        sqrt(s/g); 0 for never
     strain : weight of the strain source, which conserves volume in a finite step; 0 or 1
     kappa, shift : greatest weights of the position projection and of the Fick shift
     smagorinsky : C_s of Smagorinsky's eddy viscosity (C_s s)^2 sqrt(2 S:S), 0 for none
@@ -82,6 +84,9 @@ class Numerics(Model):
     zeta: Optional[float] = Field(None, gt=0, le=2, description="weight of the divergence in the source")
     residual_strain: Optional[float] = Field(
         None, ge=0, le=1000, description="part of the residual divergence removed over the strain of a step")
+    volume_time: Optional[float] = Field(
+        None, ge=0, le=10000, description="time over which volume made by residual divergence is given back, "
+                                          "over sqrt(spacing/g), 0 for never")
     gamma: Fraction = None
     strain: Fraction = None
     kappa: Optional[float] = Field(None, ge=0, le=2, description="weight of the position projection")

@@ -20,6 +20,7 @@ _GENTLE: dict[str, Any] = {
     "zeta": 1.0,
     "zeta_time": 0.0,
     "residual_strain": 0.0,
+    "volume_time": 30.0,
     "gamma": 0.0,
     "strain": 1.0,
     "kappa": 0.0,
@@ -37,7 +38,7 @@ _GENTLE: dict[str, Any] = {
     "wall_rows": "harmonic",
     "gradient": "mixed",
     "surface_gradient": "harmonic",
-    "stepping": "midpoint",
+    "stepping": "corrected",
     "rtol": 1e-9,
 }
 
@@ -50,6 +51,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "zeta": 1.0,
         "zeta_time": 0.0,
         "residual_strain": 100.0,
+        "volume_time": 0.0,
         "gamma": 0.0,
         "strain": 1.0,
         "kappa": 0.8,
@@ -82,6 +84,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "zeta": 1.0,
         "zeta_time": 0.0,
         "residual_strain": 0.0,
+        "volume_time": 0.0,
         "gamma": 0.0,
         "strain": 1.0,
         "kappa": 0.0,
@@ -105,8 +108,9 @@ PRESETS: dict[str, dict[str, Any]] = {
     "gentle": _GENTLE,
     # Solitary waves that do not break: the gradient at the surface also knows the Laplacian of the pressure. In steep
     # waves it is far from 0: with a = 0.6 d, a wave loses 2.4 % of its height where it loses 8.8 % without. Wall rows
-    # that know it, too, would let waves of few particles gain energy.
-    "solitary": {**_GENTLE, "surface_gradient": "curved"},
+    # that know it, too, would let waves of few particles gain energy. It has no mean level that drifts: with the gentle
+    # `volume_time` its profile errs by 7 % more with a = 0.2 d, and by 9 % less with a = 0.6 d.
+    "solitary": {**_GENTLE, "surface_gradient": "curved", "volume_time": 0.0},
 }
 
 # A closed tank full of fluid has no free surface, beside which stencils are one-sided: far weaker regularisation keeps

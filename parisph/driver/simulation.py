@@ -13,7 +13,7 @@ from parisph.base.arrays import Array, Floats, sizes
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
 from parisph.case import scales
-from parisph.case.checks import sound_speed, stable_time_step
+from parisph.case.checks import sound_speed, stable_time_step, wave_time
 from parisph.case.schema import Case
 from parisph.driver import astray, room, solid_walls, warmup
 from parisph.driver.phases import PhaseTimers
@@ -127,7 +127,7 @@ class Simulation:
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
                     solid_walls.boundary_of(case, elements), self.timers, closed=case.closed,
                     budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin, absorb=case.absorber,
-                    friction=case.friction)
+                    friction=case.friction, wave_time=wave_time(case))
         if start is None and not case.plain:
             solid_walls.fill(case, flow)
         self.method = _method(case, flow, parts, petsc_options)

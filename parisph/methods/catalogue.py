@@ -45,6 +45,7 @@ from parisph.methods.parts import (
     Surface,
     WallRows,
 )
+from parisph.methods.stepping import STEPPINGS
 
 WORDS: dict[str, Registry[Any]] = {    # the fields of Numerics that name one part
     "laplacian": LAPLACIANS, "divergence": DIVERGENCES, "wall_rows": WALL_ROWS, "gradient": GRADIENTS,
@@ -113,7 +114,8 @@ class Parts:
     @cached_property
     def fields(self) -> FieldSet:
         """The fields of the scene's particles."""
-        return FieldSet((*Guesses.fields, *(name for part in self for name in part.needs(self.numerics))))
+        return FieldSet((*Guesses.fields, *STEPPINGS[self.numerics.stepping].fields,
+                         *(name for part in self for name in part.needs(self.numerics))))
 
     @property
     def causes(self) -> tuple[str, ...]:
@@ -124,7 +126,7 @@ class Parts:
     def stages(self, closed: bool) -> list[str]:
         """Return the names of the stages of a step, in order. closed : whether the fluid fills a closed tank."""
         n = self.numerics
-        found = ["predict", "redistribute"]
+        found = [f"predict{' (corrected)' * STEPPINGS[n.stepping].corrected}", "redistribute"]
         if self.surface.open and not self.surface.keeps:
             found.append(f"surface ({self.surface.name})")
         further = [part.words for part in self.forces if part.words]

@@ -29,6 +29,7 @@ class Flow:
     spin : callable t -> angular velocity of the tank [rad/s], or None
     absorb : callable (x (n, dim), t) -> 1/tau (n,) [1/s] and u_t/tau (n, dim) [m/s^2] of zones (case.absorb), or None
     friction : case.friction.Friction, or None
+    wave_time : sqrt(s/g), the time scale of the shortest waves on the lattice [s]
     budget : measures the energy that the fluid gains by each part of a step, or None
 
     Attributes
@@ -59,11 +60,11 @@ class Flow:
     def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, walls: Any,
                  timers: Any, closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
                  spin: Callable[[float], float] | None = None, absorb: Any = None,
-                 friction: Friction | None = None) -> None:
+                 friction: Friction | None = None, wave_time: float = np.inf) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
         self.closed, self.budget, self.spin, self.absorb = closed, budget or NoBudget(), spin, absorb
-        self.friction = friction
+        self.friction, self.wave_time = friction, wave_time
         self.time = self.dt = self.usual = 0.0
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)

@@ -1,6 +1,5 @@
 """One time step of the projection methods."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.guesses import Guesses
 from parisph.methods.reports import ProjectionReport
+from parisph.methods.stepping import STEPPINGS, Accelerations
 from parisph.methods.timestep import resolved_time
 from parisph.methods.velocities import keep_in_tank
 from parisph.pressure import groups
@@ -28,23 +28,6 @@ BODIES = 4           # bodies of fluid without a surface, at most, that get one
 # its onset is late. Inside, a longer mean would only be late.
 AT_WALLS = 2.0
 ROUNDING = 1e-3      # spacings within which two particles are equally high
-
-
-@dataclass(frozen=True)
-class Stepping:
-    """Where operators are evaluated, and how particles move.
-
-    ahead : part of the step by which particles are moved before
-    new : whether they move by the new velocity, else by the mean of both (Z14 Eq 16)
-    """
-
-    ahead: float
-    new: bool = False
-
-
-# midpoint: r^n + dt/2 u^n is neutral for waves
-STEPPINGS = {"midpoint": Stepping(0.5), "start": Stepping(0.0), "predicted": Stepping(1.0),
-             "symplectic": Stepping(0.0, new=True)}
 
 
 class Projection:
@@ -63,6 +46,7 @@ class Projection:
         self.flow, self.parts, n = flow, parts, flow.numerics
         self.stepping = STEPPINGS[n.stepping]
         self.guesses = Guesses()
+        self.earlier_accelerations = Accelerations()
         self.knows_pressure = False     # whether particles have the pressure of an earlier step, or of the start
         self.rows = PressureRows(flow.particles.dim, parts.laplacian, parts.divergence, parts.wall_rows,
                                  n.surface_offset, lengths.MLS)
@@ -187,7 +171,8 @@ class Projection:
         """Return what a checkpoint needs beside the particles. Not collective."""
         largest, mean = self.flow.accelerations
         return {"acceleration": largest, "rms_acceleration": mean, "mean_acceleration": self.flow.mean_acceleration,
-                "mean_strain": self.flow.mean_strain, "pressure_times": self.guesses.times}
+                "mean_strain": self.flow.mean_strain, "pressure_times": self.guesses.times,
+                "acceleration_times": self.earlier_accelerations.times}
 
     def resume(self, state: dict) -> None:
         """Continue from the state in a checkpoint. Not collective."""
@@ -195,6 +180,7 @@ class Projection:
         self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
         self.flow.mean_strain = state.get("mean_strain", 0.0)
         self.guesses.times = list(state.get("pressure_times", ()))
+        self.earlier_accelerations.times = list(state.get("acceleration_times", ()))
         self.knows_pressure = True
 
     def about(self) -> dict[str, str | None]:
@@ -212,7 +198,10 @@ class Projection:
         p = self.flow.particles
         p.x0[:] = p.x
         if self.stepping.ahead:
-            movement.add_to_fluid(p.x, self.stepping.ahead * dt * p.u, p.kind)
+            ahead = self.stepping.ahead * dt * p.u
+            if self.stepping.corrected:
+                ahead += self.earlier_accelerations.ahead(p, time + 0.5 * dt, dt, self.flow.wave_time)
+            movement.add_to_fluid(p.x, ahead, p.kind)
         self.flow.walls.move(self.flow, time + self.stepping.ahead * dt, time, time + dt)
 
     def _sum_forces(self, time, dt=0.0):
@@ -324,7 +313,9 @@ class Projection:
         moved = flow.walls.acceleration(flow)
         if moved is not None:
             p.u += dt * moved
-        if "acceleration" in p.fields:
+        if self.stepping.corrected:
+            self.earlier_accelerations.remember(p, acceleration, flow.time)
+        elif "acceleration" in p.fields:
             movement.give_to_fluid(p.acceleration, acceleration, p.kind)
         flow.stale.add("u")
         if flow.numerics.time_step is None:

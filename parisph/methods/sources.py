@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.base.arrays import sizes
+from parisph.base.fields import INNER
 from parisph.case.numerics import Numerics
 from parisph.methods.parts import SOURCES, Source
 from parisph.methods.positions import compression
@@ -13,32 +14,39 @@ if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source answers
+EXPANSION = 0.05     # largest relative change of a particle's volume that is given back in proportion
 
 
 class Mixed(Source):
     """Velocity divergence and density error, weighed by zeta and gamma: Eq 17 for gamma 0, Eq 18 for zeta 0.
 
     To it belong, each with a weight of its own, the strain source, and that a residual divergence is removed per
-    strain.
+    strain, and that the volume it has made is given back.
     """
 
     name, source = "mixed", "Z14 Eqs 17-19"
 
     def words(self, numerics: Numerics) -> str:
-        return "strain source" if numerics.strain else ""
+        said = {"strain source": numerics.strain, "volume given back": numerics.volume_time}
+        return ", ".join(words for words, weight in said.items() if weight > 0.0)
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
-        return ("alpha",) if numerics.gamma > 0.0 else ()
+        return ("alpha",) * (numerics.gamma > 0.0) + ("expansion",) * (numerics.volume_time > 0.0)
 
     def target(self, flow: "Flow", dt: float) -> np.ndarray:
         n, density = flow.numerics, flow.density
         zeta = min(1.0, dt / n.zeta_time) if n.zeta_time else n.zeta
         strain, divergence = 0.0, flow.rows.div
-        if n.strain > 0.0 or n.residual_strain > 0.0:
+        if n.strain > 0.0 or n.residual_strain > 0.0 or n.volume_time > 0.0:
             square, rate, before = flow.rows.gradient_invariants(flow.particles.u_all, flow.particles.role_all)
             strain = strain_source(square, dt)
+            # the step before has aimed at a divergence of n.strain dt times the strain source, which the flow since
+            # then has reduced by 2 dt times it; exact also after a step of another length if n.strain is 1
+            residual = before + (2.0 - n.strain) * dt * strain
             if n.residual_strain > 0.0:
-                divergence = divergence - put_off(flow, dt, before, rate, strain)
+                divergence = divergence - put_off(flow, dt, residual, rate)
+            if n.volume_time > 0.0:
+                divergence = divergence + given_back(flow, dt, residual)
         target = density / dt * zeta * divergence
         if n.gamma > 0.0:
             target -= n.gamma * density / dt**2 * compression(flow, flow.particles.alpha,
@@ -95,7 +103,7 @@ def strain_source(square: np.ndarray, dt: float) -> np.ndarray:
     return np.minimum(np.maximum(0.5 * square, -limit), limit)
 
 
-def put_off(flow: "Flow", dt: float, before: np.ndarray, rate: np.ndarray, strain: np.ndarray) -> np.ndarray:
+def put_off(flow: "Flow", dt: float, residual: np.ndarray, rate: np.ndarray) -> np.ndarray:
     """Return the part of the divergence that is left to later steps (n_owned,) [1/s]. Not collective.
 
     Rows and gradients do not match exactly: a pressure solve leaves a part of the divergence, near the surface
@@ -106,17 +114,30 @@ def put_off(flow: "Flow", dt: float, before: np.ndarray, rate: np.ndarray, strai
     shortened to meet a time removes the same part per time, so that its pressure is that of its neighbours. Forces and
     the strain of the flow itself, thus also impacts, act at once.
 
-    before, rate : (n_owned,) [1/s], divergence of the velocity at the start of the step, sqrt(2 G:G) of its gradient
-    strain : (n_owned,) of `strain_source`; the step before has aimed at a divergence of `numerics.strain` dt times it,
-        which the flow since then has reduced by 2 dt times it. Exact also after a step of another length if strain is 1
+    residual, rate : (n_owned,) [1/s], divergence that earlier steps have left, sqrt(2 G:G) of the velocity's gradient
     """
     p, n = flow.particles, flow.numerics
-    residual = before + (2.0 - n.strain) * dt * strain
     fall = np.sqrt(sizes(flow.force[:p.n_owned]) / flow.spacing)
     removed = np.minimum(1.0, n.residual_strain * dt * np.maximum(rate, fall))
     if dt < flow.usual:
         removed *= dt / flow.usual
     return (1.0 - removed) * residual
+
+
+def given_back(flow: "Flow", dt: float, residual: np.ndarray) -> np.ndarray:
+    """Return the divergence that gives back the volume made by those of earlier steps (n_owned,) [1/s]. Not collective.
+
+    Every step removes the divergence that the last one has left, and leaves one of its own, as large: in a standing
+    wave, in proportion to the length of the step and to the square of the height. Particles have moved by it by then,
+    and the mean level under the crests drifts. The integral of what is left is the relative volume that a particle has
+    gained; it is given back over a time of `numerics.volume_time` sqrt(s/g).
+
+    residual : (n_owned,) divergence that the last step has left [1/s]
+    """
+    p, n = flow.particles, flow.numerics
+    p.expansion += dt * residual
+    p.expansion[p.role != INNER] = 0.0
+    return np.minimum(np.maximum(p.expansion, -EXPANSION), EXPANSION) / (n.volume_time * flow.wave_time)
 
 
 for part in (Mixed(), VelocityDivergence(), DensityInvariance(), ErrorCompensating()):

@@ -13,7 +13,7 @@ from tests.scenes import scene
 
 # Beside those that every scene has. Still water, and waves that keep their surface; a dam break; a driven cavity.
 OWN = {
-    "hydrostatic": {"closing", "start_role"},
+    "hydrostatic": {"closing", "start_role", "acceleration", "acceleration_before", "expansion"},
     "dam_break": {"closing", "alpha", "grad_u", "strain_rate", "pairs", "phi", "grad_alpha", "turn", "share"},
     "lid_driven_cavity": {"grad_u", "strain_rate", "pairs", "grad_alpha", "no_slip", "wall_u", "nu", "viscous"},
 }
