@@ -40,7 +40,7 @@ class Accelerations:
     The midpoint stepping is a leapfrog, drift, kick and drift: it makes the frequency w of a wave too high, by
     (w dt)^2/24 of itself. A kick that is evaluated dt^2/12 a further along, with the acceleration a of its own step,
     leaves an error of fourth order (Takahashi & Imada 1984, Rowlands 1991). Here a is extrapolated from the last two
-    steps, which damps short waves: by a part (w dt)^5/12 in 1/w. Beyond dt = sqrt(s/g), the time scale of the shortest
+    steps, which damps waves, in 1/w by a part (w dt)^5/24. Beyond dt = sqrt(s/g), the time scale of the shortest
     waves, it would drive them; there the correction grows no farther.
 
     Attributes

@@ -63,5 +63,10 @@ def test_a_restart_guesses_as_the_run_would_have_done(made, known):
     np.testing.assert_array_equal(found[:, other], due[:len(found), order])
     for one in (s, again):
         one.advance()
+    if known:    # with the accelerations and the volume of earlier steps too
+        assert again.method.earlier_accelerations.times == s.method.earlier_accelerations.times
+        for name in ("x", "u", "acceleration_before", "expansion"):
+            value, due = (getattr(one.particles, name)[np.argsort(one.particles.id)] for one in (again, s))
+            np.testing.assert_allclose(value, due, rtol=0, atol=1e-8 * np.abs(due).max())    # solved to 1e-9
     np.testing.assert_allclose(again.particles.p[np.argsort(again.particles.id)],
                                s.particles.p[np.argsort(s.particles.id)], rtol=1e-4, atol=1e-3)
