@@ -22,7 +22,7 @@ from parisph.methods import lengths
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
-from parisph.methods.stepping import SHARE
+from parisph.methods.stepping import share
 from parisph.methods.wall_images import WallImages
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
@@ -39,14 +39,14 @@ def exact_frequency(mode):
 class StillTank:
     """The tank of cases/small_sloshing.py at rest, with `across` spacings over its length.
 
-    overrides : fields of Numerics that differ from the case's preset
+    overrides : fields of Numerics that differ from the case's preset, beside a volume_time of 0
 
     inner, wet, surface, fluid : numbers of those particles; x : (n, 2) positions [m]
     """
 
     def __init__(self, across, **overrides):
         case = load(str(Path(__file__).parents[1] / "cases" / "small_sloshing.py"), {"spacing": 2.0 / across})
-        self.numerics = case.numerics.model_copy(update=overrides).resolved()
+        self.numerics = case.numerics.model_copy(update={"volume_time": 0.0, **overrides}).resolved()
         parts = Parts.of(self.numerics)
         self.particles = p = Particles(MPI.COMM_SELF, 2, parts.fields)
         p.assign({name: values for name, values in geometry.build(case).items() if name in p.fields})
@@ -54,7 +54,7 @@ class StillTank:
         self.domain = Domain(p, *geometry.domain(case), reach, 0.1 * self.numerics.spacing)
         self.domain.refresh()
         self.flow = Flow(self.numerics.model_copy(update={"rtol": 1e-13}), 1.0, self._force, p, self.domain,
-                         WallImages(), Timers())
+                         WallImages(), Timers(), wave_time=np.sqrt(self.numerics.spacing / GRAVITY))
         self.method = Projection(self.flow, parts)
         self.n = p.n_owned
         self.x, self._ids = p.x.copy(), p.id.copy()
@@ -154,7 +154,7 @@ class StillTank:
         eta, u, last, before = np.split(np.eye(n + 3 * m), [m, m + n, 2 * m + n])
         middle = eta + 0.5 * dt * u[self.rise]
         if self.method.stepping.corrected:
-            middle = middle + SHARE * dt**2 * (2.0 * last - before)
+            middle = middle + share(dt, self.flow.wave_time) * dt**2 * (2.0 * last - before)
         pressure = surface @ (GRAVITY * middle) + unit @ (self.divergence @ u / dt)
         acceleration = -self.gradient @ pressure
         after = u + dt * acceleration

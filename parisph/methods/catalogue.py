@@ -126,7 +126,7 @@ class Parts:
     def stages(self, closed: bool) -> list[str]:
         """Return the names of the stages of a step, in order. closed : whether the fluid fills a closed tank."""
         n = self.numerics
-        found = [f"predict{' (corrected)' * STEPPINGS[n.stepping].corrected}", "redistribute"]
+        found = ["predict (corrected)" if STEPPINGS[n.stepping].corrected else "predict", "redistribute"]
         if self.surface.open and not self.surface.keeps:
             found.append(f"surface ({self.surface.name})")
         further = [part.words for part in self.forces if part.words]

@@ -180,7 +180,8 @@ class Projection:
         self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
         self.flow.mean_strain = state.get("mean_strain", 0.0)
         self.guesses.times = list(state.get("pressure_times", ()))
-        self.earlier_accelerations.times = list(state.get("acceleration_times", ()))
+        if self.stepping.corrected:
+            self.earlier_accelerations.times = list(state.get("acceleration_times", ()))
         self.knows_pressure = True
 
     def about(self) -> dict[str, str | None]:
@@ -314,7 +315,7 @@ class Projection:
         if moved is not None:
             p.u += dt * moved
         if self.stepping.corrected:
-            self.earlier_accelerations.remember(p, acceleration, flow.time)
+            self.earlier_accelerations.remember(p, acceleration, flow.time, dt, flow.usual)
         elif "acceleration" in p.fields:
             movement.give_to_fluid(p.acceleration, acceleration, p.kind)
         flow.stale.add("u")

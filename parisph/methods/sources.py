@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source answers
-EXPANSION = 0.05     # largest relative change of a particle's volume that is given back in proportion
+EXPANSION = 0.01     # largest relative volume that a particle remembers: what rows cannot remove would grow for ever
+GIVEN = 4.0          # steps over which it is given back, at least
 
 
 class Mixed(Source):
@@ -27,11 +28,14 @@ class Mixed(Source):
     name, source = "mixed", "Z14 Eqs 17-19"
 
     def words(self, numerics: Numerics) -> str:
-        said = {"strain source": numerics.strain, "volume given back": numerics.volume_time}
-        return ", ".join(words for words, weight in said.items() if weight > 0.0)
+        said = ["strain source"] if numerics.strain > 0.0 else []
+        if numerics.volume_time > 0.0:
+            said.append("volume given back")
+        return ", ".join(said)
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
-        return ("alpha",) * (numerics.gamma > 0.0) + ("expansion",) * (numerics.volume_time > 0.0)
+        weights = {"alpha": numerics.gamma, "expansion": numerics.volume_time}
+        return tuple(name for name, weight in weights.items() if weight > 0.0)
 
     def target(self, flow: "Flow", dt: float) -> np.ndarray:
         n, density = flow.numerics, flow.density
@@ -129,15 +133,15 @@ def given_back(flow: "Flow", dt: float, residual: np.ndarray) -> np.ndarray:
 
     Every step removes the divergence that the last one has left, and leaves one of its own, as large: in a standing
     wave, in proportion to the length of the step and to the square of the height. Particles have moved by it by then,
-    and the mean level under the crests drifts. The integral of what is left is the relative volume that a particle has
-    gained; it is given back over a time of `numerics.volume_time` sqrt(s/g).
+    and the mean level under the crests drifts. The integral of what is left, along the path of an inner particle, is
+    the relative volume that it has made; it is given back over a time of `numerics.volume_time` sqrt(s/g).
 
     residual : (n_owned,) divergence that the last step has left [1/s]
     """
     p, n = flow.particles, flow.numerics
-    p.expansion += dt * residual
-    p.expansion[p.role != INNER] = 0.0
-    return np.minimum(np.maximum(p.expansion, -EXPANSION), EXPANSION) / (n.volume_time * flow.wave_time)
+    expansion = p.expansion + dt * residual
+    p.expansion[:] = np.where(p.role == INNER, np.minimum(np.maximum(expansion, -EXPANSION), EXPANSION), 0.0)
+    return p.expansion / max(n.volume_time * flow.wave_time, GIVEN * dt)
 
 
 for part in (Mixed(), VelocityDivergence(), DensityInvariance(), ErrorCompensating()):

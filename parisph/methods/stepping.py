@@ -8,6 +8,8 @@ from parisph.kernels import movement
 from parisph.parallel.particles import Particles
 
 SHARE = 1.0 / 12.0    # of dt^2 a, by which a kick must be evaluated ahead for a frequency of fourth order
+FADES = 0.75          # step over sqrt(s/g) from which on the share falls, as its fourth power
+SHORT = 0.5           # part of the usual step; the acceleration of a shorter one is not remembered
 
 
 @dataclass(frozen=True)
@@ -40,8 +42,12 @@ class Accelerations:
     The midpoint stepping is a leapfrog, drift, kick and drift: it makes the frequency w of a wave too high, by
     (w dt)^2/24 of itself. A kick that is evaluated dt^2/12 a further along, with the acceleration a of its own step,
     leaves an error of fourth order (Takahashi & Imada 1984, Rowlands 1991). Here a is extrapolated from the last two
-    steps, which damps waves, in 1/w by a part (w dt)^5/24. Beyond dt = sqrt(s/g), the time scale of the shortest
-    waves, it would drive them; there the correction grows no farther.
+    steps, which damps waves, in 1/w by a part (w dt)^5/24.
+
+    The extrapolation drives waves with w dt > 1.41. The shortest deep-water wave on a lattice has w = 1.77 sqrt(g/s),
+    so the correction fades beyond a step of .75 sqrt(s/g): that wave is damped until .95 sqrt(s/g). Those of the rows
+    are slower. In a step shortened to meet a time, the divergence that earlier steps have left is removed as in any
+    other, by an acceleration that says nothing of the next step: it is forgotten.
 
     Attributes
     ----------
@@ -63,16 +69,29 @@ class Accelerations:
         p = particles
         if not self.times:
             return np.zeros_like(p.u)
-        weight = SHARE * min(dt, wave_time) ** 2
+        weight = share(dt, wave_time) * dt**2
         if len(self.times) == 1:
             return weight * p.acceleration
         last, before = self.times
         beyond = min(1.0, (time - last) / (last - before)) if last > before else 0.0
         return weight * (1.0 + beyond) * p.acceleration - weight * beyond * p.acceleration_before
 
-    def remember(self, particles: Particles, acceleration: np.ndarray, time: float) -> None:
-        """Keep the acceleration (n_owned, dim) [m/s^2] of fluid at a time [s]. Not collective."""
+    def remember(self, particles: Particles, acceleration: np.ndarray, time: float, dt: float, usual: float) -> None:
+        """Keep the acceleration (n_owned, dim) [m/s^2] of fluid at a time [s], in the middle of a step of dt [s].
+
+        usual : length of a step that is not shortened to meet a time [s]. Not collective.
+        """
         p = particles
+        if dt < SHORT * usual:
+            return
         p.acceleration_before[:] = p.acceleration
         movement.give_to_fluid(p.acceleration, acceleration, p.kind)
         self.times = [time, *self.times[:1]]
+
+
+def share(dt: float, wave_time: float) -> float:
+    """Return the part of dt^2 a by which operators are evaluated ahead in a step of dt [s].
+
+    wave_time : sqrt(s/g) [s]
+    """
+    return SHARE * min(1.0, FADES * wave_time / dt) ** 4

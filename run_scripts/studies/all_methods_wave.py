@@ -13,6 +13,7 @@ study = Study(
     case="../../cases/standing_wave.py",
     methods=list(METHODS),
     spacings=[0.05, 0.025],             # over d
+    time_steps=[0.064],                 # dt sqrt(g/d) at spacing = 0.05, the same for all
     parameters={"refine_time": True},
     errors=[TruthError("centre", name="wave part")],
     histories=["centre", "energy"],
