@@ -34,7 +34,7 @@ def flume(maker):
     return Case(
         title="Waves of a wavemaker", fluid=Fluid(StillWater(level=DEPTH), density=1000.0), gravity=(0.0, -9.81),
         walls=(Profile(bed, name="bed"), maker), absorb=Sponge(2.5, 1.8),
-        numerics=Numerics(preset="gentle", spacing=0.025, time_step=None, wall_guard=0.25, **hinge),
+        numerics=Numerics(preset="gentle", spacing=0.025, time_step=None, **hinge),
         output=Output(every=2.0),
         probes=[SurfaceGauge("x", at=AT, truth=WaveTruth(maker.wave, level=DEPTH, window=(CALM, END)))], end_time=END)
 

@@ -35,7 +35,7 @@ def test_a_scene_has_the_stages_that_it_needs():
     assert "viscous" not in said["hydrostatic"] + said["dam_break"] and "viscous force" in said["lid_driven_cavity"]
     assert "surface (gap)" in said["dam_break"]
     assert "surface (" not in said["hydrostatic"] + said["lid_driven_cavity"]
-    for word in ("shift", "collisions", "projection", "guard"):
+    for word in ("shift", "collisions", "projection"):
         assert word not in said["hydrostatic"]
 
 
