@@ -29,7 +29,7 @@ def case(
     longest = inf
     if time_step is None:    # other methods leave more divergence in long steps, other presets do not correct these
         time_step = 0.12 if (method, preset) == ("ISPH_R", "gentle") else 0.064
-        longest = 0.76 * sqrt(spacing)
+        longest = 0.76 * sqrt(spacing)    # 0.76 sqrt(s/g), beyond which the correction fades
     step = min(time_step * (spacing / 0.05 if refine_time else 1.0), longest)
     omega_1 = angular_frequency(pi / L, d, g)
     truth = Truth("exact/small_sloshing.csv", time="t_s", value="eta_nonlinear_m", offset=d, wave=True)

@@ -13,7 +13,7 @@ USUAL: dict[str, Any] = {
 }
 
 # Waves that do not break: the surface keeps its particles, and stencils are exact for harmonic pressure. The wall guard
-# changes no wave, but in the end a particle of the surface would pass a wall beside which it goes up and down.
+# changes no wave; without it, a surface particle that goes up and down beside a wall passes it in the end.
 _GENTLE: dict[str, Any] = {
     **USUAL,
     "cfl": 0.4,

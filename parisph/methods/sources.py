@@ -21,8 +21,8 @@ GIVEN = 4.0          # steps over which it is given back, at least
 class Mixed(Source):
     """Velocity divergence and density error, weighed by zeta and gamma: Eq 17 for gamma 0, Eq 18 for zeta 0.
 
-    To it belong, each with a weight of its own, the strain source, and that a residual divergence is removed per
-    strain, and that the volume it has made is given back.
+    To it belong, each with a weight of its own, the strain source, the removal of a residual divergence per strain, and
+    the return of the volume that this has made.
     """
 
     name, source = "mixed", "Z14 Eqs 17-19"
