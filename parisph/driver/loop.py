@@ -196,7 +196,8 @@ class _Run:
         together(self.comm, f"write {path}", lambda: log.start(self.comm, path, level))
         self.store.add_series("steps", s.columns, "one line per step")
         for sampler in self.watch.samplers:
-            self.store.add_series(f"probes/{sampler.name}", sampler.columns, self.watch.title(sampler))
+            self.store.add_series(f"probes/{sampler.name}", sampler.columns, self.watch.title(sampler),
+                                  self.watch.reached(sampler))
         log.logger.info(f"{self.case.title}: {s.particles.n_global} particles on {self.comm.size} "
                         f"rank{'s' * (self.comm.size > 1)}, {'into' if first else 'continuing in'} {self.store.folder}")
         for kind, line in self.store.notes:

@@ -70,7 +70,7 @@ class Peaks:
         values = s.comm.bcast([found[sampler.name][0] for sampler in self.samplers]) if self.samplers else ()
         computed = not self._computed
         for sampler, value in zip(self.samplers, values):
-            counts = _counts(sampler.probe.truth, s.time)
+            counts = _counts(sampler.probe.truth, s.pressure_time if sampler.of_pressure else s.time)
             if not np.isfinite(value) or not (counts or sampler.name in self._seen):
                 continue
             seen = self._seen.setdefault(sampler.name, {"least": value, "greatest": -np.inf})

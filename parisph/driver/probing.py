@@ -1,6 +1,7 @@
 """The sampling of a run's probes: every n steps, or at a fixed rate in time."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,12 +16,28 @@ Values = dict[str, tuple[float, ...]]    # of each probe
 Line = tuple[float, int, Values]         # time [s], step, values
 
 
+@dataclass
+class _Clock:
+    """Probes whose values are of the same times: those of the particles, or those of the pressure.
+
+    now : time of their values [s]
+    since : up to where samples are taken [s]
+    last : (time [s], values) at the beginning of a step that passes a sample, or None
+    """
+
+    samplers: Sequence[Sampler]
+    now: float
+    since: float
+    last: tuple[float, Values] | None = None
+
+
 class Watch:
     """The samples of a run's probes. All methods are collective unless stated otherwise.
 
-    At a fixed rate, samples are taken at exactly k intervals, by linear interpolation in time between
-    the ends of the step that contains them. Probes are evaluated in these steps only. Nothing has to
-    be stored for a restart, which evaluates them again at the beginning of its first step.
+    Pressures on walls are of the middle of a step or earlier, and their samples have that time; all others are of its
+    end. At a fixed rate, samples are taken at exactly k intervals, by linear interpolation in time between two steps;
+    probes are evaluated in these steps only. What is due after the last pressure of a run has that pressure. Nothing
+    has to be stored for a restart, which evaluates probes again at the beginning of its first step.
 
     Parameters
     ----------
@@ -35,20 +52,26 @@ class Watch:
         self._every = output.probe_every
         self._interval = output.probe_interval or 0.0    # [s]
         self._times = Times(self._interval) if self._interval else None
-        # (time [s], values) at the beginning of a step that passes a sample
-        self._last: tuple[float, Values] | None = None
-        self._since = 0.0    # [s], up to where samples are taken
+        self._places, self._pressures = self._clocks = tuple(
+            _Clock([sampler for sampler in samplers if sampler.of_pressure is pressures], 0.0, 0.0)
+            for pressures in (False, True))
+        self._look_at_clocks()
 
     def title(self, sampler: Sampler) -> str:
         """Return the line for the head of a probe's file. Not collective."""
         if self._times is None:
-            return sampler.title
+            return f"{sampler.title}{'; time is that of the pressure' * sampler.of_pressure}"
         apart = sampler.probe.every * self._interval
         return f"{sampler.title}; every {apart:.12g} s by linear interpolation in time between the steps around"
+
+    def reached(self, sampler: Sampler) -> float:
+        """Return the time [s] up to which samples of a probe are final now. Not collective."""
+        return (self._pressures if sampler.of_pressure else self._places).now + self.simulation.rounding
 
     def at_start(self) -> list[Line]:
         """Return the lines [(time [s], step, {probe: values})] of the start of a run."""
         s = self.simulation
+        self._look_at_clocks()
         found = self._sample(self.samplers)
         self.peaks.look(found)
         return [(s.time, s.steps, found)]
@@ -56,43 +79,57 @@ class Watch:
     def before_step(self, after: float) -> None:
         """Evaluate the probes before a step that ends at `after` [s], if it contains samples."""
         s = self.simulation
-        self._since = s.reached
-        if self._times is None or not self._times.after(self._since) < after - ROUNDING * (after - s.time):
+        self._look_at_clocks()
+        if self._times is None:
             return
-        if self._last is None or self._last[0] != s.time:
-            self._last = s.time, self._sample(self.samplers)
+        needed = []
+        for clock in self._clocks:
+            clock.since = clock.now + s.rounding
+            passes = self._times.after(clock.since) < after - ROUNDING * (after - s.time)
+            if passes and (clock.last is None or clock.last[0] != clock.now):
+                needed.append(clock)
+        found = self._sample([sampler for clock in needed for sampler in clock.samplers])
+        for clock in needed:
+            clock.last = clock.now, found
 
     def after_step(self) -> list[Line]:
         """Return the lines [(time [s], step, {probe: values})] that are due after the step."""
         s = self.simulation
-        due = self._due()
+        self._look_at_clocks()
+        due = [self._due(clock) for clock in self._clocks]
         found = self._sample(self._needed(due))
         self.peaks.look(found)
-        if not due:
-            return []
-        before, self._last = self._last, (s.time, found)
-        return [(time, s.steps, self._of(number, _between(before, self._last, time))) for time, number in due]
+        lines = []
+        for clock, own in zip(self._clocks, due):
+            if own:
+                before, clock.last = clock.last, (clock.now, found)
+                lines += [(time, s.steps, self._of(clock, number, _between(before, clock.last, time)))
+                          for time, number in own]
+        return lines
 
-    def _needed(self, due: Sequence[tuple[float, int]]) -> Sequence[Sampler]:
-        """Return the samplers to evaluate after a step. Not collective.
+    def _look_at_clocks(self) -> None:
+        self._places.now, self._pressures.now = self.simulation.time, self.simulation.pressure_time
 
-        At a fixed rate all of them, if there are samples: the next step may begin with these values.
+    def _needed(self, due: Sequence[Sequence[tuple[float, int]]]) -> Sequence[Sampler]:
+        """Return the samplers to evaluate after a step, in their order. Not collective.
+
+        At a fixed rate all of a clock, if there are samples: the next step may begin with these values.
         """
-        if due and self._times is not None:
-            return self.samplers
-        return [sampler for sampler in self.samplers
-                if sampler.probe.peak or any(_is_for(sampler, number) for _, number in due)]
+        needed = {id(sampler) for clock, own in zip(self._clocks, due) for sampler in clock.samplers
+                  if sampler.probe.peak or (own and self._times) or any(_is_for(sampler, number) for _, number in own)}
+        return [sampler for sampler in self.samplers if id(sampler) in needed]
 
-    def _of(self, number: int, values: Values) -> Values:
-        """Return the values of the probes that have the sample of that number."""
-        return {sampler.name: values[sampler.name] for sampler in self.samplers if _is_for(sampler, number)}
+    def _of(self, clock: _Clock, number: int, values: Values) -> Values:
+        """Return the values of the probes of a clock that have the sample of that number."""
+        return {sampler.name: values[sampler.name] for sampler in clock.samplers if _is_for(sampler, number)}
 
-    def _due(self) -> list[tuple[float, int]]:
+    def _due(self, clock: _Clock) -> list[tuple[float, int]]:
         """Return the samples that the last step has made due: their times [s] and numbers. Not collective."""
         s = self.simulation
         if self._times is None:
-            return [] if s.steps % self._every else [(s.time, s.steps // self._every)]
-        return [(time, round(time / self._interval)) for time in self._times.between(self._since, s.reached)]
+            return [] if s.steps % self._every else [(clock.now, s.steps // self._every)]
+        end = s.reached if s.finished() else clock.now + s.rounding
+        return [(time, round(time / self._interval)) for time in self._times.between(clock.since, end)]
 
     def _sample(self, samplers: Sequence[Sampler]) -> Values:
         s = self.simulation
@@ -117,6 +154,8 @@ def _between(before: tuple[float, Values] | None, after: tuple[float, Values], t
         return after[1]
     found = {}
     for name, values in after[1].items():
+        if name not in before[1]:    # of the other clock
+            continue
         a, b = np.array(before[1][name]), np.array(values)
         mixed = np.where(np.isfinite(a + b), a + share * (b - a), a if share < 0.5 else b)
         found[name] = tuple(mixed.tolist())

@@ -201,7 +201,17 @@ class Simulation:
     @property
     def reached(self) -> float:
         """Time [s] up to which things are due now, with a tolerance for the rounding of many steps."""
-        return self.time + ROUNDING * (self.dt or 0.0)
+        return self.time + self.rounding
+
+    @property
+    def rounding(self) -> float:
+        """What the sum of many steps may be off by [s]."""
+        return ROUNDING * (self.dt or 0.0)
+
+    @property
+    def pressure_time(self) -> float:
+        """Time [s] of the pressures on walls: in a projection, that of the middle of the last step or earlier."""
+        return self.method.pressure_time
 
     def finished(self) -> bool:
         """Return whether the end time is reached, to within half a fixed step."""

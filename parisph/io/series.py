@@ -31,6 +31,7 @@ class Series:
     title : str, one line of description
     keep_to : None to start a new file, or the last step whose lines are kept (restart)
     run : identity of the run that writes it, or ""
+    until : of the lines up to `keep_to`, those of later times [s] are not kept either
 
     Attributes
     ----------
@@ -42,10 +43,10 @@ class Series:
     """
 
     def __init__(self, path: AnyPath, columns: Mapping[str, str], title: str = "", keep_to: int | None = None,
-                 run: str = "") -> None:
+                 run: str = "", until: float = math.inf) -> None:
         self.path = Path(path)
         self.columns = {"time": "s", "step": "", **columns}
-        kept, self.dropped = self._kept_lines(keep_to, run)
+        kept, self.dropped = self._kept_lines(keep_to, run, until)
         units = ", ".join(f"{name} [{unit or '-'}]" for name, unit in self.columns.items())
         head = ([f"# {line}" for line in (title, units, f"{OF_RUN}{run}" if run else "") if line]
                 + [",".join(self.columns)])
@@ -66,15 +67,15 @@ class Series:
         """Close the file."""
         os.close(self._file)
 
-    def _kept_lines(self, keep_to, run):
-        """Return the lines up to `keep_to` and the number of those after it."""
+    def _kept_lines(self, keep_to, run, until):
+        """Return the lines up to `keep_to` and `until`, and the number of those after it."""
         if keep_to is None or not self.path.exists():
             return [], 0
         names, lines = read_own(self.path, run)
         if names != list(self.columns):
             raise StoreError(f"{self.path} has the columns {', '.join(names)[:200]}, not {', '.join(self.columns)}: "
                              "it is of another run")
-        kept = [",".join(line) for line in lines if int(line[1]) <= keep_to]
+        kept = [",".join(line) for line in lines if int(line[1]) <= keep_to and float(line[0]) <= until]
         return kept, len(lines) - len(kept)
 
 

@@ -2,6 +2,7 @@
 
 import json
 import logging
+import math
 import os
 from collections.abc import Mapping, Sequence
 from importlib import metadata
@@ -102,15 +103,17 @@ class Store:
         on_first(comm, f"write {folder}/case.json", lambda: folders.write_case(store.folder, store._case, store.run))
         return store
 
-    def add_series(self, name: str, columns: Mapping[str, str], title: str = "") -> None:
+    def add_series(self, name: str, columns: Mapping[str, str], title: str = "", until: float = math.inf) -> None:
         """Open the time series DIR/<name>.csv ("steps", "probes/P2", ...).
 
         columns : dict of column name -> unit ("" for none); the columns time [s] and step are added in front.
+        until : in a resumed run, lines of later times [s] are taken out, too
         """
         def add() -> None:
             path = self.folder / f"{name}.csv"
             path.parent.mkdir(exist_ok=True)
-            self._series[name] = Series(path, columns, f"{title}{self._missing(path)}", self._keep_to, self.run)
+            self._series[name] = Series(path, columns, f"{title}{self._missing(path)}", self._keep_to, self.run,
+                                        until)
         on_first(self.comm, f"write {self.folder / name}.csv", add)
 
     def append(self, time: float, step: int, values: Mapping[str, Sequence[Any]] | None) -> None:

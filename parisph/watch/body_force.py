@@ -23,6 +23,7 @@ class BodyForce(Sampler):
     """
 
     columns = Force.columns
+    of_pressure = True
     dims = (2,)
 
     def __init__(self, probe: probes.Force, scene: Scene, mesh: WallMesh) -> None:

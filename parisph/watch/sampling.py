@@ -224,10 +224,12 @@ class Sampler:
     name, title : str
     columns : dict of column name -> unit
     ghosts : fields of the ghosts that must be up to date
+    of_pressure : whether its values are those of the pressure alone, and so of the time for which that was solved
     """
 
     columns: dict[str, str] = {}
     ghosts: tuple[str, ...] = ()
+    of_pressure = False
     dims: tuple[int, ...] = (2, 3)
     title: str
 
@@ -271,6 +273,7 @@ class Several(Sampler):
         self.columns = {member.name if len(member.columns) == 1 else f"{member.name}_{column}": unit
                         for member in members for column, unit in member.columns.items()}
         self.ghosts = tuple(sorted({name for member in members for name in member.ghosts}))
+        self.of_pressure = all(member.of_pressure for member in members)
         self.title = "; ".join(f"{member.name}: {member.title}" for member in members)
 
     @property

@@ -25,6 +25,7 @@ class PressureTap(Sampler):
     """
 
     columns = {"pressure": "Pa"}
+    of_pressure = True
 
     def __init__(self, probe: probes.PressureTap, scene: Scene) -> None:
         super().__init__(probe, scene)
@@ -140,6 +141,7 @@ class Force(Sampler):
     """
 
     columns = {"fx": "N/m", "fy": "N/m", "moment": "N m/m"}
+    of_pressure = True
     dims = (2,)
 
     def __init__(self, probe: probes.Force, scene: Scene) -> None:
