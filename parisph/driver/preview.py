@@ -9,7 +9,7 @@ import numpy as np
 from parisph.base import memory, vocabulary
 from parisph.case import scales, size
 from parisph.case.bodies import motion_of
-from parisph.case.checks import sound_speed
+from parisph.case.checks import sound_speed, stable_time_step
 from parisph.case.methods import METHODS
 from parisph.case.motion import AtRest
 from parisph.case.numerics import WORDS, Numerics
@@ -23,6 +23,7 @@ from parisph.methods import catalogue, lengths
 
 DRAWN = 10**7    # particles: larger scenes are not drawn, which takes memory for all their walls
 BRISK, IMPACT = 1.5, 1.25    # as in methods.timestep, which needs MPI
+ROUNDED = 1.0 + 1e-9    # a step as long as its limit, but for rounding, is not longer
 
 
 def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
@@ -93,10 +94,28 @@ def _warnings(case: Case, count: Mapping[str, int]) -> Iterator[str]:
     if catalogue.warning(case.numerics):
         yield f"method {case.numerics.method}: {catalogue.warning(case.numerics)}"
     yield from scene_checks.warnings(case)
+    yield from _about_the_step(case)
+    yield from _about_flaps(case)
     if not case.closed and count["exact"] and case.plain and not plain.lattice(case).has_surface():
         yield (f"none of the {count['fluid']} fluid particles is on a free surface, "
                "so p = 0 is set only at the highest one; leave a spacing of air, "
                "or fill the tank with a Box of its size, without elevation")
+
+
+def _about_the_step(case: Case) -> Iterator[str]:
+    """Warn of a fixed step that is longer than waves or the fastest fluid allow; not where it is shortened itself."""
+    (limit, reason), dt = stable_time_step(case), case.numerics.time_step
+    if dt is not None and limit * ROUNDED < min(dt, stable_step(case)):
+        yield (f"numerics.time_step = {dt:.3g} s is {dt / limit:.3g} times the step of {limit:.3g} s that {reason}: "
+               "the flow may be wrong or diverge; give a shorter one, or None to adapt it")
+
+
+def _about_flaps(case: Case) -> Iterator[str]:
+    """Warn of a flap in whose corner particles are caught, as nothing keeps pairs of them apart."""
+    flaps = [body for body in case.bodies if body.kind == "flap"]
+    if flaps and not case.numerics.resolved().collision_distance:
+        yield ("walls: particles are caught in the corner between a Flap and the bed, and burst out of it, if no pairs "
+               "of them collide; set numerics.collision_distance=0.7 and restitution=0.2")
 
 
 def _memory(particles: int) -> str:

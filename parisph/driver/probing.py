@@ -36,8 +36,8 @@ class Watch:
 
     Pressures on walls are of the middle of a step or earlier, and their samples have that time; all others are of its
     end. At a fixed rate, samples are taken at exactly k intervals, by linear interpolation in time between two steps;
-    probes are evaluated in these steps only. What is due after the last pressure of a run has that pressure. Nothing
-    has to be stored for a restart, which evaluates probes again at the beginning of its first step.
+    probes are evaluated in these steps only. The last pressure of a run stands for what is left of it, up to
+    its end. Nothing has to be stored for a restart, which evaluates probes again at the beginning of its first step.
 
     Parameters
     ----------
@@ -66,6 +66,8 @@ class Watch:
 
     def reached(self, sampler: Sampler) -> float:
         """Return the time [s] up to which samples of a probe are final now. Not collective."""
+        if self.simulation.finished():
+            return self.simulation.reached
         return (self._pressures if sampler.of_pressure else self._places).now + self.simulation.rounding
 
     def at_start(self) -> list[Line]:
@@ -125,10 +127,11 @@ class Watch:
 
     def _due(self, clock: _Clock) -> list[tuple[float, int]]:
         """Return the samples that the last step has made due: their times [s] and numbers. Not collective."""
-        s = self.simulation
+        s, done = self.simulation, self.simulation.finished()
         if self._times is None:
-            return [] if s.steps % self._every else [(clock.now, s.steps // self._every)]
-        end = s.reached if s.finished() else clock.now + s.rounding
+            times = [clock.now] if clock.now >= s.time or not done else [clock.now, s.time]
+            return [] if s.steps % self._every else [(time, s.steps // self._every) for time in times]
+        end = s.reached if done else clock.now + s.rounding
         return [(time, round(time / self._interval)) for time in self._times.between(clock.since, end)]
 
     def _sample(self, samplers: Sequence[Sampler]) -> Values:

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import StillWater
+from parisph import Airy, Case, Flap, Fluid, Numerics, Profile, StillWater
 from parisph.base import memory
 from parisph.base.errors import CaseError
 from parisph.case import elsewhere
+from parisph.case.checks import stable_time_step
 from parisph.driver import describe, progress
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.progress import Progress
@@ -32,6 +33,30 @@ def test_every_case_is_described(path):
     lines = dict(line.split(None, 1) for line in describe(case).splitlines()
                  if not line.startswith(("end time", " ")))
     assert lines["case"] and "fluid" in lines["particles"] and "solve" in lines["stages"] and "MB" in lines["memory"]
+    assert "times the step" not in describe(case) and "caught in the corner" not in describe(case)
+
+
+@pytest.mark.parametrize("name, why", [("standing_wave", "resolves the shortest waves"),
+                                       ("dam_break", "moves the fastest fluid by 0.3 spacings")])
+def test_a_fixed_step_that_is_too_long_is_warned_of(name, why):
+    case = scene(name, {"time_step": 1e-3}, spacing=0.05)
+    limit, reason = stable_time_step(case)
+    told = describe(case.changed(**{"numerics.time_step": 1.5 * limit}))
+    assert why in reason and f"s is 1.5 times the step of {limit:.3g} s that {why}" in told
+    assert "give a shorter one, or None to adapt it" in told
+    for step in (limit, None):
+        assert "warning" not in describe(case.changed(**{"numerics.time_step": step}))
+
+
+@pytest.mark.parametrize("preset", ["gentle", "violent"])
+def test_a_flap_beside_which_no_pairs_collide_is_warned_of(preset):
+    flap = Flap(hinge=(0.0, 0.0), wave=Airy(height=0.02, period=1.1, depth=0.25))
+    case = Case(title="flume", fluid=Fluid(StillWater(level=0.25), density=1000.0), gravity=(0.0, -9.81), end_time=1.0,
+                walls=(Profile([(-0.4, 0.0), (4.3, 0.0), (4.3, 0.4)], name="bed"), flap),
+                numerics=Numerics(preset=preset, spacing=0.025, time_step=None))
+    assert ("caught in the corner between a Flap and the bed" in describe(case)) is (preset == "gentle")
+    colliding = {"numerics.collision_distance": 0.7, "numerics.restitution": 0.2}
+    assert "caught in the corner" not in describe(case.changed(**colliding))
 
 
 def test_a_part_that_other_walls_do_not_have_is_refused_by_the_check_too():

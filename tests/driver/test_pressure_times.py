@@ -9,7 +9,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Force, Numerics, Output, PressureTap, ProbeArray, SurfaceGauge, Tank
-from parisph.driver import run
+from parisph.driver import restart, run
 from parisph.io import reader
 from tests.scenes import on_ranks
 
@@ -45,9 +45,10 @@ def check(tap, load, tolerance=1e-6):
 def test_a_pressure_that_grows_evenly_is_exact(tmp_path, numerics, late):
     found = done(still(**numerics), tmp_path / "run")
     tap, steps = found.probe("tap"), found.steps
-    check(tap, found.probe("load"))
-    assert tap["time"][0] == 0.0 and len(tap) == len(steps) + 1
-    behind = (steps["time"] - tap["time"][1:]) / steps["dt"]
+    check(tap[:-1], found.probe("load")[:-1])
+    assert tap["time"][0] == 0.0 and len(tap) == len(steps) + 2
+    assert tap[-1].tolist() == (steps["time"][-1], *tap[-2].tolist()[1:])     # up to the end there is no other
+    behind = (steps["time"] - tap["time"][1:-1]) / steps["dt"]
     assert behind[-1] == pytest.approx(0.5) if late == 0.5 else behind[-1] > late
     assert (found.probe("mixed")["time"][1:] == steps["time"]).all()    # places are of the end of the step
     assert "time is that of the pressure" in (found.folder / "probes" / "tap.csv").read_text().splitlines()[0]
@@ -91,3 +92,12 @@ def test_a_restart_goes_on_from_the_times_before(tmp_path, output):
         np.testing.assert_array_equal(a["step"], b["step"])
         for column in a.dtype.names[2:]:
             np.testing.assert_allclose(a[column], b[column], rtol=1e-7, atol=1e-6, err_msg=f"{probe} {column}")
+
+
+def test_a_run_that_is_killed_at_its_end_keeps_its_last_samples(tmp_path):
+    """Between the last checkpoint and the summary."""
+    case = still(preset="violent", time_step=0.01)
+    before = done(case, tmp_path / "run").probe("tap")
+    (tmp_path / "run" / "summary.json").unlink()
+    restart(tmp_path / "run", MPI.COMM_SELF, progress=False)
+    assert reader.open_run(tmp_path / "run").probe("tap").tolist() == before.tolist()
