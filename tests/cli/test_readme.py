@@ -67,7 +67,7 @@ def test_script_runs_as_printed(first):
     script = script.replace('{"end_time": 0.5}', '{"end_time": 0.1, "spacing": 0.1}')
     script += (
         "assert summary['status'] == 'completed' and x.shape == u.shape == everywhere['x'].shape and len(p) == len(x)\n"
-        "assert deepest > 3e3 and len(t) == len(pressure) == len(iterations) + 1 and "
+        "assert deepest > 3e3 and len(t) == len(pressure) == len(iterations) + 2 and "
         "flow.units('tap')['pressure'] == 'Pa'\n"
     )
     (first / "script.py").write_text(script, encoding="utf-8")
