@@ -34,10 +34,11 @@ class _Clock:
 class Watch:
     """The samples of a run's probes. All methods are collective unless stated otherwise.
 
-    Pressures on walls are of the middle of a step or earlier, and their samples have that time; all others are of its
-    end. At a fixed rate, samples are taken at exactly k intervals, by linear interpolation in time between two steps;
-    probes are evaluated in these steps only. The last pressure of a run stands for what is left of it, up to
-    its end. Nothing has to be stored for a restart, which evaluates probes again at the beginning of its first step.
+    Samples have the time of what they measure: that of the particles, the end of a step, or for pressures on walls
+    that of the pressure, in a projection the middle of the step. What is due after the last pressure of a run has that
+    pressure, so that all series reach the end. At a fixed rate, samples are taken at exactly k intervals, by linear
+    interpolation in time between two steps, and probes are evaluated around these only. Nothing has to be stored for a
+    restart, which evaluates them again at the beginning of its first step.
 
     Parameters
     ----------
@@ -52,9 +53,10 @@ class Watch:
         self._every = output.probe_every
         self._interval = output.probe_interval or 0.0    # [s]
         self._times = Times(self._interval) if self._interval else None
-        self._places, self._pressures = self._clocks = tuple(
+        self._places, self._pressures = (
             _Clock([sampler for sampler in samplers if sampler.of_pressure is pressures], 0.0, 0.0)
             for pressures in (False, True))
+        self._clocks = [clock for clock in (self._places, self._pressures) if clock.samplers]
         self._look_at_clocks()
 
     def title(self, sampler: Sampler) -> str:

@@ -210,8 +210,9 @@ class Simulation:
 
     @property
     def pressure_time(self) -> float:
-        """Time [s] of the pressures on walls: in a projection, that of the middle of the last step or earlier."""
-        return self.method.pressure_time
+        """Time [s] of the pressures: in a projection, that of the middle of the last step."""
+        found: float | None = self.method.pressure_time
+        return self.time if found is None else found
 
     def finished(self) -> bool:
         """Return whether the end time is reached, to within half a fixed step."""

@@ -67,14 +67,14 @@ class Compressible:
         self.accelerations = 0.0, 0.0    # without the mean, as the speed of sound limits these steps
         self.strain_rate = 0.0           # nor is strain looked at
         self._steps, self._begun = 0, False
-        self.pressure_time = 0.0         # [s], of the pressures: that of the particles
+        self.pressure_time = None        # that of the particles
 
     # -- what the driver asks for ----------------------------------------------------------
 
     def start(self, time: float) -> int:
         """Find densities from the pressure at the start, and the acceleration there; return 0. Collective."""
         flow, p = self.flow, self.flow.particles
-        self._begun, self.pressure_time = True, time
+        self._begun = True
         flow.domain.refresh("u")
         p.rho[:] = self.density(p.p, self.sound, flow.density)
         if self.settle:
@@ -104,7 +104,6 @@ class Compressible:
             p.u[fluid] += 0.5 * dt * p.pull[fluid]
             budget.mark(p, "pressure")
         self._steps += 1
-        self.pressure_time = time + dt
         if self._steps % SURFACE_EVERY == 0:
             with timers("surface"):
                 self._find_surface()
@@ -130,12 +129,11 @@ class Compressible:
 
     def state(self) -> dict[str, float]:
         """Return what a checkpoint needs beside the particles."""
-        return {"acceleration": self.accelerations[0], "surface_steps": self._steps,
-                "pressure_time": self.pressure_time}
+        return {"acceleration": self.accelerations[0], "surface_steps": self._steps}
 
     def resume(self, state: dict) -> None:
         """Continue from the state in a checkpoint."""
-        self._begun, self.pressure_time = True, state.get("pressure_time", 0.0)
+        self._begun = True
         self.accelerations, self._steps = (state.get("acceleration", 0.0), 0.0), state.get("surface_steps", 0)
 
     def about(self) -> dict[str, str | None]:

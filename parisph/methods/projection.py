@@ -40,16 +40,12 @@ class Projection:
     petsc_options : list of str, or None
 
     The driver uses `start`, `step`, `columns`, `state` and `destroy`, as of any method.
-
-    pressure_time : [s], of the pressures on walls: that of the middle of the step, in which the solve is made, and the
-        same mean of it over steps as that of the pressures
     """
 
     def __init__(self, flow: Flow, parts: Parts, petsc_options: list[str] | None = None) -> None:
         self.flow, self.parts, n = flow, parts, flow.numerics
         self.stepping = STEPPINGS[n.stepping]
         self.guesses = Guesses()
-        self.pressure_time = 0.0
         self.earlier_accelerations = Accelerations()
         self.knows_pressure = False     # whether particles have the pressure of an earlier step, or of the start
         self.rows = PressureRows(flow.particles.dim, parts.laplacian, parts.divergence, parts.wall_rows,
@@ -94,9 +90,7 @@ class Projection:
             self._move(start, time, dt)
             budget.mark(p, "pressure")
         if self.knows_pressure:
-            self._average_pressure(earlier, middle, dt, *self._mean_times(dt))
-        else:
-            self.pressure_time = middle
+            self._average_pressure(earlier, dt, *self._mean_times(dt))
         self.knows_pressure = True
         if parts.position_regularisers:
             with timers("regularise"):
@@ -130,7 +124,6 @@ class Projection:
         matrix, right, isolated = self._equation(target)
         p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
         self.guesses.restart(time)
-        self.pressure_time = time
         self.knows_pressure = True
         return isolated
 
@@ -165,6 +158,11 @@ class Projection:
         return self.flow.accelerations
 
     @property
+    def pressure_time(self) -> float | None:
+        """Time [s] that the last solve took its pressure for: the middle of its step. None before the first."""
+        return self.guesses.times[0] if self.guesses.times else None
+
+    @property
     def strain_rate(self) -> float:
         """Mean rate at which fluid was strained in the last step, on all ranks, sqrt(2 S:S) [1/s]."""
         return self.flow.mean_strain
@@ -179,7 +177,6 @@ class Projection:
         largest, mean = self.flow.accelerations
         return {"acceleration": largest, "rms_acceleration": mean, "mean_acceleration": self.flow.mean_acceleration,
                 "mean_strain": self.flow.mean_strain, "pressure_times": self.guesses.times,
-                "pressure_time": self.pressure_time,
                 "acceleration_times": self.earlier_accelerations.times}
 
     def resume(self, state: dict) -> None:
@@ -188,7 +185,6 @@ class Projection:
         self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
         self.flow.mean_strain = state.get("mean_strain", 0.0)
         self.guesses.times = list(state.get("pressure_times", ()))
-        self.pressure_time = state.get("pressure_time", max(self.guesses.times, default=0.0))
         if self.stepping.corrected:
             self.earlier_accelerations.times = list(state.get("acceleration_times", ()))
         self.knows_pressure = True
@@ -357,12 +353,11 @@ class Projection:
                                                flow.force[:p.n_owned].compress(p.kind == FLUID, axis=0))
         return max(shortened, time), max(shortened, AT_WALLS * time)
 
-    def _average_pressure(self, earlier, middle, dt, time, at_walls):
+    def _average_pressure(self, earlier, dt, time, at_walls):
         """Leave means over these times [s] as the pressures after a step of dt that is shorter. Not collective.
 
         The pulse of a particle that comes to a wall or to the surface acts in one step of any length. The velocity
-        needs its whole impulse, but as a pressure it would grow without bound as dt -> 0. The mean over time is that of
-        past steps. On walls, its own mean time is known, so that no probe is late.
+        needs its whole impulse, but as a pressure it would grow without bound as dt -> 0.
         """
         p = self.flow.particles
         fluid = (p.role == INNER) | ((p.role == SURFACE) & (self.flow.numerics.surface_offset > 0.0))
@@ -370,7 +365,6 @@ class Projection:
             if dt < over:
                 np.copyto(p.p, earlier + dt / over * (p.p - earlier), where=some)
                 self.flow.stale.add("p")
-        self.pressure_time += min(1.0, dt / at_walls if at_walls else 1.0) * (middle - self.pressure_time)
 
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
         """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.

@@ -143,6 +143,9 @@ def _at_peak(run, probe):
     kept = run.peak(probe)
     if kept is not None and kept["peak"] >= value:
         return kept
+    if time > 0.0:    # the flow is kept at the end of the step, whose pressure is of its middle
+        ends = run.steps["time"]
+        time = float(ends[min(np.searchsorted(ends, time * (1.0 - 1e-12)), len(ends) - 1)])
     late = run.times[run.number(time)] - time
     if late:
         print(f"parisph: note: there is no snapshot at the peak of {probe}, t = {time:.6g} s: "

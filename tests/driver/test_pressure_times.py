@@ -1,7 +1,7 @@
 """Samples of pressures on walls have the times that their pressures are of.
 
-In a tank whose gravity grows evenly, still water has p = rho g(t) depth at every instant. A solve in the middle of the
-step finds that of its middle, and a mean over past steps that of the mean time: to the last digits of the solve.
+In a tank whose gravity grows evenly, still water has p = rho g(t) depth at every instant. A step finds that of its
+middle, to the last digits of the solve.
 """
 
 import numpy as np
@@ -36,31 +36,26 @@ def check(tap, load, tolerance=1e-6):
     np.testing.assert_allclose(load["fy"], -expected * DEPTH, rtol=tolerance)
 
 
-@pytest.mark.parametrize("numerics, late", [
-    ({"time_step": 0.01, "preset": "gentle"}, 0.5),
-    ({"preset": "violent"}, 0.5),
-    # so short that a pressure is the mean of several steps
-    ({"time_step": 0.001, "preset": "violent"}, 1.5),
-])
-def test_a_pressure_that_grows_evenly_is_exact(tmp_path, numerics, late):
+@pytest.mark.parametrize("numerics", [{"time_step": 0.01, "preset": "gentle"}, {"preset": "violent"}])
+def test_a_pressure_that_grows_evenly_is_exact(tmp_path, numerics):
     found = done(still(**numerics), tmp_path / "run")
     tap, steps = found.probe("tap"), found.steps
     check(tap[:-1], found.probe("load")[:-1])
     assert tap["time"][0] == 0.0 and len(tap) == len(steps) + 2
     assert tap[-1].tolist() == (steps["time"][-1], *tap[-2].tolist()[1:])     # up to the end there is no other
     behind = (steps["time"] - tap["time"][1:-1]) / steps["dt"]
-    assert behind[-1] == pytest.approx(0.5) if late == 0.5 else behind[-1] > late
+    np.testing.assert_allclose(behind, 0.5)
     assert (found.probe("mixed")["time"][1:] == steps["time"]).all()    # places are of the end of the step
     assert "time is that of the pressure" in (found.folder / "probes" / "tap.csv").read_text().splitlines()[0]
 
 
 def test_at_a_fixed_rate_too_up_to_the_last_pressure(tmp_path):
-    found = done(still(preset="violent", time_step=0.003, output=Output(probe_interval=0.0007)), tmp_path / "run")
+    found = done(still(preset="violent", time_step=0.01, output=Output(probe_interval=0.0007)), tmp_path / "run")
     tap, load = found.probe("tap"), found.probe("load")
     np.testing.assert_array_equal(tap["time"], np.arange(len(tap)) * 0.0007)
-    known = tap["time"] < found.steps["time"][-1] - 0.01
+    known = tap["time"] < found.steps["time"][-1] - 0.005
     check(tap[known], load[known])
-    assert (np.diff(tap["pressure"]) >= 0.0).all() and np.count_nonzero(~known) >= 10
+    assert (np.diff(tap["pressure"]) >= 0.0).all() and np.count_nonzero(~known) >= 7
     assert tap["pressure"][-1] == tap["pressure"][-2]       # the last pressure that there is
 
 
@@ -74,7 +69,7 @@ from parisph import driver
 from tests.driver.test_pressure_times import still
 from parisph import Output
 def case(end):
-    return still(end, preset="violent", time_step=0.002, output=Output({}))
+    return still(end, preset="violent", time_step=0.01, output=Output({}))
 """
 
 
