@@ -23,7 +23,7 @@ from parisph.methods import catalogue, lengths
 
 DRAWN = 10**7    # particles: larger scenes are not drawn, which takes memory for all their walls
 BRISK, IMPACT = 1.5, 1.25    # as in methods.timestep, which needs MPI
-ROUNDED = 1.0 + 1e-9    # a step as long as its limit, but for rounding, is not longer
+LONG = 1.25    # times the estimated limit: a fixed step that is warned of
 
 
 def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
@@ -103,9 +103,9 @@ def _warnings(case: Case, count: Mapping[str, int]) -> Iterator[str]:
 
 
 def _about_the_step(case: Case) -> Iterator[str]:
-    """Warn of a fixed step that is longer than waves or the fastest fluid allow; not where it is shortened itself."""
+    """Warn of a fixed step clearly longer than waves or the fastest fluid allow, unless it is shortened in the run."""
     (limit, reason), dt = stable_time_step(case), case.numerics.time_step
-    if dt is not None and limit * ROUNDED < min(dt, stable_step(case)):
+    if dt is not None and LONG * limit < min(dt, stable_step(case)):
         yield (f"numerics.time_step = {dt:.3g} s is {dt / limit:.3g} times the step of {limit:.3g} s that {reason}: "
                "the flow may be wrong or diverge; give a shorter one, or None to adapt it")
 
