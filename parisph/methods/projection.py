@@ -24,8 +24,8 @@ from parisph.pressure.solver import PressureSolver
 FEW = 10             # particles without a surface that are not worth an equation
 BODIES = 4           # bodies of fluid without a surface, at most, that get one
 # of the time over which pressure is averaged: that of walls. Fluid comes to a wall one layer after the other, which is
-# more than the .3 spacings of `timestep`. Chosen by P2 of the dam break, which 10/3, for a whole spacing, serves as
-# well. Inside, a longer mean would only be late.
+# more than the .3 spacings of `timestep`. Chosen by P2 of the dam break; 10/3, a whole spacing, does as well. Inside,
+# a longer mean would only be late.
 AT_WALLS = 2.0
 ROUNDING = 1e-3      # spacings within which two particles are equally high
 
