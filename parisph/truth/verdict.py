@@ -146,7 +146,9 @@ def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray) -> dict[str, flo
     inside = np.flatnonzero((time >= band.start) & (time <= band.end)) if time[-1] >= band.end else ()
     if len(inside):
         k = inside[np.argmax(values[inside])]
-        found.update(found=float(values[k]), time=float(time[k]), last=bool(values[k] == values[inside[-1]]))
+        # the last pressure of a run is written twice; a level value is not one that rises
+        last = k >= inside[-1] - 1 and values[k] == values[inside[-1]]
+        found.update(found=float(values[k]), time=float(time[k]), last=bool(last))
         if band.low is not None and band.high is not None:
             near = np.clip(values[k], band.low, band.high)
             found["beyond"] = float((values[k] - near) / (near - band.level))

@@ -6,17 +6,14 @@ import pytest
 from tests.scenes import on_ranks
 
 # A falling column: walls of which most touch no water, a front that runs from one rank's cells into
-# another's. The processor time of each step's kernels is measured from outside.
+# another's. The processor time of their kernels is a part of the validation, "ranks".
 FALLING = """
-from tests.kernel_time import KernelTime
-kernels = KernelTime()
 s = Simulation(scene("dam_break", spacing=0.025), comm)
 {change}
-steps, seconds = [], 0.0
+steps = []
 while s.steps < 110:
     s.advance()
-    steps.append(kernels.seconds - seconds)
-    seconds = kernels.seconds
+    steps.append(s.domain.indices.size)    # neighbours in the lists of this rank's particles
 everyone = np.array(comm.gather(steps) or 0)
 found = s.gather("x", "u", "p", "role")
 if comm.rank == 0:
@@ -34,15 +31,14 @@ def runs(tmp_path_factory):
 
 
 def imbalance(run):
-    """Return max/mean over the ranks of the time in kernels, of the typical one of the last steps."""
+    """Return max/mean over the ranks of the neighbours of their particles, of the typical one of the last steps."""
     typical = np.median(run["steps"][:, 60:], axis=1)
     return typical.max() / typical.mean()
 
 
-def test_kernels_of_an_uneven_flow_take_equal_time(runs):
+def test_ranks_of_an_uneven_flow_have_equal_work(runs):
     assert imbalance(runs["uneven"]) > 1.2, "the flow is uneven, if nothing is done"
-    # the calmer of two runs: another program on one of the cores slows its kernels too
-    assert min(imbalance(runs["even"]), imbalance(runs["again"])) < 1.1
+    assert imbalance(runs["even"]) < 1.1
 
 
 def test_run_on_two_ranks_can_be_repeated_bit_for_bit(runs):

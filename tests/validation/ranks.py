@@ -1,7 +1,9 @@
-"""Through the impact, ranks differ by no more than rounding does."""
+"""Through the impact, ranks differ by no more than rounding does; and their kernels take equal time."""
 
 import numpy as np
 
+from tests.launch import mpirun
+from tests.scenes import PROGRAM
 from tests.validation.record import Row
 
 WATCHED = {"P1": "pressure", "P2": "pressure", "front": "x", "column": "y", "energy": "total"}
@@ -11,6 +13,21 @@ SETS = dict(spacing=0.025, end_time=3.0)
 TIGHT = {"rtol": 1e-13}
 PERTURBATION = 1e-12       # of a spacing
 SEEDS = range(1, 7)
+# The processor time of each step's kernels is measured from outside: that of a phase includes waiting.
+FALLING = """
+from tests.kernel_time import KernelTime
+kernels = KernelTime()
+s = Simulation(scene("dam_break", spacing=0.025), comm)
+steps, seconds = [], 0.0
+while s.steps < 110:
+    s.advance()
+    steps.append(kernels.seconds - seconds)
+    seconds = kernels.seconds
+everyone = np.array(comm.gather(steps) or 0)
+if comm.rank == 0:
+    np.save("kernels.npy", everyone)
+"""
+TRIES = 3
 
 
 def rows(bench):
@@ -29,7 +46,22 @@ def rows(bench):
         found += [Row(f"impact: {name} on {ranks} ranks, rms difference / largest scatter",
                       there[name] / largest[name], 1.0)
                   for name in WATCHED]
-    return found
+    return [*found, Row("falling column: time of the kernels on 2 ranks, max / mean", _imbalance(bench.folder), 1.1)]
+
+
+def _imbalance(folder):
+    """Return max/mean over two ranks of the time in kernels, of the typical one of the last steps, in the calmest run:
+    another program on one of the cores slows its kernels too."""
+    program = folder / "falling.py"
+    program.write_text(PROGRAM + FALLING)
+    found = []
+    for _ in range(TRIES):
+        done = mpirun(2, [program], timeout=600, cwd=folder)
+        if done.returncode != 0:
+            raise RuntimeError(done.stderr)
+        typical = np.median(np.load(folder / "kernels.npy")[:, 60:], axis=1)
+        found.append(float(typical.max() / typical.mean()))
+    return min(found)
 
 
 def _differences(run, other):
