@@ -168,6 +168,7 @@ def _allocate(file, slab):
     layout.set_layout(h5py.h5d.CONTIGUOUS)
     layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    layout.set_obj_track_times(False)    # files of the same content are the same
     space = h5py.h5s.create_simple((slab.total, *slab.data.shape[1:]))
     kind = h5py.h5t.py_create(slab.data.dtype, logical=True)
     return h5py.Dataset(h5py.h5d.create(group.id, name.encode(), kind, space, layout))
