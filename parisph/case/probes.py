@@ -76,6 +76,8 @@ class PressureTap(Probe):
 
     On a body that moves, `at` is where the tap is at t = 0; it moves with the body.
 
+    A sample has the time for which its pressure is solved, the middle of a step; with method="SPH", the end.
+
     Examples
     --------
     >>> PressureTap("P2", at=(2.0, 0.05), radius=0.0375, peak=True).peak
@@ -271,7 +273,8 @@ class RunUp(Probe):
 class Force(Probe):
     """Force [N/m] of the fluid's pressure on a body, and its moment [N m/m] against the clock.
 
-    Friction on the body is not included.
+    Friction on the body is not included. A sample has the time for which its pressure is solved, the middle of a step;
+    with method="SPH", the end.
 
     on : name of the body
     side : of a tank; None for all of it

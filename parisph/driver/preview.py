@@ -19,7 +19,7 @@ from parisph.driver import cost
 from parisph.driver.sketch import sketch
 from parisph.geometry import build, plain, scene_checks
 from parisph.kernels import viscous, weakly
-from parisph.methods import catalogue, lengths
+from parisph.methods import catalogue, lengths, velocities
 
 DRAWN = 10**7    # particles: larger scenes are not drawn, which takes memory for all their walls
 BRISK, IMPACT = 1.5, 1.25    # as in methods.timestep, which needs MPI
@@ -113,9 +113,10 @@ def _about_the_step(case: Case) -> Iterator[str]:
 def _about_flaps(case: Case) -> Iterator[str]:
     """Warn of a flap in whose corner particles are caught, as nothing keeps pairs of them apart."""
     flaps = [body for body in case.bodies if body.kind == "flap"]
-    if flaps and not case.numerics.resolved().collision_distance:
+    if flaps and velocities.Collisions.words not in stages(case):
         yield ("walls: particles are caught in the corner between a Flap and the bed, and burst out of it, if no pairs "
-               "of them collide; set numerics.collision_distance=0.7 and restitution=0.2")
+               "of them collide; set numerics.collision_distance=0.7 and restitution=0.2, and leave collisions in "
+               "numerics.regularisers")
 
 
 def _memory(particles: int) -> str:

@@ -57,6 +57,8 @@ def test_a_flap_beside_which_no_pairs_collide_is_warned_of(preset):
     assert ("caught in the corner between a Flap and the bed" in describe(case)) is (preset == "gentle")
     colliding = {"numerics.collision_distance": 0.7, "numerics.restitution": 0.2}
     assert "caught in the corner" not in describe(case.changed(**colliding))
+    without = {"numerics.regularisers": ("filter", "wall_guard")}
+    assert "caught in the corner" in describe(case.changed(**colliding, **without))
 
 
 def test_a_part_that_other_walls_do_not_have_is_refused_by_the_check_too():

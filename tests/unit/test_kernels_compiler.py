@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import numba
+import numpy as np
 import pytest
 from numba.extending import overload
 
@@ -47,6 +48,20 @@ def test_garbage_is_not_collected_while_kernels_compile_and_as_before_afterwards
         assert gc.isenabled() == before
     finally:
         (gc.enable if was else gc.disable)()
+
+
+def test_parts_of_kernels_are_compiled_for_calls_from_python_only_when_these_come():
+    @jit.inlined
+    def doubled(x):
+        """Return 2 x."""
+        return 2.0 * x
+
+    @jit.uncached
+    def both(x):
+        return doubled(x[0]) + doubled(x[1])
+
+    assert both(np.array([1.0, 2.0])) == 6.0 and "alone" not in vars(doubled)
+    assert doubled(4.0) == 8.0 and doubled.alone.signatures and doubled.__doc__ == "Return 2 x."
 
 
 @pytest.mark.parametrize(("host", "asked", "due"), [
