@@ -1,8 +1,6 @@
 """Compilation of kernels, and the compile-time axes that make one source work in 2D and 3D."""
 
 import gc
-from collections.abc import Callable
-from typing import Any
 
 from parisph.kernels import cache, processor
 from parisph.kernels.processor import numba
@@ -53,28 +51,35 @@ numba.core.event.register("numba:compile", _WithoutCollection())
 
 kernel = _compiler(cache=True, **_OPTIONS)
 
-# For functions that a kernel calls for every particle. A call costs more than a short vector loop,
-# and so does counting references to the arrays that are passed. Without reference counts ("_nrt")
-# these functions may read and write arrays, but neither make nor slice them. The kernels that they
-# are a part of are cached, they themselves are not: that would take longer than it saves.
-_PART = dict(forceinline=True, _nrt=False, **_OPTIONS)
-
 
 class _Part(numba.core.registry.CPUDispatcher):
-    """A part of kernels. What takes Python's arrays apart is compiled only if Python calls it, as tests do."""
+    """A function that kernels call. What takes Python's arrays apart is compiled only if Python calls it, as tests."""
 
     def __call__(self, *arguments):
         if "alone" not in vars(self):
-            self.alone = _compiler(**_PART)(self.py_func)
+            self.alone = _compiler(**self.options)(self.py_func)
         return self.alone(*arguments)
 
 
-def inlined(function: Callable) -> Any:
-    """Return a function that kernels call, with its code in theirs."""
-    part = _compiler(no_cpython_wrapper=True, **_PART)(function)
-    part.__class__ = _Part    # without the wrapper, numba's own would crash in a call from Python
-    return part
+def _part_compiler(**options):
+    """Return a decorator for functions that only kernels call.
 
+    The kernels that they are a part of are cached, they themselves are not: that would take longer than it saves.
+    """
+    def decorate(function):
+        made = _compiler(no_cpython_wrapper=True, **options)(function)
+        made.__class__ = _Part    # numba's own crashes when Python calls what has no wrapper
+        made.options = options
+        return made
+    return decorate
+
+
+part = _part_compiler(**_OPTIONS)
+
+# For functions that a kernel calls for every particle. A call costs more than a short vector loop,
+# and so does counting references to the arrays that are passed. Without reference counts ("_nrt")
+# these functions may read and write arrays, but neither make nor slice them.
+inlined = _part_compiler(forceinline=True, _nrt=False, **_OPTIONS)
 
 # For what waits in a thread of its own, also while another one keeps Python's lock.
 unlocked = _compiler(nogil=True, cache=True, **_OPTIONS)
