@@ -19,6 +19,8 @@ ONE_MACHINE = {
     "OMPI_MCA_hwloc_base_binding_policy": "none",
 }
 AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+# A process that no launcher has started need not start a daemon of Open MPI, for MPI_Comm_spawn, which costs 0.1 s.
+ALONE = {"OMPI_MCA_ess_singleton_isolated": "1"}
 LOOPBACK = {"OMPI_MCA_oob_tcp_if_include": "127.0.0.0/8", "OMPI_MCA_btl_tcp_if_include": "127.0.0.0/8"}
 
 # Names of (rank, size) in the environment: Open MPI, MPICH and libraries built on it, Slurm's srun.
@@ -37,11 +39,19 @@ _OF_A_BATCH_JOB = ("SLURM_", "PBS_", "LSB_", "LSF_", "JOB_ID", "PE_HOSTFILE")
 
 
 def prepare(environ: MutableMapping[str, str] = os.environ) -> None:
-    """Set the variables that numpy, numba, BLAS and h5py read when they load.
+    """Set the variables that numpy, numba, BLAS, h5py and MPI read when they load.
 
-    Changes `environ` in place: one thread per rank, and Debian's h5py in its parallel build,
-    which is otherwise used only under mpirun. Values that the user has set stay.
+    Changes `environ` in place: one thread per rank, Debian's h5py in its parallel build, which is
+    otherwise used only under mpirun, and without a launcher, MPI without a daemon. Values that the
+    user has set stay.
     """
+    _prepare_any(environ)
+    if launched(environ)[1] == 1:
+        for name, value in ALONE.items():
+            environ.setdefault(name, value)
+
+
+def _prepare_any(environ: MutableMapping[str, str]) -> None:
     for name in THREADS:
         environ.setdefault(name, "1")
     environ.setdefault("H5PY_ALWAYS_USE_MPI", "1")
@@ -75,5 +85,5 @@ def for_launching(environ: Mapping[str, str] = os.environ) -> dict[str, str]:
     for name, value in settings.items():
         clean.setdefault(name, value)
     clean.update(LOOPBACK)
-    prepare(clean)
+    _prepare_any(clean)
     return clean

@@ -44,6 +44,15 @@ def test_for_launching_takes_out_an_outer_launcher_and_keeps_the_user(monkeypatc
     assert ("OMPI_ALLOW_RUN_AS_ROOT" in inner) == (os.geteuid() == 0)
 
 
+def test_only_a_process_without_a_launcher_starts_mpi_without_a_daemon():
+    name, = environment.ALONE
+    ranks = {"OMPI_COMM_WORLD_RANK": "0", "OMPI_COMM_WORLD_SIZE": "2"}
+    for given, due in (({}, "1"), ({name: "0"}, "0"), (ranks, None)):
+        environment.prepare(given)
+        assert given.get(name) == due
+    assert name not in environment.for_launching({name: "1"})
+
+
 def sourced(**settings):
     """Return the variables that run_scripts/env sets in an otherwise empty shell."""
     done = subprocess.run(["bash", "-c", '. "$0/run_scripts/env"; env', ROOT],
