@@ -1,6 +1,9 @@
 """Compile the kernels once, on one rank, so that the others can load them."""
 
+import hashlib
 from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
@@ -8,6 +11,7 @@ from mpi4py import MPI
 from parisph.base.errors import ParisphError, agree
 from parisph.case.numerics import Numerics
 from parisph.case.schema import Box, Case, Fluid, Obstacle, Tank, Volume
+from parisph.kernels import jit, processor
 from parisph.pressure import matrices
 from parisph.watch import instruments
 
@@ -20,7 +24,7 @@ def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], cas
     """Take one step of a small scene on rank 0, which fills the cache of compiled kernels. Collective.
 
     The other ranks wait and then load the kernels from the cache; otherwise each would compile all
-    of them, which takes half a minute.
+    of them, which takes half a minute. Where this has been done before, it is left out.
 
     make : Simulation, as a function (case, comm) -> Simulation
     case, numerics : the scene whose kernels are needed
@@ -32,13 +36,26 @@ def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], cas
     problem = None
     if comm.rank == 0:
         try:
-            _step(make(small(case, numerics), MPI.COMM_SELF))
+            scene = small(case, numerics)
+            if not mark_of(scene).exists():
+                _step(make(scene, MPI.COMM_SELF))
+                with suppress(OSError):    # a full disk: the next run does it again
+                    mark_of(scene).touch()
         except ParisphError:
             pass    # whatever is wrong with the small scene, the real one will report it on all ranks
         except Exception as error:
             problem = error
     comm.Barrier()    # lets other threads of the ranks that wait run, as the sums of `agree` do not
     agree(comm, problem)
+
+
+def mark_of(scene: Case) -> Path:
+    """Return the file, beside the compiled kernels, that says that those of a small scene are there.
+
+    It is another one for each processor and each release of numba, as the kernels are. Not collective.
+    """
+    key = (scene.model_dump_json(), *processor.identity())
+    return Path(jit.FOLDER) / f"ready-{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}"
 
 
 def small(case: Case, numerics: Numerics) -> Case:

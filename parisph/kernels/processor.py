@@ -41,5 +41,11 @@ def leave_out_avx512() -> None:
                 f"{'+' if there and not _wide(name) else '-'}{name}" for name, there in features.items())
 
 
+def identity() -> tuple[str, str, str]:
+    """Return what else compiled kernels depend on: the release of numba, the processor, and its features in use."""
+    features = numba.config.CPU_FEATURES
+    return numba.__version__, llvm.get_host_cpu_name(), features or llvm.get_host_cpu_features().flatten()
+
+
 def _wide(feature):
     return feature.startswith(("avx512", "avx10"))

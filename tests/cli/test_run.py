@@ -113,12 +113,12 @@ def test_a_fault_in_the_step_of_one_rank_ends_the_run(place):
 
 
 WARM_UP = """
-import sys
+import pathlib, sys
 from parisph.__main__ import main
 from parisph.driver import warmup
 def fails(*_):
     raise KeyError("no such compiler")
-warmup._step = fails
+warmup._step, warmup.mark_of = fails, lambda scene: pathlib.Path("no mark")
 sys.exit(main(["run", "dam.py", "-q"]))
 """
 

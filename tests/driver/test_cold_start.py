@@ -12,8 +12,8 @@ from mpi4py import MPI
 
 from parisph.base.errors import SolverDiverged
 from parisph.case.schema import Box
-from parisph.driver import warmup
-from parisph.kernels import cache
+from parisph.driver import Simulation, warmup
+from parisph.kernels import cache, jit, processor
 from tests.launch import ROOT, run
 from tests.scenes import scene
 
@@ -53,9 +53,35 @@ def test_small_scene_is_of_the_same_kind():
     assert full.closed and warmup.small(full, full.numerics.resolved()).closed
 
 
-def test_a_small_scene_that_fails_is_no_reason_to_fail():
+@pytest.fixture
+def empty(tmp_path, monkeypatch):
+    """A cache without kernels. Return the case, and what makes its small scene and counts how often."""
+    monkeypatch.setattr(jit, "FOLDER", str(tmp_path))
+    case = scene("hydrostatic")
+
+    def go(make, **changes):
+        numerics = case.numerics.resolved().model_copy(update=changes)
+        warmup.on_one_rank_first(MPI.COMM_SELF, make, case, numerics)
+        return warmup.mark_of(warmup.small(case, numerics)).exists()
+    return go
+
+
+def test_a_small_scene_that_fails_is_no_reason_to_fail_and_is_tried_again(empty):
     def make(case, comm):
+        made.append(case)
         raise SolverDiverged("as small as that")
 
-    case = scene("hydrostatic")
-    warmup.on_one_rank_first(MPI.COMM_SELF, make, case, case.numerics.resolved())
+    made = []
+    assert [empty(make), empty(make)] == [False, False] and len(made) == 2
+
+
+def test_a_small_scene_is_left_out_where_it_has_been_stepped(empty, monkeypatch):
+    def make(case, comm):
+        made.append(case)
+        return Simulation(case, comm)
+
+    made = []
+    assert [empty(make), empty(make)] == [True, True] and len(made) == 1
+    assert empty(make, kappa=0.5) and len(made) == 2, "other numerics may need other kernels"
+    monkeypatch.setattr(processor, "identity", lambda: ("another", "processor"))
+    assert empty(make) and len(made) == 3

@@ -41,11 +41,12 @@ def test_one_signal_while_the_case_is_loaded_stops_before_anything_is_made(tmp_p
 
 
 SLOW_WARM_UP = """
+import pathlib
 from parisph.driver import warmup
 def wait(*_):
     open("waits", "w").close()
     time.sleep(300)
-warmup._step = wait
+warmup._step, warmup.mark_of = wait, lambda scene: pathlib.Path("no mark")
 """
 SLOW_STEP = """
 from parisph.methods.projection import Projection

@@ -1,5 +1,7 @@
 """A Simulation that cannot be made gives back what it took: communicators, PETSc's objects, options."""
 
+from pathlib import Path
+
 import pytest
 from mpi4py import MPI
 
@@ -67,6 +69,7 @@ def bad_method(monkeypatch):
 def bad_warm_up(monkeypatch):
     """What no rank but the first sees; alone it has nothing to warm up."""
     monkeypatch.setattr(warmup, "_step", _fails)
+    monkeypatch.setattr(warmup, "mark_of", lambda scene: Path("no mark"))
     monkeypatch.setattr(geometry, "build", _fails)
     return {}, "this part fails"
 
