@@ -103,13 +103,16 @@ def faults(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:
     mesh, s = (wall_mesh(walls, case.numerics.spacing) if walls else None), case.numerics.spacing
     outlines = [outline_of(wall) for wall in walls]
     resting = [outline for outline, wall in zip(outlines, walls) if isinstance(wall.motion, AtRest)]
-    for name, probe in singles(case.probes):
+    probes = list(singles(case.probes))
+    upright = any(isinstance(probe, (SurfaceGauge, ColumnHeight)) for _, probe in probes)
+    heights = _heights(case) if upright else np.empty(0)
+    for name, probe in probes:
         what = f"probe {name!r}"
         if isinstance(probe, PressureTap) and mesh is not None:
             yield from _tap(case, probe, what, mesh, walls)
         elif isinstance(probe, RunUp) and mesh is not None:
             yield from _run_up(case, probe, what, mesh, outlines)
-        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and not _has_room(case, walls, probe.at):
+        elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and not _has_room(outlines, heights, probe.at, s):
             yield f"{what}: at = {probe.at:g}: there is no room for fluid above or below it; move it"
         elif isinstance(probe, VelocityProfile) and not in_fluid(outlines, probe.places).any():
             yield f"{what}: no point from {probe.start} to {probe.end} is in front of the walls; move it"
@@ -188,8 +191,14 @@ def _run_up(case: Scene, probe: RunUp, what: str, mesh: WallMesh, outlines: Sequ
                    "give on= the name of that body")
 
 
-def _has_room(case: Scene, walls: tuple[Wall, ...], x: float) -> bool:
+def _heights(case: Scene) -> np.ndarray:
+    """Return heights (HEIGHTS,) [m] from the bottom to the top of the scene."""
     lower, upper = domain(case)
-    y = np.linspace(lower[1], max(upper[1], case.fluid_bounds[1][1]), HEIGHTS)
-    outlines, beside = [outline_of(wall) for wall in walls], 0.01 * case.numerics.spacing    # it may be at a wall
-    return any(in_fluid(outlines, np.stack([np.full(HEIGHTS, at), y], axis=1)).any() for at in (x - beside, x + beside))
+    heights: np.ndarray = np.linspace(lower[1], max(upper[1], case.fluid_bounds[1][1]), HEIGHTS)
+    return heights
+
+
+def _has_room(outlines: Sequence, heights: np.ndarray, x: float, spacing: float) -> bool:
+    beside = 0.01 * spacing    # it may be at a wall
+    return any(in_fluid(outlines, np.stack([np.full(len(heights), at), heights], axis=1)).any()
+               for at in (x - beside, x + beside))
