@@ -19,7 +19,7 @@ ONE_MACHINE = {
     "OMPI_MCA_hwloc_base_binding_policy": "none",
 }
 AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-# A process that no launcher has started need not start a daemon of Open MPI, for MPI_Comm_spawn, which costs 0.1 s.
+# Without a launcher, Open MPI starts a daemon that only MPI_Comm_spawn needs, which takes 0.1 s. It does not with this.
 ALONE = {"OMPI_MCA_ess_singleton_isolated": "1"}
 LOOPBACK = {"OMPI_MCA_oob_tcp_if_include": "127.0.0.0/8", "OMPI_MCA_btl_tcp_if_include": "127.0.0.0/8"}
 

@@ -37,10 +37,11 @@ def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], cas
     if comm.rank == 0:
         try:
             scene = small(case, numerics)
-            if not mark_of(scene).exists():
+            mark = mark_of(scene)
+            if not mark.exists():
                 _step(make(scene, MPI.COMM_SELF))
                 with suppress(OSError):    # a full disk: the next run does it again
-                    mark_of(scene).touch()
+                    mark.touch()
         except ParisphError:
             pass    # whatever is wrong with the small scene, the real one will report it on all ranks
         except Exception as error:

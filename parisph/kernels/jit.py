@@ -1,6 +1,7 @@
 """Compilation of kernels, and the compile-time axes that make one source work in 2D and 3D."""
 
 import gc
+from typing import Any
 
 from parisph.kernels import cache, processor
 from parisph.kernels.processor import numba
@@ -55,7 +56,7 @@ kernel = _compiler(cache=True, **_OPTIONS)
 class _Part(numba.core.registry.CPUDispatcher):
     """A function that kernels call. What takes Python's arrays apart is compiled only if Python calls it, as tests."""
 
-    def __call__(self, *arguments):
+    def __call__(self, *arguments: Any) -> Any:
         if "alone" not in vars(self):
             self.alone = _compiler(**self.options)(self.py_func)
         return self.alone(*arguments)
