@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from parisph.kernels.jit import axes_of, inlined, kernel, part
+from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
 
 
 def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndarray, np.ndarray]:
@@ -54,7 +54,7 @@ def _grid(extent, radius, n):
         size *= 1.5  # keeps the grid small if one droplet is far away
 
 
-@part
+@subkernel
 def _cell(point, lower, size, counts, axes):
     number = 0
     for a in range(len(axes)):
@@ -83,7 +83,7 @@ def _sort(x, lower, size, counts, axes):
     return start, member
 
 
-@part
+@subkernel
 def _enlarged(indices, n, size):
     """Return an array of `size` that begins with the first n indices."""
     larger = np.empty(size, np.int32)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from parisph.base.fields import FLUID
-from parisph.kernels.jit import inlined, kernel, part
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mirrors import height, near_planes
 
 ROUNDING = 1e-9    # of the approach by a linear velocity: what differs from it by less is linear
@@ -67,7 +67,7 @@ def pair_collisions(change: np.ndarray, number: np.ndarray, u: np.ndarray, x: np
     return pairs
 
 
-@part
+@subkernel
 def _approach(i, j, x, u, g, axes):
     """Return r^2, and d . (u_i - u_j) or that beyond a linear velocity, whichever is less."""
     r2, full, smooth = 0.0, 0.0, 0.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
 from parisph.kernels import harmonic
-from parisph.kernels.jit import inlined, kernel, part
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mls import moment_count
 from parisph.kernels.moments import invert, pair_weight
 from parisph.kernels.near import dot, fill_up, gather, room_for, sum_changes, sum_moments, weigh, weights
@@ -272,7 +272,7 @@ def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.nda
         _extrapolate(u, i, x, kind, normal, wall_u, shear, radius2, indptr, indices, axes)
 
 
-@part
+@subkernel
 def _extrapolate(u, i, x, kind, normal, wall_u, shear, radius2, indptr, indices, axes):
     """Fit u against the distance from the wall, and set the tangential value at the wall."""
     dim = len(axes)
@@ -302,7 +302,7 @@ def _extrapolate(u, i, x, kind, normal, wall_u, shear, radius2, indptr, indices,
             u[i, a] += share * (u[j, a] - wall_u[i, a] - slip * normal[i, a] - y * shear[i, a])
 
 
-@part
+@subkernel
 def _height(i, j, x, normal, axes):
     y = 0.0
     for a in range(len(axes)):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from parisph.kernels.jit import kernel, part
+from parisph.kernels.jit import kernel, subkernel
 
 # Sweeps over the rows before a breadth-first search takes over. Two or three sweeps, forwards and
 # backwards, are enough for rows in cell order, but not for a long chain in a bad order.
@@ -37,7 +37,7 @@ def spread(reached: np.ndarray, pending: np.ndarray, indptr: np.ndarray, indices
     return _search(reached, pending, indptr, indices, offset)
 
 
-@part
+@subkernel
 def _sweep(reached, pending, indptr, indices, offset):
     n = reached.size
     kept = 0
@@ -53,7 +53,7 @@ def _sweep(reached, pending, indptr, indices, offset):
     return pending[:kept]
 
 
-@part
+@subkernel
 def _search(reached, pending, indptr, indices, offset):
     """Breadth-first search over the reversed entries of the pending rows; visits each entry once."""
     n = reached.size

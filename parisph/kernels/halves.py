@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import ABSENT, FLUID, WALL
-from parisph.kernels.jit import kernel, part
+from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.mirrors import casts_image, height, near_planes, reflect
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 
@@ -74,7 +74,7 @@ def surplus(ratio: np.ndarray, gradient: np.ndarray, beside: np.ndarray, x: np.n
                 _add(ratio, gradient, i, image, x, (1.0 - share[j]) / full, h, axes)
 
 
-@part
+@subkernel
 def _lacks(i, kind, share, indptr, indices):
     """Return whether a wall particle in the list of i has less than its whole share."""
     for k in range(indptr[i], indptr[i + 1]):
@@ -83,7 +83,7 @@ def _lacks(i, kind, share, indptr, indices):
     return False
 
 
-@part
+@subkernel
 def _add(ratio, gradient, i, place, x, weight, h, axes):
     """Add a neighbour at a place to the sums of particle i."""
     dim, r2 = len(axes), 0.0

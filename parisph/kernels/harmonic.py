@@ -7,20 +7,20 @@ stencils at walls and at the surface.
 
 import numpy as np
 
-from parisph.kernels.jit import part
+from parisph.kernels.jit import subkernel
 from parisph.kernels.moments import cholesky, cholesky_solve
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
 
-@part
+@subkernel
 def basis_size(axes: tuple[int, ...]) -> int:
     """Return the number of harmonic polynomials of degree 1 and 2: 4 in 2D, 8 in 3D."""
     dim = len(axes)
     return dim + dim * (dim + 1) // 2 - 1
 
 
-@part
+@subkernel
 def fill_basis(b: np.ndarray, i: int, j: int, x: np.ndarray, radius: float, axes: tuple[int, ...]) -> None:
     """Write the harmonic polynomials at neighbour j, in units of the radius."""
     dim = len(axes)
@@ -36,7 +36,7 @@ def fill_basis(b: np.ndarray, i: int, j: int, x: np.ndarray, radius: float, axes
             n += 1
 
 
-@part
+@subkernel
 def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radius: float, most: float,
                  work: np.ndarray, b: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
                  axes: tuple[int, ...]) -> bool:
@@ -84,7 +84,7 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
     return True
 
 
-@part
+@subkernel
 def _inflation(moment, work, b, n, axes):
     """Return by how much the terms of degree 2 raise the variance of the slope, as a mean over directions.
 
@@ -100,7 +100,7 @@ def _inflation(moment, work, b, n, axes):
     return raised
 
 
-@part
+@subkernel
 def _weight(i, j, x, role, radius2, axes):
     if outside(role[j]):
         return 0.0
@@ -110,7 +110,7 @@ def _weight(i, j, x, role, radius2, axes):
     return quartic_weight(r2, radius2)
 
 
-@part
+@subkernel
 def scratch(indptr: np.ndarray, axes: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return scratch arrays (coefficients, work, b) for `coefficients`, large enough for any row."""
     longest = 1

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, INNER, SURFACE
-from parisph.kernels.jit import kernel, part
+from parisph.kernels.jit import kernel, subkernel
 
 MOST = 256  # neighbours of one particle; a cell with more is skipped
 
@@ -41,7 +41,7 @@ def interior_cells(x: np.ndarray, role: np.ndarray, away: float, reach: float, i
     return total, count
 
 
-@part
+@subkernel
 def _neighbours(rx, ry, limit, i, x, role, away, reach, indptr, indices):
     """Write r_ij and |r_ij|^2/2 of the neighbours within the reach; return their number, 0 near the surface."""
     n = 0
@@ -59,7 +59,7 @@ def _neighbours(rx, ry, limit, i, x, role, away, reach, indptr, indices):
     return n
 
 
-@part
+@subkernel
 def _walk(rx, ry, limit, along, n):
     """Return the area of the cell { p : p . r_j <= |r_j|^2/2 } and its farthest corner's distance squared.
 

@@ -1,9 +1,12 @@
 """Compilation of kernels, and the compile-time axes that make one source work in 2D and 3D."""
 
 import gc
+from collections.abc import Callable
+from functools import cached_property, update_wrapper
 from typing import Any
 
 from parisph.kernels import cache, processor
+from parisph.kernels.loading import KernelCache
 from parisph.kernels.processor import numba
 
 processor.choose_level()
@@ -18,15 +21,18 @@ _OPTIONS = dict(error_model="numpy", fastmath={"contract", "arcp", "nsz", "reass
 FOLDER = cache.folder(int(numba.config.OPT))
 
 
-def _compiler(**options):
+def _compiler(cache=False, **options):
     """Return a decorator like numba.njit(**options), with the cache in parisph's folder."""
     def decorate(function):
-        # numba reads the setting when it decorates; other code in this process keeps its own
-        before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, FOLDER
-        try:
-            return numba.njit(**options)(function)
-        finally:
-            numba.config.CACHE_DIR = before
+        made = numba.njit(**options)(function)
+        if cache:
+            # numba reads the setting when it makes the cache; other code in this process keeps its own
+            before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, FOLDER
+            try:
+                made._cache = KernelCache(function)
+            finally:
+                numba.config.CACHE_DIR = before
+        return made
     return decorate
 
 
@@ -53,34 +59,46 @@ numba.core.event.register("numba:compile", _WithoutCollection())
 kernel = _compiler(cache=True, **_OPTIONS)
 
 
-class _Part(numba.core.registry.CPUDispatcher):
-    """A function that kernels call. What takes Python's arrays apart is compiled only if Python calls it, as tests."""
+class Subkernel:
+    """A function that kernels call; numba translates it when a kernel is compiled that does.
+
+    It is not cached: the kernels that it is a part of are, and to load it would take longer than it saves. If Python
+    calls it, as tests do, it is compiled once more, with what takes Python's arrays apart.
+    """
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        self.py_func, self.options = function, options
+        update_wrapper(self, function)
+
+    @cached_property
+    def within(self) -> Any:
+        """numba's own object for it, of which nothing but kernels can make use."""
+        return _compiler(no_cpython_wrapper=True, **self.options)(self.py_func)
+
+    @cached_property
+    def alone(self) -> Any:
+        """numba's own object for calls from Python."""
+        return _compiler(**self.options)(self.py_func)
+
+    @property
+    def _numba_type_(self) -> Any:    # where numba looks for what a global name stands for
+        return self.within._numba_type_
 
     def __call__(self, *arguments: Any) -> Any:
-        if "alone" not in vars(self):
-            self.alone = _compiler(**self.options)(self.py_func)
         return self.alone(*arguments)
 
 
-def _part_compiler(**options):
-    """Return a decorator for functions that only kernels call.
-
-    The kernels that they are a part of are cached, they themselves are not: that would take longer than it saves.
-    """
-    def decorate(function):
-        made = _compiler(no_cpython_wrapper=True, **options)(function)
-        made.__class__ = _Part    # numba's own crashes when Python calls what has no wrapper
-        made.options = options
-        return made
-    return decorate
+def _subkernel_compiler(**options):
+    """Return a decorator for functions that only kernels call."""
+    return lambda function: Subkernel(function, options)
 
 
-part = _part_compiler(**_OPTIONS)
+subkernel = _subkernel_compiler(**_OPTIONS)
 
 # For functions that a kernel calls for every particle. A call costs more than a short vector loop,
 # and so does counting references to the arrays that are passed. Without reference counts ("_nrt")
 # these functions may read and write arrays, but neither make nor slice them.
-inlined = _part_compiler(forceinline=True, _nrt=False, **_OPTIONS)
+inlined = _subkernel_compiler(forceinline=True, _nrt=False, **_OPTIONS)
 
 # For what waits in a thread of its own, also while another one keeps Python's lock.
 unlocked = _compiler(nogil=True, cache=True, **_OPTIONS)

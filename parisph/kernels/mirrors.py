@@ -8,7 +8,7 @@ radius: the neighbour lists contain all that is needed.
 import numpy as np
 
 from parisph.base.fields import ABSENT, FLUID, WALL
-from parisph.kernels.jit import inlined, kernel, part
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.near import fill_up
 
 SLACK = 0.1     # of the wall that a particle sees: how far past its end it still counts
@@ -36,7 +36,7 @@ def beside_walls(kind: np.ndarray, indptr: np.ndarray,
     return found[:n], start, walls[:m].copy()
 
 
-@part
+@subkernel
 def near_planes(member: np.ndarray, i: int, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
                 indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Find the walls next to particle i: one wall particle for each orientation.

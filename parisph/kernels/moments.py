@@ -7,7 +7,7 @@ serves all three, in 2D and 3D.
 
 import numpy as np
 
-from parisph.kernels.jit import inlined, part
+from parisph.kernels.jit import inlined, subkernel
 from parisph.kernels.near import CLOSE, dot4
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
@@ -102,7 +102,7 @@ def eliminate(a: np.ndarray, b: np.ndarray, n: int) -> bool:
     return sound
 
 
-@part
+@subkernel
 def second_moment(m: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radius2: float, power: int,
                   indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Sum w r r^T over the neighbours of i, lengths in units of the radius.
@@ -132,7 +132,7 @@ def second_moment(m: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radius
     return found
 
 
-@part
+@subkernel
 def pair_weight(i: int, j: int, x: np.ndarray, radius2: float, power: int,
                 axes: tuple[int, ...]) -> tuple[float, float]:
     """Return the least-squares weight of a pair and its squared distance (0 beyond the radius)."""
@@ -147,7 +147,7 @@ def pair_weight(i: int, j: int, x: np.ndarray, radius2: float, power: int,
     return w, r2
 
 
-@part
+@subkernel
 def invert(m: np.ndarray, inverse: np.ndarray, axes: tuple[int, ...]) -> float:
     """Invert the dim x dim moment; return det/(trace/dim)^dim, 1 for isotropic, 0 for flat."""
     dim = len(axes)

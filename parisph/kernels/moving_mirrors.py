@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parisph.base.fields import ABSENT, FLUID, WALL
-from parisph.kernels.jit import inlined, part
+from parisph.kernels.jit import inlined, subkernel
 from parisph.kernels.mirrors import PARALLEL, height, near_planes
 from parisph.kernels.solids import nearest_walls
 
@@ -33,7 +33,7 @@ def no_solids(dim: int) -> Solids:
     return Solids(np.empty((0, dim, dim)), np.empty((0, dim)), np.zeros(0, np.int8), none, none)
 
 
-@part
+@subkernel
 def gather_moving(near: np.ndarray, du: np.ndarray, speed: float, member: np.ndarray, image: np.ndarray,
                   mirror: np.ndarray, slips: np.ndarray, i: int, u: np.ndarray, nu: np.ndarray, x: np.ndarray,
                   kind: np.ndarray, corner: np.ndarray, normal: np.ndarray, no_slip: np.ndarray, h: float,
@@ -92,7 +92,7 @@ def gather_moving(near: np.ndarray, du: np.ndarray, speed: float, member: np.nda
     return n
 
 
-@part
+@subkernel
 def _solid_planes(foot, away, speed, slips, member, i, x, solids, axes):
     """Write the planes that touch the walls nearest to i, at most dim of them; return their number.
 
@@ -176,7 +176,7 @@ def _mirror_velocity(v, mean, subset, speed, slips, away, axes):
         v[a] += mean[a]
 
 
-@part
+@subkernel
 def _plane_velocity(speed, p, wall, i, u, x, kind, corner, normal, no_slip, thin, indptr, indices, axes):
     """Write the velocity of plane p beside i to speed[p]; return whether it is free-slip.
 

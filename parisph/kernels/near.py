@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from parisph.kernels.jit import inlined, part
+from parisph.kernels.jit import inlined, subkernel
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope, quartic_weight
 
@@ -22,7 +22,7 @@ FAR = 8.0  # in units of the radius of the weight
 SPLINE, SPLINE_SLOPE = -1, -2
 
 
-@part
+@subkernel
 def room_for(indptr: np.ndarray) -> int:
     """Return the number of columns that scratch arrays need for any row, including the particle itself."""
     longest = 0

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER
-from parisph.kernels.jit import inlined, kernel, part
+from parisph.kernels.jit import inlined, kernel, subkernel
 
 TILT = math.pi / 6.0    # between the line of a pair and the direction in which it parts
 
@@ -19,7 +19,7 @@ def _hash(first, second):
     return h ^ (h >> np.uint64(16))
 
 
-@part
+@subkernel
 def across(side: np.ndarray, d: np.ndarray, first: int, second: int, axes: tuple[int, ...]) -> None:
     """Write a vector across d, of its length (3D: at most), to one side or the other by the ids of the pair.
 

@@ -1,10 +1,10 @@
 """Which roles are used in stencils."""
 
 from parisph.base.fields import CONTACT, DRY
-from parisph.kernels.jit import part
+from parisph.kernels.jit import subkernel
 
 
-@part
+@subkernel
 def outside(role: int) -> bool:
     """Return whether a particle with this role is left out of all stencils.
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER
-from parisph.kernels.jit import inlined, kernel, part
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mirrors import gather_around
 from parisph.kernels.near import dot, room_for
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
@@ -34,7 +34,7 @@ def compression(e: np.ndarray, alpha: np.ndarray, role: np.ndarray, x: np.ndarra
             e[i] = max(e[i] - doubt[i], 0.0)
 
 
-@part
+@subkernel
 def _without_equation(kind, role):
     """Return which particles are fluid without a pressure equation, (n_all,) bool."""
     bare = np.empty(len(kind), np.bool_)
@@ -143,7 +143,7 @@ def _surface_normal(direction, i, gradient, x, bare, reach2, indptr, indices, ax
                 direction[a] += gradient[j, a] / r2
 
 
-@part
+@subkernel
 def _remove_along(shift, i, direction, axes):
     norm2, along = 0.0, 0.0
     for a in range(len(axes)):
@@ -154,7 +154,7 @@ def _remove_along(shift, i, direction, axes):
             shift[i, a] -= along / norm2 * direction[a]
 
 
-@part
+@subkernel
 def limit_length(vector: np.ndarray, i: int, cap: float, axes: tuple[int, ...]) -> None:
     """Shorten row i of a vector field to the cap."""
     length2 = 0.0

@@ -11,7 +11,7 @@ import numpy as np
 
 from parisph.base.fields import FLUID
 from parisph.kernels.cells import nearby
-from parisph.kernels.jit import axes_of, inlined, kernel, part
+from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
 
 LIFT = 0.1       # spacings: so far in front of its wall a node looks out
 SLACK = 1e-9     # of an element's size: a line that passes its edge by less crosses it, so that two leave no gap
@@ -269,7 +269,7 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
     return False
 
 
-@part
+@subkernel
 def nearest_walls(away: np.ndarray, member: np.ndarray, p: np.ndarray, foot: np.ndarray, n: np.ndarray, i: int,
                   x: np.ndarray, corners: np.ndarray, element_indptr: np.ndarray, element_indices: np.ndarray,
                   axes: tuple[int, ...]) -> int:

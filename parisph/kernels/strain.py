@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.base.fields import FLUID
 from parisph.kernels.gradient import fitted
-from parisph.kernels.jit import inlined, kernel, part
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.near import fill_up, gather_within, room_for, sum_changes
 
@@ -87,7 +87,7 @@ def _differences(difference, u, member, i, n, columns, axes):
             difference[c, k] = 0.0
 
 
-@part
+@subkernel
 def _strain_rate(g, i, axes):
     square = 0.0
     for a in range(len(axes)):

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import ABSENT, BALLISTIC, FLUID, INNER, SURFACE, WALL
-from parisph.kernels.jit import inlined, kernel, part
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mirrors import gather_around, near_planes, reflect
 from parisph.kernels.near import room_for
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
@@ -188,7 +188,7 @@ def _angles(angles, i, x, kind, radius2, indptr, indices):
     return n, walls
 
 
-@part
+@subkernel
 def _image_angles(angles, n, i, planes, member, image, x, kind, normal, radius2, indptr, indices, axes):
     for subset in range(1, 1 << planes):
         for k in range(indptr[i] - 1, indptr[i + 1]):
@@ -203,7 +203,7 @@ def _image_angles(angles, n, i, planes, member, image, x, kind, normal, radius2,
     return n
 
 
-@part
+@subkernel
 def _largest_gap(angles, n):
     if n == 0:
         return 2.0 * math.pi
@@ -268,7 +268,7 @@ def surface_by_auxiliary_functions(role: np.ndarray, was: np.ndarray, x: np.ndar
             role[i] = SURFACE
 
 
-@part
+@subkernel
 def _quadrant(dx, dy):
     """Return the bits of the quadrants that a neighbour occupies; one on an axis lies in both."""
     bits = 0
@@ -283,7 +283,7 @@ def _quadrant(dx, dy):
     return bits
 
 
-@part
+@subkernel
 def _shaded(dx, dy):
     """Return the bits of the right-angled sectors about the axes that a neighbour occupies."""
     bits = 0
@@ -298,7 +298,7 @@ def _shaded(dx, dy):
     return bits
 
 
-@part
+@subkernel
 def _bits(mask):
     return (mask & 1) + ((mask >> 1) & 1) + ((mask >> 2) & 1) + ((mask >> 3) & 1)
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import SURFACE
-from parisph.kernels.jit import inlined, kernel, part
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.moments import cholesky_solve, invert
 from parisph.kernels.moving_mirrors import Solids, gather_moving
 from parisph.kernels.near import room_for
@@ -62,7 +62,7 @@ def stress_free(out: np.ndarray, tension: np.ndarray, u: np.ndarray, nu: np.ndar
         _lay_down(out, i, fit, lift, away, slope, radius, axes)
 
 
-@part
+@subkernel
 def _fit(fit, work, basis, weight, near, du, n, axes):
     """Fit quadratics through 0 to du = nu_ij (u_j - u_i): fit[a] has the coefficients of component a.
 
@@ -91,7 +91,7 @@ def _inward(mean, near, weight, n, axes):
     return _normalise(mean, axes)
 
 
-@part
+@subkernel
 def _outward(away, mean, moment, inverse, i, x, role, radius, indptr, indices, axes):
     """Write the normal of the plane through i that fits its neighbours on the surface best, out of the fluid.
 
@@ -120,7 +120,7 @@ def _outward(away, mean, moment, inverse, i, x, role, radius, indptr, indices, a
             away[a] = -mean[a]
 
 
-@part
+@subkernel
 def _surface_moment(moment, i, x, role, radius, indptr, indices, axes):
     """Write the weighted sum of r r^T over the neighbours on the surface; return its trace."""
     dim, trace = len(axes), 0.0
@@ -173,7 +173,7 @@ def _slope_without_stress(slope, fit, away, axes):
     return stretch
 
 
-@part
+@subkernel
 def _variance_along(lift, work, away, axes):
     """Return the variance of all slopes along the surface, the trace of the inverse of M without its part along n.
 

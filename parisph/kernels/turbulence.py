@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID
-from parisph.kernels.jit import kernel, part
+from parisph.kernels.jit import kernel, subkernel
 
 
 @kernel
@@ -53,7 +53,7 @@ def stress(tau: np.ndarray, nu_t: np.ndarray, g: np.ndarray, kind: np.ndarray, l
             tau[i, a, a] -= sphere
 
 
-@part
+@subkernel
 def _strain_rate(g, i, axes):
     """Return sqrt(2 S : S)."""
     square = 0.0

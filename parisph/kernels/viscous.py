@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER, WALL
-from parisph.kernels.jit import inlined, kernel, part
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.moments import cholesky, cholesky_solve
 from parisph.kernels.moving_mirrors import Solids, gather_moving
 from parisph.kernels.near import room_for
@@ -91,7 +91,7 @@ def corrected(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kin
         _morris_sum(out, i, near, du, n, h, volume, axes)
 
 
-@part
+@subkernel
 def _morris_sum(out, i, near, du, n, h, volume, axes):
     """Add the pairs of `morris`; near in units of h, du = nu_ij (u_j - u_i)."""
     dim = len(axes)
@@ -104,7 +104,7 @@ def _morris_sum(out, i, near, du, n, h, volume, axes):
             out[i, a] += c * du[a, k]
 
 
-@part
+@subkernel
 def factor_quadratics(work: np.ndarray, basis: np.ndarray, weight: np.ndarray, near: np.ndarray, n: int,
                       axes: tuple[int, ...]) -> bool:
     """Write the basis and weight of n neighbours, and the factor of M = sum_k w_k b_k b_k^T; False if degenerate.
@@ -124,7 +124,7 @@ def factor_quadratics(work: np.ndarray, basis: np.ndarray, weight: np.ndarray, n
     return n >= size and cholesky(work, size)
 
 
-@part
+@subkernel
 def _fit_laplacian(out, i, near, du, weight, basis, work, pick, n, radius, axes):
     """Add the Laplacian of the weighted quadratic fit through 0 at i; near in units of the radius.
 

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID, WET
-from parisph.kernels.jit import inlined, kernel, part
+from parisph.kernels.jit import inlined, kernel, subkernel
 
 MOST = 256       # sides of a cell that are looked at, and wet wall particles; further ones are ignored
 GAP = 1.0        # spacings: circumradius of the largest triangle that is fluid; stretched jets have larger ones
@@ -70,7 +70,7 @@ def current_volumes(out: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.n
             out[i] = area
 
 
-@part
+@subkernel
 def _sides(nx, ny, limit, member, wet, i, x, kind, role, lower, upper, reach, indptr, indices):
     """Write the sides that may bound the cell of i, { p : n . p <= limit }, and the places `wet` of wet wall particles.
 
@@ -100,7 +100,7 @@ def _sides(nx, ny, limit, member, wet, i, x, kind, role, lower, upper, reach, in
     return n, w
 
 
-@part
+@subkernel
 def _element_sides(nx, ny, limit, member, foot, n, i, x, reach, corners, concave, element_indptr, element_indices):
     """Write sides on walls of elements after the first n; return how many sides there are now.
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from parisph.base.fields import WET
 from parisph.kernels import harmonic
-from parisph.kernels.jit import kernel, part
+from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.moments import invert, pair_weight, second_moment
 from parisph.kernels.rankine import UNSOUND
 from parisph.kernels.roles import outside
@@ -65,7 +65,7 @@ def sfdi_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measur
             _mean(i, first, n, columns, values, x, radius2, weights, axes)
 
 
-@part
+@subkernel
 def _mix_with_mean(i, first, n, columns, values, x, radius2, weights, axes):
     """Mix a row with the weighted mean until no value is below -UNSOUND; return the share of the row."""
     share = 1.0
@@ -80,7 +80,7 @@ def _mix_with_mean(i, first, n, columns, values, x, radius2, weights, axes):
     return share
 
 
-@part
+@subkernel
 def _mean(i, first, n, columns, values, x, radius2, weights, axes):
     for k in range(first, first + n):
         w, _ = pair_weight(i, columns[k], x, radius2, 2, axes)

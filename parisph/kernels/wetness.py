@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from parisph.base.fields import ABSENT, CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.kernels.jit import kernel, part
+from parisph.kernels.jit import kernel, subkernel
 from parisph.kernels.solids import element_normal, nearest_point
 
 # Lengths in spacings.
@@ -199,7 +199,7 @@ def wet_walls(role: np.ndarray, closing: np.ndarray, x: np.ndarray, kind: np.nda
             role[i] = CONTACT if beside else DRY
 
 
-@part
+@subkernel
 def _covered_on_both_sides(i, closing, least, x, kind, normal, spacing, indptr, indices, axes):
     """Return whether fluid is on both sides of wall particle i along the wall; another wall that is `least` counts as
     fluid."""

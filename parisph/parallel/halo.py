@@ -5,7 +5,7 @@ from mpi4py import MPI
 
 from parisph.base.errors import ParisphError
 from parisph.base.fields import FIELDS, ORDER
-from parisph.kernels.jit import kernel, part
+from parisph.kernels.jit import kernel, subkernel
 from parisph.parallel.hilbert import key_of, machine
 from parisph.parallel.messages import exchange, pack, unpack
 from parisph.parallel.particles import Particles
@@ -175,7 +175,7 @@ def _senders(x, cells, splitters, width, rank, origin, size, bits, place, follow
     return pairs[:found]
 
 
-@part
+@subkernel
 def _foreign_around(offsets, owners, cell, splitters, rank, bits, place, following):
     """List the cells around `cell` that other ranks own; return their number."""
     dim = len(cell)
@@ -198,7 +198,7 @@ def _foreign_around(offsets, owners, cell, splitters, rank, bits, place, followi
     return n
 
 
-@part
+@subkernel
 def _is_near(point, cell, offset, width, origin, size):
     """Return whether a point is within `width` of the cell at `offset` from its own cell."""
     d2 = 0.0
@@ -210,7 +210,7 @@ def _is_near(point, cell, offset, width, origin, size):
     return d2 <= width * width
 
 
-@part
+@subkernel
 def _told(pairs, found, i, owner):
     """Return whether the pair of this owner and this particle has just been listed."""
     k = found - 1

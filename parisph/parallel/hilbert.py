@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from parisph.kernels.jit import kernel, part
+from parisph.kernels.jit import kernel, subkernel
 
 KEY_BITS = 62  # bits in a key; int64 also holds the key one past the last
 
@@ -90,7 +90,7 @@ def _direction(w, dim):
     return ones % dim
 
 
-@part
+@subkernel
 def key_of(cell: np.ndarray, bits: int, place: np.ndarray, following: np.ndarray) -> int:
     """Return the key of one cell, an int64 array or tuple of coordinates."""
     dim = len(cell)

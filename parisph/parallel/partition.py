@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from parisph.kernels.jit import kernel, part
+from parisph.kernels.jit import kernel, subkernel
 from parisph.parallel.hilbert import KEY_BITS, key_of, machine
 
 SORT_LEVELS = 2   # particles are sorted by cells finer than those that ranks own, by this many levels
@@ -64,7 +64,7 @@ class Grid:
         return keys >> (self.dim * self.fine)
 
 
-@part
+@subkernel
 def cell_along(x: float, origin: float, size: float, count: float) -> int:
     """Return the cell of a coordinate; points outside belong to the cells on the border."""
     # Compare as floats: far outside, the quotient does not fit an integer.

@@ -24,7 +24,7 @@ SHOWN = 0.02     # kernels that take less of a step are summed up
 
 LIBRARIES = "import numpy, h5py, numba, mpi4py.MPI, petsc4py.PETSc, pydantic"
 KERNELS = 50     # as many as a dam break loads
-# numba's types and functions are registered when the first kernel is loaded, whatever that is
+# numba's own cache makes all its types and functions known when the first kernel is loaded; parisph's does not
 TRIVIAL = "import numba\n" + "".join(
     f"@numba.njit(cache=True)\ndef f{n}(x):\n    for i in range(len(x)):\n        x[i] += {n}\n"
     for n in range(KERNELS))

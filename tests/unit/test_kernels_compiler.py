@@ -11,7 +11,7 @@ from numba.extending import overload
 
 from parisph import Simulation, load
 from parisph.base.errors import ParisphError
-from parisph.kernels import jit, processor, selfcheck
+from parisph.kernels import jit, loading, processor, selfcheck
 from tests.launch import ROOT, clean_environment
 
 
@@ -62,6 +62,62 @@ def test_parts_of_kernels_are_compiled_for_calls_from_python_only_when_these_com
 
     assert both(np.array([1.0, 2.0])) == 6.0 and "alone" not in vars(doubled)
     assert doubled(4.0) == 8.0 and doubled.alone.signatures and doubled.__doc__ == "Return 2 x."
+
+
+KERNELS = """
+import numpy as np
+from parisph.kernels.jit import kernel, subkernel
+
+@subkernel
+def square(x):
+    return x * x
+
+@kernel
+def squares(x):
+    out = np.empty_like(x)    # which is counted
+    for i in range(len(x)):
+        out[i] = square(x[i])
+    return out
+"""
+USE = """
+import sys
+import numpy as np
+from parisph.kernels import jit, loading
+from kernels import squares
+
+@jit.uncached
+def total(x):
+    return squares(x).sum()
+
+loading._known = {known}
+x = np.array([1.0, 2.0])
+{first}
+sums = [total(x)] if {compiles} else []
+made = next(iter(squares.overloads.values())).library
+print(squares(x).tolist(), sums, sum(squares.stats.cache_hits.values()), "numba.np.linalg" in sys.modules,
+      isinstance(made, loading._Library), getattr(made, "_read", None) is not None)
+"""
+
+
+def test_kernels_from_the_cache_are_loaded_without_what_a_compiler_needs(tmp_path):
+    """And numba gets it if it compiles another kernel that calls them, before or after they are loaded."""
+    (tmp_path / "kernels.py").write_text(KERNELS)
+    found = []
+    for known, first, compiles in [(True, "squares(x)", False), (True, "squares(x)", False), (True, "squares(x)", True),
+                                   (True, "", True), (False, "squares(x)", True)]:
+        done = subprocess.run([sys.executable, "-c", USE.format(known=known, first=first, compiles=compiles)],
+                              cwd=tmp_path, env=clean_environment(NUMBA_CACHE_DIR=str(tmp_path / "cache")),
+                              capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+        found.append(done.stdout.strip())
+    known = loading._known
+    assert found == [
+        "[1.0, 4.0] [] 0 True False False",
+        f"[1.0, 4.0] [] 1 {not known} {known} False",
+        f"[1.0, 4.0] [5.0] 1 True {known} {known}",
+        f"[1.0, 4.0] [5.0] 1 True {known} {known}",
+        "[1.0, 4.0] [5.0] 1 True False False",
+    ]
 
 
 @pytest.mark.parametrize(("host", "asked", "due"), [
