@@ -9,6 +9,7 @@ import pytest
 from tests.launch import clean_environment, mpirun
 from tests.scenes import PROGRAM
 
+QUICK = "from parisph.parallel import guard\nguard.PATIENCE = 2.0\n"    # for ranks that wait in vain
 SCRIPT = PROGRAM + """
 import time
 from parisph import ParisphError
@@ -34,7 +35,7 @@ SOON = 10.0    # [s] from the failure until all ranks are gone
 
 def carried_out(folder, what="pass", inside=(), between=(), after=""):
     """Run the script on two ranks; return (exit code, output, seconds from the first failure to the end)."""
-    (folder / "script.py").write_text(SCRIPT.format(what=what, inside=inside, between=between, after=after))
+    (folder / "script.py").write_text(QUICK + SCRIPT.format(what=what, inside=inside, between=between, after=after))
     process = subprocess.Popen(["mpirun", "-n", "2", sys.executable, "script.py"], cwd=folder,
                                env=clean_environment(), text=True,
                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -80,7 +81,7 @@ def test_failure_while_the_others_do_something_else(tmp_path):
 
 @pytest.mark.parametrize("alone", [0, 1])
 def test_rank_that_still_works_after_the_others_have_ended_is_left_alone(tmp_path, alone):
-    after = f"import time\nif comm.rank == {alone}:\n    time.sleep(7)\n    print('pictures made', flush=True)"
+    after = f"import time\nif comm.rank == {alone}:\n    time.sleep(5)\n    print('pictures made', flush=True)"
     code, said, _ = carried_out(tmp_path, after=after)
     assert code == 0 and "pictures made" in said and "ended" not in said
 
@@ -124,7 +125,7 @@ Simulation(scene("dam_break", spacing=0.1), comm)
     ("sys.exit(3)", 3, 3, "rank 1 has ended, and rank"),
 ])
 def test_rank_that_ends_before_its_first_call(tmp_path, what, ranks, late, says):
-    (tmp_path / "script.py").write_text(EARLY.format(what=what, late=late))
+    (tmp_path / "script.py").write_text(QUICK + EARLY.format(what=what, late=late))
     began = time.monotonic()
     done = mpirun(ranks, ["script.py"], cwd=tmp_path, timeout=40)
     assert done.returncode != 0 and says in done.stderr and f"stopping all {ranks} ranks" in done.stderr
@@ -134,7 +135,7 @@ def test_rank_that_ends_before_its_first_call(tmp_path, what, ranks, late, says)
 @pytest.mark.parametrize("own", [False, True])
 def test_ranks_that_work_apart_are_left_alone(tmp_path, own):
     """One rank ends early, or fails in a job of its own, while another takes any message that comes."""
-    (tmp_path / "script.py").write_text(f"""
+    (tmp_path / "script.py").write_text(QUICK + f"""
 import time
 from mpi4py import MPI
 from parisph.driver import Simulation
@@ -143,7 +144,7 @@ comm = MPI.COMM_WORLD
 if {own}:
     Simulation(scene("dam_break", spacing=0.1), MPI.COMM_SELF)
 if comm.rank == 1:
-    time.sleep(7)
+    time.sleep(5)
     assert not comm.Iprobe(MPI.ANY_SOURCE, MPI.ANY_TAG)
     print("worked on", flush=True)
 elif {own}:
