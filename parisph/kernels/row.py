@@ -106,7 +106,10 @@ def sort_rows(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> No
 def split_rows(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray, first: int,
                last: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return two CSR matrices (indptr, columns, values): the columns from `first` up to `last`, counted from `first`,
-    and all others, as they are. The entries of each row are sorted, and stay so."""
+    and all others, as they are. The entries of each row are sorted, and stay so.
+
+    The first, which has nearly all, is made in the arrays given, for the sake of memory: these then hold nothing else.
+    """
     n = len(indptr) - 1
     own_ptr, other_ptr = np.zeros(n + 1, indptr.dtype), np.zeros(n + 1, indptr.dtype)
     for i in range(n):
@@ -115,14 +118,13 @@ def split_rows(indptr: np.ndarray, columns: np.ndarray, values: np.ndarray, firs
             own += first <= columns[k] < last
         own_ptr[i + 1] = own_ptr[i] + own
         other_ptr[i + 1] = other_ptr[i] + indptr[i + 1] - indptr[i] - own
-    own_columns, own_values = np.empty(own_ptr[n], columns.dtype), np.empty(own_ptr[n])
     other_columns, other_values = np.empty(other_ptr[n], columns.dtype), np.empty(other_ptr[n])
     own, other = 0, 0
     for k in range(indptr[n]):
         if first <= columns[k] < last:
-            own_columns[own], own_values[own] = columns[k] - first, values[k]
+            columns[own], values[own] = columns[k] - first, values[k]
             own += 1
         else:
             other_columns[other], other_values[other] = columns[k], values[k]
             other += 1
-    return own_ptr, own_columns, own_values, other_ptr, other_columns, other_values
+    return own_ptr, columns[:own], values[:own], other_ptr, other_columns, other_values

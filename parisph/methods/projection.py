@@ -280,6 +280,7 @@ class Projection:
         """
         flow = self.flow
         p, d = flow.particles, flow.domain
+        self.solver.release()
         if flow.closed:
             return self.rows.csr(p.role_all, d.global_rows)[:3], 0
         matrix, alone, count = self._anchored()

@@ -8,6 +8,7 @@ The import is collective over all ranks, as the start of PETSc is. A program tha
 PETSc itself keeps what it has.
 """
 
+import ctypes
 import os
 import signal
 import sys
@@ -20,6 +21,8 @@ from mpi4py import MPI
 from parisph.parallel.guard import Guard
 
 VARIABLE = "PETSC_OPTIONS"
+LARGE = 2**25    # bytes, the largest limit that malloc takes
+_M_MMAP_THRESHOLD, _M_MMAP_MAX = -3, -4    # of malloc.h
 
 petsc4py_version = petsc4py.__version__
 
@@ -59,10 +62,23 @@ def _pipes_left_alone():
             signal.signal(signal.SIGPIPE, before)
 
 
+def _give_large_arrays_back():
+    """Let malloc of glibc return arrays above LARGE to the system when they are freed.
+
+    Once PETSc is loaded, malloc keeps all that it ever had, in pieces that often fit nothing else: half a million
+    particles on a rank then take a fifth more memory between solves. For small arrays this saves time.
+    """
+    with suppress(AttributeError, OSError):
+        mallopt = ctypes.CDLL(None).mallopt
+        mallopt(_M_MMAP_MAX, 65536)
+        mallopt(_M_MMAP_THRESHOLD, LARGE)
+
+
 if "petsc4py.PETSc" not in sys.modules:
     # one rank looks: PETSc reads the file on all of them together, or on none
     with _pipes_left_alone(), _read_first(MPI.COMM_WORLD.bcast(_file_of_the_user())):
         petsc4py.init(["-skip_petscrc"])
+    _give_large_arrays_back()
 
 Guard.watch(MPI.COMM_WORLD)    # all ranks are here, and one may end before its first call
 

@@ -138,8 +138,8 @@ class PressureSolver:
         Parameters
         ----------
         indptr : (n_owned + 1,) int, indices : (nnz,) int, values : (nnz,) float
-            This rank's rows as CSR with global columns in any order; n_owned may be 0. The solver sorts the entries of
-            each row in place and keeps the arrays until the next matrix: do not change them.
+            This rank's rows as CSR with global columns in any order; n_owned may be 0. The solver keeps the arrays
+            until the next matrix, and rearranges the entries: do not use them again.
         rhs : (n_owned,) float, b
         guess : (n_owned,) float, (k, n_owned) float or None
             Initial guess (the previous pressure), or several, of which the first is taken if it solves the equation,
@@ -178,13 +178,20 @@ class PressureSolver:
         """
         start = perf_counter()
         error = None
-        if self._rows is None:
+        missing = self._rows is None or self._system.matrix is None
+        if missing:
             error = ParisphError("solve_again needs a matrix: call solve first")
         else:
             error = vector_fault("right-hand side", rhs, self._rows) or guess_fault(guess, self._rows)
-        if self._rows is None:    # there is nothing that could compute
+        if missing:    # there is nothing that could compute
             agree(self._comm, error)
         return self._run("again", rhs, guess, start, max(self._rtol, min(slack * self._rtol, LOOSEST)), error)
+
+    def release(self) -> None:
+        """Free the last matrix, so that there are not two while the next is made; keep the preconditioner. Collective.
+        """
+        self._system.drop_matrix()
+        self._ksp.setOperators(None, None)
 
     def destroy(self) -> None:
         """Free the PETSc objects and restore the options database. Collective."""

@@ -60,17 +60,18 @@ class System:
     def assemble(self, indptr: np.ndarray, indices: np.ndarray, values: np.ndarray) -> None:
         """Make the matrix from this rank's rows (global columns, any order). Collective.
 
-        Sorts the entries of each row in place, and keeps the arrays; copies of those that are not of PETSc's types.
+        Rearranges the entries in place, and keeps the arrays; copies of those that are not of PETSc's types.
         """
-        self._drop_matrix()
+        self.drop_matrix()
         csr = (np.ascontiguousarray(indptr, PETSc.IntType), np.ascontiguousarray(indices, PETSc.IntType),
                np.ascontiguousarray(values, float))
+        alone, largest = (np.diff(indptr) == 1, np.abs(csr[2]).max(initial=0.0)) if self._closed else (None, 0.0)
         self.matrix = matrix_of(self.x, *csr)
         self.operator = self.preconditioned = self.matrix
         self.matrix.getDiagonal(self._r)
         self._zeros = float(np.count_nonzero(self._arrays[2] == 0.0))
         if self._closed:
-            self._find_null_vector(csr)
+            self._find_null_vector(alone, largest)
 
     def load(self, rhs: np.ndarray, guess: np.ndarray | None, error: Exception | None = None,
              goal: float = 0.0) -> float:
@@ -163,13 +164,14 @@ class System:
 
     def destroy(self) -> None:
         """Free the PETSc objects. Collective."""
-        self._drop_matrix()
+        self.drop_matrix()
         for vector in (self.b, self.x, self._r):
             if vector:
                 vector.destroy()
         self.b = self.x = self._r = None
 
-    def _drop_matrix(self):
+    def drop_matrix(self) -> None:
+        """Free the matrix, if there is one. Collective."""
         for thing in {id(t): t for t in (self.operator, self.preconditioned, self.matrix, self._null) if t}.values():
             thing.destroy()
         self.matrix = self.operator = self.preconditioned = self._null = None
@@ -180,15 +182,14 @@ class System:
         for vector in vectors:
             vector.stateIncrease()
 
-    def _find_null_vector(self, csr):
-        indptr, _, values = csr
+    def _find_null_vector(self, alone, largest):
+        """Find the null vector of A. alone : (n,) bool, rows of one entry; largest : of all entries of this rank."""
         x, b, r = self._arrays
-        alone = np.diff(indptr) == 1
         count = self.sum(float(np.count_nonzero(~alone)))[0]
         x[:] = ~alone
         self._touch(self.x)
         self.matrix.mult(self.x, self._r)
-        worst = np.array([np.abs(r).max(initial=0.0), np.abs(values).max(initial=0.0)])
+        worst = np.array([np.abs(r).max(initial=0.0), largest])
         if self.comm.size > 1:
             self.comm.Allreduce(MPI.IN_PLACE, worst, MPI.MAX)
         if count == 0 or worst[0] > _NULL * worst[1]:

@@ -36,9 +36,14 @@ class Problem:
         x, _, *self.rows = systems.square(n, **kind)
         self.p = np.cos(np.pi * x[:, 0]) * np.cos(0.5 * np.pi * x[:, 1])
         self.b = systems.product(self.rows, self.p)
-        first, last, *self.mine = systems.share(comm, self.rows, busy)
+        first, last, *self._mine = systems.share(comm, self.rows, busy)
         self.part = slice(first, last)
         self.comm = comm
+
+    @property
+    def mine(self):
+        """This rank's rows, for a solver to keep and rearrange."""
+        return [array.copy() for array in self._mine]
 
     def solve(self, solver, rhs=None, guess=None, **more):
         rhs = self.b if rhs is None else rhs
@@ -90,6 +95,22 @@ def test_preconditioner_is_kept_and_second_right_hand_side_solved(comm, make):
         again, record = solver.solve_again(1e-6 * problem.b[problem.part], None)
         assert np.abs(problem.whole(again) - 1e-6 * problem.p).max() < 1e-13 and not record.rebuilt
     assert solver.setups == 1
+
+
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("words", [(), ("-pressure_pc_type", "hypre"), ("-pressure_pc_type", "bjacobi")])
+def test_a_matrix_that_is_released_leaves_the_preconditioner(comm, make, words, closed):
+    solver = make(*words, rtol=1e-8, closed=closed)
+    for again in range(2):
+        problem = Problem(comm, closed=closed)
+        found, record = problem.solve(solver)
+        exact = problem.p - (problem.p.mean() if closed else 0.0)
+        assert record.rebuilt == (again == 0) and record.fallback == ""
+        assert np.abs(problem.whole(found) - exact).max() < 1e-5
+        solver.release()
+        solver.release()    # of nothing
+        with pytest.raises(ParisphError, match="needs a matrix: call solve first"):
+            solver.solve_again(problem.b[problem.part], None)
 
 
 def test_one_rank_that_renumbers_makes_all_rebuild(comm, make):

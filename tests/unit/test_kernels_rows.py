@@ -176,7 +176,8 @@ def test_sorted_rows_split_into_own_and_other_columns():
     indptr = np.concatenate([[0], np.cumsum(np.count_nonzero(table, axis=1))]).astype(np.int32)
     places = np.concatenate([np.flatnonzero(line) for line in table]).astype(np.int32)
     for first, last in ((5, 12), (0, 20), (8, 8)):
-        *own, other_ptr, other_columns, other_values = split_rows(indptr, places, table[table != 0.0], first, last)
+        *own, other_ptr, other_columns, other_values = split_rows(indptr, places.copy(), table[table != 0.0],
+                                                                     first, last)
         found = np.zeros_like(table)
         for i in range(n):
             for offset, (ptr, column, value) in ((first, own), (0, (other_ptr, other_columns, other_values))):
