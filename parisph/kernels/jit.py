@@ -6,8 +6,10 @@ from functools import cached_property, update_wrapper
 from typing import Any
 
 from parisph.kernels import cache, processor
-from parisph.kernels.loading import KernelCache
 from parisph.kernels.processor import numba
+
+if processor.internals_are_known():
+    from parisph.kernels import loading
 
 processor.choose_level()
 processor.leave_out_avx512()
@@ -29,7 +31,10 @@ def _compiler(cache=False, **options):
             # numba reads the setting when it makes the cache; other code in this process keeps its own
             before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, FOLDER
             try:
-                made._cache = KernelCache(function)
+                if processor.internals_are_known():
+                    made._cache = loading.KernelCache(function)
+                else:
+                    made.enable_caching()
             finally:
                 numba.config.CACHE_DIR = before
         return made

@@ -1,7 +1,7 @@
 """Kernels from the cache, without what numba does at that for those who compile.
 
 Otherwise a run that finds all its kernels compiled spends a third of its start on them. This relies on internals of
-numba, which are known for some releases; others load kernels in numba's own way.
+numba: `jit` imports it for the releases of `processor.INTERNALS` only.
 """
 
 from collections.abc import Iterator
@@ -11,9 +11,6 @@ from typing import Any
 import llvmlite.binding as llvm
 
 from parisph.kernels.processor import numba
-
-KNOWN = ((0, 61), (0, 68))    # first and last release
-_known = KNOWN[0] <= numba.version_info[:2] <= KNOWN[1]
 
 
 class _Library(numba.core.codegen.JITCodeLibrary):
@@ -43,20 +40,25 @@ class _Results(numba.core.caching.CompileResultCacheImpl):
 
     def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
         """Return a kernel from what is stored of it, with a _Library."""
-        (name, kind, code), described = payload[:2]
-        if kind != "object" or not _known:
+        (_, kind, _), described = payload[:2]
+        if kind != "object":
             return super().rebuild(target_context, payload)
-        codegen = target_context.codegen()
-        library = _Library(codegen, name, *code)
-        codegen._engine._defined_symbols |= {described.llvm_func_name, described.llvm_cpython_wrapper_name}
-        with _reading(codegen, library):
+        with _reading(target_context.codegen(), {described.llvm_func_name, described.llvm_cpython_wrapper_name}):
             return super().rebuild(target_context, payload)
 
 
 @contextmanager
-def _reading(codegen: Any, library: _Library) -> Iterator[None]:
-    """Make codegen return this library, whatever it is asked to read."""
-    codegen.unserialize_library = lambda stored: library
+def _reading(codegen: Any, symbols: set[str]) -> Iterator[None]:
+    """Make codegen read stored libraries as a _Library, whose machine code defines these symbols.
+
+    When it does, numba has prepared what a kernel may need besides, such as threads.
+    """
+    def read(stored):
+        name, _, (machine_code, bitcode) = stored
+        library = _Library(codegen, name, machine_code, bitcode)
+        codegen._engine._defined_symbols |= symbols
+        return library
+    codegen.unserialize_library = read
     try:
         yield
     finally:
@@ -67,15 +69,14 @@ class KernelCache(numba.core.caching.FunctionCache):
     """numba's cache of a kernel.
 
     Before it loads the first, numba makes all types and functions known that kernels may be written with, which takes
-    0.2 s. Only those who compile need them, and the compiler does the same. Machine code needs what counts references.
+    0.2 s. Only those who compile need them, and the compiler does the same. Compiled code needs numba's runtime, which
+    counts references to arrays.
     """
 
     _impl_class = _Results
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the kernel for a signature, or None if it is not in the cache."""
-        if not _known:
-            return super().load_overload(sig, target_context)
         numba.core.runtime.rtsys.initialize(target_context)
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)

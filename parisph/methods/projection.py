@@ -293,10 +293,12 @@ class Projection:
             p.role[top] = SURFACE
             self.rows.pin(top)
             d.update("role")
+            matrix = None    # so that there are not two
             matrix, alone, left = self._anchored()
         if left:
             p.role[alone] = np.where(p.kind[alone] == WALL, DRY, BALLISTIC)
             d.update("role")
+            matrix = None
             matrix = self.rows.csr(p.role_all, d.global_rows)[:3]
         return matrix, count
 

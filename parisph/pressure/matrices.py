@@ -16,14 +16,16 @@ _HANDLE = ctypes.c_void_p if MPI._sizeof(MPI.Comm) == ctypes.sizeof(ctypes.c_voi
 
 
 def matrix_of(rows: PETSc.Vec, indptr: np.ndarray, columns: np.ndarray, values: np.ndarray) -> PETSc.Mat:
-    """Return the matrix of these rows; sorts the entries of each, or rearranges them further. Collective.
+    """Return the matrix of these rows. Collective.
+
+    On one rank the entries of each row are sorted in place. On several, the arrays then hold the block of own columns.
 
     Parameters
     ----------
     rows : PETSc.Vec
         A vector with the same rows on each rank.
     indptr : (n + 1,) PETSc.IntType, columns : (nnz,) PETSc.IntType, values : (nnz,) float
-        This rank's rows as CSR with global columns; the matrix keeps the arrays, which no longer are these rows.
+        This rank's rows as CSR with global columns; the matrix keeps the arrays.
     """
     sort_rows(indptr, columns, values)    # without, PETSc takes many times as long
     if rows.comm.size > 1 and _create is not None:

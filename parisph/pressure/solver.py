@@ -139,7 +139,8 @@ class PressureSolver:
         ----------
         indptr : (n_owned + 1,) int, indices : (nnz,) int, values : (nnz,) float
             This rank's rows as CSR with global columns in any order; n_owned may be 0. The solver keeps the arrays
-            until the next matrix, and rearranges the entries: do not use them again.
+            until the next matrix or `release`, some preconditioners longer. On one rank it sorts the entries of each
+            row, on several it rearranges them: do not use the arrays again.
         rhs : (n_owned,) float, b
         guess : (n_owned,) float, (k, n_owned) float or None
             Initial guess (the previous pressure), or several, of which the first is taken if it solves the equation,
@@ -174,7 +175,8 @@ class PressureSolver:
         slack : float
             The tolerance is this many times that of `solve`, at most LOOSEST.
 
-        Other parameters, results and errors as in `solve`.
+        Other parameters, results and errors as in `solve`. ParisphError on all ranks also without a matrix: before
+        `solve`, and after `release`.
         """
         start = perf_counter()
         error = None
@@ -188,7 +190,10 @@ class PressureSolver:
         return self._run("again", rhs, guess, start, max(self._rtol, min(slack * self._rtol, LOOSEST)), error)
 
     def release(self) -> None:
-        """Free the last matrix, so that there are not two while the next is made; keep the preconditioner. Collective.
+        """Free the last matrix, so that there are not two while the next is made. Collective.
+
+        The preconditioner stays, and some keep the matrix that they were built from. `solve_again` is refused until
+        the next `solve`.
         """
         self._system.drop_matrix()
         self._ksp.setOperators(None, None)

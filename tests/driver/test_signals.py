@@ -74,8 +74,8 @@ signals.PATIENCE, last_resort.PATIENCE = 2.0, 3.0
 def test_rank_that_waits_for_another_is_ended(tmp_path, where, gap):
     """The first one waits for the case file, the compiler or something else, and the last one for the first."""
     case = SLOW_CASE if where == "loading" else FALLING
-    change = {"warm-up": SLOW_WARM_UP, "step": SLOW_STEP}.get(where, "")
-    with running(tmp_path, 2, case=case, change=QUICK + change) as run:
+    change = {"warm-up": QUICK + SLOW_WARM_UP, "step": QUICK + SLOW_STEP}.get(where, "")    # "": not even MPI is up
+    with running(tmp_path, 2, case=case, change=change) as run:
         run.until((tmp_path / "waits").exists)
         time.sleep(0.5)
         twice(run.ranks()[-1], (signal.SIGTERM, signal.SIGINT), gap)

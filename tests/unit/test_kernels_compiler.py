@@ -11,7 +11,7 @@ from numba.extending import overload
 
 from parisph import Simulation, load
 from parisph.base.errors import ParisphError
-from parisph.kernels import jit, loading, processor, selfcheck
+from parisph.kernels import jit, processor, selfcheck
 from tests.launch import ROOT, clean_environment
 
 
@@ -82,20 +82,22 @@ def squares(x):
 USE = """
 import sys
 import numpy as np
-from parisph.kernels import jit, loading
+from parisph.kernels import processor
+if not {known}:
+    processor.INTERNALS = (0, 1), (0, 2)
+from parisph.kernels import jit
 from kernels import squares
 
 @jit.uncached
 def total(x):
     return squares(x).sum()
 
-loading._known = {known}
 x = np.array([1.0, 2.0])
 {first}
 sums = [total(x)] if {compiles} else []
 made = next(iter(squares.overloads.values())).library
 print(squares(x).tolist(), sums, sum(squares.stats.cache_hits.values()), "numba.np.linalg" in sys.modules,
-      isinstance(made, loading._Library), getattr(made, "_read", None) is not None)
+      type(made).__name__ == "_Library", getattr(made, "_read", None) is not None)
 """
 
 
@@ -110,7 +112,7 @@ def test_kernels_from_the_cache_are_loaded_without_what_a_compiler_needs(tmp_pat
                               capture_output=True, text=True, timeout=60)
         assert done.returncode == 0, done.stderr
         found.append(done.stdout.strip())
-    known = loading._known
+    known = processor.internals_are_known()
     assert found == [
         "[1.0, 4.0] [] 0 True False False",
         f"[1.0, 4.0] [] 1 {not known} {known} False",
@@ -118,6 +120,43 @@ def test_kernels_from_the_cache_are_loaded_without_what_a_compiler_needs(tmp_pat
         f"[1.0, 4.0] [5.0] 1 True {known} {known}",
         "[1.0, 4.0] [5.0] 1 True False False",
     ]
+
+
+THREADED = """
+import numba
+import numpy as np
+from parisph.kernels.jit import kernel
+
+@numba.njit(parallel=True)
+def halves(x):
+    for i in numba.prange(len(x)):
+        x[i] *= 0.5
+
+@kernel
+def quarters(x):
+    halves(x)
+    halves(x)
+
+x = np.ones(8)
+quarters(x)
+print(x.sum(), sum(quarters.stats.cache_hits.values()))
+"""
+
+
+def test_a_kernel_of_a_user_with_threads_comes_back_from_the_cache(tmp_path):
+    """numba prepares threads before it reads machine code that needs them."""
+    (tmp_path / "threaded.py").write_text(THREADED)
+    for hits in range(2):
+        done = subprocess.run([sys.executable, "threaded.py"], cwd=tmp_path, capture_output=True, text=True, timeout=60,
+                              env=clean_environment(NUMBA_CACHE_DIR=str(tmp_path / "cache")))
+        assert done.stdout.split() == ["2.0", str(hits)], done.stderr
+
+
+@pytest.mark.parametrize(("release", "due"), [((0, 61), True), ((0, 68), True), ((0, 60), False), ((0, 69), False),
+                                              ((1, 0), False), ((None, None), False)])
+def test_internals_are_known_of_some_releases(monkeypatch, release, due):
+    monkeypatch.setattr(numba, "version_info", release)
+    assert processor.internals_are_known() == due
 
 
 @pytest.mark.parametrize(("host", "asked", "due"), [
