@@ -23,11 +23,11 @@ _OPTIONS = dict(error_model="numpy", fastmath={"contract", "arcp", "nsz", "reass
 FOLDER = cache.folder(int(numba.config.OPT))
 
 
-def _compiler(cache=False, **options):
+def _compiler(cached=False, **options):
     """Return a decorator like numba.njit(**options), with the cache in parisph's folder."""
     def decorate(function):
         made = numba.njit(**options)(function)
-        if cache:
+        if cached:
             # numba reads the setting when it makes the cache; other code in this process keeps its own
             before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, FOLDER
             try:
@@ -61,7 +61,7 @@ class _WithoutCollection(numba.core.event.Listener):
 
 numba.core.event.register("numba:compile", _WithoutCollection())
 
-kernel = _compiler(cache=True, **_OPTIONS)
+kernel = _compiler(cached=True, **_OPTIONS)
 
 
 class Subkernel:
@@ -106,7 +106,7 @@ subkernel = _subkernel_compiler(**_OPTIONS)
 inlined = _subkernel_compiler(forceinline=True, _nrt=False, **_OPTIONS)
 
 # For what waits in a thread of its own, also while another one keeps Python's lock.
-unlocked = _compiler(nogil=True, cache=True, **_OPTIONS)
+unlocked = _compiler(nogil=True, cached=True, **_OPTIONS)
 
 # For scripts: a cache would keep the name of the module, of which a script that others import has two.
 uncached = _compiler(**_OPTIONS)
