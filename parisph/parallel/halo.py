@@ -72,17 +72,16 @@ class Halo:
         parts, columns = [], 0
         for name in names:
             width = _width(name, dim)
-            parts.append((_as_doubles(getattr(p, name)), _as_doubles(getattr(p, f"{name}_all")[p.n_owned:]),
-                          slice(columns, columns + width) if width > 1 else columns))
+            parts.append((columns, _as_columns(getattr(p, f"{name}_all"), width)))
             columns += width
         root, leaf = np.empty((len(self._roots), columns)), np.empty((p.n_ghost, columns))
-        for owned, _, place in parts:
-            root[:, place] = owned[self._roots].reshape(root[:, place].shape)
+        for place, values in parts:
+            _take(root, place, values, self._roots)
         unit = self._unit(columns)
         self._forest.bcastBegin(unit, root, leaf, MPI.REPLACE)
         self._forest.bcastEnd(unit, root, leaf, MPI.REPLACE)
-        for _, ghosts, place in parts:
-            ghosts[...] = leaf[:, place].reshape(ghosts.shape)
+        for place, values in parts:
+            _put(values, leaf, place)
 
     def _unit(self, columns):
         if columns not in self._units:
@@ -104,9 +103,26 @@ def _width(name, dim):
     return dim ** ORDER[FIELDS[name].shape]
 
 
-def _as_doubles(values):
-    """Return a view of values, as doubles where these have as many bytes: an id may need all 64 bits."""
-    return values.view(np.float64) if values.dtype.itemsize == 8 else values
+def _as_columns(values, width):
+    """Return a view of values (n, width), as doubles where these have as many bytes: an id may need all 64 bits."""
+    return (values.view(np.float64) if values.dtype.itemsize == 8 else values).reshape(len(values), width)
+
+
+@kernel
+def _take(root, place, values, which):
+    """Copy some rows of values to the columns of root from `place` on."""
+    for k in range(len(which)):
+        for column in range(values.shape[1]):
+            root[k, place + column] = values[which[k], column]
+
+
+@kernel
+def _put(values, leaf, place):
+    """Copy the columns of leaf from `place` on to the last rows of values."""
+    first = len(values) - len(leaf)
+    for k in range(len(leaf)):
+        for column in range(values.shape[1]):
+            values[first + k, column] = leaf[k, place + column]
 
 
 def _star_forest(comm, n_roots, owner, root):

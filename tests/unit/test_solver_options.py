@@ -76,6 +76,9 @@ def test_detail_of_the_default_preconditioner_may_be_changed(make):
     (1000, 38_000, 1, True, {"pc_type": "ilu", "pc_factor_levels": "1"}),
     (1000, 38_000, 1, False, {"pc_type": "ilu", "pc_factor_levels": "0"}),
     (1000, 21_000, 4, True, {"pc_type": "asm", "sub_pc_type": "ilu", "sub_pc_factor_levels": "2"}),
+    (1000, 21_000, 4, False, {"pc_type": "asm", "sub_pc_type": "ilu", "sub_pc_factor_levels": "0"}),
+    (1000, 21_000, 2, True, {"pc_type": "asm", "sub_pc_type": "ilu", "sub_pc_factor_levels": "2"}),
+    (1000, 21_000, 2, False, {"pc_type": "bjacobi", "sub_pc_type": "ilu", "sub_pc_factor_levels": "0"}),
     (100_000, 2_100_000, 4, True, {"pc_type": "hypre", "pc_hypre_type": "boomeramg"}),
 ])
 def test_default_preconditioner_goes_by_size_and_row_length(unknowns, entries, ranks, lasting, expected):

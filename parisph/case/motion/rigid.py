@@ -36,6 +36,14 @@ Centre = Annotated[
 ]
 
 
+@lru_cache(maxsize=64)    # asked for several times in each step
+def unit_vector(direction: tuple[float, ...]) -> Floats:
+    """Return the vector (dim,) of length 1 in a direction that is not zero. Do not write to it."""
+    unit: Floats = np.array(direction) / float(np.linalg.norm(direction))
+    unit.flags.writeable = False
+    return unit
+
+
 class Motion(Model):
     """How a rigid body moves, by a law of time: a displacement along a direction, or an angle about a centre."""
 
@@ -105,8 +113,7 @@ class Translation(Motion):
         def direction(self) -> tuple[float, ...]: ...
 
     def _along(self, value: float) -> Floats:
-        direction = np.array(self.direction)
-        return direction / float(np.linalg.norm(direction)) * value
+        return unit_vector(self.direction) * value
 
     def displacement(self, t: float) -> Floats:
         """Displacement (dim,) [m] at time t [s]."""
