@@ -9,10 +9,13 @@ from pathlib import Path
 from parisph.base.environment import cache_folder
 from parisph.base.paths import AnyPath
 
+# Files besides those of this folder with constants or functions that kernels of other files contain.
+ELSEWHERE = "base/fields.py", "parallel/hilbert.py", "parallel/partition.py"
+
 
 def folder(level: int) -> str:
     """Return the folder for kernels compiled at a level of the optimiser. Its name contains a digest of this level and
-    of the kernels' sources. Not collective.
+    of the kernels' sources, also of those in ELSEWHERE. Not collective.
 
     numba recompiles a cached kernel when its own file changes, but not when a kernel that it has
     inlined changes in another file. The digest makes sure that stale code is never loaded. The
@@ -20,7 +23,7 @@ def folder(level: int) -> str:
     folder, else (on a node without home folders) in a private temporary folder.
     """
     here = Path(__file__).resolve().parent
-    sources = [*sorted(here.glob("*.py")), here.parent / "base" / "fields.py"]
+    sources = [*sorted(here.glob("*.py")), *(here.parent / name for name in ELSEWHERE)]
     digest = hashlib.sha256(b"".join([b"%d" % level, *(path.read_bytes() for path in sources)]))
     name = f"kernels-{digest.hexdigest()[:16]}"
     places = [Path(os.environ["NUMBA_CACHE_DIR"])] if os.environ.get("NUMBA_CACHE_DIR") else []

@@ -26,7 +26,7 @@ def test_couette_flow_starts(form, speed):
     """
     cells = np.array([10, 20, 40])
     exact = speed * flows.started_by_a_lid(Y, 0.05, 1.0)
-    errors = [error(exact, flows.soften_lid, spacing=1.0 / n, viscosity=1.0, end_time=0.05, lid=speed, length=6.0,
+    errors = [error(exact, flows.soften_lid, spacing=1.0 / n, viscosity=1.0, end_time=0.05, lid=speed, length=4.5,
                     forces=("body", form)) for n in cells]
     assert np.all(orders(1.0 / cells, errors) > 1.5) and errors[-1] < 5e-4, errors
 

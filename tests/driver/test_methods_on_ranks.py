@@ -9,7 +9,7 @@ from parisph.case.methods import METHODS
 from tests.launch import ROOT, parisph
 from tests.scenes import difference, on_ranks
 
-STEPS = 20
+STEPS = 10
 # symmetric gradients of disordered particles are not fit for walls: it is compared on a lattice
 SETS = {name: {"jitter": 0.0 if name == "Z17_ISPH" else 0.2} for name in METHODS}
 

@@ -16,8 +16,8 @@ def tank(shape, height, **numerics):
 cases = {
     "below the lid": (tank(Box(width=1.0, height=0.5), 0.55), 60),
     "without a surface": (tank(Polygon(((0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (0.0, 0.5))), 0.5), 5),
-    "kept surface": (tank(Box(width=1.0, height=0.5), 1.0, preset="gentle"), 140),
-    **{rule: (tank(Box(width=0.5, height=0.5), 1.0, surface_rule=rule, jitter=0.2), 80)
+    "kept surface": (tank(Box(width=1.0, height=0.5), 1.0, preset="gentle"), 100),
+    **{rule: (tank(Box(width=0.5, height=0.5), 1.0, surface_rule=rule, jitter=0.2), 60)
        for rule in ("auxiliary", "density", "divergence")},
 }
 for name, (case, steps) in cases.items():

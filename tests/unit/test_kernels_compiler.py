@@ -1,5 +1,6 @@
 """Compiled kernels must be correct, on every processor and with every compiler."""
 
+import ast
 import gc
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from numba.extending import overload
 
 from parisph import Simulation, load
 from parisph.base.errors import ParisphError
-from parisph.kernels import jit, processor, selfcheck
+from parisph.kernels import cache, jit, processor, selfcheck
 from tests.launch import ROOT, clean_environment
 
 
@@ -203,3 +204,23 @@ def test_simulation_refuses_wrong_code(monkeypatch):
     monkeypatch.setattr(selfcheck, "stores_hold", lambda: False)
     with pytest.raises(ParisphError, match="wrong machine code"):
         Simulation(load(ROOT / "cases" / "hydrostatic.py"), MPI.COMM_SELF)
+
+
+def _taken_from_elsewhere(path):
+    """Yield (file, name) of what the compiled functions of a file take from files of other folders than the kernels'."""
+    tree = ast.parse(path.read_text())
+    origin = {name.asname or name.name: node.module for node in tree.body if isinstance(node, ast.ImportFrom)
+              for name in node.names if node.module.startswith("parisph.")}
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef) and {"kernel", "subkernel", "inlined", "unlocked"} & {
+                mark.id for mark in node.decorator_list if isinstance(mark, ast.Name)}:
+            for name in {part.id for statement in node.body for part in ast.walk(statement)
+                         if isinstance(part, ast.Name)} & origin.keys():
+                if not origin[name].startswith("parisph.kernels"):
+                    yield origin[name].removeprefix("parisph.").replace(".", "/") + ".py", name
+
+
+def test_the_folder_of_compiled_kernels_goes_by_all_files_that_they_are_made_of():
+    """numba looks at the file of a kernel alone: what it takes from others would stay as it was."""
+    found = {file: name for path in (ROOT / "parisph").rglob("*.py") for file, name in _taken_from_elsewhere(path)}
+    assert found.keys() == set(cache.ELSEWHERE), found
