@@ -31,11 +31,8 @@ def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndar
         raise ValueError(f"radius {radius} must be positive")
     if n_owned == 0:
         return np.zeros(1, np.int32), np.zeros(0, np.int32)
-    # column by column: numpy is slow along a short last axis
-    lower, upper = (np.array([f(column) for column in x.T]) for f in (np.min, np.max))
-    with np.errstate(over="ignore", invalid="ignore"):
-        extent = upper - lower
-    if not np.isfinite(extent).all():
+    lower, extent = np.empty((2, x.shape[1]))
+    if not _corners(lower, extent, x):
         raise ValueError("a position, or the distance of two points, is not finite")
     counts, size = _grid(extent, radius, len(x))
     axes = axes_of(x.shape[1])
@@ -44,13 +41,27 @@ def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndar
     return indptr, _ordered(indptr, indices)
 
 
+@kernel
+def _corners(lower, extent, x):
+    """Write the lower corner of the box around points and its sides; return whether all of them are finite."""
+    finite = True
+    for a in range(x.shape[1]):
+        least, most = x[0, a], x[0, a]
+        for i in range(len(x)):
+            finite &= abs(x[i, a]) < math.inf
+            least, most = min(least, x[i, a]), max(most, x[i, a])
+        lower[a], extent[a] = least, most - least
+        finite &= extent[a] < math.inf
+    return finite
+
+
 def _grid(extent, radius, n):
     """Choose the cells: at least as wide as the radius, and not many more than there are points."""
     size = radius
     while True:
-        counts = np.floor(extent / size) + 1.0
-        if np.prod(counts) <= 4.0 * n + 1024.0:
-            return counts.astype(np.int64), size
+        counts = [math.floor(side / size) + 1 for side in extent.tolist()]
+        if math.prod(counts) <= 4 * n + 1024:
+            return np.array(counts, np.int64), size
         size *= 1.5  # keeps the grid small if one droplet is far away
 
 
@@ -179,10 +190,10 @@ def nearby(x: np.ndarray, others: np.ndarray, radius: float) -> tuple[np.ndarray
         raise ValueError(f"radius {radius} must be positive")
     if len(others) == 0 or len(x) == 0:
         return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
-    lower, upper = (np.array([f(column) for column in others.T]) for f in (np.min, np.max))
-    if not (np.isfinite(upper - lower).all() and np.isfinite(x.sum())):
+    lower, extent = np.empty((2, x.shape[1]))
+    if not (_corners(lower, extent, others) and np.isfinite(x.sum())):
         raise ValueError("a position, or the distance of two points, is not finite")
-    counts, size = _grid(upper - lower, radius, len(others))
+    counts, size = _grid(extent, radius, len(others))
     axes = axes_of(x.shape[1])
     lower, counts = lower - size, counts + 2    # empty cells all around
     start, member = _sort(others, lower, size, counts, axes)
@@ -250,10 +261,10 @@ def nearest_points(x: np.ndarray, places: np.ndarray, spacing: float) -> np.ndar
     x, places = np.ascontiguousarray(x), np.ascontiguousarray(places)
     if len(x) == 0:
         raise ValueError("there is no point")
-    lower, upper = (np.array([f(column) for column in x.T]) for f in (np.min, np.max))
-    if not (np.isfinite(upper - lower).all() and np.isfinite(places.sum())):
+    lower, extent = np.empty((2, x.shape[1]))
+    if not (_corners(lower, extent, x) and np.isfinite(places.sum())):
         raise ValueError("a position, or the distance of two points, is not finite")
-    counts, size = _grid(upper - lower, spacing, len(x))
+    counts, size = _grid(extent, spacing, len(x))
     axes = axes_of(x.shape[1])
     start, member = _sort(x, lower, size, counts, axes)
     found = np.empty(len(places), np.int64)

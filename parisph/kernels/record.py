@@ -9,6 +9,26 @@ from parisph.kernels.jit import kernel
 
 
 @kernel
+def fluid_sizes(vectors: np.ndarray, kind: np.ndarray) -> tuple[float, float, float]:
+    """Return the largest size of the vectors of fluid, the sum of their squares, and the number of fluid particles.
+
+    0 without fluid; the first two are not numbers if a vector is not.
+
+    vectors : (n, dim) or more; kind : (n,)
+    """
+    largest = total = count = 0.0
+    for i in range(len(kind)):
+        if kind[i] == FLUID:
+            square = 0.0
+            for a in range(vectors.shape[1]):
+                square += vectors[i, a] ** 2
+            largest = max(largest, square)
+            total += square
+            count += 1.0
+    return (math.sqrt(largest) if total == total else total), total, count
+
+
+@kernel
 def step_sums(div: np.ndarray, role: np.ndarray, kind: np.ndarray,
               acceleration: np.ndarray) -> tuple[float, float, float, float, float]:
     """Return the sum of div^2 over inner particles, their number, that of surface and ballistic ones, the sum of

@@ -1,5 +1,6 @@
 """One time step of the projection methods."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -328,7 +329,7 @@ class Projection:
             movement.give_to_fluid(p.acceleration, acceleration, p.kind)
         flow.stale.add("u")
         if flow.numerics.time_step is None:
-            flow.accelerations = _of_all(p.comm, sizes(acceleration)[p.kind == FLUID])
+            flow.accelerations = _of_all(p.comm, *record.fluid_sizes(acceleration, p.kind))
 
     def _regularise_velocity(self, dt):
         """Regularise the velocity, and measure the strain of the step if any part needs it, with the same message."""
@@ -352,8 +353,7 @@ class Projection:
         shortened = flow.usual if dt < 0.5 * flow.usual else 0.0
         if not n.pressure_mean:
             return shortened, shortened
-        time = n.pressure_mean * resolved_time(p.comm, p, flow.spacing,
-                                               flow.force[:p.n_owned].compress(p.kind == FLUID, axis=0))
+        time = n.pressure_mean * resolved_time(p.comm, p, flow.spacing, flow.force)
         return max(shortened, time), max(shortened, AT_WALLS * time)
 
     def _average_pressure(self, earlier, dt, time, at_walls):
@@ -418,11 +418,14 @@ class Projection:
                                 float(np.sqrt(squares / max(count, 1.0))) * dt, isolated, int(collisions), **again)
 
 
-def _of_all(comm, sizes_of_fluid):
-    """Return the largest of the sizes (n,) on all ranks, and the root of their mean square. Collective."""
-    largest = np.array([sizes_of_fluid.max(initial=0.0)])
-    sums = np.array([sizes_of_fluid @ sizes_of_fluid, sizes_of_fluid.size])
+def _of_all(comm, largest, squares, count):
+    """Return the largest of some sizes on all ranks, and the root of their mean square. Collective.
+
+    largest, squares, count : of this rank's: the largest, the sum of their squares, and their number
+    """
     if comm.size > 1:
-        comm.Allreduce(MPI.IN_PLACE, largest, op=MPI.MAX)
+        top, sums = np.array([largest]), np.array([squares, count])
+        comm.Allreduce(MPI.IN_PLACE, top, op=MPI.MAX)
         comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
-    return float(largest[0]), float(np.sqrt(sums[0] / max(sums[1], 1.0)))
+        largest, (squares, count) = float(top[0]), sums
+    return largest, math.sqrt(squares / max(count, 1.0))

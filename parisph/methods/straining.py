@@ -16,6 +16,7 @@ DOUBT = 0.02  # density error near the surface that is no more than disorder in 
 RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that, and flow half rapid
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
 MEMORY = 20.0  # time in which the mean acceleration is forgotten, over sqrt(s/a): longer than an impact
+TINY = float(np.finfo(float).tiny)  # keeps 0/0 away
 WHOLE = 0.02  # length of a step, over sqrt(s/a), in which regularisation may have its full strength
 
 FIELDS = ("grad_u", "strain_rate")
@@ -52,7 +53,7 @@ def finish(flow: "Flow", dt: float) -> None:
     small = 0.0 if flow.closed else REST * np.sqrt(flow.by_pressure / flow.spacing)
     flow.rapid = rapid(out, flow.by_pressure / flow.spacing)
     flow.doubt = DOUBT * (1.0 - flow.rapid)
-    flow.strained = dt * out * out / np.maximum(out + small, np.finfo(float).tiny)
+    flow.strained = dt * out * out / np.maximum(out + small, TINY)
     flow.whole = whole(flow, dt)
 
 
@@ -89,7 +90,7 @@ def rapid(rate: np.ndarray, square: np.ndarray) -> np.ndarray:
     rate : (n,), D [1/s]; square : (n,), a/s of the acceleration a by pressure alone [1/s^2]
     """
     calm = RAPID**2 * square
-    return 1.0 - calm / np.maximum(calm + rate**2, np.finfo(float).tiny)
+    return 1.0 - calm / np.maximum(calm + rate**2, TINY)
 
 
 def strength(flow: "Flow", most: float, per_strain: float) -> np.ndarray:

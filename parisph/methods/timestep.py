@@ -10,6 +10,7 @@ from parisph.base.arrays import sizes
 from parisph.base.errors import SolverDiverged
 from parisph.base.fields import FLUID
 from parisph.case.numerics import Numerics
+from parisph.kernels import record
 from parisph.parallel.particles import Particles
 
 GROWTH = 1.1    # from one step to the next, at most
@@ -119,10 +120,10 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: n
     It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/g); 0 if nothing moves or
     pulls. Within it, pressure consists of the pulses of single particles that come to a wall or to the surface.
 
-    force : (n, dim), body force per unit mass on this rank's fluid [m/s^2]
+    force : (n_owned, dim) or more, body force per unit mass [m/s^2]; that on walls does not count
     """
-    fastest, strongest, _ = _largest_of_all(comm, _fastest(particles),
-                                            float(sizes(force).max(initial=0.0)))
+    strongest = record.fluid_sizes(force, particles.kind)[0]
+    fastest, strongest, _ = _largest_of_all(comm, _fastest(particles), strongest)
     rate = max(fastest / (TOLD_MOVE * spacing), np.sqrt(strongest / spacing) / TOLD_FALL)
     return 1.0 / rate if 0.0 < rate < np.inf else 0.0
 
@@ -149,12 +150,13 @@ def _accurate(numerics, acceleration):
 
 
 def _fastest(particles):
-    return float(sizes(particles.u)[particles.kind == FLUID].max(initial=0.0))
+    return record.fluid_sizes(particles.u, particles.kind)[0]
 
 
 def _largest_of_all(comm, speed, force):
     """Return the largest speed and force on all ranks, and whether any was not a number. Collective."""
     worst = np.array([speed, force, math.isnan(speed)], float)
     worst[np.isnan(worst)] = 0.0
-    comm.Allreduce(MPI.IN_PLACE, worst, op=MPI.MAX)
+    if comm.size > 1:
+        comm.Allreduce(MPI.IN_PLACE, worst, op=MPI.MAX)
     return worst

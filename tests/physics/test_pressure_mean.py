@@ -15,7 +15,7 @@ def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_f
     p, s = simulation.particles, simulation.numerics.spacing
 
     def told(force):
-        return resolved_time(p.comm, p, s, np.array([[0.0, force]]))
+        return resolved_time(p.comm, p, s, np.tile([0.0, force], (p.n_owned, 1)))
     assert told(0.0) == 0.0 and told(-9.81) == pytest.approx(TOLD_FALL * np.sqrt(s / 9.81))
     one = np.flatnonzero(p.kind == FLUID)[3]
     p.u[one] = (3.0, -4.0)

@@ -207,7 +207,7 @@ def test_simulation_refuses_wrong_code(monkeypatch):
 
 
 def _taken_from_elsewhere(path):
-    """Yield (file, name) of what the compiled functions of a file take from files of other folders than the kernels'."""
+    """Yield (file, name) of what compiled functions of a file take from files of other folders than the kernels'."""
     tree = ast.parse(path.read_text())
     origin = {name.asname or name.name: node.module for node in tree.body if isinstance(node, ast.ImportFrom)
               for name in node.names if node.module.startswith("parisph.")}
