@@ -12,6 +12,7 @@ from parisph.base.errors import ParisphError, agree
 from parisph.case.numerics import Numerics
 from parisph.case.schema import Box, Case, Fluid, Obstacle, Tank, Volume
 from parisph.kernels import jit, processor
+from parisph.parallel import halo
 from parisph.pressure import matrices
 from parisph.watch import instruments
 
@@ -76,6 +77,7 @@ def small(case: Case, numerics: Numerics) -> Case:
 def _step(simulation: Any) -> None:
     try:
         matrices.compile_for_ranks()
+        halo.compile_for_ranks()
         simulation.advance()
         samplers = instruments.build(simulation.case, simulation.comm)
         instruments.sample_all(samplers, simulation.particles, simulation.domain, simulation.time)
