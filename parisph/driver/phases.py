@@ -1,6 +1,6 @@
 """Timers for the phases of a step: wall time, as in `log.Timers`, and CPU time."""
 
-from time import perf_counter, process_time
+from time import process_time
 
 from parisph.base.communicator import Communicator
 from parisph.base.log import Timers
@@ -23,11 +23,11 @@ class PhaseTimers(Timers):
 
     def now(self) -> tuple[float, ...]:
         """Return what the clocks show [s]: wall time and CPU time."""
-        return perf_counter(), process_time()
+        return *super().now(), process_time()
 
     def count(self, phase: str, start: tuple[float, ...]) -> None:
         """Add to a phase what has passed since the clocks showed `start`."""
-        self.seconds[phase] += perf_counter() - start[0]
+        super().count(phase, start)
         self.cpu[phase] = self.cpu.get(phase, 0.0) + process_time() - start[1]
 
     def reduce_cpu(self, comm: Communicator) -> dict[str, float]:

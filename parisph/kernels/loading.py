@@ -53,7 +53,7 @@ def _reading(codegen: Any, symbols: set[str]) -> Iterator[None]:
 
     When it does, numba has prepared what a kernel may need besides, such as threads.
     """
-    def read(stored):
+    def read(stored: tuple[str, str, tuple[bytes, bytes]]) -> _Library:
         name, _, (machine_code, bitcode) = stored
         library = _Library(codegen, name, machine_code, bitcode)
         codegen._engine._defined_symbols |= symbols

@@ -14,7 +14,7 @@ def fluid_sizes(vectors: np.ndarray, kind: np.ndarray) -> tuple[float, float, fl
 
     0 without fluid; the first two are not numbers if a vector is not.
 
-    vectors : (n, dim) or more; kind : (n,)
+    vectors : (n, dim); kind : (n,)
     """
     largest = total = count = 0.0
     for i in range(len(kind)):

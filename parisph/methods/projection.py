@@ -353,7 +353,7 @@ class Projection:
         shortened = flow.usual if dt < 0.5 * flow.usual else 0.0
         if not n.pressure_mean:
             return shortened, shortened
-        time = n.pressure_mean * resolved_time(p.comm, p, flow.spacing, flow.force)
+        time = n.pressure_mean * resolved_time(p.comm, p, flow.spacing, flow.force[:p.n_owned])
         return max(shortened, time), max(shortened, AT_WALLS * time)
 
     def _average_pressure(self, earlier, dt, time, at_walls):

@@ -120,7 +120,7 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: n
     It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/g); 0 if nothing moves or
     pulls. Within it, pressure consists of the pulses of single particles that come to a wall or to the surface.
 
-    force : (n_owned, dim) or more, body force per unit mass [m/s^2]; that on walls does not count
+    force : (n_owned, dim), body force per unit mass [m/s^2]; that on walls does not count
     """
     strongest = record.fluid_sizes(force, particles.kind)[0]
     fastest, strongest, _ = _largest_of_all(comm, _fastest(particles), strongest)

@@ -33,13 +33,15 @@ PREFIX = "pressure_"
 # incomplete factors grow with the domain.
 SMALL = 6_000
 
-# On two or three ranks, factors without fill are made of each rank's own rows, in their order along the Hilbert curve:
-# overlapping blocks cost more to make and apply than their fewer iterations save. Milliseconds a step of the same dam
-# break, two ranks, means of two runs (iterations; steps that build):
+# Ranks from which on the blocks of factors without fill overlap. On fewer they are made of each rank's own rows, in
+# their order along the Hilbert curve: overlapping blocks cost more to make and apply than their fewer iterations save.
+# Milliseconds a step of the same dam break, two ranks, means of two runs, factors that may grow by 1.5 (iterations;
+# steps that build):
 #     overlapping, with RCM    solve 6.7, regularise 6.0, in all 24.5 (9.0; 42 %)
 #     own rows, with RCM       solve 5.2, regularise 6.1, in all 23.2 (11.2; 36 %)
 #     own rows                 solve 4.5, regularise 5.9, in all 21.5 (12.8; 36 %)
-# On four and eight ranks both take the same time, and overlap needs 8 iterations where own rows need 14 and 16.
+# Own rows that may grow by 1.3, as they may now, take 21.0 where overlapping blocks take 23.6 (12.5; 38 %). On four
+# and eight ranks both take the same time, and overlap needs 8 iterations where own rows need 14 and 16.
 OVERLAPPING = 4
 
 # Krylov methods that support right preconditioning, with which the monitored residual is the true one.
@@ -81,7 +83,7 @@ _LIMITS = {
 
 
 def _incomplete(ranks, levels):
-    """Return options of ILU(levels) on one rank, of ILU blocks on more, which mostly overlap."""
+    """Return options of ILU(levels) on one rank, of ILU blocks on more (see OVERLAPPING)."""
     factor = {"pc_factor_levels": str(levels), "pc_factor_mat_ordering_type": "rcm"}
     if ranks == 1:
         return {"pc_type": "ilu", **factor}

@@ -45,8 +45,6 @@ def vector_fault(name: str, vector: np.ndarray | None, n: int) -> ParisphError |
 
 def guess_fault(guess: np.ndarray | None, n: int) -> ParisphError | None:
     """Return the error of a guess (n,), or of several (k, n), or None (of no guess, too)."""
-    if np.shape(guess)[1:] == (n,) and _finite(np.ravel(guess)):    # all of them at once
-        return None
     faults = (vector_fault("guess", one, n) for one in (guess if np.ndim(guess) == 2 else [guess]))
     return next((fault for fault in faults if fault is not None), None)
 

@@ -116,7 +116,7 @@ class System:
             raise SolverDiverged(f"{zeros:.0f} rows of the pressure equation have no diagonal entry")
         self.norm = np.sqrt(bb) if bb > 1e-28 * given else 0.0
         enough = goal * goal * bb
-        best = 0 if left[0] <= enough else min(range(len(left)), key=left.__getitem__)
+        best = 0 if left[0] <= enough else left.index(min(left))
         if not left[best] < bb:
             self.start_from(0.0)
         elif best < len(left) - 1:    # the last is already there

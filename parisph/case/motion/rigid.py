@@ -37,7 +37,7 @@ Centre = Annotated[
 
 
 @lru_cache(maxsize=64)    # asked for several times in each step
-def unit_vector(direction: tuple[float, ...]) -> Floats:
+def _unit_vector(direction: tuple[float, ...]) -> Floats:
     """Return the vector (dim,) of length 1 in a direction that is not zero. Do not write to it."""
     unit: Floats = np.array(direction) / float(np.linalg.norm(direction))
     unit.flags.writeable = False
@@ -113,7 +113,7 @@ class Translation(Motion):
         def direction(self) -> tuple[float, ...]: ...
 
     def _along(self, value: float) -> Floats:
-        return unit_vector(self.direction) * value
+        return _unit_vector(self.direction) * value
 
     def displacement(self, t: float) -> Floats:
         """Displacement (dim,) [m] at time t [s]."""
