@@ -204,6 +204,11 @@ class Scene(Model):
         return force
 
     @property
+    def constant_force(self) -> Optional[Floats]:
+        """The body force (dim,) [m/s2] if it is the same at every place and time, as in a tank at rest, else None."""
+        return uniform_field(self.gravity) if isinstance(self.frame, AtRest) else None
+
+    @property
     def same_force_everywhere(self) -> bool:
         """Whether the body force is the same at every place, at any one time."""
         return uniform_field(self.gravity) is not None and not self.turns

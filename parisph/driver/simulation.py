@@ -135,7 +135,7 @@ class Simulation:
         if start is not None:
             self.method.resume(start.state)
         self.bad_force: float | None = None
-        self._same_force = case.same_force_everywhere
+        self._same_force, self._constant_force = case.same_force_everywhere, case.constant_force
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
         self._chosen: tuple[float, float, float] | None = None     # (limit, step, time after it) of the next step
@@ -290,10 +290,12 @@ class Simulation:
 
     def _force(self, x: Floats, t: float) -> Floats:
         """Return the body force (n, dim) [m/s^2] at x (n, dim) and t; note the first time at which it is not finite."""
-        force = self.case.body_force(x, t)
+        if self._constant_force is not None:    # which the case has found to be finite
+            return np.broadcast_to(self._constant_force, x.shape)
+        force = self.case.body_force(x[:1] if self._same_force else x, t)
         if self.bad_force is None and not np.isfinite(force).all():
             self.bad_force = t
-        return force
+        return np.broadcast_to(force, x.shape)
 
     def _strongest_force(self) -> float:
         """Return the largest body force on this rank's fluid, for an adaptive time step [m/s^2].

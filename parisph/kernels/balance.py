@@ -56,3 +56,27 @@ def add_linear_part_at_walls(right: np.ndarray, pull: np.ndarray, density: float
             size += terms * abs(pull[i, a])
         if abs(total) > ROUNDING * size:
             right[i] -= density * total
+
+
+@kernel
+def wall_targets(target: np.ndarray, role: np.ndarray, normal: np.ndarray, force: np.ndarray, moved: np.ndarray,
+                 density: float) -> None:
+    """Write rho (n . force - a) to the targets of wet wall particles, Eq. 25 (2014 paper).
+
+    target : (n,) [Pa/m], changed; role : (n,); normal : (n, dim); force : at least (n, dim) per unit mass [m/s^2]
+    moved : (n,), a, acceleration across the wall of fluid that slides along it [m/s^2]; (0,) if no wall moves
+    """
+    for i in range(len(target)):
+        if role[i] == WET:
+            across = 0.0
+            for a in range(normal.shape[1]):
+                across += normal[i, a] * force[i, a]
+            target[i] = density * (across - moved[i] if len(moved) > 0 else across)
+
+
+@kernel
+def without_equation(right: np.ndarray, role: np.ndarray) -> None:
+    """Write 0 to the right-hand sides (n,) of particles that are neither inner nor wet walls: their p is 0."""
+    for i in range(len(right)):
+        if role[i] != INNER and role[i] != WET:
+            right[i] = 0.0

@@ -30,13 +30,13 @@ def fluid_sizes(vectors: np.ndarray, kind: np.ndarray) -> tuple[float, float, fl
 
 @kernel
 def step_sums(div: np.ndarray, role: np.ndarray, kind: np.ndarray,
-              acceleration: np.ndarray) -> tuple[float, float, float, float, float]:
+              acceleration: np.ndarray, strained: np.ndarray) -> tuple[float, float, float, float, float, float]:
     """Return the sum of div^2 over inner particles, their number, that of surface and ballistic ones, the sum of
-    sqrt(acceleration) over fluid, and the number of fluid particles.
+    sqrt(acceleration) over fluid, the number of fluid particles, and the sum of what they are strained.
 
-    div : [1/s], acceleration : [m/s^2], all (n,)
+    div : [1/s], acceleration : [m/s^2], strained : [-], all (n,); strained may also be (0,), for a sum of 0
     """
-    squares = inner = surface = roots = fluid = 0.0
+    squares = inner = surface = roots = fluid = strain = 0.0
     for i in range(len(role)):
         if role[i] == INNER:
             squares += div[i] * div[i]
@@ -46,4 +46,6 @@ def step_sums(div: np.ndarray, role: np.ndarray, kind: np.ndarray,
         if kind[i] == FLUID:
             roots += math.sqrt(acceleration[i])
             fluid += 1.0
-    return squares, inner, surface, roots, fluid
+            if len(strained) > 0:
+                strain += strained[i]
+    return squares, inner, surface, roots, fluid, strain

@@ -12,9 +12,9 @@ from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 
 
 @kernel
-def compression(e: np.ndarray, alpha: np.ndarray, role: np.ndarray, x: np.ndarray, kind: np.ndarray, limit: float,
-                doubt: np.ndarray, reach: float, indptr: np.ndarray, indices: np.ndarray,
-                axes: tuple[int, ...]) -> None:
+def compression(e: np.ndarray, alpha: np.ndarray, surplus: np.ndarray, rapid: np.ndarray, role: np.ndarray,
+                x: np.ndarray, kind: np.ndarray, limit: float, doubt: np.ndarray, reach: float, indptr: np.ndarray,
+                indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Relative density error that the position projection removes.
 
     e = alpha - 1 at inner particles, clipped to +-limit. If a surface particle lies within the reach [m], only
@@ -23,15 +23,51 @@ def compression(e: np.ndarray, alpha: np.ndarray, role: np.ndarray, x: np.ndarra
     pushes the surface outwards: a wave gains the energy to which its crests are lifted.
 
     e : (n_owned,) output; doubt : (n_owned,)
+    surplus : (n_owned,), the part of alpha that is left out as `less_pushed` does; rapid : (n_owned,), 0 to 1
     """
     reach2, bare = reach * reach, _without_equation(kind, role)
     for i in range(len(indptr) - 1):
         e[i] = 0.0
         if role[i] != INNER:
             continue
-        e[i] = min(max(alpha[i] - 1.0, -limit), limit)
-        if e[i] != 0.0 and _any(bare, i, indptr, indices) and _near_surface(i, x, bare, reach2, indptr, indices, axes):
-            e[i] = max(e[i] - doubt[i], 0.0)
+        full = min(max(alpha[i] - 1.0, -limit), limit)
+        less = min(max(alpha[i] - surplus[i] - 1.0, -limit), limit)
+        if ((full != 0.0 or less != 0.0) and _any(bare, i, indptr, indices)
+                and _near_surface(i, x, bare, reach2, indptr, indices, axes)):
+            full, less = max(full - doubt[i], 0.0), max(less - doubt[i], 0.0)
+        e[i] = less_pushed(full, less, rapid[i]) if surplus[i] != 0.0 else full
+
+
+@kernel
+def push_off_less(gradient: np.ndarray, surplus: np.ndarray, rapid: np.ndarray) -> None:
+    """Leave out of the gradient of concentration what pushes fluid off a wall by half cells for which no fluid stands.
+
+    gradient : (n_owned, dim), changed; surplus : (n_owned, dim), the part of it by those half cells
+    rapid : (n_owned,), 0 to 1: as much of it is left out
+    """
+    dim = surplus.shape[1]
+    for i in range(len(surplus)):
+        size = 0.0
+        for a in range(dim):
+            size += surplus[i, a] ** 2
+        if size == 0.0:    # most have no wall
+            continue
+        size = math.sqrt(size)
+        push = 0.0
+        for a in range(dim):
+            push += gradient[i, a] * surplus[i, a] / size
+        change = less_pushed(push, push - size, rapid[i]) - push
+        for a in range(dim):
+            gradient[i, a] += change * surplus[i, a] / size
+
+
+@subkernel
+def less_pushed(push: float, less: float, rapid: float) -> float:
+    """Return a push with the part of it that is due to a surplus left out in rapid flow, but without a pull.
+
+    push : with the surplus; less : without it; rapid : 0 to 1
+    """
+    return push + rapid * (min(push, max(less, 0.0)) - push)
 
 
 @subkernel

@@ -13,6 +13,7 @@ from parisph.kernels.near import fill_up, gather_within, room_for, sum_changes
 # The weight of a particle in its own mean is 1 if the fit passes through it, and .6 to .8 beside a contact line, where
 # surface particles would creep without the filter.
 ALONE = 0.95
+TINY = float(np.finfo(float).tiny)  # keeps 0/0 away
 
 
 @kernel
@@ -120,3 +121,22 @@ def mean_over_fluid(out: np.ndarray, f: np.ndarray, x: np.ndarray, kind: np.ndar
             total += counts * f[j]
             n += counts
         out[i] = total / n
+
+
+@kernel
+def judge(strained: np.ndarray, rapid: np.ndarray, doubt: np.ndarray, rate: np.ndarray, by_pressure: np.ndarray,
+          spacing: float, dt: float, rest: float, quick: float, disorder: float) -> None:
+    """Write the strain of a step, how rapid it is, and the density error that may be disorder.
+
+    With the rate D and the acceleration a by pressure alone: the strain dt D, less where D is far below
+    rest sqrt(a/s); rapid = D^2/(D^2 + quick^2 a/s), from 0 in calm fluid to 1; doubt = disorder (1 - rapid). Rapid
+    strain packs particles faster than disorder does, and all of that is compression.
+
+    strained, rapid, doubt : (n,) output; rate : (n,) [1/s]; by_pressure : (n,) [m/s^2]; spacing [m]; dt [s]
+    """
+    for i in range(len(rate)):
+        square = by_pressure[i] / spacing
+        calm = quick * quick * square
+        rapid[i] = 1.0 - calm / max(calm + rate[i] ** 2, TINY)
+        doubt[i] = disorder * (1.0 - rapid[i])
+        strained[i] = dt * rate[i] * rate[i] / max(rate[i] + rest * math.sqrt(square), TINY)

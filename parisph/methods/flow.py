@@ -70,7 +70,7 @@ class Flow:
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
         self.force = self.absorbed = np.zeros((0, particles.dim))
-        self.by_pressure: Any = 0.0
+        self.by_pressure = np.zeros(particles.n_owned)
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None
         self.rapid: np.ndarray | None = None

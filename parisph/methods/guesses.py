@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from parisph.kernels import extrapolation
 from parisph.parallel.particles import Particles
 
 
@@ -28,13 +29,12 @@ class Guesses:
         """Return the guesses of the pressure at a time [s]: (1 to 3, n_owned) [Pa]. Not collective."""
         p = particles
         orders = [order for order in range(2, len(self.times) + 1) if len(set(self.times[:order])) == order]
-        found = np.empty((1 + len(orders), p.n_owned))
-        found[0] = p.p
-        known = (p.p, p.p_before, p.p_earlier)
-        for own, order in zip(found[1:], orders):
-            own[:] = 0.0
-            for weight, values in zip(_weights(self.times[:order], time), known):
-                own += weight * values
+        weights = np.zeros((1 + len(orders), 3))
+        weights[0, 0] = 1.0
+        for own, order in zip(weights[1:], orders):
+            own[:order] = _weights(self.times[:order], time)
+        found = np.empty((len(weights), p.n_owned))
+        extrapolation.combine(found, weights, p.p, p.p_before, p.p_earlier)
         return found
 
     def remember(self, particles: Particles, time: float) -> None:

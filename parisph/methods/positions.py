@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.base.arrays import sizes
 from parisph.case.numerics import Numerics
 from parisph.kernels import movement, pairs, shifting, wetness
 from parisph.methods import lengths, straining
@@ -102,7 +101,7 @@ class FickShift(Regulariser):
         else:
             p.grad_alpha[:] = gradient
         if n.shift_strain:
-            push_off_less(flow, surplus(flow)[1])
+            shifting.push_off_less(p.grad_alpha, surplus(flow)[1], flow.rapid)
         turns = TURNS if n.shift_strain and not flow.closed else 1.0
         p.turn[:] = TURN * flow.spacing * straining.strength(flow, turns, n.shift_strain / n.shift)
         flow.stale.update(self.fields)
@@ -177,49 +176,27 @@ def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
     return flow.found["surplus"]
 
 
-def less_pushed(push: np.ndarray, less: np.ndarray, rapid: np.ndarray) -> np.ndarray:
-    """Return a push with the part of it that is due to a surplus left out in rapid flow, but without a pull: (n,).
-
-    push : (n,), with the surplus; less : (n,), without it; rapid : (n,), 0 to 1
-    """
-    return push + rapid * (np.minimum(push, np.maximum(less, 0.0)) - push)
-
-
-def push_off_less(flow: "Flow", surplus: np.ndarray) -> None:
-    """Leave out of grad alpha what pushes fluid off a wall by half cells for which no fluid stands, in rapid flow.
-
-    surplus : (n_owned, dim), the part of grad alpha by those
-    """
-    p = flow.particles
-    size = sizes(surplus)
-    some = np.flatnonzero(size)    # a few beside walls
-    size = size[some]
-    towards, gradient = surplus[some] / size[:, None], p.grad_alpha[some]
-    push = (gradient * towards).sum(axis=1)
-    p.grad_alpha[some] = gradient + (less_pushed(push, push - size, flow.rapid[some]) - push)[:, None] * towards
-
-
 def density_error(flow: "Flow") -> np.ndarray:
     """Return the density error that the position projection removes: (n_owned,). Also writes alpha.
 
     A wall for which no fluid stands does not lift rapid fluid off, nor attract it: e = min(e, max(e', 0)) with the
     error e' without the surplus. In calm fluid, which loses nothing to a slow move, the wall keeps its weight.
     """
-    p = flow.particles
     concentration(flow)
-    e, more = compression(flow, p.alpha, flow.doubt), surplus(flow)[0]
-    return less_pushed(e, compression(flow, p.alpha - more, flow.doubt), flow.rapid) if more.any() else e
+    return compression(flow, flow.particles.alpha, flow.doubt, surplus(flow)[0], flow.rapid)
 
 
-def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray) -> np.ndarray:
+def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray | None = None, surplus: np.ndarray | None = None,
+                rapid: np.ndarray | None = None) -> np.ndarray:
     """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
 
-    alpha, doubt : (n_owned,)
+    In rapid fluid, what a surplus in alpha adds is left out. alpha, doubt, surplus, rapid : (n_owned,), default 0
     """
     p, d = flow.particles, flow.domain
-    e = np.empty(p.n_owned)
-    shifting.compression(e, alpha, p.role_all, p.x_all, p.kind_all, 0.1, doubt, lengths.WALL * flow.spacing,
-                         d.indptr, d.indices, flow.axes)
+    e, zero = np.empty(p.n_owned), np.zeros(p.n_owned)
+    doubt, surplus, rapid = (zero if one is None else one for one in (doubt, surplus, rapid))
+    shifting.compression(e, alpha, surplus, rapid, p.role_all, p.x_all, p.kind_all, 0.1, doubt,
+                         lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
     return e
 
 

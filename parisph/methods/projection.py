@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.arrays import sizes
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels import balance, movement, record
 from parisph.kernels import gradient as gradients
@@ -245,16 +244,14 @@ class Projection:
             rows, cloud = self.rows.rows, self.rows.cloud
             balance.add_linear_part(target, force, self.flow.density, rows.count, rows.columns, rows.values,
                                     rows.measure, p.x_all, p.role_all, cloud.indptr, cloud.axes)
-        walls = p.role == WET
-        target[walls] = self.flow.density * np.einsum("ia,ia->i", p.normal[walls], force[:p.n_owned][walls])
         moved = self.flow.walls.normal_acceleration(self.flow)
-        if moved is not None:
-            target[walls] -= self.flow.density * moved[walls]
+        balance.wall_targets(target, p.role, p.normal, force, np.empty(0) if moved is None else moved,
+                             self.flow.density)
         right = self.rows.right_hand_side(target)
         self._balance_walls(right, moved)
         self.parts.wall_rows.complete(right, self.rows.rows, self.rows.cloud, self.flow)
         matrix, isolated = self._matrix()
-        right[(p.role != INNER) & (p.role != WET)] = 0.0
+        balance.without_equation(right, p.role)
         if "surface_pressure" in p.fields:
             self.rows.add_surface_values(right, p.surface_pressure_all, p.role_all)
         return matrix, right, isolated
@@ -317,9 +314,8 @@ class Projection:
         flow = self.flow
         p = flow.particles
         grad = self._gradient_of_pressure()
-        acceleration = flow.force[:p.n_owned] - grad / flow.density
-        flow.by_pressure = sizes(grad) / flow.density
-        movement.add_to_fluid(p.u, dt * acceleration, p.kind)
+        acceleration, flow.by_pressure = np.empty_like(grad), np.empty(p.n_owned)
+        movement.accelerate(p.u, acceleration, flow.by_pressure, grad, flow.force, flow.density, dt, p.kind)
         moved = flow.walls.acceleration(flow)
         if moved is not None:
             p.u += dt * moved
@@ -362,11 +358,10 @@ class Projection:
         The pulse of a particle that comes to a wall or to the surface acts in one step of any length. The velocity
         needs its whole impulse, but as a pressure it would grow without bound as dt -> 0.
         """
-        p = self.flow.particles
-        fluid = (p.role == INNER) | ((p.role == SURFACE) & (self.flow.numerics.surface_offset > 0.0))
-        for some, over in ((fluid, time), (p.role == WET, at_walls)):
+        p, roles = self.flow.particles, (INNER, SURFACE) if self.flow.numerics.surface_offset > 0.0 else (INNER,)
+        for some, over in ((roles, time), ((WET,), at_walls)):
             if dt < over:
-                np.copyto(p.p, earlier + dt / over * (p.p - earlier), where=some)
+                np.copyto(p.p, earlier + dt / over * (p.p - earlier), where=np.isin(p.role, some))
                 self.flow.stale.add("p")
 
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
@@ -403,11 +398,11 @@ class Projection:
         p, second = flow.particles, flow.position_solve
         div = np.empty(p.n_owned)
         self.rows.divergence(div, p.u_all, p.role_all)
-        strain = 0.0 if flow.strained is None else flow.strained[p.kind == FLUID].sum()
-        sums = np.array([*record.step_sums(div, p.role, p.kind, flow.by_pressure), flow.collisions, strain])
+        strained = np.empty(0) if flow.strained is None else flow.strained
+        sums = np.array([*record.step_sums(div, p.role, p.kind, flow.by_pressure, strained), flow.collisions])
         if p.comm.size > 1:
             p.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
-        squares, count, surface, roots, particles, collisions, strain = sums
+        squares, count, surface, roots, particles, strain, collisions = sums
         flow.mean_strain = float(strain / max(particles, 1.0)) / dt
         straining.remember(flow, float(roots / max(particles, 1.0)) ** 2, dt)
         again = {} if second is None else {"position_iterations": second.iterations,

@@ -16,7 +16,6 @@ DOUBT = 0.02  # density error near the surface that is no more than disorder in 
 RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that, and flow half rapid
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
 MEMORY = 20.0  # time in which the mean acceleration is forgotten, over sqrt(s/a): longer than an impact
-TINY = float(np.finfo(float).tiny)  # keeps 0/0 away
 WHOLE = 0.02  # length of a step, over sqrt(s/a), in which regularisation may have its full strength
 
 FIELDS = ("grad_u", "strain_rate")
@@ -42,18 +41,17 @@ def finish(flow: "Flow", dt: float) -> None:
     Regularisation is in proportion to strain: fluid at rest or in rigid motion is left alone, and the effect over
     a time does not depend on the number of steps in it. A rate far below REST sqrt(a/s), with the
     acceleration a by pressure alone, counts for less, with its square: in still water of disordered particles,
-    moves in proportion to a small velocity would make it grow.
+    moves in proportion to a small velocity would make it grow. See kernels.strain.judge.
     """
     p, d = flow.particles, flow.domain
     flow.fresh(*FIELDS)
     out = np.empty(p.n_owned)
     strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing,
                            d.indptr, d.indices, flow.axes)
+    flow.strained, flow.rapid, flow.doubt = np.empty((3, p.n_owned))
     # a full closed tank does not notice a uniform force, which only its pressure balances
-    small = 0.0 if flow.closed else REST * np.sqrt(flow.by_pressure / flow.spacing)
-    flow.rapid = rapid(out, flow.by_pressure / flow.spacing)
-    flow.doubt = DOUBT * (1.0 - flow.rapid)
-    flow.strained = dt * out * out / np.maximum(out + small, TINY)
+    strain.judge(flow.strained, flow.rapid, flow.doubt, out, flow.by_pressure, flow.spacing, dt,
+                 0.0 if flow.closed else REST, RAPID, DOUBT)
     flow.whole = whole(flow, dt)
 
 
@@ -79,18 +77,6 @@ def remember(flow: "Flow", acceleration: float, dt: float) -> None:
     if acceleration > 0.0:
         left = 1.0 - min(1.0, dt / (MEMORY * np.sqrt(flow.spacing / acceleration)))
         flow.mean_acceleration = max(acceleration, left * flow.mean_acceleration)
-
-
-def rapid(rate: np.ndarray, square: np.ndarray) -> np.ndarray:
-    """Return how rapid a strain is, D^2/(D^2 + RAPID^2 a/s), from 0 in calm fluid to 1: (n,).
-
-    Rapid strain packs particles faster than disorder does, and all of that is compression: the density error near
-    the surface that may be disorder is DOUBT times what is left to 1.
-
-    rate : (n,), D [1/s]; square : (n,), a/s of the acceleration a by pressure alone [1/s^2]
-    """
-    calm = RAPID**2 * square
-    return 1.0 - calm / np.maximum(calm + rate**2, TINY)
 
 
 def strength(flow: "Flow", most: float, per_strain: float) -> np.ndarray:

@@ -5,7 +5,7 @@ import pytest
 
 from parisph.base.arrays import sizes
 from parisph.base.fields import ABSENT, BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.kernels import movement, record, wetness
+from parisph.kernels import balance, movement, record, wetness
 
 KIND = np.array([FLUID, WALL, FLUID, WALL, FLUID], np.int8)
 
@@ -47,4 +47,34 @@ def test_sums_of_a_step():
     role = np.array([INNER, INNER, SURFACE, BALLISTIC, WET, DRY], np.int8)
     kind = np.array([FLUID, FLUID, FLUID, FLUID, WALL, WALL], np.int8)
     div, acceleration = np.array([1.0, 2.0, 50.0, 60.0, 70.0, 80.0]), np.array([4.0, 9.0, 16.0, 0.0, 100.0, 100.0])
-    assert record.step_sums(div, role, kind, acceleration) == (5.0, 2.0, 2.0, 9.0, 4.0)
+    strained = np.array([0.5, 0.25, 1.0, 0.0, 70.0, 80.0])
+    assert record.step_sums(div, role, kind, acceleration, strained) == (5.0, 2.0, 2.0, 9.0, 4.0, 1.75)
+    assert record.step_sums(div, role, kind, acceleration, np.empty(0)) == (5.0, 2.0, 2.0, 9.0, 4.0, 0.0)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_fluid_is_accelerated_by_forces_and_pressure(dim):
+    kind = np.array([FLUID, WALL, FLUID], np.int8)
+    u, grad = np.ones((3, dim)), np.zeros((3, dim))
+    force = np.zeros((5, dim))    # also of ghosts
+    grad[:, 0], grad[:, 1], force[:, -1] = 3000.0, 4000.0, -9.81
+    acceleration, by_pressure = np.full((3, dim), np.nan), np.full(3, np.nan)
+    movement.accelerate(u, acceleration, by_pressure, grad, force, 1000.0, 0.1, kind)
+    expected = np.zeros(dim)
+    expected[0], expected[1] = -3.0, -4.0
+    expected[-1] -= 9.81
+    np.testing.assert_allclose(acceleration, np.tile(expected, (3, 1)), rtol=1e-14)
+    np.testing.assert_allclose(u[kind == FLUID], np.tile(1.0 + 0.1 * expected, (2, 1)), rtol=1e-14)
+    np.testing.assert_array_equal(u[1], 1.0)
+    np.testing.assert_allclose(by_pressure, 5.0, rtol=1e-14)
+
+
+@pytest.mark.parametrize("moved", [np.empty(0), np.array([0.0, 2.0, 2.0])])
+def test_wet_walls_balance_forces_and_their_own_acceleration(moved):
+    role = np.array([INNER, WET, DRY], np.int8)
+    target, normal, force = np.full(3, 7.0), np.tile([0.6, 0.8], (3, 1)), np.tile([1.0, -10.0], (4, 1))
+    balance.wall_targets(target, role, normal, force, moved, 1000.0)
+    np.testing.assert_allclose(target, [7.0, 1000.0 * (0.6 - 8.0 - moved[1:2].sum()), 7.0])
+    right = np.full(5, 7.0)
+    balance.without_equation(right, np.array([INNER, WET, DRY, SURFACE, BALLISTIC], np.int8))
+    np.testing.assert_array_equal(right, [7.0, 7.0, 0.0, 0.0, 0.0])

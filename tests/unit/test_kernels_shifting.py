@@ -110,10 +110,10 @@ def own_images(pool, i, a):
 # -- what the position projection corrects ------------------------------------------------------------
 
 
-def error(pool, alpha, doubt=0.0):
+def error(pool, alpha, doubt=0.0, surplus=0.0, rapid=0.0):
     e = np.full(pool.n, np.nan)
-    shifting.compression(e, alpha, pool.role, pool.x, pool.kind, LIMIT, np.full(pool.n, doubt),
-                         REACH * pool.spacing, *pool.csr)
+    shifting.compression(e, alpha, np.full(pool.n, surplus), np.full(pool.n, rapid), pool.role, pool.x, pool.kind,
+                         LIMIT, np.full(pool.n, doubt), REACH * pool.spacing, *pool.csr)
     return e
 
 
@@ -145,6 +145,21 @@ def test_near_the_surface_only_what_exceeds_the_doubt_is_compression(dim):
         e = error(pool, np.full(pool.n, alpha), doubt=0.03)
         np.testing.assert_allclose(e[near], expected, atol=1e-12)
         np.testing.assert_allclose(e[inner & ~near], np.clip(alpha - 1.0, -LIMIT, LIMIT), rtol=1e-12)
+
+
+@dims
+def test_rapid_fluid_is_not_pushed_by_a_surplus(dim):
+    """Of alpha - 1 = .04 and a surplus of .03 or .06 less is left, but it does not attract."""
+    pool = tank((9, 9) if dim == 2 else (6, 6, 8))
+    inner = pool.role == INNER
+    near = inner & (pool.index[:, -1] > pool.top[-1] - REACH)
+    for surplus, rapid, left in ((0.03, 1.0, 0.01), (0.06, 1.0, 0.0), (0.03, 0.5, 0.025), (0.03, 0.0, 0.04)):
+        e = error(pool, np.full(pool.n, 1.04), surplus=surplus, rapid=rapid)
+        np.testing.assert_allclose(e[inner], left, atol=1e-12)
+    thin = error(pool, np.full(pool.n, 0.96), surplus=0.03, rapid=1.0)    # a void stays one
+    np.testing.assert_allclose(thin[inner & ~near], -0.04, atol=1e-12)
+    doubted = error(pool, np.full(pool.n, 1.04), doubt=0.02, surplus=0.01, rapid=1.0)
+    np.testing.assert_allclose(doubted[near], 0.01, atol=1e-12)
 
 
 def test_free_flying_particles_count_as_surface():

@@ -9,7 +9,7 @@ from parisph.base.fields import FLUID, INNER
 from parisph.case.methods import METHODS
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.driver.simulation import Simulation
-from parisph.methods import regularising, sources
+from parisph.methods import regularising
 from parisph.methods.catalogue import Parts
 from parisph.methods.parts import (
     DIVERGENCES,
@@ -137,26 +137,12 @@ def test_what_a_force_and_the_flow_itself_do_is_removed_at_once():
     np.testing.assert_allclose(flows[1], flows[0], rtol=2e-3)
 
 
-def test_the_volume_made_by_residual_divergence_is_given_back_in_a_time():
-    """Ten steps of .001 s with a residual of .3/s make .3 %, of which sqrt(s/g) = .071 s over 20 gives back a part."""
+def test_particles_remember_the_volume_that_they_have_made_where_a_case_asks_for_it():
     simulation = Simulation(dam(volume_time=20.0), MPI.COMM_SELF)
-    p, flow = simulation.particles, simulation.method.flow
     for _ in range(2):    # nothing is left before the first
         simulation.advance()
-    assert np.any(p.expansion != 0.0) and np.abs(p.expansion).max() < 0.01
-    p.expansion[:] = 0.0
-    inner = p.role == INNER
-    for _ in range(10):
-        found = sources.given_back(flow, 0.001, np.full(p.n_owned, 0.3))
-    np.testing.assert_allclose(p.expansion[inner], 0.003)
-    np.testing.assert_allclose(found[inner], 0.003 / (20.0 * np.sqrt(0.05 / 9.81)))
-    assert not found[~inner].any() and not p.expansion[~inner].any()
-    for sign in (1.0, -1.0):    # where it cannot be removed, it does not grow for ever
-        for _ in range(3):
-            found = sources.given_back(flow, 0.01, np.full(p.n_owned, sign))
-        np.testing.assert_allclose(p.expansion[inner], sign * sources.EXPANSION)
-    found = sources.given_back(flow, 10.0, np.full(p.n_owned, -1.0))    # over some steps, however long
-    np.testing.assert_allclose(found[inner], -sources.EXPANSION / 40.0)
+    expansion = simulation.particles.expansion
+    assert np.any(expansion != 0.0) and np.abs(expansion).max() < 0.01
     simulation.destroy()
     assert "expansion" not in Parts.of(Numerics(spacing=0.1).resolved()).fields
 

@@ -6,7 +6,8 @@ from mpi4py import MPI
 
 from parisph import Simulation
 from parisph.base.fields import FLUID, SURFACE
-from parisph.methods import positions, regularising, straining
+from parisph.kernels import shifting, strain
+from parisph.methods import regularising, straining
 from tests.scenes import scene
 
 
@@ -106,17 +107,38 @@ def test_what_nothing_needs_is_not_computed():
 
 def test_strain_is_rapid_beside_the_pressure_of_calm_fluid():
     """Below a wave it is calm; in rapid strain and in free fall everything is compression."""
-    square = np.full(4, 9.81 / 0.05)
-    rate = np.sqrt(square) * np.array([0.0, 0.02, straining.RAPID, 10.0])
-    np.testing.assert_allclose(straining.rapid(rate, square), [0.0, 0.0, 0.5, 1.0], atol=0.02)
-    np.testing.assert_array_equal(straining.rapid(rate, 0.0), 1.0)
+    a, spacing, dt = np.full(4, 9.81), 0.05, 0.01
+    rate = np.sqrt(a / spacing) * np.array([0.0, 0.02, straining.RAPID, 10.0])
+    rapid, doubt, strained = judged(rate, a, spacing, dt)
+    np.testing.assert_allclose(rapid, [0.0, 0.0, 0.5, 1.0], atol=0.02)
+    np.testing.assert_allclose(doubt, straining.DOUBT * (1.0 - rapid), rtol=1e-12)
+    np.testing.assert_allclose(strained, dt * rate * [1.0, 0.8, 0.97, 1.0], rtol=0.01)    # less of what is slow
+    rapid, doubt, strained = judged(rate, np.zeros(4), spacing, dt)
+    np.testing.assert_array_equal(rapid, 1.0)
+    np.testing.assert_array_equal(doubt, 0.0)
+    np.testing.assert_allclose(strained, dt * rate, rtol=1e-14)
+
+
+def judged(rate, by_pressure, spacing, dt):
+    strained, rapid, doubt = np.full((3, len(rate)), np.nan)
+    strain.judge(strained, rapid, doubt, rate, by_pressure, spacing, dt, straining.REST, straining.RAPID,
+                 straining.DOUBT)
+    return rapid, doubt, strained
 
 
 def test_a_wall_without_half_cells_does_not_push_rapid_fluid_off_nor_attract_it():
     push, less = np.array([0.4, 0.4, 0.4, -0.1]), np.array([0.3, 0.1, -0.2, -0.5])
-    np.testing.assert_allclose(positions.less_pushed(push, less, 1.0), [0.3, 0.1, 0.0, -0.1], atol=1e-15)
-    np.testing.assert_allclose(positions.less_pushed(push, less, 0.5), [0.35, 0.25, 0.2, -0.1], atol=1e-15)
-    np.testing.assert_array_equal(positions.less_pushed(push, less, 0.0), push)
+    for rapid, expected in ((1.0, [0.3, 0.1, 0.0, -0.1]), (0.5, [0.35, 0.25, 0.2, -0.1]), (0.0, push)):
+        found = [shifting.less_pushed(*pair, rapid) for pair in zip(push, less)]
+        np.testing.assert_allclose(found, expected, atol=1e-15)
+    # a surplus along (.6, .8), and none
+    surplus, along = np.outer(push - less, [0.6, 0.8]), np.array([0.8, -0.6])
+    for sign in (1.0, -1.0):
+        gradient = np.vstack([np.outer(push, [0.6, 0.8]) + sign * along, [[0.3, -2.0]]])
+        shifting.push_off_less(gradient, np.vstack([surplus, [[0.0, 0.0]]]), np.ones(5))
+        np.testing.assert_allclose(gradient[:4] @ [0.6, 0.8], [0.3, 0.1, 0.0, -0.1], atol=1e-15)
+        np.testing.assert_allclose(gradient[:4] @ along, sign, rtol=1e-14)
+        np.testing.assert_array_equal(gradient[4], [0.3, -2.0])
 
 
 def test_moves_together_lead_no_farther_than_the_cap_but_for_a_free_one():

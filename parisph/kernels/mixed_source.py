@@ -1,0 +1,90 @@
+"""The mixed source of the pressure equation: divergence, what strain adds to it, and what earlier steps have left."""
+
+import math
+
+import numpy as np
+
+from parisph.base.fields import INNER
+from parisph.kernels.jit import inlined, kernel
+
+STRAIN_LIMIT = 0.01  # largest change of volume in a step that the strain source answers
+EXPANSION = 0.01     # largest relative volume that a particle remembers: what rows cannot remove would grow for ever
+
+
+@kernel
+def mixed(target: np.ndarray, expansion: np.ndarray, div: np.ndarray, square: np.ndarray, rate: np.ndarray,
+          before: np.ndarray, force: np.ndarray, role: np.ndarray, density: float, spacing: float, dt: float,
+          usual: float, zeta: float, strain: float, per_strain: float, time: float) -> None:
+    """Write rho/dt zeta d - strain rho times the strain source, with the divergence d of which some is put off, and to
+    which what is given back is added.
+
+    The step before has aimed at a divergence of strain dt times the strain source, which the flow since then has
+    reduced by 2 dt times it. What the divergence is beyond that, it has left as a residual; exact also after a step of
+    another length if strain is 1.
+
+    target : (n,) output [Pa/m^2]; expansion : (n,), changed, or (0,) to give nothing back
+    div : (n,) of the predicted velocity [1/s]; square, rate, before : (n,), tr(G^2), sqrt(2 G:G) and tr(G) of the
+        velocity's gradient G at the start of the step
+    force : (n_all, dim) per unit mass [m/s^2]; role : (n_all,); dt, usual : the step, and what it would be if it were
+        not shortened [s]; per_strain : strength of the removal of a residual, 0 to remove it at once
+    time : over which volume is given back [s]
+    """
+    for i in range(len(target)):
+        own = strain_source(square[i], dt)
+        residual = before[i] + (2.0 - strain) * dt * own
+        divergence = div[i]
+        if per_strain > 0.0:
+            divergence -= put_off(residual, rate[i], _fall(force, i, spacing), per_strain, dt, usual)
+        if len(expansion) > 0:
+            expansion[i] = remembered(expansion[i], residual, dt) if role[i] == INNER else 0.0
+            divergence += expansion[i] / time
+        target[i] = density / dt * zeta * divergence - strain * density * own
+
+
+@inlined
+def strain_source(square: float, dt: float) -> float:
+    """Return tr((grad u)^2)/2 [1/s^2], the effect of a step of dt [s] in straight lines on volume.
+
+    Particles move from one set of operators to the next by dt u, which changes a volume by the factor
+    det(1 + dt grad u) = 1 + dt div u - dt^2/2 tr((grad u)^2) + ... With div u = 0 a straining flow
+    shrinks: the dam break loses 4 % of its volume until the impact. div u = dt/2 tr((grad u)^2)
+    conserves it. The value is limited to the range in which the expansion is valid.
+
+    square : tr((grad u)^2) [1/s^2]
+    """
+    limit = STRAIN_LIMIT / dt**2
+    return min(max(0.5 * square, -limit), limit)
+
+
+@inlined
+def put_off(residual: float, rate: float, fall: float, per_strain: float, dt: float, usual: float) -> float:
+    """Return the part of the divergence that is left to later steps [1/s].
+
+    Rows and gradients do not match exactly: a pressure solve leaves a part of the divergence, near the surface
+    most of it, and in some stencils it makes it grow. Regularisation and changes of role add to it. Taken
+    out anew in each step, the residual acts per step and not per time: as dt -> 0 its pressure grows as 1/dt,
+    and damping in proportion to strain can no longer stop it. So it is removed at a rate in time, in proportion to
+    the fluid's velocity gradient or to its free fall; a step of usual length still removes all of it. One that is
+    shortened to meet a time removes the same part per time, so that its pressure is that of its neighbours. Forces and
+    the strain of the flow itself, thus also impacts, act at once.
+
+    residual, rate : [1/s], divergence that earlier steps have left, sqrt(2 G:G) of the velocity's gradient
+    fall : sqrt(g/s) [1/s]
+    """
+    removed = min(1.0, per_strain * dt * max(rate, fall))
+    return (1.0 - removed * min(dt / usual, 1.0)) * residual
+
+
+@inlined
+def remembered(expansion: float, residual: float, dt: float) -> float:
+    """Return the relative volume that an inner particle has made, after a step of dt [s] with a residual [1/s]."""
+    return min(max(expansion + dt * residual, -EXPANSION), EXPANSION)
+
+
+@inlined
+def _fall(force, i, spacing):
+    """Return sqrt(g/s) [1/s] of particle i."""
+    square = 0.0
+    for a in range(force.shape[1]):
+        square += force[i, a] ** 2
+    return math.sqrt(math.sqrt(square) / spacing)
