@@ -31,6 +31,13 @@ PREFIX = "pressure_"
 # From these times, factors with fill should pay where they last for a dozen matrices (solver.LASTING). Hence no fill if
 # they are rebuilt more often, two levels if they are kept, and multigrid for large systems, where the iterations of
 # incomplete factors grow with the domain.
+# Without fill, rows stay in their order along the Hilbert curve: RCM, and to find the pattern of factors in its order,
+# takes three times as long as to compute them, and more than its fewer iterations save. Milliseconds a step of set-ups and solves by PETSc's log, same
+# dam break, steps 400 to 700, one rank, two runs each (solves with the factors; set-ups):
+#     RCM                                              5.56 5.29 (5362; 108)
+#     the curve's order                                4.17 5.02 (6712; 103)
+#     the same, built anew after fewer iterations      4.30 4.44 (6423; 127)     solver.GROWTH_WITHOUT_FILL = 1
+#     the same, after still fewer                      4.48 4.02 (6045; 160)     0.8
 SMALL = 6_000
 
 # Ranks from which on the blocks of factors without fill overlap. On fewer they are made of each rank's own rows, in
@@ -40,7 +47,7 @@ SMALL = 6_000
 #     overlapping, with RCM    solve 6.7, regularise 6.0, in all 24.5 (9.0; 42 %)
 #     own rows, with RCM       solve 5.2, regularise 6.1, in all 23.2 (11.2; 36 %)
 #     own rows                 solve 4.5, regularise 5.9, in all 21.5 (12.8; 36 %)
-# Own rows that may grow by 1.3, as they may now, take 21.0 where overlapping blocks take 23.6 (12.5; 38 %). On four
+# Own rows that may grow by 1.3 take 21.0 where overlapping blocks take 23.6 (12.5; 38 %). On four
 # and eight ranks both take the same time, and overlap needs 8 iterations where own rows need 14 and 16.
 OVERLAPPING = 4
 
@@ -86,7 +93,7 @@ def _incomplete(ranks, levels):
     """Return options of ILU(levels) on one rank, of ILU blocks on more (see OVERLAPPING)."""
     factor = {"pc_factor_levels": str(levels), "pc_factor_mat_ordering_type": "rcm"}
     if ranks == 1:
-        return {"pc_type": "ilu", **factor}
+        return {"pc_type": "ilu", **(factor if levels else {"pc_factor_levels": "0"})}
     if levels == 0 and ranks < OVERLAPPING:
         return {"pc_type": "bjacobi", "sub_pc_type": "ilu", "sub_pc_factor_levels": "0"}
     return {"pc_type": "asm", "pc_asm_overlap": "2", "sub_pc_type": "ilu",

@@ -18,10 +18,8 @@ from parisph.pressure.system import System
 # A kept preconditioner that needs more than GROWTH x fresh + 2 iterations is rebuilt, for the next matrix and not for a
 # second solve with the present one, which is short. `fresh` is the number it needed at first, at least FRESH, because a
 # nearly exact start needs few. It is expected to last if those before have lasted for LASTING matrices in the mean.
-# Factors without fill are made in the time of a few iterations. In the dam break with H/s = 80, they may grow by 1.5,
-# 1.3 or 1.15 at equal cost (29.3, 29.4, 28.7 CPU s), with at most 31, 28 and 26 iterations in 99 % of the solves; asked
-# are 30.
-GROWTH, GROWTH_WITHOUT_FILL, FRESH, LASTING = 1.5, 1.3, 4, 12
+# Factors without fill are made in the time of a few iterations: see options for what their growth costs.
+GROWTH, GROWTH_WITHOUT_FILL, FRESH, LASTING = 1.5, 1.0, 4, 12
 
 # An attempt has failed if its true residual exceeds this many times the tolerance.
 SLACK = 10.0
