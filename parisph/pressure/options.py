@@ -32,8 +32,8 @@ PREFIX = "pressure_"
 # they are rebuilt more often, two levels if they are kept, and multigrid for large systems, where the iterations of
 # incomplete factors grow with the domain.
 # Without fill, rows stay in their order along the Hilbert curve: RCM, and to find the pattern of factors in its order,
-# takes three times as long as to compute them, and more than its fewer iterations save. Milliseconds a step of set-ups and solves by PETSc's log, same
-# dam break, steps 400 to 700, one rank, two runs each (solves with the factors; set-ups):
+# takes three times as long as to compute them, and more than its fewer iterations save. Milliseconds a step of set-ups
+# and solves by PETSc's log, same dam break, steps 400 to 700, one rank, two runs each (solves with factors; set-ups):
 #     RCM                                              5.56 5.29 (5362; 108)
 #     the curve's order                                4.17 5.02 (6712; 103)
 #     the same, built anew after fewer iterations      4.30 4.44 (6423; 127)     solver.GROWTH_WITHOUT_FILL = 1
