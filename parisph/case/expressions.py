@@ -103,7 +103,7 @@ def vector_field(components: tuple[str | float, ...], with_time: bool) -> Vector
     def evaluate(x: Floats, t: float = 0.0) -> Floats:
         x = np.asarray(x, dtype=np.float64)
         out = np.empty((len(x), dim))
-        if uniform is not None:    # as gravity nearly always is, and it is asked for in every step
+        if uniform is not None:    # as gravity nearly always is
             for axis, value in enumerate(uniform):    # numpy is slow along a short last axis
                 out[:, axis] = value
             return out

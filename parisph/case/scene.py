@@ -179,8 +179,7 @@ class Scene(Model):
         A uniform, constant force does not change its energy, because its potential energy is counted.
         """
         moving = any(not isinstance(motion_of(body), AtRest) for body in self.bodies)
-        still = isinstance(self.frame, AtRest) and uniform_field(self.gravity) is not None
-        return moving or bool(self.absorb) or not still
+        return moving or bool(self.absorb) or self.constant_force is None
 
     @property
     def absorber(self) -> Optional[Absorber]:

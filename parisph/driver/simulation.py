@@ -289,7 +289,10 @@ class Simulation:
         return target
 
     def _force(self, x: Floats, t: float) -> Floats:
-        """Return the body force (n, dim) [m/s^2] at x (n, dim) and t; note the first time at which it is not finite."""
+        """Return the body force (n, dim) [m/s^2] at x (n, dim) and t, not to be written.
+
+        Note the first time at which it is not finite.
+        """
         if self._constant_force is not None:    # which the case has found to be finite
             return np.broadcast_to(self._constant_force, x.shape)
         force = self.case.body_force(x[:1] if self._same_force else x, t)

@@ -1,4 +1,5 @@
-"""Rows that are not exact for linear pressure, made exact for the pressure that balances the body force."""
+"""Rows that are not exact for linear pressure, made exact for the pressure that balances the body force; right-hand
+sides of walls, and of particles without an equation."""
 
 import numpy as np
 
@@ -63,7 +64,8 @@ def wall_targets(target: np.ndarray, role: np.ndarray, normal: np.ndarray, force
                  density: float) -> None:
     """Write rho (n . force - a) to the targets of wet wall particles, Eq. 25 (2014 paper).
 
-    target : (n,) [Pa/m], changed; role : (n,); normal : (n, dim); force : at least (n, dim) per unit mass [m/s^2]
+    target : (n,) [Pa/m], changed; role : (n,); normal : (n, dim); force : (n_all, dim) per unit mass [m/s^2]
+    density : [kg/m^3]
     moved : (n,), a, acceleration across the wall of fluid that slides along it [m/s^2]; (0,) if no wall moves
     """
     for i in range(len(target)):

@@ -15,8 +15,8 @@ EXPANSION = 0.01     # largest relative volume that a particle remembers: what r
 def mixed(target: np.ndarray, expansion: np.ndarray, div: np.ndarray, square: np.ndarray, rate: np.ndarray,
           before: np.ndarray, force: np.ndarray, role: np.ndarray, density: float, spacing: float, dt: float,
           usual: float, zeta: float, strain: float, per_strain: float, time: float) -> None:
-    """Write rho/dt zeta d - strain rho times the strain source, with the divergence d of which some is put off, and to
-    which what is given back is added.
+    """Write rho/dt zeta d - strain rho S. d is the divergence, less what is put off, plus what is given back, and S the
+    strain source.
 
     The step before has aimed at a divergence of strain dt times the strain source, which the flow since then has
     reduced by 2 dt times it. What the divergence is beyond that, it has left as a residual; exact also after a step of
@@ -25,7 +25,8 @@ def mixed(target: np.ndarray, expansion: np.ndarray, div: np.ndarray, square: np
     target : (n,) output [Pa/m^2]; expansion : (n,), changed, or (0,) to give nothing back
     div : (n,) of the predicted velocity [1/s]; square, rate, before : (n,), tr(G^2), sqrt(2 G:G) and tr(G) of the
         velocity's gradient G at the start of the step
-    force : (n_all, dim) per unit mass [m/s^2]; role : (n_all,); dt, usual : the step, and what it would be if it were
+    force : (n_all, dim) per unit mass [m/s^2]; role : (n_all,); density [kg/m^3]; spacing [m]
+    zeta, strain : weights of d and S, without a unit; dt, usual : the step, and what it would be if it were
         not shortened [s]; per_strain : strength of the removal of a residual, 0 to remove it at once
     time : over which volume is given back [s]
     """
@@ -69,9 +70,9 @@ def put_off(residual: float, rate: float, fall: float, per_strain: float, dt: fl
     the strain of the flow itself, thus also impacts, act at once.
 
     residual, rate : [1/s], divergence that earlier steps have left, sqrt(2 G:G) of the velocity's gradient
-    fall : sqrt(g/s) [1/s]
+    fall : sqrt(g/s) [1/s]; per_strain : without a unit; dt, usual : the step, and that if none were shortened [s]
     """
-    removed = min(1.0, per_strain * dt * max(rate, fall))
+    removed = min(per_strain * dt * max(rate, fall), 1.0)
     return (1.0 - removed * min(dt / usual, 1.0)) * residual
 
 

@@ -38,7 +38,7 @@ def accelerate(u: np.ndarray, acceleration: np.ndarray, by_pressure: np.ndarray,
     """Add dt times the acceleration f - grad/rho to the velocities of fluid, and write it for all particles.
 
     u : (n, dim) [m/s], changed; acceleration : (n, dim), by_pressure : (n,), output, |grad|/rho [m/s^2]
-    grad : (n, dim) [Pa/m]; force : at least (n, dim), per unit mass [m/s^2]; dt [s]
+    grad : (n, dim) [Pa/m]; force : (n_all, dim), per unit mass [m/s^2]; density [kg/m^3]; dt [s]; kind : (n,)
     """
     for i in range(len(u)):
         square, fluid = 0.0, kind[i] == FLUID

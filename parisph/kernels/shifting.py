@@ -67,7 +67,7 @@ def less_pushed(push: float, less: float, rapid: float) -> float:
 
     push : with the surplus; less : without it; rapid : 0 to 1
     """
-    return push + rapid * (min(push, max(less, 0.0)) - push)
+    return push + rapid * (min(max(less, 0.0), push) - push)    # in this order, what is no number stays so
 
 
 @subkernel

@@ -195,7 +195,8 @@ class Compressible:
         flow = self.flow
         p, d, n = flow.particles, flow.domain, flow.numerics
         d.update("p", "rho")
-        force = np.array(flow.body(p.x_all, time))    # the same everywhere is one row, of which kernels know nothing
+        # one row if it is the same everywhere, of which kernels know nothing
+        force = np.array(flow.body(p.x_all, time), order="C")
         weakly.wall_pressure(p.p, p.x_all, p.p_all, p.rho_all, force, np.zeros_like(p.u), p.kind_all, self.h,
                              d.indptr, d.indices, flow.axes)
         wall = p.kind == WALL

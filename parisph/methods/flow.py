@@ -23,7 +23,8 @@ class Flow:
     ----------
     numerics : resolved Numerics
     density : [kg/m^3]; viscosity : kinematic [m^2/s]
-    body : callable (x (n, dim), t) -> (n, dim), the body force per unit mass in the tank's frame [m/s^2]
+    body : callable (x (n, dim), t) -> (n, dim), not to be written, the body force per unit mass in the tank's frame
+        [m/s^2]
     particles, domain, walls, timers : of this run; walls are a methods.boundary.Boundary
     closed : whether the fluid fills a closed tank: no free surface
     spin : callable t -> angular velocity of the tank [rad/s], or None

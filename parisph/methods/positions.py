@@ -186,16 +186,18 @@ def density_error(flow: "Flow") -> np.ndarray:
     return compression(flow, flow.particles.alpha, flow.doubt, surplus(flow)[0], flow.rapid)
 
 
-def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray | None = None, surplus: np.ndarray | None = None,
+def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray | None = None, more: np.ndarray | None = None,
                 rapid: np.ndarray | None = None) -> np.ndarray:
     """Return alpha - 1 of owned inner particles, within +-.1, and near the surface what is above the doubt: (n_owned,).
 
-    In rapid fluid, what a surplus in alpha adds is left out. alpha, doubt, surplus, rapid : (n_owned,), default 0
+    In rapid fluid, what a surplus adds is left out: more : (n_owned,), the part of alpha by it.
+
+    alpha : (n_owned,); doubt, more, rapid : (n_owned,), default 0
     """
     p, d = flow.particles, flow.domain
     e, zero = np.empty(p.n_owned), np.zeros(p.n_owned)
-    doubt, surplus, rapid = (zero if one is None else one for one in (doubt, surplus, rapid))
-    shifting.compression(e, alpha, surplus, rapid, p.role_all, p.x_all, p.kind_all, 0.1, doubt,
+    doubt, more, rapid = (zero if one is None else one for one in (doubt, more, rapid))
+    shifting.compression(e, alpha, more, rapid, p.role_all, p.x_all, p.kind_all, 0.1, doubt,
                          lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
     return e
 

@@ -46,8 +46,7 @@ class Mixed(Source):
         return target
 
     def _of_velocity(self, flow, dt, zeta):
-        """Return the target by the velocity (n_owned,): its divergence, the strain source, what is put off and given
-        back."""
+        """Return the part of the target that the velocity gives (n_owned,) [Pa/m^2]."""
         p, n, density = flow.particles, flow.numerics, flow.density
         if not (n.strain > 0.0 or n.residual_strain > 0.0 or n.volume_time > 0.0):
             return density / dt * zeta * flow.rows.div

@@ -31,13 +31,14 @@ PREFIX = "pressure_"
 # From these times, factors with fill should pay where they last for a dozen matrices (solver.LASTING). Hence no fill if
 # they are rebuilt more often, two levels if they are kept, and multigrid for large systems, where the iterations of
 # incomplete factors grow with the domain.
-# Without fill, rows stay in their order along the Hilbert curve: RCM, and to find the pattern of factors in its order,
-# takes three times as long as to compute them, and more than its fewer iterations save. Milliseconds a step of set-ups
-# and solves by PETSc's log, same dam break, steps 400 to 700, one rank, two runs each (solves with factors; set-ups):
-#     RCM                                              5.56 5.29 (5362; 108)
-#     the curve's order                                4.17 5.02 (6712; 103)
-#     the same, built anew after fewer iterations      4.30 4.44 (6423; 127)     solver.GROWTH_WITHOUT_FILL = 1
-#     the same, after still fewer                      4.48 4.02 (6045; 160)     0.8
+# On one rank, without fill, rows stay in their order along the Hilbert curve: RCM, and to find the pattern of factors
+# in its order, takes three times as long as to compute them, and more than its fewer iterations save. Milliseconds a
+# step of set-ups and solves by PETSc's log, same dam break, steps 400 to 700, two runs each (factors applied; made):
+#     RCM, growth 1.3                       5.56 5.29 (5362; 108)
+#     the curve's order, growth 1.3         4.17 5.02 (6712; 103)
+#     the same, 1.0                         4.30 4.44 (6423; 127)
+#     the same, 0.8                         4.48 4.02 (6045; 160)
+# On two ranks, whose factors are in this order as well, growths of 1.3, 1.0 and 0.8 take the same time.
 SMALL = 6_000
 
 # Ranks from which on the blocks of factors without fill overlap. On fewer they are made of each rank's own rows, in
@@ -90,7 +91,10 @@ _LIMITS = {
 
 
 def _incomplete(ranks, levels):
-    """Return options of ILU(levels) on one rank, of ILU blocks on more (see OVERLAPPING)."""
+    """Return options of ILU(levels) on one rank, of ILU blocks on more (see SMALL and OVERLAPPING).
+
+    A user's own number of levels changes the fill alone: rows have the order of the factors that it replaces.
+    """
     factor = {"pc_factor_levels": str(levels), "pc_factor_mat_ordering_type": "rcm"}
     if ranks == 1:
         return {"pc_type": "ilu", **(factor if levels else {"pc_factor_levels": "0"})}

@@ -106,6 +106,15 @@ def test_body_force_is_gravity_less_the_tanks_acceleration():
     assert case.body_force(x, 3.0)[:, 0] == pytest.approx(3.0 * x[:, 0] - 0.4 * np.cos(6.0))
 
 
+@pytest.mark.parametrize(("changes", "same"), [
+    ({"gravity": ("0.1", "-9.81/2")}, [0.1, -4.905]), ({"frame": Sway(0.1, 2.0)}, None),
+    ({"gravity": (0.0, "-9.81*cos(t)")}, None), ({"gravity": ("-x", 0.0)}, None),
+])
+def test_a_force_is_constant_at_rest_alone(changes, same):
+    found = scene(**changes).constant_force
+    assert (found is None) == (same is None) and (same is None or np.array_equal(found, same))
+
+
 def test_travels_between_ranks_after_use():
     case = scene(gravity=("x*t", -9.81), frame=Tabulated((0.0, 1.0, 2.0, 3.0), (0.0, 0.1, 0.0, 0.2)))
     case.body_force(np.zeros((1, 2)), 0.5)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph import Sway
 from parisph.base import vocabulary
 from parisph.base.fields import FLUID, INNER
 from parisph.case.methods import METHODS
@@ -143,8 +144,30 @@ def test_particles_remember_the_volume_that_they_have_made_where_a_case_asks_for
         simulation.advance()
     expansion = simulation.particles.expansion
     assert np.any(expansion != 0.0) and np.abs(expansion).max() < 0.01
+    # of fluid at rest, .3 % in 20 sqrt(s/g), in four long steps at least
+    flow, inner = simulation.method.flow, simulation.particles.role == INNER
+    simulation.particles.u_all[:] = 0.0
+    for dt, time in ((1e-6, 20.0 * np.sqrt(0.05 / 9.81)), (10.0, 40.0)):
+        found = []
+        for start in (0.0, 0.003):
+            expansion[:] = start
+            found.append(simulation.method.parts.source.target(flow, dt))
+        np.testing.assert_allclose((found[1] - found[0])[inner] * dt / 1000.0, 0.003 / time, rtol=1e-6)
     simulation.destroy()
     assert "expansion" not in Parts.of(Numerics(spacing=0.1).resolved()).fields
+
+
+@pytest.mark.parametrize("changes", [{}, {"frame": Sway(0.1, 2.0)}, {"gravity": ("-x*t", -9.81)},
+                                     {"gravity": ("x", "-9.81*cos(t)"), "frame": Sway(0.1, 2.0)}], ids=str)
+def test_particles_feel_the_body_force_of_the_case(changes):
+    case = dam().changed(**changes)
+    simulation = Simulation(case, MPI.COMM_SELF)
+    x = np.array([[0.1, 0.2], [0.4, 0.3], [0.2, 0.9]])
+    for t in (0.0, 0.7):
+        found = simulation.method.flow.body(x, t)
+        assert found.shape == x.shape
+        np.testing.assert_allclose(found, case.body_force(x, t), rtol=1e-14)
+    simulation.destroy()
 
 
 def test_position_projection_spreads_what_is_too_dense():

@@ -131,12 +131,13 @@ def test_a_wall_without_half_cells_does_not_push_rapid_fluid_off_nor_attract_it(
     for rapid, expected in ((1.0, [0.3, 0.1, 0.0, -0.1]), (0.5, [0.35, 0.25, 0.2, -0.1]), (0.0, push)):
         found = [shifting.less_pushed(*pair, rapid) for pair in zip(push, less)]
         np.testing.assert_allclose(found, expected, atol=1e-15)
+    assert np.isnan([shifting.less_pushed(*pair, 1.0) for pair in ((0.4, np.nan), (np.nan, 0.4))]).all()
     # a surplus along (.6, .8), and none
     surplus, along = np.outer(push - less, [0.6, 0.8]), np.array([0.8, -0.6])
     for sign in (1.0, -1.0):
         gradient = np.vstack([np.outer(push, [0.6, 0.8]) + sign * along, [[0.3, -2.0]]])
-        shifting.push_off_less(gradient, np.vstack([surplus, [[0.0, 0.0]]]), np.ones(5))
-        np.testing.assert_allclose(gradient[:4] @ [0.6, 0.8], [0.3, 0.1, 0.0, -0.1], atol=1e-15)
+        shifting.push_off_less(gradient, np.vstack([surplus, [[0.0, 0.0]]]), np.array([1.0, 0.5, 0.0, 1.0, 1.0]))
+        np.testing.assert_allclose(gradient[:4] @ [0.6, 0.8], [0.3, 0.25, 0.4, -0.1], atol=1e-15)
         np.testing.assert_allclose(gradient[:4] @ along, sign, rtol=1e-14)
         np.testing.assert_array_equal(gradient[4], [0.3, -2.0])
 

@@ -84,6 +84,9 @@ def test_detail_of_the_default_preconditioner_may_be_changed(make):
 def test_default_preconditioner_goes_by_size_and_row_length(unknowns, entries, ranks, lasting, expected):
     chosen = opts.primary(1e-6, False, ranks, unknowns, entries, lasting)
     assert {name: chosen[name] for name in expected} == expected
+    in_order = not lasting and ranks < opts.OVERLAPPING    # along the curve
+    orders = {value for name, value in chosen.items() if name.endswith("ordering_type")}
+    assert orders == (set() if in_order or expected["pc_type"] == "hypre" else {"rcm"})
 
 
 def test_multigrid_of_the_user_gets_the_tuning(make):
