@@ -224,8 +224,7 @@ class _Run:
         report = s.advance()
         lines = self.watch.after_step()
         with s.timers("store"):
-            self.store.append(s.time, s.steps, {"steps": tuple(report.line().values())})
-            self._write(lines)
+            self._write(lines, {"steps": tuple(report.line().values())})
             if self.snapshots.due(s.reached) or s.finished():    # and before the checkpoint, which follows
                 self._snapshot()
             self.peaks.write(self.store)
@@ -235,9 +234,12 @@ class _Run:
         self.progress.step(s, report)
         self._pause(self.checkpoints.due(s.time + 0.5 * (s.dt or 0.0)))
 
-    def _write(self, lines: Sequence[Line]) -> None:
-        for time, step, values in lines:
-            self.store.append(time, step, {f"probes/{name}": line for name, line in values.items()})
+    def _write(self, lines: Sequence[Line], of_step: Mapping[str, Any] | None = None) -> None:
+        """Write the lines of probes, after those of the step itself. Collective."""
+        s = self.simulation
+        named = [(time, step, {f"probes/{name}": line for name, line in values.items()})
+                 for time, step, values in lines]
+        self.store.append_all([(s.time, s.steps, of_step or {}), *named])
 
     def _pause(self, due: bool = False) -> None:
         """Save a checkpoint if it is due or requested, and stop if requested. Collective."""

@@ -122,11 +122,16 @@ class Store:
         Rank 0's values are written; the other ranks may pass None. From time to time this checks that the folder is
         still locked by this run, and raises StoreError if it is not.
         """
+        self.append_all([(time, step, values)])
+
+    def append_all(self, lines: Sequence[tuple[float, int, Mapping[str, Sequence[Any]] | None]]) -> None:
+        """Do what `append` does for several (time, step, values), which other ranks agree about with one message."""
         def add() -> None:
             if self.lock is not None:
                 self.lock.check()
-            for name, line in values.items():
-                self._series[name].append(time, step, line)
+            for time, step, values in lines:
+                for name, line in values.items():
+                    self._series[name].append(time, step, line)
         on_first(self.comm, f"write time series in {self.folder}", add)
 
     def snapshot(self, particles: Particles, time: float, step: int) -> None:

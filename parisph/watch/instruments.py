@@ -14,6 +14,7 @@ from parisph.base.fields import WET
 from parisph.case import probes
 from parisph.case.schema import Case
 from parisph.geometry.mesh import CONCAVE, CONVEX
+from parisph.kernels.energy import energy_sums
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
 from parisph.watch.body_force import force_on
@@ -88,12 +89,8 @@ class Energy(Sampler):
         volumes = [view.particles.volume]
         if self.probe.current:
             volumes.append(self._current_volumes(view))
-        return np.concatenate([self._sums(view.particles, volume) for volume in volumes])
-
-    def _sums(self, p, volume):
-        """Return kinetic and potential energy over density, and the volume, by `volume` (n_owned,) [m^dim]."""
-        total = volume.sum()
-        return 0.5 * (volume @ (p.u * p.u)).sum(), self.scene.gravity @ (total * self.scene.lower - volume @ p.x), total
+        p, s = view.particles, self.scene
+        return np.concatenate([energy_sums(volume, p.x, p.u, s.gravity, s.lower) for volume in volumes])
 
     def _current_volumes(self, view):
         p, d, s = view.particles, view.domain, self.scene
