@@ -37,11 +37,18 @@ def provenance(run: Run) -> str:
 
     Raises StoreError if the first one is damaged.
 
-    What the summary says too, and `describe` has told, is left out.
+    What the summary says too, and `describe` has told, is left out. PETSc's options are those of the start, and those
+    of the end where they are others: the solver changes them with the flow.
     """
-    told = {name: str((run.summary or {}).get(name)) for name in ("method", "ranks")}
-    return "\n".join(_plain(f"{name:<16}{value}" for name, value in sorted(run.about.items())
-                            if told.get(name) != str(value)))
+    summary = run.summary or {}
+    told = {name: str(summary.get(name)) for name in ("method", "ranks")}
+    lines = []
+    for name, value in sorted(run.about.items()):
+        if told.get(name) != str(value):
+            lines.append(f"{name:<16}{value}")
+        if name == "petsc_options" and summary.get(name, value) != value:
+            lines.append(f"{'  at the end':<16}{summary[name]}")
+    return "\n".join(_plain(lines))
 
 
 def _results(run):

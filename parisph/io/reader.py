@@ -35,6 +35,8 @@ class Run:
 
     def __init__(self, folder: AnyPath) -> None:
         self.folder = Path(folder)
+        if not self.folder.exists():
+            raise StoreError(f"there is no folder {folder}")
         if not (self.folder / "case.json").exists():
             raise StoreError(f"{folder} is not the folder of a run: it has no case.json")
         self.case = _case(self.folder / "case.json")

@@ -16,6 +16,7 @@ from parisph.__main__ import main
 from parisph.base import seal
 from parisph.geometry import build as geometry
 from parisph.io import info, reader
+from parisph.io.files import write_json
 from parisph.io.store import Store, provenance
 from parisph.parallel.particles import Particles
 from tests.launch import run
@@ -70,6 +71,14 @@ def test_info_says_how_it_went(folder, capsys):
             "error of gauge_at_the_left not judged: share fewer than two samples", "probe P2: pressure [Pa]"} <= words
     assert any(word.startswith("snapshots 5, t = 0.1 to 0.9 s") for word in words)
     assert any(word == "petsc_options -ksp_type gmres" for word in words)
+
+
+def test_info_says_which_options_of_petsc_a_run_ended_with(folder, capsys):
+    summary = json.loads((folder / "summary.json").read_text())
+    for end, said in (("-ksp_type gmres", 0), ("-ksp_type gmres -pc_type ilu", 1)):
+        write_json(folder / "summary.json", {**summary, "petsc_options": end})
+        assert main(["info", str(folder)]) == 0
+        assert [" ".join(line.split()) for line in lines_of(capsys)].count(f"at the end {end}") == said
 
 
 def test_info_says_method_and_ranks_once(folder, capsys):

@@ -168,6 +168,8 @@ def test_check_describes(case, driver, capsys):
 def test_info_of_what_is_no_run(tmp_path, capsys):
     assert entry.main(["info", str(tmp_path)]) == 5
     assert "is not the folder of a run" in capsys.readouterr().err
+    assert entry.main(["info", str(tmp_path / "nothing")]) == 5
+    assert f"there is no folder {tmp_path / 'nothing'}" in capsys.readouterr().err
 
 
 def test_every_verb_explains_itself(capsys):
