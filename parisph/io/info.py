@@ -37,8 +37,8 @@ def provenance(run: Run) -> str:
 
     Raises StoreError if the first one is damaged.
 
-    What the summary says too, and `describe` has told, is left out. PETSc's options are those of the start, and those
-    of the end where they are others: the solver changes them with the flow.
+    What the summary says too, and `describe` has told, is left out. Where the run ended with something else than it
+    began with, as a solver that changes with the flow does with PETSc's options, both are told.
     """
     summary = run.summary or {}
     told = {name: str(summary.get(name)) for name in ("method", "ranks")}
@@ -46,7 +46,7 @@ def provenance(run: Run) -> str:
     for name, value in sorted(run.about.items()):
         if told.get(name) != str(value):
             lines.append(f"{name:<16}{value}")
-        if name == "petsc_options" and summary.get(name, value) != value:
+        if str(summary.get(name, value)) != str(value):
             lines.append(f"{'  at the end':<16}{summary[name]}")
     return "\n".join(_plain(lines))
 

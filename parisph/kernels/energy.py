@@ -6,21 +6,6 @@ from parisph.kernels.jit import kernel
 
 
 @kernel
-def energy(volume: np.ndarray, x: np.ndarray, u: np.ndarray, gravity: np.ndarray, axes: tuple[int, ...]) -> float:
-    """Return the kinetic and potential energy of particles over their density [m^(dim+2)/s^2].
-
-    The potential is zero at x = 0. volume : (n,) [m^dim]; x, u : (n, dim) [m], [m/s]; gravity : (dim,) [m/s^2]
-    """
-    total = 0.0
-    for i in range(len(volume)):
-        own = 0.0
-        for a in range(len(axes)):
-            own += 0.5 * u[i, a] * u[i, a] - gravity[a] * x[i, a]
-        total += volume[i] * own
-    return total
-
-
-@kernel
 def energy_sums(volume: np.ndarray, x: np.ndarray, u: np.ndarray, gravity: np.ndarray, datum: np.ndarray) -> np.ndarray:
     """Return the sums of kinetic and of potential energy of particles over their density [m^(dim+2)/s^2], and of their
     volumes [m^dim]: (3,).

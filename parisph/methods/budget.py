@@ -3,8 +3,7 @@
 import numpy as np
 from mpi4py import MPI
 
-from parisph.kernels.energy import energy
-from parisph.kernels.jit import axes_of
+from parisph.kernels.energy import energy_sums
 from parisph.parallel.particles import Particles
 
 
@@ -54,7 +53,8 @@ class Budget:
 
     def _energy(self, p):
         """Return the energy of owned fluid [J, in 2D J/m]; walls have no volume."""
-        return self._density * energy(p.volume, p.x, p.u, self._gravity, axes_of(p.dim))
+        kinetic, potential, _ = energy_sums(p.volume, p.x, p.u, self._gravity, np.zeros(p.dim))
+        return self._density * (kinetic + potential)
 
 
 class NoBudget:

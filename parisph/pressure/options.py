@@ -48,8 +48,8 @@ SMALL = 6_000
 #     overlapping, with RCM    solve 6.7, regularise 6.0, in all 24.5 (9.0; 42 %)
 #     own rows, with RCM       solve 5.2, regularise 6.1, in all 23.2 (11.2; 36 %)
 #     own rows                 solve 4.5, regularise 5.9, in all 21.5 (12.8; 36 %)
-# Own rows that may grow by 1.3 take 21.0 where overlapping blocks take 23.6 (12.5; 38 %). On four
-# and eight ranks both take the same time, and overlap needs 8 iterations where own rows need 14 and 16.
+# Own rows that may grow by 1.3 take 21.0 where overlapping blocks take 23.6 (12.5; 38 %). On four and eight ranks both
+# take the same time, and overlap needs 8 iterations where own rows need 14 and 16.
 OVERLAPPING = 4
 
 # Krylov methods that support right preconditioning, with which the monitored residual is the true one.
@@ -93,7 +93,7 @@ _LIMITS = {
 def _incomplete(ranks, levels):
     """Return options of ILU(levels) on one rank, of ILU blocks on more (see SMALL and OVERLAPPING).
 
-    A user's own number of levels changes the fill alone: rows have the order of the factors that it replaces.
+    If a user sets another number of levels, the order of the rows stays that of these.
     """
     factor = {"pc_factor_levels": str(levels), "pc_factor_mat_ordering_type": "rcm"}
     if ranks == 1:

@@ -18,8 +18,8 @@ from parisph.pressure.system import System
 # A kept preconditioner that needs more than GROWTH x fresh + 2 iterations is rebuilt, for the next matrix and not for a
 # second solve with the present one, which is short. `fresh` is the number it needed at first, at least FRESH, because a
 # nearly exact start needs few. It is expected to last if those before have lasted for LASTING matrices in the mean.
-# Factors without fill are made in the time of a few iterations, on one rank of two (see options). With the growth that
-# they may have, 99 % of the solves of the dam break with H/s = 80 take at most 24 iterations on one rank; asked are 30.
+# Factors without fill are made in the time of a few iterations, on one rank in that of two (see options). There, 99 %
+# of the solves of the dam break with H/s = 80 take at most 24 iterations; asked are 30.
 GROWTH, GROWTH_WITHOUT_FILL, GROWTH_ON_ONE_RANK, FRESH, LASTING = 1.5, 1.3, 1.0, 4, 12
 
 # An attempt has failed if its true residual exceeds this many times the tolerance.
