@@ -102,7 +102,7 @@ def test_bad_usage_is_one_message_and_code_2(case, driver, capsys, words, says):
 def test_a_long_path_does_not_fill_the_screen(case, capsys):
     assert entry.main(["info", "y/" * 1900]) == 5
     shown = capsys.readouterr().err
-    assert shown.startswith("parisph: error: y/y/") and len(shown) < 420
+    assert shown.startswith("parisph: error: there is no folder y/y/") and len(shown) < 420
 
 
 def test_debug_shows_the_traceback(case, capsys):
