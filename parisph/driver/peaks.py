@@ -67,7 +67,9 @@ class Peaks:
         """Copy the flow if a probe has a new maximum. values : {probe: values} of this step. Collective."""
         s = self.simulation
         # all ranks write together or not at all: one of them says what the sums of all are, to the last bit
-        values = s.comm.bcast([found[sampler.name][0] for sampler in self.samplers]) if self.samplers else ()
+        values = [found[sampler.name][0] for sampler in self.samplers]
+        if values and s.comm.size > 1:
+            values = s.comm.bcast(values)
         computed = not self._computed
         for sampler, value in zip(self.samplers, values):
             counts = _counts(sampler.probe.truth, s.pressure_time if sampler.of_pressure else s.time)

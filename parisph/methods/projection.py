@@ -358,10 +358,13 @@ class Projection:
         The pulse of a particle that comes to a wall or to the surface acts in one step of any length. The velocity
         needs its whole impulse, but as a pressure it would grow without bound as dt -> 0.
         """
-        p, roles = self.flow.particles, (INNER, SURFACE) if self.flow.numerics.surface_offset > 0.0 else (INNER,)
-        for some, over in ((roles, time), ((WET,), at_walls)):
+        p = self.flow.particles
+        fluid = p.role == INNER
+        if self.flow.numerics.surface_offset > 0.0:
+            fluid |= p.role == SURFACE
+        for some, over in ((fluid, time), (p.role == WET, at_walls)):
             if dt < over:
-                np.copyto(p.p, earlier + dt / over * (p.p - earlier), where=np.isin(p.role, some))
+                np.copyto(p.p, earlier + dt / over * (p.p - earlier), where=some)
                 self.flow.stale.add("p")
 
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
