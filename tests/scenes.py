@@ -1,5 +1,7 @@
 """The scenes of cases/ for tests: loaded by name, run in this process or on several ranks."""
 
+from textwrap import indent
+
 import numpy as np
 
 from parisph.case.load import load
@@ -37,6 +39,27 @@ def on_ranks(n, body, folder, timeout=120):
     done = mpirun(n, [path], timeout=timeout, cwd=folder)
     assert done.returncode == 0, f"{n} ranks:\n{done.stdout}\n{done.stderr}"
     return done.stdout
+
+
+def on_one_and_more(body, folder, most=3, timeout=120):
+    """Run PROGRAM + body with a `comm` of one and of two ranks, and of three if that is the `most`, in one launch: to
+    start ranks takes longer than most bodies."""
+    comms = "everyone.Split(everyone.rank // 2)," + (" everyone" if most == 3 else "")
+    return on_ranks(3, f"everyone = comm\nfor comm in ({comms}):\n{indent(body, '    ')}", folder, timeout)
+
+
+def on_two_and_then(n, body, first, then, folder):
+    """Run PROGRAM + body, then `first` on two ranks and after it `then` on n, 1 or 3, in one launch."""
+    others = "everyone" if n == 3 else "everyone.Split(everyone.rank)"
+    return on_ranks(max(n, 2), f"""{body}
+everyone, comm = comm, comm.Split(comm.rank // 2)
+if everyone.rank < 2:
+{indent(first, "    ")}
+everyone.Barrier()
+comm = {others}
+if everyone.rank < {n}:
+{indent(then, "    ")}
+""", folder)
 
 
 def difference(a, b):

@@ -1,5 +1,6 @@
 """Profiles of the surface, measured or computed elsewhere, as the truth of an array of gauges."""
 
+import math
 from typing import Optional
 
 import numpy as np
@@ -106,6 +107,6 @@ def _numbers(truth: Profiles, line: int, cells: list[str]) -> list[float]:
         found = [float(cell) for cell in cells]
     except ValueError:
         found = [np.nan]
-    if not np.all(np.isfinite(found)):
+    if not all(map(math.isfinite, found)):
         raise CaseError(f"truth.file = {shown(truth.file)}, line {line}: time, place and height must be finite numbers")
     return found

@@ -209,7 +209,7 @@ def _numbers(truth: Truth, line: int, cells: Sequence[str]) -> list[float]:
         found = [float(cell) for cell in cells]
     except ValueError:
         found = [np.nan]
-    if not np.all(np.abs(found) <= LARGEST):
+    if not all(abs(number) <= LARGEST for number in found):    # nor is any nan
         raise CaseError(f"truth.file = {shown(truth.file)}: line {line} holds something that is not a finite "
                         f"number of at most {LARGEST:g} in {shown(truth.time)} or {shown(truth.value)}")
     return found

@@ -80,19 +80,27 @@ parts.SOURCES.register(Weaker())
 WORD = {"laplacian": "nearest", "gradient": "close", "surface_rule": "topmost", "source": "weaker"}
 
 
-@pytest.mark.parametrize("what", PARTS)
-def test_a_part_from_outside_runs_through_study(tmp_path, what):
-    assert len(PARTS[what].strip().splitlines()) <= 25
-    (tmp_path / "exact").symlink_to(ROOT / "cases" / "exact")
-    (tmp_path / "mine.py").write_text(HEAD + PARTS[what])
-    (tmp_path / "compare.py").write_text(f"""
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """The results of a study with none and with each of the parts, which are all registered in its case."""
+    folder = tmp_path_factory.mktemp("parts")
+    (folder / "exact").symlink_to(ROOT / "cases" / "exact")
+    (folder / "mine.py").write_text(HEAD + "".join(PARTS.values()))
+    (folder / "compare.py").write_text(f"""
 from parisph.study import Study, TruthError, Variant
 study = Study(case="mine.py", warm_up=False, errors=[TruthError("left")],
-              variants=[Variant(label="ours"), Variant(parameters={{"{what}": "{WORD[what]}"}}, label="mine")])
+              variants=[Variant(label="ours")]
+              + [Variant(parameters={{what: word}}, label=what) for what, word in {WORD!r}.items()])
 """)
-    done = parisph("study", "compare.py", "-o", "out", cwd=tmp_path, timeout=200)
+    done = parisph("study", "compare.py", "-o", "out", cwd=folder, timeout=200)
     assert done.returncode == 0, done.stderr
-    ours, mine = json.loads((tmp_path / "out" / "results.json").read_text())["runs"]
+    return dict(zip(["ours", *WORD], json.loads((folder / "out" / "results.json").read_text())["runs"], strict=True))
+
+
+@pytest.mark.parametrize("what", PARTS)
+def test_a_part_from_outside_runs_through_study(runs, what):
+    assert len(PARTS[what].strip().splitlines()) <= 25
+    ours, mine = runs["ours"], runs[what]
     assert ours["survived"] and mine["survived"] and mine["left"] < 0.6, (ours, mine)
     # small waves keep their surface: the rule finds the same particles
     assert (mine["left"] != ours["left"]) == (what != "surface_rule")

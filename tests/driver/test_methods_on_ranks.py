@@ -7,7 +7,7 @@ import pytest
 
 from parisph.case.methods import METHODS
 from tests.launch import ROOT, parisph
-from tests.scenes import difference, on_ranks
+from tests.scenes import difference, on_one_and_more, on_ranks
 
 STEPS = 10
 # symmetric gradients of disordered particles are not fit for walls: it is compared on a lattice
@@ -29,8 +29,7 @@ for name, sets in {SETS!r}.items():
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("methods")
-    for n in (1, 2, 3):
-        on_ranks(n, BODY, folder, timeout=300)
+    on_one_and_more(BODY, folder, timeout=300)
     return {(name, n): np.load(folder / f"{name}-{n}.npz") for name in METHODS for n in (1, 2, 3)}
 
 

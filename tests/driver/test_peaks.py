@@ -12,13 +12,13 @@ from parisph import Peaks as PeaksOf
 from parisph.__main__ import main
 from parisph.base.fields import FIELDS
 from parisph.case.schema import Output
-from parisph.driver import restart, run
+from parisph.driver import run
 from parisph.driver.peaks import Peaks
 from parisph.io import reader
 from parisph.io.store import Store
 from parisph.parallel.particles import Particles
 from tests import watched
-from tests.scenes import difference, on_ranks, scene
+from tests.scenes import difference, on_two_and_then, scene
 
 UNIT = (1.0 / 9.81) ** 0.5
 TAP = PressureTap("tap", at=(0.0, 0.1), peak=True)
@@ -223,10 +223,12 @@ def test_it_is_of_all_steps_for_a_probe_with_few_samples(whole, tmp_path):
 @pytest.mark.parametrize("stop", [1.2, 1.9])
 def test_a_restart_on_other_ranks_before_or_after_it_ends_with_the_same(whole, tmp_path, stop):
     assert (1.2 < whole.peak("P2")["time"] / UNIT < 1.9)
-    body = "from parisph import driver\nfrom tests.driver.test_peaks import impact\n"
-    on_ranks(2, body + f"driver.run(impact({stop}), comm, 'run', progress=False)", tmp_path)
-    restart(tmp_path / "run", MPI.COMM_SELF, until=2.0 * UNIT, out=tmp_path / "elsewhere", progress=False)
-    on_ranks(3, body + f"driver.restart('run', comm, until={2.0 * UNIT!r}, progress=False)", tmp_path)
+    on_two_and_then(3, "from parisph import driver\nfrom tests.driver.test_peaks import impact",
+                    f"driver.run(impact({stop}), comm, 'run', progress=False)",
+                    f"if comm.rank == 2:\n"
+                    f"    driver.restart('run', MPI.COMM_SELF, until={2.0 * UNIT!r}, out='elsewhere', progress=False)\n"
+                    f"comm.Barrier()\n"
+                    f"driver.restart('run', comm, until={2.0 * UNIT!r}, progress=False)", tmp_path)
     due = whole.peak("P2")
     for folder in ("run", "elsewhere"):
         found = reader.open_run(tmp_path / folder).peak("P2")

@@ -11,7 +11,7 @@ from mpi4py import MPI
 from parisph import Box, Case, Fluid, Force, Numerics, Output, PressureTap, ProbeArray, SurfaceGauge, Tank
 from parisph.driver import restart, run
 from parisph.io import reader
-from tests.scenes import on_ranks
+from tests.scenes import on_two_and_then
 
 SPACING, DEPTH, START, RATE = 0.1, 1.0, 5.0, 40.0     # m, m, m/s^2, m/s^3
 TAP = PressureTap("tap", at=(0.0, 0.2))
@@ -77,9 +77,9 @@ def case(end):
 def test_a_restart_goes_on_from_the_times_before(tmp_path, output):
     """The first part ends with samples after its last pressure, which the second one knows better."""
     body = RESTARTED.format(output)
-    on_ranks(2, body + 'driver.run(case(0.06), comm, "whole", progress=False)\n'
-                       'driver.run(case(0.031), comm, "part", progress=False)\n', tmp_path)
-    on_ranks(1, body + 'driver.restart("part", comm, until=0.06, progress=False)\n', tmp_path)
+    on_two_and_then(1, body, 'driver.run(case(0.06), comm, "whole", progress=False)\n'
+                             'driver.run(case(0.031), comm, "part", progress=False)\n',
+                    'driver.restart("part", comm, until=0.06, progress=False)', tmp_path)
     part, whole = (reader.open_run(tmp_path / name) for name in ("part", "whole"))
     for probe in ("tap", "load", "mixed"):
         a, b = part.probe(probe), whole.probe(probe)

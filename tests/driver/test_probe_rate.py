@@ -9,7 +9,7 @@ from parisph.driver import run
 from parisph.driver.probing import Watch, _between
 from parisph.io import reader, series
 from tests.driver.test_restart import BODY
-from tests.scenes import on_ranks, scene
+from tests.scenes import on_two_and_then, scene
 
 UNIT = (1.0 / 9.81) ** 0.5
 SEVERAL = ProbeArray("several", [RunUp("up", side="left"), Force("load"), VelocityPoint("u", at=(0.2, 0.2))])
@@ -85,9 +85,9 @@ RATE = BODY.replace('"output.probe_every": 3', '"output.probe_interval": 0.0007'
 
 def test_nothing_is_missed_or_repeated_over_a_restart_on_other_ranks(tmp_path):
     """Fixed steps of 5 ms, of which none ends where a sample is due: the run stops between two of these."""
-    on_ranks(2, RATE + 'driver.run(fall(0.6), comm, "whole", progress=False)\n'
-                       'driver.run(fall(0.31), comm, "part", progress=False)\n', tmp_path)
-    on_ranks(3, RATE + 'driver.restart("part", comm, until=0.6 * (1.0 / 9.81) ** 0.5, progress=False)\n', tmp_path)
+    on_two_and_then(3, RATE, 'driver.run(fall(0.6), comm, "whole", progress=False)\n'
+                             'driver.run(fall(0.31), comm, "part", progress=False)\n',
+                    'driver.restart("part", comm, until=0.6 * (1.0 / 9.81) ** 0.5, progress=False)', tmp_path)
     part, whole = (reader.open_run(tmp_path / name) for name in ("part", "whole"))
     for probe in whole.case["probes"]:
         name, every = probe["name"], probe["every"]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.scenes import difference, on_ranks
+from tests.scenes import difference, on_one_and_more, on_ranks
 
 # 20 steps each; the solver's tolerance is as tight as rounding allows, so that nothing else differs.
 TIGHT = {"rtol": 1e-13}
@@ -35,8 +35,7 @@ for name, sets in {SCENES!r}.items():
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("ranks")
-    for n in (1, 2, 3):
-        on_ranks(n, BODY, folder)
+    on_one_and_more(BODY, folder)
     return {(name, n): np.load(folder / f"{name}-{n}.npz") for name in SCENES for n in (1, 2, 3)}
 
 

@@ -25,7 +25,7 @@ from parisph.base.fields import FLUID
 from parisph.driver import Simulation, astray
 from parisph.geometry.rims import faces_of, rim_of
 from parisph.io import reader
-from tests.scenes import difference, on_ranks
+from tests.scenes import difference, on_one_and_more, on_two_and_then
 
 
 def pouring(end_time=0.2, **output):
@@ -116,20 +116,13 @@ if comm.rank == 0:
 s.destroy()
 """
 FIRST = """
-from parisph import driver
-from tests.driver.test_rim import pouring
 driver.run(pouring(), comm, "whole", progress=False)
 driver.run(pouring(0.1), comm, "part", progress=False)
-"""
-THEN = """
-from parisph import driver
-driver.restart("part", comm, until=0.2, progress=False)
 """
 
 
 def test_ranks_agree(tmp_path):
-    for n in (1, 2, 3):
-        on_ranks(n, RANKS, tmp_path)
+    on_one_and_more(RANKS, tmp_path)
     one = np.load(tmp_path / "1.npz")
     assert one["left"][0] > 0
     for n in (2, 3):
@@ -141,8 +134,8 @@ def test_ranks_agree(tmp_path):
 
 
 def test_a_restart_goes_on_counting(tmp_path):
-    on_ranks(2, FIRST, tmp_path)
-    on_ranks(1, THEN, tmp_path)
+    on_two_and_then(1, "from parisph import driver\nfrom tests.driver.test_rim import pouring", FIRST,
+                    'driver.restart("part", comm, until=0.2, progress=False)', tmp_path)
     whole, part = (reader.open_run(tmp_path / name) for name in ("whole", "part"))
     np.testing.assert_array_equal(part.steps["left"], whole.steps["left"])
     a, b = whole.summary, part.summary

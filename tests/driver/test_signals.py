@@ -69,8 +69,7 @@ signals.PATIENCE, last_resort.PATIENCE = 2.0, 3.0
 """
 
 
-@pytest.mark.parametrize("gap", [0.02, 0.5])
-@pytest.mark.parametrize("where", ["loading", "warm-up", "step"])
+@pytest.mark.parametrize(("where", "gap"), [("loading", 0.02), ("loading", 0.5), ("warm-up", 0.5), ("step", 0.02)])
 def test_rank_that_waits_for_another_is_ended(tmp_path, where, gap):
     """The first one waits for the case file, the compiler or something else, and the last one for the first."""
     case = SLOW_CASE if where == "loading" else FALLING

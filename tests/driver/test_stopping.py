@@ -42,14 +42,14 @@ def undisturbed(tmp_path_factory):
     return folder / "run"
 
 
-@pytest.mark.parametrize("trial", range(3))
+@pytest.mark.parametrize("trial", [0, 2])    # on one rank and on three
 def test_kill_9_and_restart(tmp_path, undisturbed, trial):
     """A checkpoint is written in every step, so some of these kills come in the middle of one."""
     random = np.random.default_rng(trial)
     with running(tmp_path, ranks=2) as run:
         run.until_checkpoints(random.integers(1, 25))
         time.sleep(random.uniform(0.0, 0.03))
-        os.kill(run.ranks()[trial % 2], signal.SIGKILL)
+        os.kill(run.ranks()[trial // 2], signal.SIGKILL)
         assert run.wait() != 0
     assert not (tmp_path / "run" / "summary.json").exists()
     summary = restarted(tmp_path, ranks=1 + trial % 3)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.scenes import difference, on_ranks
+from tests.scenes import difference, on_one_and_more
 
 BODY = """
 from parisph import Box, Case, Fluid, Numerics, Polygon, Sway, Tank
@@ -21,6 +21,8 @@ cases = {
        for rule in ("auxiliary", "density", "divergence")},
 }
 for name, (case, steps) in cases.items():
+    if comm.size == 3 and "surface_rule" in case.numerics.model_fields_set:    # two ranks show it, in half the time
+        continue
     s = Simulation(case, comm)
     isolated = s.solve_start()
     if name == "kept surface":      # one is thrown into the air, and comes down again
@@ -35,19 +37,19 @@ for name, (case, steps) in cases.items():
         np.savez(f"{name}-{comm.size}.npz", isolated=isolated, roles=[role["role"] for role in roles], **found)
     s.destroy()
 """
-NAMES = ("below the lid", "without a surface", "kept surface", "auxiliary", "density", "divergence")
+RULES = ("auxiliary", "density", "divergence")
+NAMES = ("below the lid", "without a surface", "kept surface")
+RUNS = [(name, ranks) for name in NAMES for ranks in (1, 2, 3)] + [(name, ranks) for name in RULES for ranks in (1, 2)]
 
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("surface")
-    for n in (1, 2, 3):
-        on_ranks(n, BODY, folder)
-    return {(name, n): np.load(folder / f"{name}-{n}.npz") for name in NAMES for n in (1, 2, 3)}
+    on_one_and_more(BODY, folder)
+    return {(name, n): np.load(folder / f"{name}-{n}.npz") for name, n in RUNS}
 
 
-@pytest.mark.parametrize("ranks", [2, 3])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(("name", "ranks"), [run for run in RUNS if run[1] > 1])
 def test_ranks_agree(results, name, ranks):
     one, more = results[name, 1], results[name, ranks]
     np.testing.assert_array_equal(more["roles"], one["roles"])
@@ -57,7 +59,7 @@ def test_ranks_agree(results, name, ranks):
 
 
 def test_something_happened(results):
-    for name in NAMES[3:]:
+    for name in RULES:
         roles = results[name, 1]["roles"]
         assert (roles[0] != roles[-1]).sum() > 10
     lid = results["below the lid", 1]["roles"]

@@ -24,7 +24,7 @@ from parisph.case.motion.rigid import rotated
 from parisph.case.waves import angular_frequency
 from parisph.driver import Simulation, restart, run
 from parisph.io import reader
-from tests.scenes import difference, on_ranks
+from tests.scenes import difference, on_one_and_more
 
 G = 9.81
 CELL = ("sin(pi*x)*cos(pi*y)", "-cos(pi*x)*sin(pi*y)")
@@ -240,8 +240,7 @@ s.destroy()
 
 
 def test_ranks_agree(tmp_path):
-    for ranks in (1, 2):
-        on_ranks(ranks, VIOLENT, tmp_path)
+    on_one_and_more(VIOLENT, tmp_path, most=2)
     one, two = (np.load(tmp_path / f"roll-{ranks}.npz") for ranks in (1, 2))
     assert np.array_equal(one["role"], two["role"]) and np.abs(one["u"]).max() > 0.3
     for name in ("x", "u", "p", "acceleration"):

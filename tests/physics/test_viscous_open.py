@@ -7,7 +7,7 @@ from mpi4py import MPI
 from parisph import Box, Case, CaseError, Fluid, Lid, Numerics, Simulation, SurfaceGauge, Tank
 from parisph.base.fields import FLUID, WALL
 from tests import viscous_flows as flows
-from tests.scenes import difference, on_ranks, scene
+from tests.scenes import difference, on_one_and_more, scene
 
 DEPTH, WIDTH = 0.5, 2.0
 G, K = 9.81, np.pi / WIDTH
@@ -144,8 +144,7 @@ for form in ("viscous", "viscous_morris"):
 
 def test_ranks_agree_about_the_walls_that_water_touches(tmp_path):
     """A wave whose crest is at the lid, and which leaves it."""
-    for n in (1, 2):
-        on_ranks(n, RANKS, tmp_path, timeout=300)
+    on_one_and_more(RANKS, tmp_path, most=2, timeout=300)
     for form in ("viscous", "viscous_morris"):
         one, two = (np.load(tmp_path / f"{form}-{n}.npz") for n in (1, 2))
         np.testing.assert_array_equal(two["role"], one["role"])

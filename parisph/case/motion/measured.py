@@ -152,7 +152,7 @@ def _numbers(file: str, line: int, cells: Sequence[str]) -> list[float]:
         found = [float(cell) for cell in cells]
     except ValueError:
         found = [np.nan]
-    if not np.all(np.abs(found) <= LARGEST):
+    if not all(abs(number) <= LARGEST for number in found):    # nor is any nan
         raise ValueError(
             f"file = {shown(file)}: line {line} holds something that is not a finite number of at most {LARGEST:g}"
         )
