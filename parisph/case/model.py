@@ -24,7 +24,8 @@ class Model(BaseModel):
     CaseError : one line for each problem, with field, value, limit and remedy.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True,
+                              defer_build=True)    # a start uses few of all records
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         names = _positional(type(self))
