@@ -39,7 +39,9 @@ PREFIX = "pressure_"
 #     the same, 1.0                         4.30 4.44 (6423; 127)
 #     the same, 0.8                         4.48 4.02 (6045; 160)
 # On two ranks, whose factors are in this order as well, growths of 1.3, 1.0 and 0.8 take the same time.
-SMALL = 6_000
+# These rows have 18 entries. Where they have 32, as those of ISPH, an iteration costs more: a step takes the same time
+# with RCM and in the curve's order, 35.5 and 36.0 ms, and RCM needs fewer iterations (15; 18).
+SMALL, LONG = 6_000, 25    # unknowns; entries of a row from which on RCM pays
 
 # Ranks from which on the blocks of factors without fill overlap. On fewer they are made of each rank's own rows, in
 # their order along the Hilbert curve: overlapping blocks cost more to make and apply than their fewer iterations save.
@@ -90,14 +92,14 @@ _LIMITS = {
 }
 
 
-def _incomplete(ranks, levels):
-    """Return options of ILU(levels) on one rank, of ILU blocks on more (see SMALL and OVERLAPPING).
+def _incomplete(ranks, levels, long=False):
+    """Return options of ILU(levels) on one rank, of ILU blocks on more (see SMALL, LONG and OVERLAPPING).
 
     If a user sets another number of levels, the order of the rows stays that of these.
     """
     factor = {"pc_factor_levels": str(levels), "pc_factor_mat_ordering_type": "rcm"}
     if ranks == 1:
-        return {"pc_type": "ilu", **(factor if levels else {"pc_factor_levels": "0"})}
+        return {"pc_type": "ilu", **(factor if levels or long else {"pc_factor_levels": "0"})}
     if levels == 0 and ranks < OVERLAPPING:
         return {"pc_type": "bjacobi", "sub_pc_type": "ilu", "sub_pc_factor_levels": "0"}
     return {"pc_type": "asm", "pc_asm_overlap": "2", "sub_pc_type": "ilu",
@@ -125,7 +127,8 @@ def primary(rtol: float, closed: bool, ranks: int, unknowns: int, entries: int,
         kind = "incomplete" if unknowns <= SMALL else "hypre" if PETSc.Sys.hasExternalPackage("hypre") else "gamg"
     if kind == "incomplete":
         # Long rows produce more fill: with 37 entries per row, each level doubles the set-up time.
-        preconditioner = _incomplete(ranks, (1 + int(entries < 32 * unknowns)) * int(lasting))
+        preconditioner = _incomplete(ranks, (1 + int(entries < 32 * unknowns)) * int(lasting),
+                                     long=entries > LONG * unknowns)
     elif kind == "hypre":
         preconditioner = dict(_BOOMERAMG, **(_BOOMERAMG_CLOSED if closed else {}))
     else:

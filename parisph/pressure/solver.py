@@ -18,9 +18,9 @@ from parisph.pressure.system import System
 # A kept preconditioner that needs more than GROWTH x fresh + 2 iterations is rebuilt, for the next matrix and not for a
 # second solve with the present one, which is short. `fresh` is the number it needed at first, at least FRESH, because a
 # nearly exact start needs few. It is expected to last if those before have lasted for LASTING matrices in the mean.
-# Factors without fill are made in the time of a few iterations, on one rank in that of two (see options). There, 99 %
-# of the solves of the dam break with H/s = 80 take at most 24 iterations; asked are 30.
-GROWTH, GROWTH_WITHOUT_FILL, GROWTH_ON_ONE_RANK, FRESH, LASTING = 1.5, 1.3, 1.0, 4, 12
+# Factors without fill are made in the time of a few iterations, on one rank, if rows keep their order, in that of two
+# (see options). There, 99 % of the solves of the dam break with H/s = 80 take at most 24 iterations; asked are 30.
+GROWTH, GROWTH_WITHOUT_FILL, GROWTH_IN_ORDER, FRESH, LASTING = 1.5, 1.3, 1.0, 4, 12
 
 # An attempt has failed if its true residual exceeds this many times the tolerance.
 SLACK = 10.0
@@ -242,7 +242,8 @@ class PressureSolver:
         lasting = self._matrices is None or self._matrices >= LASTING * (self.setups - self._setups)
         self._chosen = opts.primary(self._wanted, self._closed, self._comm.size, unknowns, entries, lasting)
         without_fill = "0" in (self._chosen.get("pc_factor_levels"), self._chosen.get("sub_pc_factor_levels"))
-        without = GROWTH_ON_ONE_RANK if self._comm.size == 1 else GROWTH_WITHOUT_FILL
+        in_order = self._comm.size == 1 and "pc_factor_mat_ordering_type" not in self._chosen
+        without = GROWTH_IN_ORDER if in_order else GROWTH_WITHOUT_FILL
         self._growth = without if without_fill else GROWTH
         ksp = opts.configured(self._comm, opts.PREFIX, self._chosen)
         if self._ksp is not None:
