@@ -1,5 +1,6 @@
 """The table at the end of a run, and the text of `parisph info`. Not collective."""
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -42,12 +43,14 @@ def provenance(run: Run) -> str:
     """
     summary = run.summary or {}
     told = {name: str(summary.get(name)) for name in ("method", "ranks")}
+    # attributes of files hold tables as JSON
+    end = {name: json.dumps(value) if isinstance(value, dict) else str(value) for name, value in summary.items()}
     lines = []
     for name, value in sorted(run.about.items()):
         if told.get(name) != str(value):
             lines.append(f"{name:<16}{value}")
-        if str(summary.get(name, value)) != str(value):
-            lines.append(f"{'  at the end':<16}{summary[name]}")
+        if end.get(name, str(value)) != str(value):
+            lines.append(f"{'  at the end':<16}{end[name]}")
     return "\n".join(_plain(lines))
 
 

@@ -75,10 +75,14 @@ def test_info_says_how_it_went(folder, capsys):
 
 def test_info_says_which_options_of_petsc_a_run_ended_with(folder, capsys):
     summary = json.loads((folder / "summary.json").read_text())
+    summary["versions"] = json.loads(reader.open_run(folder).about["versions"])
     for end, said in (("-ksp_type gmres", 0), ("-ksp_type gmres -pc_type ilu", 1)):
         write_json(folder / "summary.json", {**summary, "petsc_options": end})
         assert main(["info", str(folder)]) == 0
-        assert [" ".join(line.split()) for line in lines_of(capsys)].count(f"at the end {end}") == said
+        found = [" ".join(line.split()) for line in lines_of(capsys)]
+        assert found.count(f"at the end {end}") == said
+        # the summary of this folder is of two ranks, its snapshots of one; versions are the same
+        assert [line for line in found if line.startswith("at the end") and "-ksp" not in line] == ["at the end 2"]
 
 
 def test_info_says_method_and_ranks_once(folder, capsys):
