@@ -8,17 +8,18 @@ is 0 for uniform gravity, but not for the forces in a frame that turns.
 
 import numpy as np
 
-from parisph.base.fields import SURFACE, WET
+from parisph.base.fields import WET
 from parisph.kernels import harmonic
 from parisph.kernels.jit import inlined, kernel
 
 
 @kernel
-def laplacian_at_walls(out: np.ndarray, density: float, u: np.ndarray, force: np.ndarray, x: np.ndarray,
-                       role: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
-                       axes: tuple[int, ...]) -> None:
-    """Write the Laplacian of the pressure at wet wall particles to out (n_owned,) [Pa/m^2]; 0 elsewhere, and where
-    neighbours do not suffice for the harmonic fit.
+def laplacian_of_pressure(out: np.ndarray, wanted: np.ndarray, density: float, u: np.ndarray, force: np.ndarray,
+                          x: np.ndarray, role: np.ndarray, radius: float, most: float, indptr: np.ndarray,
+                          indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Write the Laplacian of the pressure at the particles `wanted` (n_owned,) bool to out (n_owned,) [Pa/m^2].
+
+    It is 0 elsewhere, and where neighbours do not suffice for the harmonic fit. most : as of harmonic.coefficients
 
     density [kg/m^3]; u : (n_all, dim) [m/s], walls with the velocity of `gradient.wall_velocity`
     force : (n_all, dim) [m/s^2]
@@ -27,7 +28,7 @@ def laplacian_at_walls(out: np.ndarray, density: float, u: np.ndarray, force: np
     g = np.empty((len(axes), len(axes)))
     for i in range(len(indptr) - 1):
         out[i] = 0.0
-        if role[i] == WET and harmonic.coefficients(c, i, x, role, radius, np.inf, work, b, indptr, indices, axes):
+        if wanted[i] and harmonic.coefficients(c, i, x, role, radius, most, work, b, indptr, indices, axes):
             out[i] = density * _divergence(g, c, i, u, force, indptr, indices, axes)
 
 
@@ -48,30 +49,6 @@ def add_at_walls(right: np.ndarray, laplacian: np.ndarray, count: np.ndarray, co
         for k in range(indptr[i], indptr[i] + count[i]):
             total += values[k] * _square_distance(i, columns[k], x, axes)
         right[i] -= laplacian[i] * total / (2.0 * dim)
-
-
-@kernel
-def add_at_surface(out: np.ndarray, density: float, u: np.ndarray, force: np.ndarray, x: np.ndarray, role: np.ndarray,
-                   radius: float, most: float, indptr: np.ndarray, indices: np.ndarray,
-                   axes: tuple[int, ...]) -> None:
-    """Correct the harmonic gradient of the pressure at surface particles by what is not harmonic in it.
-
-    out : (n_owned, dim) [Pa/m] of `gradient.harmonic_gradient` with the same radius; most : as there
-    density [kg/m^3]; u, force : as of `laplacian_at_walls`
-    """
-    dim = len(axes)
-    c, work, b = harmonic.scratch(indptr, axes)
-    g = np.empty((dim, dim))
-    for i in range(len(indptr) - 1):
-        if role[i] != SURFACE:
-            continue
-        if not harmonic.coefficients(c, i, x, role, radius, most, work, b, indptr, indices, axes):
-            continue
-        laplacian = density * _divergence(g, c, i, u, force, indptr, indices, axes)
-        for k in range(indptr[i], indptr[i + 1]):
-            r2 = _square_distance(i, indices[k], x, axes)
-            for a in range(dim):
-                out[i, a] -= c[k - indptr[i], a] * laplacian * r2 / (2.0 * dim)
 
 
 @inlined

@@ -15,6 +15,9 @@ from parisph.kernels.smoothing import cubic_spline_slope
 from parisph.kernels.solids import element_normal, nearest_point
 
 TOO_FEW = -1.0      # the quality of a moment of fewer than dim + 1 neighbours
+# What damps the slopes of the velocity at walls, in squares of the radius. Along the wall it only matters where a few
+# neighbours lie on one side.
+ACROSS, ALONG = 0.1, 0.01
 SOFTENING = 0.25    # of the moment's mean, times what its quality lacks
 
 
@@ -252,7 +255,7 @@ def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.nda
     """Velocity of wall particles: normal part from the wall, tangential part from the fluid.
 
     The tangential part is the value at the wall of a linear fit through the fluid within the
-    radius. The slope is damped by adding radius^2/10 to the variance of the distances, because a
+    radius. The slope across the wall is damped by adding ACROSS radius^2 to the variance of the distances, because a
     plain linear fit through one or two layers of particles amplifies their disorder; what is known of
     the slope, the shear of irrotational flow beside a wall that turns, is not damped. Corners move
     with the wall.
@@ -262,6 +265,7 @@ def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.nda
     """
     dim = len(axes)
     radius2 = radius * radius
+    m, inverse, mean = np.empty((dim, dim)), np.empty((dim, dim)), np.empty(dim)
     for i in range(len(indptr) - 1):
         if kind[i] != WALL:
             continue
@@ -269,32 +273,45 @@ def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.nda
             u[i, a] = wall_u[i, a]
         if corner[i] or outside(role[i]):
             continue
-        _extrapolate(u, i, x, kind, normal, wall_u, shear, radius2, indptr, indices, axes)
+        _extrapolate(u, i, x, kind, normal, wall_u, shear, m, inverse, mean, radius2, indptr, indices, axes)
 
 
 @subkernel
-def _extrapolate(u, i, x, kind, normal, wall_u, shear, radius2, indptr, indices, axes):
-    """Fit u against the distance from the wall, and set the tangential value at the wall."""
+def _extrapolate(u, i, x, kind, normal, wall_u, shear, m, inverse, mean, radius2, indptr, indices, axes):
+    """Fit u linearly, and set the tangential value at the wall. m, inverse : (dim, dim), mean : (dim,) scratch"""
     dim = len(axes)
-    s0, s1, s2 = 0.0, 0.0, 0.0
+    total = 0.0
+    mean[:] = 0.0
+    m[:, :] = 0.0
     for k in range(indptr[i], indptr[i + 1]):
         j = indices[k]
         if kind[j] == WALL:
             continue
         w, _ = pair_weight(i, j, x, radius2, 0, axes)
-        y = _height(i, j, x, normal, axes)
-        s0, s1, s2 = s0 + w, s1 + w * y, s2 + w * y * y
-    if s0 == 0.0:
+        total += w
+        for a in range(dim):
+            mean[a] += w * (x[j, a] - x[i, a])
+            for c in range(dim):
+                m[a, c] += w * (x[j, a] - x[i, a]) * (x[j, c] - x[i, c])
+    if total == 0.0:
         return
-    variance = s2 / s0 - (s1 / s0) ** 2 + 0.1 * radius2
+    for a in range(dim):
+        mean[a] /= total
+    for a in range(dim):
+        for c in range(dim):
+            m[a, c] = m[a, c] / total - mean[a] * mean[c] + (ACROSS - ALONG) * radius2 * normal[i, a] * normal[i, c]
+        m[a, a] += ALONG * radius2
+    invert(m, inverse, axes)
     for k in range(indptr[i], indptr[i + 1]):
         j = indices[k]
         if kind[j] == WALL:
             continue
         w, _ = pair_weight(i, j, x, radius2, 0, axes)
-        mean = s1 / s0
-        y = _height(i, j, x, normal, axes)
-        share = w / s0 * (1.0 - mean * (y - mean) / variance)
+        y, share = _height(i, j, x, normal, axes), 1.0
+        for a in range(dim):
+            for c in range(dim):
+                share -= mean[a] * inverse[a, c] * (x[j, c] - x[i, c] - mean[c])
+        share *= w / total
         slip = 0.0
         for a in range(dim):
             slip += (u[j, a] - wall_u[i, a]) * normal[i, a]

@@ -2,13 +2,14 @@
 
 Where lap f = 0 the quadratic terms of f are harmonic, so that a fit by (X, Y, X^2 - Y^2, XY) is of
 second order. It needs far fewer neighbours than a full quadratic fit, which suits the one-sided
-stencils at walls and at the surface.
+stencils at walls and at the surface. The two harmonic terms of degree 3 (seven in 3D) make it of third order.
 """
 
 import numpy as np
 
-from parisph.kernels.jit import subkernel
-from parisph.kernels.moments import cholesky, cholesky_solve
+from parisph.kernels.jit import inlined, subkernel
+from parisph.kernels.moments import cholesky, cholesky_solve, normal_matrix
+from parisph.kernels.near import LANES
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
 
@@ -34,6 +35,99 @@ def fill_basis(b: np.ndarray, i: int, j: int, x: np.ndarray, radius: float, axes
         for c in range(a):
             b[n] = b[a] * b[c]
             n += 1
+
+
+@subkernel
+def terms(degree: int, axes: tuple[int, ...]) -> int:
+    """Return the number of harmonic polynomials of degree 1 to `degree`, which is 1, 2 or 3: at most 6 in 2D, 15 in 3D."""
+    dim = len(axes)
+    if degree == 1:
+        return dim
+    return basis_size(axes) + (0 if degree == 2 else 2 if dim == 2 else 7)
+
+
+@inlined
+def fill_values(b: np.ndarray, k: int, d: np.ndarray, degree: int, axes: tuple[int, ...]) -> None:
+    """Write the harmonic polynomials up to a degree at the place d (dim,) to column k."""
+    x, y = d[0], d[1]
+    b[0, k], b[1, k] = x, y
+    if len(axes) == 2:
+        if degree > 1:
+            b[2, k], b[3, k] = x * x - y * y, x * y
+        if degree > 2:
+            b[4, k], b[5, k] = x * (x * x - 3.0 * y * y), y * (3.0 * x * x - y * y)
+    else:
+        z = d[2]
+        b[2, k] = z
+        if degree > 1:
+            b[3, k], b[4, k], b[5, k], b[6, k], b[7, k] = x * x - y * y, y * y - z * z, x * y, x * z, y * z
+        if degree > 2:
+            b[8, k], b[9, k], b[10, k] = x * y * z, x * (y * y - z * z), y * (z * z - x * x)
+            b[11, k] = z * (x * x - y * y)
+            b[12, k] = x * (2.0 * x * x - 3.0 * y * y - 3.0 * z * z)
+            b[13, k] = y * (2.0 * y * y - 3.0 * z * z - 3.0 * x * x)
+            b[14, k] = z * (2.0 * z * z - 3.0 * x * x - 3.0 * y * y)
+
+
+@inlined
+def fill_slopes(b: np.ndarray, k: int, d: np.ndarray, n: np.ndarray, degree: int, axes: tuple[int, ...]) -> None:
+    """Write the derivatives of these polynomials in the direction n (dim,) at the place d (dim,) to column k."""
+    x, y, p, q = d[0], d[1], n[0], n[1]
+    b[0, k], b[1, k] = p, q
+    if len(axes) == 2:
+        if degree > 1:
+            b[2, k], b[3, k] = 2.0 * (x * p - y * q), y * p + x * q
+        if degree > 2:
+            b[4, k] = 3.0 * (x * x - y * y) * p - 6.0 * x * y * q
+            b[5, k] = 6.0 * x * y * p + 3.0 * (x * x - y * y) * q
+    else:
+        z, r = d[2], n[2]
+        b[2, k] = r
+        if degree > 1:
+            b[3, k], b[4, k] = 2.0 * (x * p - y * q), 2.0 * (y * q - z * r)
+            b[5, k], b[6, k], b[7, k] = y * p + x * q, z * p + x * r, z * q + y * r
+        if degree > 2:
+            b[8, k] = y * z * p + x * z * q + x * y * r
+            b[9, k] = (y * y - z * z) * p + 2.0 * x * (y * q - z * r)
+            b[10, k] = (z * z - x * x) * q + 2.0 * y * (z * r - x * p)
+            b[11, k] = (x * x - y * y) * r + 2.0 * z * (x * p - y * q)
+            b[12, k] = (6.0 * x * x - 3.0 * y * y - 3.0 * z * z) * p - 6.0 * x * (y * q + z * r)
+            b[13, k] = (6.0 * y * y - 3.0 * z * z - 3.0 * x * x) * q - 6.0 * y * (z * r + x * p)
+            b[14, k] = (6.0 * z * z - 3.0 * x * x - 3.0 * y * y) * r - 6.0 * z * (x * p + y * q)
+
+
+@inlined
+def fit(right: np.ndarray, work: np.ndarray, moment: np.ndarray, scratch: np.ndarray, b: np.ndarray, w: np.ndarray,
+        m: int, n: int, most: float, axes: tuple[int, ...]) -> bool:
+    """Write the coefficients of n polynomials to right (n,), from the m data in the columns of b, the last row of which
+    holds their values; return whether the fit is sound.
+
+    It is not where the data do not determine the coefficients, or the terms above the first degree raise the variance
+    of the slope to more than `most` times that of a linear fit. b is padded to whole LANES.
+
+    w : (1, columns) weights; work : (n, n + 3), moment : (dim, dim), scratch : (n,)
+    """
+    dim, last = len(axes), len(b) - 1
+    columns = (m + LANES - 1) // LANES * LANES
+    for k in range(m, columns):
+        w[0, k], b[last, k] = 0.0, 0.0
+        for r in range(n):
+            b[r, k] = 0.0
+    normal_matrix(work, b, w, n, columns)
+    for r in range(n):
+        total = 0.0
+        for k in range(columns):
+            total += w[0, k] * b[r, k] * b[last, k]
+        right[r] = total
+    for a in range(dim):
+        for c in range(a + 1):
+            moment[a, c] = moment[c, a] = work[a, c]
+    if not cholesky(work, n):
+        return False
+    if most < np.inf and inflation(moment, work, scratch, n, axes) > most:
+        return False
+    cholesky_solve(work, right, n)
+    return True
 
 
 @subkernel
@@ -69,7 +163,7 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
             out[a, c] = out[c, a] = work[a, c]
     if not cholesky(work, n):
         return False
-    if most < np.inf and _inflation(out, work, b, n, axes) > most:
+    if most < np.inf and inflation(out, work, b, n, axes) > most:
         return False
     for k in range(indptr[i], indptr[i + 1]):
         row = k - indptr[i]
@@ -85,10 +179,10 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
 
 
 @subkernel
-def _inflation(moment, work, b, n, axes):
-    """Return by how much the terms of degree 2 raise the variance of the slope, as a mean over directions.
+def inflation(moment: np.ndarray, work: np.ndarray, b: np.ndarray, n: int, axes: tuple[int, ...]) -> float:
+    """Return by how much the terms of degree 2 and 3 raise the variance of the slope, as a mean over directions.
 
-    moment : (dim, dim), of the linear terms alone; work : the factor of all
+    moment : (dim, dim), of the linear terms alone; work : the factor of all n terms; b : (n,) scratch
     """
     dim, raised = len(axes), 0.0
     for a in range(dim):

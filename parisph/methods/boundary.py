@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
+from parisph.base.fields import WALL
 from parisph.case.friction import Friction
 from parisph.kernels.moving_mirrors import Solids, no_solids
 from parisph.methods.parts import Gradient
@@ -109,6 +110,22 @@ class Boundary(ABC):
     def longest_step(self, flow: "Flow", time: float) -> float:
         """Return the longest step [s] after a time [s] that resolves the motion of walls, infinite if none moves."""
         return np.inf
+
+    def known_slopes(self, flow: "Flow") -> np.ndarray:
+        """Return which particles (n_all,) are walls with one normal, across which the slope of pressure is known.
+
+        Also dry ones: the pressure of a wave goes on above its surface, as far as a stencil reaches.
+        """
+        p = flow.particles
+        return (p.kind_all == WALL) & (p.corner_all == 0)
+
+    def slope(self, flow: "Flow", along: np.ndarray | None) -> np.ndarray:
+        """Return the slope across walls (n_all,) of a field with the gradient `along` (n_all, dim) in water at rest.
+
+        None stands for 0. Of the pressure, along is rho times the force, and walls that move have less of it.
+        """
+        p = flow.particles
+        return np.zeros(len(p.x_all)) if along is None else np.einsum("ia,ia->i", p.normal_all, along)
 
     def mend_gradient(self, out: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
                       part: Gradient) -> None:

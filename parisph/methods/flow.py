@@ -11,6 +11,7 @@ from parisph.kernels import pairs, surface, wetness
 from parisph.kernels.jit import axes_of
 from parisph.methods import lengths
 from parisph.methods.budget import Budget, NoBudget
+from parisph.methods.potential import Potential
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.rows import Cloud
@@ -47,6 +48,7 @@ class Flow:
         method that measures no strain
     strained, doubt, rapid : (n_owned,) or None, and whole, of methods.straining in this step
     beyond_fit : (n_owned, dim) [m/s] of kernels.strain.velocity_gradient, if straining.begin has found it, else None
+    potential : methods.potential of the velocity at the start of the step, None if no part needs it
     accelerations : of fluid in the last step, on all ranks [m/s^2], the largest and the root of the mean square; known
         with an adaptive step
     top_speed : of fluid, on all ranks [m/s]; known in steps with a part that needs it
@@ -76,6 +78,7 @@ class Flow:
         self.doubt: np.ndarray | None = None
         self.rapid: np.ndarray | None = None
         self.beyond_fit: np.ndarray | None = None
+        self.potential: Potential | None = None
         self.accelerations = 0.0, 0.0
         self.mean_acceleration = self.mean_strain = self.top_speed = 0.0
         self.whole = 1.0

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels import (
     curvature,
     fatehi,
     gfd,
     gradient,
+    harmonic_gradient,
     laplacian,
     quadratic_circle,
     rankine,
@@ -161,6 +163,23 @@ class FluxDivergence(Divergence):
                          cloud.indptr, cloud.indices, cloud.axes)
 
 
+def laplacian_of_pressure(flow: "Flow", wanted: np.ndarray, most: float) -> np.ndarray:
+    """Return the Laplacian of the pressure of a flow that keeps its volume, where it is wanted (n_owned,): (n_owned,)
+    [Pa/m^2]. Not collective.
+
+    It is rho (div F - tr(G^2)). Of a potential flow, which in a tank that turns with W has G + W x, tr(G^2) is known.
+    """
+    p, d, potential = flow.particles, flow.domain, flow.potential
+    out, u = np.zeros(p.n_owned), p.u_all if potential is None else np.zeros_like(p.u_all)
+    if potential is None or np.ptp(flow.force, axis=0).any():
+        curvature.laplacian_of_pressure(out, wanted, flow.density, u, flow.force, p.x_all, p.role_all,
+                                        lengths.WALL * flow.spacing, most, d.indptr, d.indices, flow.axes)
+    if potential is not None:
+        spin = flow.spin(flow.time) if flow.spin is not None else 0.0
+        out[wanted] -= flow.density * (potential.square[wanted] - 2.0 * spin**2)
+    return out
+
+
 class SfdiWalls(WallRows):
     """First-order weighted least squares."""
 
@@ -192,9 +211,7 @@ class CurvedWalls(HarmonicWalls):
     name = "curved"
 
     def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
-        laplacian = np.empty(flow.particles.n_owned)
-        curvature.laplacian_at_walls(laplacian, flow.density, flow.particles.u_all, flow.force, cloud.x,
-                                     cloud.role, lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
+        laplacian = laplacian_of_pressure(flow, flow.particles.role == WET, np.inf)
         curvature.add_at_walls(right, laplacian, rows.count, rows.columns, rows.values, cloud.x, cloud.role,
                                cloud.indptr, cloud.axes)
 
@@ -211,7 +228,8 @@ class LeastSquares(Gradient):
         """Return radius [m], power and floor of the fit."""
         return self.reach * spacing, self.power, self.floor
 
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
+              laplacian: np.ndarray | None = None) -> None:
         p, d = flow.particles, flow.domain
         gradient.least_squares_gradient(out, f, p.x_all, p.role_all, *self.form(flow.spacing), d.indptr, d.indices,
                                         flow.axes)
@@ -221,6 +239,27 @@ class Mixed(LeastSquares):
     """With the plain weight, which averages over more neighbours."""
 
     name, source, reach = "mixed", "Z17 Eq 28", lengths.MIXED
+
+
+class Harmonic(Mixed):
+    """Least squares exact for harmonic pressure, which know the slope across walls; as Mixed where they do not
+    suffice."""
+
+    name, source = "harmonic", ""
+
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
+              laplacian: np.ndarray | None = None) -> None:
+        super().write(out, f, flow, along)
+        _fit(out, f, flow, along, laplacian, INNER, 3, INFLATION)
+
+
+def _fit(out, f, flow, along, laplacian, role, degree, most):
+    """Replace the gradient at particles of a role by that of the harmonic fit."""
+    p, d = flow.particles, flow.domain
+    harmonic_gradient.harmonic_gradient(
+        out, f, flow.walls.slope(flow, along), flow.walls.known_slopes(flow),
+        np.empty(0) if laplacian is None else laplacian, p.x_all, p.role_all,
+        p.normal_all, role, degree, lengths.WALL * flow.spacing, most, d.indptr, d.indices, flow.axes)
 
 
 class Sfdi(LeastSquares):
@@ -261,7 +300,8 @@ class Symmetric(LeastSquares):
     def form(self, spacing: float) -> tuple[float, int, float]:
         return self.reach * spacing, 0, self.floor
 
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
+              laplacian: np.ndarray | None = None) -> None:
         p, d, s = flow.particles, flow.domain, flow.spacing
         gradient.symmetric_gradient(out, f, p.x_all, p.role_all, lengths.SPH * s, s**p.dim, d.indptr, d.indices,
                                     flow.axes)
@@ -272,7 +312,8 @@ class Same(Gradient):
 
     name = "same"
 
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
+              laplacian: np.ndarray | None = None) -> None:
         pass
 
 
@@ -288,10 +329,9 @@ class HarmonicSurface(Gradient):
 
     name, reach = "harmonic", lengths.WALL
 
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
-        p, d = flow.particles, flow.domain
-        gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, self.most(flow), d.indptr,
-                                   d.indices, flow.axes)
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
+              laplacian: np.ndarray | None = None) -> None:
+        _fit(out, f, flow, along, laplacian, SURFACE, 3, self.most(flow))
 
     def most(self, flow: "Flow") -> float:
         """Return by how much the harmonic terms may raise the variance of the slope."""
@@ -304,12 +344,7 @@ class CurvedSurface(HarmonicSurface):
     Only where the fit is good, in violent flow as well: elsewhere it would feed single particles of a sheet.
     """
 
-    name = "curved"
-
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        p, d = flow.particles, flow.domain
-        curvature.add_at_surface(out, flow.density, p.u_all, flow.force, p.x_all, p.role_all,
-                                 lengths.WALL * flow.spacing, INFLATION, d.indptr, d.indices, flow.axes)
+    name, curved = "curved", True
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):
@@ -318,7 +353,7 @@ for divergence_part in (FluxDivergence(), Nodal()):
     DIVERGENCES.register(divergence_part)
 for walls_part in (SfdiWalls(), HarmonicWalls(), CurvedWalls()):
     WALL_ROWS.register(walls_part)
-for gradient_part in (Mixed(), Sfdi(), Symmetric(), Spline(), Corrected()):
+for gradient_part in (Mixed(), Harmonic(), Sfdi(), Symmetric(), Spline(), Corrected()):
     GRADIENTS.register(gradient_part)
 for surface_part in (Same(), HarmonicSurface(), CurvedSurface()):
     SURFACE_GRADIENTS.register(surface_part)

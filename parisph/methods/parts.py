@@ -103,19 +103,22 @@ class WallRows(Part):
 
 
 class Gradient(Part):
-    """The gradient of pressure at fluid particles."""
+    """The gradient of pressure at fluid particles.
+
+    curved : whether it uses the Laplacian of the pressure
+    """
+
+    curved: ClassVar[bool] = False
 
     @abstractmethod
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow") -> None:
+    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
+              laplacian: np.ndarray | None = None) -> None:
         """Write the gradient of f (n_all,) at owned fluid particles to out (n_owned, dim). Not collective.
 
+        along : (n_all, dim), what the gradient is across walls at rest (methods.boundary), None for 0
+        laplacian : (n_owned,) of f, for parts that use it, None for 0
+
         A particle with too few neighbours gets a zero gradient, and the role BALLISTIC.
-        """
-
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        """Add what is known of the pressure of the flow, and of no other field, to its gradient (n_owned, dim) [Pa/m].
-
-        Not collective. Asked of the gradient at the surface alone.
         """
 
     def form(self, spacing: float) -> tuple[float, int, float] | None:
@@ -195,6 +198,7 @@ class Regulariser(Part):
     moves : whether it changes positions; else velocities
     strain : whether its strength is in proportion to the strain of the step
     needs_fit : whether it uses flow.beyond_fit, which the pass for the strain finds if there is one
+    needs_potential : whether it uses flow.potential
     free : whether it may move particles farther than positions.CAP
     cause : column of the energy budget
     words : what `parisph check` calls it
@@ -206,6 +210,7 @@ class Regulariser(Part):
     moves: ClassVar[bool] = False
     strain: ClassVar[bool] = True
     needs_fit: ClassVar[bool] = False
+    needs_potential: ClassVar[bool] = False
     free: ClassVar[bool] = False
     cause: ClassVar[str]
     words: ClassVar[str]

@@ -9,10 +9,11 @@ from mpi4py import MPI
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels import balance, movement, record
 from parisph.kernels import gradient as gradients
-from parisph.methods import lengths, regularising, straining, surfaces
+from parisph.methods import lengths, potential, regularising, straining, surfaces
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.guesses import Guesses
+from parisph.methods.operators import INFLATION, laplacian_of_pressure
 from parisph.methods.reports import ProjectionReport
 from parisph.methods.stepping import STEPPINGS, Accelerations
 from parisph.methods.timestep import resolved_time
@@ -71,6 +72,7 @@ class Projection:
             surfaces.classify(flow, parts.surface, dt)
             self._wall_velocity()
             domain.update("role", "u")
+            self._find_potential()
         with timers("assemble"):
             matrix, right, isolated = self._assemble(dt)
         with timers("solve"):
@@ -119,6 +121,7 @@ class Projection:
         surfaces.classify(flow, self.parts.surface, 0.0)
         self._wall_velocity()
         flow.domain.update("role", "u")
+        self._find_potential()
         self.rows.fill(flow.force, flow.cloud)
         target = flow.density * (self.rows.div - self.rows.gradient_invariants(p.u_all, p.role_all)[0])
         matrix, right, isolated = self._equation(target)
@@ -139,6 +142,7 @@ class Projection:
         flow.domain.update("p")
         role = p.role.copy()
         self._sum_forces(time)
+        self._find_potential()
         found = flow.force[:p.n_owned] - self._gradient_of_pressure() / flow.density
         p.role[:] = role
         found[p.kind != FLUID] = 0.0
@@ -226,6 +230,12 @@ class Projection:
         if "no_slip" in p.fields:
             sticky = (p.kind == WALL) & (p.no_slip == 1)
             p.u[sticky] = p.wall_u[sticky]
+
+    def _find_potential(self):
+        """Fit a potential flow to the velocity, if any part needs it and the fluid has no viscosity."""
+        flow = self.flow
+        needed = any(part.needs_potential for part in self.parts.velocity_regularisers) and not flow.viscosity
+        flow.potential = potential.find(flow) if needed else None
 
     def _assemble(self, dt):
         """Rows and right-hand side: the source at inner particles, Eq. 25 (2014 paper) at wet walls."""
@@ -367,26 +377,29 @@ class Projection:
                 np.copyto(p.p, earlier + dt / over * (p.p - earlier), where=some)
                 self.flow.stale.add("p")
 
-    def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None) -> np.ndarray:
+    def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None,
+                          laplacian: np.ndarray | None = None) -> np.ndarray:
         """Return the gradient of a pressure-like field (n_all,) at owned fluid particles: (n_owned, dim). Collective.
 
-        slope : (n_all, dim), what the gradient is across walls; default 0
+        slope : (n_all, dim), what the gradient is across walls; laplacian : (n_owned,) of f; default 0
 
         A particle with too few neighbours has a zero gradient, and becomes ballistic.
         """
         out = np.empty_like(self.flow.particles.u)
-        self.parts.gradient.write(out, f, self.flow)
+        self.parts.gradient.write(out, f, self.flow, slope, laplacian)
         self.flow.walls.mend_gradient(out, f, slope, self.flow, self.parts.gradient)
-        self.parts.surface_gradient.write(out, f, self.flow)
+        self.parts.surface_gradient.write(out, f, self.flow, slope, laplacian)
         self.flow.stale.add("role")
         return out
 
     def _gradient_of_pressure(self):
         """Return the gradient of the flow's pressure at owned fluid particles (n_owned, dim) [Pa/m]. Collective."""
         flow = self.flow
-        out = self.pressure_gradient(flow.particles.p_all, flow.density * flow.force)
-        self.parts.surface_gradient.complete(out, flow)
-        return out
+        curved = None
+        if self.parts.surface_gradient.curved:
+            fluid = flow.particles.kind == FLUID
+            curved = laplacian_of_pressure(flow, fluid, INFLATION)
+        return self.pressure_gradient(flow.particles.p_all, flow.density * flow.force, curved)
 
     def _move(self, start, time, dt):
         """Move particles by the trapezoid of Eq. 16, or by the new velocity, and walls to where they are afterwards."""

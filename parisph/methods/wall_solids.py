@@ -145,6 +145,17 @@ class WallSolids(Boundary):
     def longest_step(self, flow: "Flow", time: float) -> float:
         return self.elements.longest_step(time, flow.numerics.cfl)
 
+    def known_slopes(self, flow: "Flow") -> np.ndarray:
+        return super().known_slopes(flow) & (flow.particles.edge_all != CONVEX)
+
+    def slope(self, flow: "Flow", along: np.ndarray | None) -> np.ndarray:
+        found, p, e = super().slope(flow, along), flow.particles, self.elements
+        if e.moving and along is not None:
+            here, a, turn, u = e.of_walls(p)
+            turned = np.einsum("ia,ia->i", turn, p.u_all[here] - u)
+            found[here] -= flow.density * (np.einsum("ia,ia->i", p.normal_all[here], a) - 2.0 * turned)
+        return found
+
     def mend_gradient(self, out: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
                       part: Gradient) -> None:
         p, d, e, form = flow.particles, flow.domain, self.elements, part.form(flow.spacing)

@@ -101,6 +101,11 @@ class WallElements:
         found[here] = values[node]
         return found
 
+    def of_walls(self, particles: Particles) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return which particles, ghosts included, are nodes of moving walls: (m,), and a, turn and u (m, dim) of these."""
+        here, node = self._here(particles.kind_all, particles.id_all)
+        return here, self.a[node], self.turn[node], self.u[node]
+
     def _here(self, kind, number):
         """Return which particles are nodes of moving walls, and which nodes these are."""
         here = np.flatnonzero(kind == WALL)

@@ -1,0 +1,35 @@
+"""The shift that keeps the distances of neighbours even, for surfaces that keep their particles."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parisph.case.numerics import Numerics
+from parisph.kernels import spacing
+from parisph.methods import straining
+from parisph.methods.further_shifts import Shift
+from parisph.methods.parts import REGULARISERS
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
+
+
+class EvenShift(Shift):
+    """Moves particles away from neighbours that are too close; velocities follow by their gradient."""
+
+    name, words, shapes = "shift_even", "even distances", True
+    reach = 2.6
+
+    def needs(self, numerics: Numerics) -> tuple[str, ...]:
+        return straining.FIELDS
+
+    def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
+        p, d = flow.particles, flow.domain
+        across = p.acceleration - flow.force[:p.n_owned]
+        spacing.even_out(move, across, p.x_all, p.kind_all, p.role_all, p.normal_all, self.strength(flow), flow.spacing,
+                         d.indptr, d.indices, flow.axes)
+        p.u[:] += np.einsum("iab,ib->ia", p.grad_u, move)
+        flow.stale.add("u")
+
+
+REGULARISERS.register(EvenShift())
