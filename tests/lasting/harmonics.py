@@ -17,7 +17,7 @@ class Harmonics(NamedTuple):
 
 
 def by_period(time: np.ndarray, values: np.ndarray, period: float, start: float = 0.0) -> Harmonics:
-    """Return the Harmonics of a signal (n,) at times (n,) [s], by least squares in each whole period from `start` on."""
+    """Return the Harmonics of a signal (n,) at times (n,) [s], by least squares in each whole period."""
     rows = []
     count = int((time[-1] - start) / period + 1e-6) if len(time) else 0
     for number in range(count):

@@ -17,7 +17,7 @@ PERIODS, VIOLENT_PERIODS = 100.0, 20.0
 
 
 def long(values: dict[str, float], setting: Setting) -> Long:
-    """Return a standing wave with kd, amplitude / d, depth / s and jitter, in a tank of whole half waves and spacings."""
+    """Return a standing wave in a tank of whole half waves and spacings."""
     s, preset = DEPTH / values["depth"], setting.preset or "gentle"
     waves = np.ceil(LONGEST / (np.pi / values["kd"]) - 1e-9)
     length = s * round(waves * np.pi / values["kd"] / s)
