@@ -20,6 +20,6 @@ def outcome_of(module: str, words: list[object], out: Path, limit: float, scene:
         return table.Outcome(scene, f"failed: not finished after {limit:g} s", seed=seed)
     died = table.Outcome(scene, f"failed: exit code {process.returncode}", seed=seed)
     outcome = table.load(out)[0] if out.exists() else died
-    if not outcome.ended_well:
+    if not outcome.ended_well and process.stderr.strip():
         print(process.stderr, file=sys.stderr, flush=True)
     return outcome

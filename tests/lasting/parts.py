@@ -3,13 +3,13 @@
 from itertools import product
 from typing import NamedTuple
 
-from tests.lasting import standing
+from tests.lasting import flumes, standing
 from tests.lasting.long import Setting
 
-PARTS = {"standing": standing}
+PARTS = {"standing": standing, "flumes": flumes}
 AXES = {    # what the words of the command line mean
     "kd": "wave number times depth", "amplitude": "over the depth", "depth": "of the water over the spacing",
-    "jitter": "of the start",
+    "jitter": "of the start", "height": "of the waves over the depth", "maker": "piston, flap, zone or body",
 }
 
 
