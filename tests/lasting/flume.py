@@ -116,4 +116,4 @@ def level_lines(record: Record, period: float, height: float, most: float | None
     if not len(level.mean):
         return []
     return [Line("level / H at the end", level.mean[-1] / height),
-            Line("its largest size", np.abs(level.mean).max() / height, most)]
+            Line("level, largest size", np.abs(level.mean).max() / height, most)]

@@ -42,7 +42,7 @@ def _heights(found, wave, maker):
     return [Line("lowest height / target", heights.min(), 0.95, least=True),
             Line("highest height / target", heights.max(), 1.05),
             Line("second harmonic / theory", second),
-            Line("its error", abs(second - 1.0), 0.15 if bound else None)]
+            Line("second harmonic, error", abs(second - 1.0), 0.15 if bound else None)]
 
 
 def _loss(found, depth):
@@ -51,3 +51,7 @@ def _loss(found, depth):
     near, far = (one.first[-LAST:].mean() for one in (found[0], found[-1]))
     return [Line("loss a wavelength", 1.0 - (far / near) ** (1.0 / (len(found) - 1)), 0.02 if depth >= FINE else None,
                  0.01 if depth >= FINE else None)]
+
+
+QUICK = {"maker": ("zone",), "height": (0.05,), "kd": (1.0,), "depth": (8.0,)}
+QUICK_PERIODS = 12.0

@@ -3,13 +3,15 @@
 from itertools import product
 from typing import NamedTuple
 
-from tests.lasting import flumes, standing
+from tests.lasting import breaking, calming, flumes, irregular, obstacles, sloshing, solitary, standing
 from tests.lasting.long import Setting
 
-PARTS = {"standing": standing, "flumes": flumes}
+PARTS = {"standing": standing, "sloshing": sloshing, "flumes": flumes, "irregular": irregular, "solitary": solitary,
+         "obstacles": obstacles, "breaking": breaking, "calming": calming}
 AXES = {    # what the words of the command line mean
     "kd": "wave number times depth", "amplitude": "over the depth", "depth": "of the water over the spacing",
     "jitter": "of the start", "height": "of the waves over the depth", "maker": "piston, flap, zone or body",
+    "ratio": "of the forcing to the first frequency", "obstacle": "submerged or piercing",
 }
 
 

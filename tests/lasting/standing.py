@@ -38,7 +38,7 @@ def long(values: dict[str, float], setting: Setting) -> Long:
         waves = by_period(record.time, mode, period)
         level = by_period(record.time, record.gauges.mean(axis=1), period)
         return [*common(record, period, periods), *_lines(waves, level, a, values, preset),
-                *_energies(record, length, preset, jittered=values["jitter"] > 0.0)]
+                *_energies(record, length, preset)]
     return Long(case, DEPTH, period, measure)
 
 
@@ -51,23 +51,22 @@ def _lines(waves, level, a, values, preset):
             Line("loss in 50 periods", loss(waves.first, 50.0), 0.15 if fine else 0.4, 0.05 if fine else None))
     return [Line("lowest amplitude / a", waves.first.min() / a), Line("highest amplitude / a", waves.first.max() / a),
             lost, Line("level / a at the end", level.mean[-1] / a),
-            Line("its largest size", np.abs(level.mean).max() / a, None if violent else 0.03 if fine else 0.05)]
+            Line("level, largest size", np.abs(level.mean).max() / a, None if violent else 0.03 if fine else 0.05)]
 
 
-def _energies(record, length, preset, jittered):
-    """Lines on the energy in motion over that at the start.
+def _energies(record, length, preset):
+    """Lines on the energy in motion over that at the start: the kinetic energy and that of the elevation.
 
-    It is the kinetic energy and the change of the total, which a jittered start also has without waves. There the
-    potential energy is that of the surface.
+    By the heights of all particles, the potential energy is that of the waves only where the level is right to a
+    hundredth of a^2/d.
     """
-    start, most = record.kinetic[0], 1.05 if preset == "violent" else 1.02
-    all_of_it = (start + record.total - record.total[0]) / start
+    start = record.kinetic[0]
     waves = (record.kinetic + 0.5 * DENSITY * G * length * (record.gauges**2).mean(axis=1)) / start
-    return [Line("energy / start, lowest", all_of_it.min()),
-            Line("energy / start, highest", all_of_it.max(), None if jittered else most),
-            Line("of the surface, lowest", waves.min()),
-            Line("of the surface, highest", waves.max(), most if jittered else None)]
+    by_particles = (start + record.total - record.total[0]) / start
+    return [Line("energy in motion / start, lowest", waves.min()),
+            Line("highest", waves.max(), 1.05 if preset == "violent" else 1.02),
+            Line("by particles, lowest", by_particles.min()), Line("by particles, highest", by_particles.max())]
 
 
-QUICK = {"kd": (np.pi,), "amplitude": (0.02,), "depth": (10.0,), "jitter": (0.0,)}
-QUICK_PERIODS = 8.0
+QUICK = {"kd": (1.0,), "amplitude": (0.02,), "depth": (10.0,), "jitter": (0.0, 0.4)}
+QUICK_PERIODS = 10.0
