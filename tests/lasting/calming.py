@@ -7,7 +7,7 @@ from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.case.waves import angular_frequency, standing_wave_start
 from tests.hard.table import Line
 from tests.lasting.harmonics import by_period
-from tests.lasting.long import Long, Record, Setting, common, gauges
+from tests.lasting.long import Long, Record, Setting, common, gauges, walls
 
 G, DEPTH, DENSITY = 9.81, 1.0, 1000.0    # in SI units
 LENGTH = 6.0 * DEPTH    # three wavelengths
@@ -23,7 +23,8 @@ def long(values: dict[str, float], setting: Setting) -> Long:
     period = 2.0 * np.pi / float(angular_frequency(k, DEPTH, G))
     places = (np.arange(GAUGES) + 0.5) * LENGTH / GAUGES
     case = Case(
-        title="A tank that comes to rest", gravity=(0.0, -G), walls=Tank(width=LENGTH, height=1.5 * DEPTH),
+        title="A tank that comes to rest", gravity=(0.0, -G),
+        walls=Tank(width=LENGTH, height=walls(DEPTH, values["depth"])),
         fluid=Fluid(Box(width=LENGTH, height=DEPTH), density=DENSITY, velocity=standing_wave_start(a, k, DEPTH, G)),
         absorb=Sponge(LENGTH * 2.0 / 3.0, LENGTH / 3.0),
         numerics=Numerics(preset=setting.preset or "gentle", spacing=DEPTH / values["depth"], jitter=values["jitter"],

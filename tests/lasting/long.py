@@ -107,6 +107,14 @@ def _record(rows, lost, until, end):
     return Record(t, np.array(elevations).T, kinetic, total, closest, lost, until, end)
 
 
+def walls(depth: float, count: float, over: float = 0.5) -> float:
+    """Return the height of walls over a depth [m] of so many spacings, which is whole spacings, too [m].
+
+    over : what they are higher than the water, over the depth
+    """
+    return depth * (1.0 + round(over * count) / count)
+
+
 def gauges(places: Iterable[float]) -> list[SurfaceGauge]:
     """Return gauges at x (n,) [m]."""
     return [SurfaceGauge(f"gauge_{number}", at=x) for number, x in enumerate(places)]

@@ -6,7 +6,7 @@ from parisph.case.schema import Box, Case, Fluid, Numerics, Sway, Tank
 from parisph.case.waves import Sloshing, angular_frequency
 from tests.hard.table import Line
 from tests.lasting.harmonics import by_period
-from tests.lasting.long import SAMPLES, Long, Record, Setting, common, gauges
+from tests.lasting.long import SAMPLES, Long, Record, Setting, common, gauges, walls
 
 G, DEPTH, DENSITY = 9.81, 1.0, 1000.0    # in SI units
 LENGTH = 2.0 * DEPTH
@@ -27,7 +27,7 @@ def long(values: dict[str, float], setting: Setting) -> Long:
     places = [0.0, *(np.arange(GAUGES) + 0.5) * LENGTH / GAUGES]
     case = Case(
         title="A tank that sways", fluid=Fluid(Box(width=LENGTH, height=DEPTH), density=DENSITY), gravity=(0.0, -G),
-        walls=Tank(width=LENGTH, height=1.5 * DEPTH), frame=Sway(amplitude=a, frequency=frequency),
+        walls=Tank(width=LENGTH, height=walls(DEPTH, values["depth"])), frame=Sway(amplitude=a, frequency=frequency),
         numerics=Numerics(preset=setting.preset or "gentle", spacing=DEPTH / values["depth"],
                           time_step=setting.time_step(DEPTH, G)),
         probes=gauges(places), end_time=periods * period)

@@ -5,7 +5,7 @@ import numpy as np
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.case.waves import SolitaryWave
 from tests.hard.table import Line
-from tests.lasting.long import Long, Record, Setting, common, gauges
+from tests.lasting.long import Long, Record, Setting, common, gauges, walls
 
 G, DEPTH, DENSITY = 9.81, 1.0, 1000.0    # in SI units
 TAIL = 6.0     # exp(-TAIL): of the height, what is at the walls when the wave starts in the middle
@@ -24,7 +24,7 @@ def long(values: dict[str, float], setting: Setting) -> Long:
     places = [0.5 * length, *(np.arange(GAUGES) + 0.5) * length / GAUGES]
     case = Case(
         title="A solitary wave between walls", fluid=Fluid(Box(width=length, height=DEPTH), density=DENSITY, wave=wave),
-        walls=Tank(width=length, height=2.0 * DEPTH), gravity=(0.0, -G),
+        walls=Tank(width=length, height=walls(DEPTH, values["depth"], 1.0)), gravity=(0.0, -G),
         numerics=Numerics(preset=setting.preset or "solitary", spacing=s, time_step=setting.time_step(DEPTH, G)),
         probes=gauges(places), end_time=times * period)
 

@@ -6,7 +6,7 @@ from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
 from parisph.case.waves import angular_frequency, standing_wave_start
 from tests.hard.table import Line
 from tests.lasting.harmonics import by_period, loss
-from tests.lasting.long import Long, Record, Setting, common, gauges
+from tests.lasting.long import Long, Record, Setting, common, gauges, walls
 
 G, DEPTH, DENSITY = 9.81, 1.0, 1000.0    # in SI units
 GAUGES = 8      # in the middles of equal parts of the tank: their mean is free of the first 15 modes
@@ -28,7 +28,7 @@ def long(values: dict[str, float], setting: Setting) -> Long:
     case = Case(
         title="A standing wave",
         fluid=Fluid(Box(width=length, height=DEPTH), density=DENSITY, velocity=standing_wave_start(a, k, DEPTH, G)),
-        walls=Tank(width=length, height=1.5 * DEPTH), gravity=(0.0, -G),
+        walls=Tank(width=length, height=walls(DEPTH, values["depth"])), gravity=(0.0, -G),
         numerics=Numerics(preset=preset, spacing=s, jitter=values["jitter"], seed=1,
                           time_step=setting.time_step(DEPTH, G)),
         probes=gauges(places), end_time=periods * period)
@@ -64,7 +64,7 @@ def _energies(record, length, preset):
     waves = (record.kinetic + 0.5 * DENSITY * G * length * (record.gauges**2).mean(axis=1)) / start
     by_particles = (start + record.total - record.total[0]) / start
     return [Line("energy in motion / start, lowest", waves.min()),
-            Line("highest", waves.max(), 1.05 if preset == "violent" else 1.02),
+            Line("energy in motion, highest", waves.max(), 1.05 if preset == "violent" else 1.02),
             Line("by particles, lowest", by_particles.min()), Line("by particles, highest", by_particles.max())]
 
 
