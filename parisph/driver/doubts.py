@@ -50,6 +50,7 @@ LIMITS = {
 EVERY = 10         # steps between two looks
 GAUGES = 16        # in the middles of equal parts of the tank: their mean is free of the first 31 modes
 LASTING = 20.0     # sqrt(d/g), over which levels and heights are averaged: three periods of a wave as long as the tank
+SHORT = 0.05       # of that, from one look at the level to the next at least: gauges take as long as a small step
 RESOLVED = 1e-3    # spacings: a lower level is not looked at
 LOWEST = 0.02      # spacings: nor are waves less high
 WAVES = 8          # fewest waves of a gauge that are compared
@@ -115,7 +116,7 @@ class Doubts:
         least = s.comm.allreduce(own, MPI.MIN) / s.numerics.spacing
         if least < seen.pair:
             seen.pair, seen.pair_time = float(least), s.time
-        if self._gauges:
+        if self._gauges and (seen.time is None or s.time >= seen.time + SHORT * LASTING * self._unit):
             found = instruments.sample_all(self._gauges, p, s.domain, s.time)
             self._look_at_level(s.time, np.array([y for y, in found.values()]), self._volume(s))
 

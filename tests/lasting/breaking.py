@@ -30,8 +30,7 @@ def long(values: dict[str, float], setting: Setting) -> Long:
         probes=gauges(places), end_time=periods * wave.period)
 
     def measure(record: Record) -> list[Line]:
-        found = [line for line in common(record, wave.period, periods) if not line.what.startswith("closest")]
-        found += [Line("closest pair / s", record.closest.min())]    # breaking waves bring particles together
+        found = common(record, wave.period, periods, apart=None)
         at = by_period(record.time, record.gauges[:, 0], wave.period)
         level = by_period(record.time, record.gauges[:, 1:].mean(axis=1), wave.period)
         if len(at.first) > LAST:

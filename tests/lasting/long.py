@@ -120,7 +120,10 @@ def gauges(places: Iterable[float]) -> list[SurfaceGauge]:
     return [SurfaceGauge(f"gauge_{number}", at=x) for number, x in enumerate(places)]
 
 
-def common(record: Record, period: float, periods: float) -> list[Line]:
-    """Return what is asked of every run: that it ends, that no pair comes together, and that no water is lost."""
+def common(record: Record, period: float, periods: float, apart: float | None = 0.5) -> list[Line]:
+    """Return what is asked of every run: that it ends, that no pair comes together, and that no water is lost.
+
+    apart : least distance over the spacing that is required, None for a report: pairs of "violent" collide at 0.45
+    """
     return [Line("periods", record.until / period, 0.99 * periods, least=True),
-            Line("closest pair / s", record.closest.min(), 0.5, least=True), Line("lost", record.lost, 0)]
+            Line("closest pair / s", record.closest.min(), apart, least=True), Line("lost", record.lost, 0)]

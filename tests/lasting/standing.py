@@ -37,8 +37,8 @@ def long(values: dict[str, float], setting: Setting) -> Long:
         mode = 2.0 * record.gauges @ np.cos(k * places) / GAUGES
         waves = by_period(record.time, mode, period)
         level = by_period(record.time, record.gauges.mean(axis=1), period)
-        return [*common(record, period, periods), *_lines(waves, level, a, values, preset),
-                *_energies(record, length, preset)]
+        return [*common(record, period, periods, None if preset == "violent" else 0.5),
+                *_lines(waves, level, a, values, preset), *_energies(record, length, preset)]
     return Long(case, DEPTH, period, measure)
 
 
