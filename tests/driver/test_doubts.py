@@ -31,7 +31,7 @@ def status(case, folder):
 def test_pairs_and_motion_of_a_wave_that_is_too_steep_and_the_other_preset(tmp_path):
     """A surface that keeps its particles cannot turn over."""
     said, lines = status(wave(10.0, 1.0, amplitude=0.3), tmp_path / "gentle")
-    assert said == "completed with warnings" and lines.count('preset="violent" for steep or breaking waves') == 2
+    assert said == "completed with warnings" and 'preset="violent" for steep or breaking waves' in lines
     assert "particles were 0.0" in lines and "of all energy in motion at the start" in lines
     lines = status(wave(10.0, 1.0, "violent", amplitude=0.3), tmp_path / "violent")[1]
     assert "particles were" not in lines and "in motion" not in lines
