@@ -17,6 +17,7 @@ EVERY = 10             # steps between two looks at the volume, which take as lo
 VOLUME_LIMIT = 0.02    # change of the volume that is worth a warning
 ENERGY_LIMIT = 2e-3    # rise of the energy above its start, of a flow on which no work is done
 ROUNDING = 1e-12       # of the whole energy: a smaller energy in motion is taken for zero
+RANGES = ("energy", "motion", "kinetic", "volume")
 # why they may be no number
 REASONS = {"energy": "a velocity or position is out of range", "volume": "nothing was 2.1 spacings inside the fluid"}
 
@@ -87,11 +88,10 @@ class Conservation:
         self._energy, = instruments.build(case.model_copy(update={"probes": (Energy(name="energy"),)}), simulation.comm)
         volume = (Volume(name="volume"),) if case.dim == 2 else ()
         self._volume = instruments.build(case.model_copy(update={"probes": volume}), simulation.comm)
-        self._driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
+        self.driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
         state, start = state or {}, start or {}
-        self.energy, self.motion, self.volume = (
-            Range(**state[name]) if name in state else Range(start=start.get(name))
-            for name in ("energy", "motion", "volume"))
+        self.energy, self.motion, self.kinetic, self.volume = (
+            Range(**state[name]) if name in state else Range(start=start.get(name)) for name in RANGES)
 
     def step(self, simulation: Simulation) -> None:
         """Measure the energy after a step, and from time to time the volume. Collective."""
@@ -106,7 +106,7 @@ class Conservation:
 
     def state(self) -> dict[str, Any]:
         """Return the data that a checkpoint needs for a restart. Not collective."""
-        return {name: asdict(getattr(self, name)) for name in ("energy", "motion", "volume")}
+        return {name: asdict(getattr(self, name)) for name in RANGES}
 
     def content(self) -> dict[str, Any]:
         """Return the entries of summary.json. Not collective."""
@@ -114,7 +114,7 @@ class Conservation:
         start, end, high = (self._without_rounding(value) for value in (motion.start, motion.now, motion.high))
         change = None
         first, last = energy.start, energy.now
-        if not self._driven and start is not None and start > 0.0 and first is not None and last is not None:
+        if not self.driven and start is not None and start > 0.0 and first is not None and last is not None:
             change = (last - first) / start
         return {
             "volume_drift": volume.relative(volume.now), "volume_range": volume.extremes(),
@@ -123,7 +123,7 @@ class Conservation:
             "energy_in_motion": None if motion.low is None else {
                 "start": start, "end": end, "high": high, "high_time": motion.high_time, "drift": change,
                 "unit": self._energy.columns["total"]},
-            "driven": self._driven,
+            "driven": self.driven,
         }
 
     def _without_rounding(self, motion: float | None) -> float | None:
@@ -138,7 +138,7 @@ class Conservation:
             if volume and abs(volume[name]) > VOLUME_LIMIT:
                 found.append(f"the volume was {volume[name]:+.1%} off its start at t = {volume[name + '_time']:.4g} s, "
                              f"more than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step")
-        if energy and not self._driven and energy["high"] > ENERGY_LIMIT:
+        if energy and not self.driven and energy["high"] > ENERGY_LIMIT:
             found.append(f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, "
                          "though nothing does work on the fluid: use a smaller spacing or time step")
         for name, reason in REASONS.items():
@@ -154,6 +154,7 @@ class Conservation:
         s.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
         kinetic, potential, total = self._energy.values(sums, None)
         self.energy.add(s.time, total + s.left.energy - self._lowest * (sums[2] + s.left.volume))
+        self.kinetic.add(s.time, kinetic)
         if self._at_rest is not None:
             self.motion.add(s.time, kinetic + potential - self._at_rest(sums[2]))
 

@@ -307,6 +307,8 @@ class _Run:
     def _close(self, error: ParisphError | None) -> dict[str, Any]:
         """Write the summary in any case, and return it or raise the error. Collective."""
         self.progress.close()
+        if error is None:
+            self.account.look_back(self.simulation, self.store)
         warnings = self.account.warnings()
         status = "completed with warnings" if warnings else "completed"
         for line in warnings:

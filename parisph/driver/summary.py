@@ -14,6 +14,7 @@ from parisph.base.errors import ParisphError
 from parisph.base.fields import FLUID
 from parisph.base.log import logger
 from parisph.case.schema import Case
+from parisph.driver import doubts
 from parisph.driver.conservation import Conservation
 from parisph.driver.shares import Shares
 from parisph.driver.simulation import Simulation
@@ -40,7 +41,9 @@ class Account:
         self.fallbacks = 0
         self.divergence: float | None = None
         self.conservation: Conservation | None = None    # from `start` on
+        self._doubts: doubts.Doubts | None = None        # the same
         self._shares: Shares | None = None               # the same
+        self._uneven: list[str] = []                     # gauges, once the run is over
         self._notes = list(before.get("notes", ()))
         self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
         self._fluid = 0
@@ -74,6 +77,7 @@ class Account:
             logger.warning(self._notes[-1])
         start = {name: self.before.get(name) for name in ("energy", "volume")}    # of a checkpoint by an older parisph
         self.conservation = Conservation(simulation, self.before.get("conservation"), start)
+        self._doubts = doubts.Doubts(simulation, self.before.get("doubts"))
         self.measure(simulation)
         self._shares = Shares(simulation)
 
@@ -81,6 +85,14 @@ class Account:
         """Measure energy and volume now. Collective."""
         if self.conservation is not None:
             self.conservation.measure(simulation)
+        if self._doubts is not None:
+            self._doubts.look(simulation)
+
+    def look_back(self, simulation: Simulation, store: Store) -> None:
+        """Look at the waves that the gauges have recorded in the whole run, from its files. Collective."""
+        folder = store.folder
+        found = on_first(simulation.comm, f"read {folder}", lambda: _uneven(simulation.case, store))
+        self._uneven = simulation.comm.bcast(found)
 
     def step(self, simulation: Simulation, report: StepReport) -> None:
         """Count a step that was made. Collective."""
@@ -91,6 +103,8 @@ class Account:
             self._isolated = [isolated, simulation.time]
         if self.conservation is not None:
             self.conservation.step(simulation)
+        if self._doubts is not None:
+            self._doubts.step(simulation)
 
     def warnings(self) -> list[str]:
         """Return one line for each warning of the whole run. Not collective."""
@@ -98,7 +112,10 @@ class Account:
         if most > BODY * self._fluid > 0.0:
             found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} "
                          "fluid particles and the walls): their pressure has no level of its own")
-        return found + (self.conservation.warnings() if self.conservation else [])
+        if self.conservation is not None:
+            found += self.conservation.warnings()
+            found += self._doubts.warnings(self.conservation) if self._doubts is not None else []
+        return found + self._uneven
 
     def state(self, simulation: Simulation, comm: MPI.Comm | None = None) -> dict[str, Any]:
         """Return the data that a checkpoint needs to continue the account. Collective.
@@ -114,6 +131,7 @@ class Account:
             "cpu_phases": _sums(self.before["cpu_phases"], timers.reduce_cpu(comm)),
             "fallbacks": self.before["fallbacks"] + self.fallbacks, "notes": self._notes, "isolated": self._isolated,
             "conservation": self.conservation.state() if self.conservation else self.before.get("conservation", {}),
+            "doubts": self._doubts.state() if self._doubts else self.before.get("doubts", {}),
         }}
 
     def summary(self, simulation: Simulation, store: Store, status: str,
@@ -174,6 +192,13 @@ def _from_files(case: Case, store: Store) -> tuple[dict[str, float] | None, dict
         return iterations, verdict.errors(case, run), arrivals.arrivals(case, run)
     except ParisphError as error:
         return None, {"unavailable": str(error)}, {}
+
+
+def _uneven(case: Case, store: Store) -> list[str]:
+    try:
+        return doubts.of_gauges(case, reader.open_run(store.folder))
+    except ParisphError:    # _from_files tells why nothing can be read
+        return []
 
 
 def _peak_memory() -> float:

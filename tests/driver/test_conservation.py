@@ -214,7 +214,7 @@ def test_account_of_an_older_run_is_taken_up():
     account.start(s)
     content = account.conservation.content()
     assert content["energy_drift"] == pytest.approx(account.conservation.energy.now / 2000.0 - 1.0)
-    assert set(account.state(s)["account"]["conservation"]) == {"energy", "motion", "volume"}
+    assert set(account.state(s)["account"]["conservation"]) == {"energy", "motion", "kinetic", "volume"}
     s.destroy()
 
 

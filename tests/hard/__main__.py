@@ -12,7 +12,6 @@ something required is not met.
 """
 
 import argparse
-import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -22,9 +21,9 @@ from parisph.base import environment
 
 environment.prepare()
 
+from tests.apart import outcome_of  # noqa: E402
 from tests.hard import scenes, table  # noqa: E402
 from tests.hard.scene import Scene  # noqa: E402
-from tests.launch import ROOT, run  # noqa: E402
 
 
 def main():
@@ -77,16 +76,8 @@ def apart(name: str, seed: int, among: dict[str, Scene], quick: bool, folder: Pa
     folder : for what the process leaves
     """
     out = folder / f"{name}-{seed}.json"
-    command = [sys.executable, "-m", "tests.hard.one", name, out, "--seed", seed, *(["--quick"] if quick else [])]
-    try:
-        process = run(command, timeout=among[name].limit, cwd=ROOT)
-    except subprocess.TimeoutExpired:
-        outcome = table.Outcome(name, f"failed: not finished after {among[name].limit:g} s", seed=seed)
-    else:
-        died = table.Outcome(name, f"failed: exit code {process.returncode}", seed=seed)
-        outcome = table.load(out)[0] if out.exists() else died
-        if not outcome.ended_well:
-            print(process.stderr, file=sys.stderr, flush=True)
+    words = [name, out, "--seed", seed, *(["--quick"] if quick else [])]
+    outcome = outcome_of("tests.hard.one", words, out, among[name].limit, name, seed)
     print(f"{name}, start {seed}: {among[name].what}: {outcome.ended}, {outcome.steps} steps, "
           f"{outcome.cpu_seconds:.1f} CPU s{'' if outcome.met else ' - NO'}", flush=True)
     return outcome

@@ -1,0 +1,250 @@
+"""What makes a run doubtful that has come to its end: measures, their limits, and what to do."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple, Optional
+
+import numpy as np
+from mpi4py import MPI
+
+from parisph.base.arrays import Floats
+from parisph.case.probes import SurfaceGauge
+from parisph.case.schema import Case
+from parisph.driver.conservation import Conservation
+from parisph.driver.simulation import Simulation
+from parisph.io.reader import Run
+from parisph.kernels.closest import least_distance
+from parisph.kernels.jit import axes_of
+from parisph.watch import instruments
+from parisph.watch.sampling import Scene
+
+
+class Limit(NamedTuple):
+    """A limit of a measure: its value, the range in which it may be put, where this comes from, and what helps."""
+
+    value: float
+    range: tuple[float, float]
+    source: str
+    advice: str
+
+
+# Tried: a steep gentle wave that is far off these limits in a period keeps them with "violent"; a violent one with 1.08
+# of its energy after 10 periods has 1.00 with "gentle"; a gentle one that breaks down after 9 periods, d/s = 10, keeps
+# all limits with 20; and a filter that takes 26 % of a wave takes 17 %.
+FINER = "use a smaller spacing"
+OTHER = f'{FINER}, or preset="violent" for steep or breaking waves and "gentle" for others'
+LIMITS = {
+    # kinetic energy over all energy in motion at the start, of a flow on which no work is done: it cannot be above 1
+    "motion": Limit(1.05, (1.02, 1.2), "runs that are right: 1.00; waves that feed on errors: 1.1 to 3", OTHER),
+    # mean level of a tank over the height of its waves, both means over LASTING
+    "level": Limit(0.05, (0.03, 0.1), "standing waves: 0.01; those that break down: 0.1 to 1", OTHER),
+    # height of a wave at a gauge over the median of all, where waves come regularly and should all be alike
+    "height": Limit(0.15, (0.05, 0.3), "flumes: 0.05; waves that lose half of it in 50 periods: 0.5", FINER),
+    # least distance of two particles over the spacing
+    "pair": Limit(0.2, (0.1, 0.4), "impacts and breaking waves: 0.43 or more; waves before they break down: 0.01",
+                  OTHER),
+    # water that has left an open tank over all that was in it
+    "lost": Limit(1e-3, (1e-4, 1e-2), "a particle of a thousand", "make the walls higher"),
+}
+EVERY = 10         # steps between two looks
+GAUGES = 16        # in the middles of equal parts of the tank: their mean is free of the first 31 modes
+LASTING = 20.0     # sqrt(d/g), over which levels and heights are averaged: three periods of a wave as long as the tank
+SHORT = 0.05       # of that, from one look at the level to the next at least: gauges take as long as a small step
+RESOLVED = 1e-3    # spacings: a lower level is not looked at
+LOWEST = 0.02      # spacings: nor are waves less high
+WAVES = 8          # fewest waves of a gauge that are compared
+REGULAR = 0.1      # spread of their periods, from the first to the last tenth over the median
+GROWN = 0.8        # of the median height: where waves begin
+FRONT = 3          # waves after that which are not yet like the others: the front of a train is higher
+
+
+@dataclass
+class Seen:
+    """What a run has shown so far, as a checkpoint keeps it.
+
+    pair [s], pair_time [s] : the least distance of two particles
+    time [s] : of the last look
+    mean, square : averages over LASTING of the level's error [m] and of the elevation squared about it [m2]
+    off, off_time, off_height : the worst level [m], when [s], and the height of the waves until then [m]
+    high : the greatest height [m]
+    """
+
+    pair: float = math.inf
+    pair_time: float = 0.0
+    time: Optional[float] = None
+    mean: float = 0.0
+    square: float = 0.0
+    high: float = 0.0
+    off: float = 0.0
+    off_time: float = 0.0
+    off_height: float = 0.0
+
+
+class Doubts:
+    """Looks at pairs and at the mean level on the way, and at the end at all that has a limit.
+
+    Parameters
+    ----------
+    simulation : Simulation
+    state : dict of an earlier part of the run (`state()`), possibly empty
+    """
+
+    def __init__(self, simulation: Simulation, state: Mapping[str, Any] | None = None) -> None:
+        case, self._spacing = simulation.case, simulation.numerics.spacing
+        self._seen = Seen(**(state or {}))
+        self._gauges = instruments.build(case.model_copy(update={"probes": _across(case)}), simulation.comm)
+        self._noise = _noise(simulation)
+        self._start = self._volume(simulation) + simulation.left.volume
+        if self._gauges:
+            scene = Scene.of(case)
+            self._width, self._bed = float(scene.upper[0] - scene.lower[0]), float(scene.lower[-1])
+            self._unit = math.sqrt(self._start / self._width / -float(scene.gravity[-1]))
+        self._left = 0.0
+
+    def step(self, simulation: Simulation) -> None:
+        """Look after one step in EVERY. Collective."""
+        if simulation.steps % EVERY == 0:
+            self.look(simulation)
+
+    def look(self, simulation: Simulation) -> None:
+        """Look at the particles now. Collective."""
+        s, p, seen = simulation, simulation.particles, self._seen
+        self._left = s.left.volume
+        s.domain.update("x")
+        own = least_distance(p.x_all, p.kind_all, s.domain.indptr, s.domain.indices, axes_of(s.case.dim))
+        least = s.comm.allreduce(own, MPI.MIN) / s.numerics.spacing
+        if least < seen.pair:
+            seen.pair, seen.pair_time = float(least), s.time
+        if self._gauges and (seen.time is None or s.time >= seen.time + SHORT * LASTING * self._unit):
+            found = instruments.sample_all(self._gauges, p, s.domain, s.time)
+            self._look_at_level(s.time, np.array([y for y, in found.values()]), self._volume(s))
+
+    def state(self) -> dict[str, Any]:
+        """Return the data that a checkpoint needs for a restart. Not collective."""
+        return asdict(self._seen)
+
+    def warnings(self, conservation: Conservation) -> list[str]:
+        """Return one line for each limit that was passed on the way. Not collective."""
+        return [*self._of_motion(conservation), *self._of_level(), *self._of_pairs(), *self._of_loss()]
+
+    def _look_at_level(self, time: float, elevations: Floats, volume: float) -> None:
+        """Average the error of the level, and its variance; the level is right where the water fills its tank."""
+        seen = self._seen
+        error = elevations.mean() - self._bed - volume / self._width
+        share = 1.0 if seen.time is None else -math.expm1(-(time - seen.time) / (LASTING * self._unit))
+        seen.time = time
+        seen.mean += share * (error - seen.mean)
+        seen.square += share * (elevations.var() - seen.square)
+        seen.high = max(seen.high, 4.0 * math.sqrt(seen.square))    # as of a significant height
+        if abs(seen.mean) > abs(seen.off):
+            seen.off, seen.off_time, seen.off_height = seen.mean, time, seen.high
+
+    def _of_motion(self, conservation: Conservation) -> Iterator[str]:
+        start, high = conservation.motion.start, conservation.kinetic.high
+        limit = LIMITS["motion"]
+        if conservation.driven or not start or start <= 0.0 or high is None:
+            return
+        if high > limit.value * start + self._noise:
+            yield (f"the kinetic energy was {high / start:.3g} of all energy in motion at the start, at "
+                   f"t = {conservation.kinetic.high_time:.4g} s, though nothing does work on the fluid: {limit.advice}")
+
+    def _of_level(self) -> Iterator[str]:
+        seen, limit, spacing = self._seen, LIMITS["level"], self._spacing
+        if abs(seen.off) > RESOLVED * spacing and abs(seen.off) > limit.value * max(seen.off_height, LOWEST * spacing):
+            yield (f"the mean level was {seen.off:+.3g} m off at t = {seen.off_time:.4g} s, more than "
+                   f"{limit.value:.0%} of the height of the waves, {seen.off_height:.3g} m: {limit.advice}")
+
+    def _of_pairs(self) -> Iterator[str]:
+        seen, limit = self._seen, LIMITS["pair"]
+        if seen.pair < limit.value:
+            yield (f"two particles were {seen.pair:.2g} spacings apart at t = {seen.pair_time:.4g} s, closer than "
+                   f"{limit.value:g}: {limit.advice}")
+
+    def _of_loss(self) -> Iterator[str]:
+        limit = LIMITS["lost"]
+        if self._left > limit.value * self._start:
+            yield f"{self._left / self._start:.2%} of the water left the tank over its rim: {limit.advice}"
+
+    @staticmethod
+    def _volume(simulation: Simulation) -> float:
+        """Return the volume of the fluid [m^dim], of which walls have none. Collective."""
+        total: float = simulation.comm.allreduce(float(simulation.particles.volume.sum()))
+        return total
+
+
+def of_gauges(case: Case, run: Run) -> list[str]:
+    """Return one line for the gauge at which regular waves that should be alike are least so. Not collective.
+
+    Those are waves of a start that nothing drives or damps, and those of a wavemaker or a zone with a zone behind them
+    that takes them up.
+    """
+    if case.constant_force is None or case.viscosity or case.friction is not None or bool(case.absorb) != _makes(case):
+        return []
+    found = []
+    for probe in case.probes:
+        if isinstance(probe, SurfaceGauge) and not any(zone.start <= probe.at <= zone.end for zone in case.absorb):
+            series = run.probe(probe.name)
+            found.append((*_uneven(series["time"], series["y"], case.numerics.spacing), probe.name))
+    share, when, name = max(found, key=lambda one: abs(one[0]), default=(0.0, 0.0, ""))
+    limit = LIMITS["height"]
+    if abs(share) <= limit.value:
+        return []
+    return [f"a wave at the gauge {name} was {share:+.0%} off the middle one in height, at t = {when:.4g} s, though "
+            f"all should be alike: {limit.advice}"]
+
+
+def heights(time: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Return the beginnings (n,) [s] and heights (n,) [m] of the waves of a signal that are as high as others.
+
+    A wave is between two crossings of the mean and the trend, upwards. There is none if they do not come regularly.
+    """
+    trend = np.polyval(np.polyfit(time, y, 1), time)
+    up = np.flatnonzero((y[:-1] < trend[:-1]) & (y[1:] >= trend[1:]))
+    high = np.array([np.ptp(y[begin:end + 1]) for begin, end in zip(up[:-1], up[1:])])
+    if not len(high):
+        return np.empty(0), high
+    first = int(np.argmax(high >= GROWN * np.median(high))) + FRONT
+    if first >= len(high):
+        return np.empty(0), np.empty(0)
+    begins, high, periods = time[up[first:-1]], high[first:], np.diff(time[up[first:]])
+    low, middle, top = np.quantile(periods, (0.1, 0.5, 0.9))
+    return (begins, high) if top - low <= REGULAR * middle else (begins[:0], high[:0])
+
+
+def _uneven(time: Floats, y: Floats, spacing: float) -> tuple[float, float]:
+    """Return by which share the worst wave of a signal is off the median in height, and when it begins [s].
+
+    0 for too few waves, or for such as are too low.
+    """
+    begins, high = heights(time, y) if len(time) > 2 else (np.empty(0), np.empty(0))
+    if len(high) < WAVES or np.median(high) < LOWEST * spacing:
+        return 0.0, 0.0
+    relative = high / np.median(high) - 1.0
+    worst = int(np.argmax(np.abs(relative)))
+    return float(relative[worst]), float(begins[worst])
+
+
+def _makes(case: Case) -> bool:
+    """Return whether a body or a zone of the case makes waves."""
+    return any(getattr(zone, "wave", None) is not None for zone in case.absorb) or any(
+        body.kind in ("piston", "flap") for body in case.bodies)
+
+
+def _across(case: Case) -> Sequence[SurfaceGauge]:
+    """Return gauges across the water of an open tank whose level is known: gravity is down in its frame."""
+    tank, scene = case.tank, Scene.of(case)
+    if case.dim != 2 or not case.plain or tank is None or case.lidded:
+        return ()
+    if scene.gravity[0] != 0.0 or not scene.gravity[-1] < 0.0:
+        return ()
+    places = scene.lower[0] + (np.arange(GAUGES) + 0.5) * (scene.upper[0] - scene.lower[0]) / GAUGES
+    return tuple(SurfaceGauge(f"level-{number}", at=float(at)) for number, at in enumerate(places))
+
+
+def _noise(simulation: Simulation) -> float:
+    """Return three standard deviations of the potential energy of a jittered start [J/m, J in 3D]. Collective."""
+    n, case = simulation.numerics, simulation.case
+    lift = n.jitter * n.spacing / math.sqrt(12.0)    # of an even distribution
+    weights = simulation.particles.volume * case.density * float(np.abs(Scene.of(case).gravity).max())
+    return 3.0 * lift * math.sqrt(simulation.comm.allreduce(float((weights**2).sum())))
