@@ -173,6 +173,8 @@ FIELDS = {
               written=False),
         Field("expansion", "scalar", np.float64, "", "relative volume that residual divergence has made",
               exchanged=False),
+        Field("left", "scalar", np.float64, "1/s", "divergence that the last step has left where its operators were",
+              exchanged=False, written=False),
         Field("halfway", "vector", np.float64, "m/s", "velocity half way through the step, as known before it",
               migrates=False, written=False),
         Field("alpha", "scalar", np.float64, "", "kernel-sum density over its lattice value", default=1.0),

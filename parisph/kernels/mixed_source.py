@@ -12,7 +12,7 @@ EXPANSION = 0.01     # largest relative volume that a particle remembers: what r
 
 
 @kernel
-def mixed(target: np.ndarray, expansion: np.ndarray, div: np.ndarray, square: np.ndarray, rate: np.ndarray,
+def mixed(target: np.ndarray, expansion: np.ndarray, left: np.ndarray, div: np.ndarray, square: np.ndarray, rate: np.ndarray,
           before: np.ndarray, force: np.ndarray, role: np.ndarray, density: float, spacing: float, dt: float,
           usual: float, zeta: float, strain: float, per_strain: float, time: float) -> None:
     """Write rho/dt zeta d - strain rho S. d is the divergence, less what is put off, plus what is given back, and S the
@@ -37,7 +37,8 @@ def mixed(target: np.ndarray, expansion: np.ndarray, div: np.ndarray, square: np
         if per_strain > 0.0:
             divergence -= put_off(residual, rate[i], _fall(force, i, spacing), per_strain, dt, usual)
         if len(expansion) > 0:
-            expansion[i] = remembered(expansion[i], residual, dt) if role[i] == INNER else 0.0
+            made = 0.5 * (left[i] + before[i])
+            expansion[i] = remembered(expansion[i], made, dt) if role[i] == INNER else 0.0
             divergence += expansion[i] / time
         target[i] = density / dt * zeta * divergence - strain * density * own
 

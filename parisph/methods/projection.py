@@ -414,6 +414,8 @@ class Projection:
         p, second = flow.particles, flow.position_solve
         div = np.empty(p.n_owned)
         self.rows.divergence(div, p.u_all, p.role_all)
+        if "left" in p.fields:
+            p.left[:] = div
         strained = np.empty(0) if flow.strained is None else flow.strained
         sums = np.array([*record.step_sums(div, p.role, p.kind, flow.by_pressure, strained), flow.collisions])
         if p.comm.size > 1:

@@ -35,7 +35,7 @@ class Mixed(Source):
         return ", ".join(said)
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
-        weights = {"alpha": numerics.gamma, "expansion": numerics.volume_time}
+        weights = {"alpha": numerics.gamma, "expansion": numerics.volume_time, "left": numerics.volume_time}
         return tuple(name for name, weight in weights.items() if weight > 0.0)
 
     def target(self, flow: "Flow", dt: float) -> np.ndarray:
@@ -50,8 +50,9 @@ class Mixed(Source):
         p, n, density = flow.particles, flow.numerics, flow.density
         if not (n.strain > 0.0 or n.residual_strain > 0.0 or n.volume_time > 0.0):
             return density / dt * zeta * flow.rows.div
-        target, expansion = np.empty(p.n_owned), p.expansion if n.volume_time > 0.0 else np.empty(0)
-        mixed_source.mixed(target, expansion, flow.rows.div, *flow.rows.gradient_invariants(p.u_all, p.role_all),
+        target, none = np.empty(p.n_owned), np.empty(0)
+        expansion, left = (p.expansion, p.left) if n.volume_time > 0.0 else (none, none)
+        mixed_source.mixed(target, expansion, left, flow.rows.div, *flow.rows.gradient_invariants(p.u_all, p.role_all),
                            flow.force, p.role_all, density, flow.spacing, dt, flow.usual, zeta, n.strain,
                            n.residual_strain, max(n.volume_time * flow.wave_time, GIVEN * dt))
         return target
