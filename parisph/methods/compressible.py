@@ -68,6 +68,7 @@ class Compressible:
         self.strain_rate = 0.0           # nor is strain looked at
         self._steps, self._begun = 0, False
         self.pressure_time = None        # that of the particles
+        self.pressure_window = None      # no means: its pressures follow from densities, not from impulses
 
     # -- what the driver asks for ----------------------------------------------------------
 
