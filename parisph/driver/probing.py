@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Array, Floats
 from parisph.case.numerics import Output
 from parisph.driver.peaks import Peaks
 from parisph.driver.schedule import ROUNDING, Times
@@ -42,8 +43,8 @@ class Watch:
     interpolation in time between two steps, and probes are evaluated around these only; a restart evaluates them again
     at the beginning of its first step.
 
-    The pressures of a projection are means in time (watch.means). Their probes are evaluated in every step, and a sample
-    is written when its mean is known, some steps later. A restart needs the state of the means.
+    The pressures of a projection are means in time (watch.means). Their probes are evaluated in every step, and a
+    sample is written when its mean is known, some steps later. A restart needs the state of the means.
 
     Parameters
     ----------
@@ -66,6 +67,7 @@ class Watch:
         self._averaged = simulation.pressure_window is not None and bool(self._pressures.samplers)
         self._clocks = [clock for clock in (self._places, self._pressures)
                         if clock.samplers and not (self._averaged and clock is self._pressures)]
+        self._start = simulation.time    # of the last step [s]
         self._means: Means | None = None
         self._pending: list[tuple[float, int, int]] = []    # samples of pressures to come: time [s], step, number
         if state and self._averaged:
@@ -98,7 +100,8 @@ class Watch:
         s = self.simulation
         self._look_at_clocks()
         found = self._sample(self.samplers)
-        self._begin(found)
+        if self._averaged:
+            self._means = Means(s.time, self._joined(found))
         self.peaks.look(found)
         return [(s.time, s.steps, found)]
 
@@ -107,7 +110,7 @@ class Watch:
         s = self.simulation
         self._look_at_clocks()
         if self._averaged and self._means is None:    # the checkpoint is of an earlier version
-            self._begin(self._sample(self._pressures.samplers))
+            self._means = Means(self._pressures.now, self._joined(self._sample(self._pressures.samplers)), s.time)
         self._start, self._pressures.since = s.time, self._pressures.now + s.rounding
         if self._times is None:
             return
@@ -127,8 +130,11 @@ class Watch:
         self._look_at_clocks()
         due = [self._due(clock) for clock in self._clocks]
         found = self._sample(self._needed(due))
-        lines = self._mean_lines(found) if self._averaged else []
-        self.peaks.look(found if self._means is None else found | self._values(self._means.lately))
+        lines: list[Line] = []
+        if self._means is not None:
+            lines = self._mean_lines(found, self._means)
+            found = found | self._values(self._means.lately)
+        self.peaks.look(found)
         for clock, own in zip(self._clocks, due):
             if own:
                 before, clock.last = clock.last, (clock.now, found)
@@ -136,15 +142,10 @@ class Watch:
                           for time, number in own]
         return lines
 
-    def _begin(self, found):
-        """Begin the means with the values of a start."""
-        if self._averaged:
-            self._means = Means(self._pressures.now, self._joined(found), self.simulation.time)
-
-    def _mean_lines(self, found):
+    def _mean_lines(self, found: Values, means: Means) -> list[Line]:
         """Return the lines of the pressures whose means have become known by the last step. Not collective."""
-        s, clock, means, ended = self.simulation, self._pressures, self._means, self.simulation.finished()
-        means.add(self._start, s.time, clock.now, self._joined(found), s.pressure_window)
+        s, clock, ended = self.simulation, self._pressures, self.simulation.finished()
+        means.add(self._start, s.time, clock.now, self._joined(found), s.pressure_window or 0.0)
         self._pending += [(time, s.steps, number) for time, number in self._due(clock)]
         known, lines = means.known + s.rounding, []
         for time, step, number in self._pending:
@@ -156,18 +157,18 @@ class Watch:
         self._pending = [line for line in self._pending if known < line[0] <= clock.now + s.rounding]
         return lines
 
-    def _joined(self, found):
+    def _joined(self, found: Values) -> Floats:
         """Return the values of all probes of pressures, one after the other (n,)."""
         return np.concatenate([found[sampler.name] for sampler in self._pressures.samplers])
 
-    def _values(self, joined):
+    def _values(self, joined: Floats) -> Values:
         """Return {probe: values} of the probes of pressures from their values one after the other."""
         ends = np.cumsum([len(sampler.columns) for sampler in self._pressures.samplers])
         return {sampler.name: tuple(own.tolist())
                 for sampler, own in zip(self._pressures.samplers, np.split(joined, ends[:-1]))}
 
     @property
-    def _as_acted(self):
+    def _as_acted(self) -> Array:
         """Which of the values of the probes of pressures are no means (n,)."""
         return np.array([name in sampler.acted for sampler in self._pressures.samplers for name in sampler.columns])
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
 from parisph.kernels import balance, movement, record
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, regularising, straining, surfaces
@@ -25,7 +25,7 @@ FEW = 10             # particles without a surface that are not worth an equatio
 BODIES = 4           # bodies of fluid without a surface, at most, that get one
 # times what particles resolve (`timestep`): the distance of the knots of means of pressures on walls. Fluid comes to a
 # wall one layer after the other, which is more than the .3 spacings there. P2 of the dam break at H/s = 40, three
-# starts: errors of .057 and .055 with adaptive steps and half of them; .061 and .058 with 1, .056 and .054 with 4.
+# starts: errors of .057 and .056 with adaptive steps and half of them; .061 and .058 with 1, .057 and .057 with 4.
 AT_WALLS = 2.0
 SHORTENED = 0.5      # of the usual step: one that is shortened below has no mean of its own
 ROUNDING = 1e-3      # spacings within which two particles are equally high

@@ -16,36 +16,40 @@ Step = tuple[float, float, Floats]          # start and end [s], values (n,)
 class Means:
     """A line through means of pressures, whose integral over time is that of the pressures themselves.
 
-    A pressure p acts from the start of its step to the end. The line bends at knots, which are middles of steps, one
-    window or more apart. At a knot it is the mean of p weighted by its hat function f, which is 1 there and 0 at the
-    knots beside it: integral f p dt / integral f dt. The hats of all knots add up to 1, so the line has the integral of p
+    A pressure p acts from the start of its step to the end. The line bends at knots, which are middles of steps about
+    a window apart. At a knot it is the mean of p weighted by its hat function f, which is 1 there and 0 at the knots
+    beside it: integral f p dt / integral f dt. The hats of all knots add up to 1. So the line has the integral of p
     however far the knots are apart, and it is p where that is constant. It is straight between middles of steps, over
     which the trapezoidal rule is exact.
 
-    The line begins at the pressure of the start. A mean is known when the knot behind it is. Values are pressures at n
-    places, or what is linear in them. Nothing is collective.
+    A mean is known when the knot behind it is. The line begins at the pressure of the start. At the first and the last
+    knot, which have no other on one side, it is the pressure of the step. Values are pressures at n places, or what is
+    linear in them. Nothing is collective.
 
     Parameters
     ----------
-    time : of the start [s], or of the last pressure before it; values : (n,) then; end : up to where they act [s]
+    time : of the start [s]; values : (n,) then
+    end : if the values are those of a step, and not of the start of a run: its end [s], with its middle as `time`
     """
 
-    def __init__(self, time: float, values: Floats | Sequence[float], end: float) -> None:
-        start = np.array(values, float)
-        self._line: list[Point] = [(time, start)]       # the last two points of the line that are known
-        self._knots = [time]                            # the last of these, and the knot behind it if there is one
-        self._acted: list[Point] = [(time, start)]      # middles and values of steps, from the last up to that knot on
-        self._steps: list[Step] = [(time, end, start)] if end > time else []    # that act behind that knot
+    def __init__(self, time: float, values: Floats | Sequence[float], end: float | None = None) -> None:
+        own = np.array(values, float)
+        self._line: list[Point] = [(time, own)]         # the last two points of the line that are known
+        self._acted: list[Point] = [(time, own)]        # middles and values of steps from these on
+        self._knots = [] if end is None else [time]     # the last that is known, and the one behind it if there is one
+        self._steps: list[Step] = [] if end is None else [(time, end, own)]    # that act behind that knot
 
     def add(self, start: float, end: float, middle: float, values: Floats | Sequence[float], window: float) -> None:
         """Add the step from `start` to `end` [s], with its middle [s] and values (n,).
 
-        window : distance of the knot before, if the step shall have one [s]
+        window : [s], which the distance of knots shall be, to half a step
         """
         own = np.array(values, float)
         self._steps.append((start, end, own))
         self._acted.append((middle, own))
-        if middle - self._knots[-1] < ROUNDED * window:
+        if not self._knots:
+            self._line.append((middle, own))
+        elif middle - self._knots[-1] < ROUNDED * (window - 0.5 * (end - start)):
             return
         self._knots.append(middle)
         if len(self._knots) == 3:
@@ -70,7 +74,7 @@ class Means:
     def at(self, time: float, ended: bool = False) -> tuple[Floats, Floats]:
         """Return the line (n,) at a time [s] that is known, and the values (n,) that acted, linear between middles.
 
-        ended : whether there is no further step: then all of the line is known, with the last middle as its last knot
+        ended : whether there is no further step: then all of the line is known
         """
         return _between([*self._line, *(self._last() if ended else ())], time), _between(self._acted, time)
 
@@ -89,7 +93,7 @@ class Means:
         return found
 
     def _mean(self, before, knot, behind):
-        """Return the mean (n,) at a knot. Of the last one, which is `behind` too, the hat is a half."""
+        """Return the mean (n,) at a knot between two others."""
         found = np.zeros_like(self._line[-1][1])
         for start, end, values in self._steps:
             weight = _hat(end, before, knot, behind) - _hat(start, before, knot, behind)
@@ -99,17 +103,15 @@ class Means:
 
     def _last(self):
         """Return the points of the line behind the known ones, if the last step was the last of all."""
-        knots, last = self._knots, self._acted[-1][0]
-        knots = [*knots, last] if last > knots[-1] else knots
-        knots = [*knots, last]
-        return [(knot, self._mean(before, knot, behind))
-                for before, knot, behind in zip(knots, knots[1:], knots[2:])]
+        last, found = self._acted[-1], []
+        if len(self._knots) == 2 and last[0] > self._knots[1]:
+            found = [(self._knots[1], self._mean(*self._knots, last[0]))]
+        return [*found, last] if last[0] > self._line[-1][0] else found
 
     def _forget(self):
-        """Forget what lies before the last known knot."""
-        first = self._knots[0]
-        self._steps = [step for step in self._steps if step[1] > first]
-        while len(self._acted) > 1 and self._acted[1][0] <= first:
+        """Forget steps before the last known knot, and what acted before the known part of the line."""
+        self._steps = [step for step in self._steps if step[1] > self._knots[0]]
+        while len(self._acted) > 1 and self._acted[1][0] <= self._line[0][0]:
             self._acted.pop(0)
 
 
@@ -117,8 +119,7 @@ def _hat(time, before, knot, behind):
     """Return the integral up to a time of the hat function of a knot between two others [s]."""
     if time <= knot:
         return 0.5 * max(time - before, 0.0) ** 2 / (knot - before)
-    left = 0.5 * max(behind - time, 0.0) ** 2 / (behind - knot) if behind > knot else 0.0
-    return 0.5 * (behind - before) - left
+    return 0.5 * (behind - before) - 0.5 * max(behind - time, 0.0) ** 2 / (behind - knot)
 
 
 def _between(points, time):

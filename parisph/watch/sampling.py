@@ -268,7 +268,10 @@ class Sampler:
 
 
 class OfPressure(Sampler):
-    """A probe of pressure alone. Its columns are means in time in a run (watch.means); with `acted`, they come twice."""
+    """A probe of pressure alone. Its columns are means in time in a run (watch.means).
+
+    With `acted` they come twice, the second time as what acts in the step.
+    """
 
     of_pressure = True
 

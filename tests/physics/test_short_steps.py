@@ -23,7 +23,7 @@ def test_pressure_at_two_times_close_together(tmp_path, later, time_step):
     first, second = (found.snapshot(time) for time in (ASKED, ASKED + later))
     p, q = (seen["p"][np.argsort(seen["id"])] for seen in (first, second))
     assert second["time"] - first["time"] == pytest.approx(later)
-    assert np.linalg.norm(q - p) < 0.05 * np.linalg.norm(p)
+    assert np.linalg.norm(q - p) < 0.06 * np.linalg.norm(p)     # by as much it changes in half a step
 
 
 def test_steps_shortened_alike_have_the_pressure_of_their_neighbours(tmp_path):
