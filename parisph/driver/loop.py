@@ -264,6 +264,7 @@ class _Run:
         s = self.simulation
         self._note_options()
         s.complete(self.case.output.fields)
+        s.method.show()
         self.store.snapshot(s.particles, s.time, s.steps)
 
     def _save(self) -> None:

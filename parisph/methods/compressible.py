@@ -123,6 +123,9 @@ class Compressible:
         speed, strongest = _largest(p.comm, speed, strongest)
         return weakly.longest_step(self.h, self.sound, speed, self.flow.numerics.artificial_viscosity, strongest)
 
+    def show(self) -> None:
+        """Leave the pressure that a snapshot shows: the one that particles have. Not collective."""
+
     @property
     def columns(self) -> dict[str, str]:
         """Columns of steps.csv with their units."""
