@@ -4,7 +4,22 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Force, Momentum, Numerics, Output, PressureTap, ProbeArray, Tank
+from parisph import (
+    Box,
+    Case,
+    Disc,
+    Fluid,
+    Force,
+    Momentum,
+    Numerics,
+    Obstacle,
+    Output,
+    PressureTap,
+    ProbeArray,
+    StillWater,
+    Sway,
+    Tank,
+)
 from parisph.base.fields import FLUID
 from parisph.driver import Simulation, restart, run
 from parisph.io import reader
@@ -71,3 +86,26 @@ def test_a_restart_shows_the_same(tmp_path):
             scale = np.abs(b[column]).max()    # pressures are solved to 1e-5
             np.testing.assert_allclose(a[column], b[column], rtol=0, atol=1e-4 * scale, err_msg=column)
     assert list(whole.probe("taps").dtype.names[2:]) == ["a", "b_pressure", "b_pressure_acted"]
+
+
+def test_without_gravity_the_force_is_in_time(tmp_path):
+    """A disc sways in a full tank: the forces on both are what changes the momentum of the fluid."""
+    frequency = 3.0 * np.pi
+    disc = Obstacle(Disc(radius=0.3, at=(1.0, 1.0)), name="disc", motion=Sway(amplitude=0.03, frequency=frequency))
+    case = Case(title="sway", fluid=Fluid(StillWater(level=2.0), density=1000.0),
+                walls=(Tank(width=2.2, height=2.0, lid=True), disc), gravity=(0.0, 0.0), end_time=0.68,
+                numerics=Numerics(spacing=0.1),
+                probes=[Force("disc", on="disc"), Force("tank", on="tank"), Momentum("momentum")])
+    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    found = reader.open_run(tmp_path / "run")
+    on_disc, on_tank, momentum = (found.probe(name) for name in ("disc", "tank", "momentum"))
+
+    def wave(t, values):
+        """Return the amplitude of a wave over its first period, as a complex number with its phase."""
+        once = t <= 2.0 * np.pi / frequency
+        base = np.stack([np.ones(once.sum()), np.cos(frequency * t[once]), np.sin(frequency * t[once])], axis=1)
+        return np.linalg.lstsq(base, values[once], rcond=None)[0][1:] @ (1.0, 1.0j)
+    force = wave(on_disc["time"], on_disc["fx"] + on_tank["fx"])
+    # of A cos wt + B sin wt, the change is w (B cos wt - A sin wt)
+    due = -frequency * -1j * wave(momentum["time"], momentum["px"])
+    assert abs(force - due) < 0.08 * abs(due)
