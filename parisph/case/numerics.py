@@ -52,8 +52,8 @@ class Numerics(Model):
         them)
     surface_offset : distance from a surface particle that stands for a full cell out to p = 0, over that of the last
         two layers (one spacing where the flow has not stretched them); 0 for p = 0 at particles
-    pressure_mean : over how many times the shortest time that particles resolve (methods.timestep) pressure is
-        averaged, if steps are shorter than that, at walls twice as long; 0 for the pressure of each step
+    pressure_mean : over how many times the shortest time that particles resolve (methods.timestep), twice, probes of
+        pressure take means, if steps are shorter than that; 0 for means over the steps around alone
     rtol : relative tolerance of the pressure solve
     equation_of_state, sound_speed, artificial_viscosity, xsph : of the method SPH alone (Z14 Eqs 3, 8, 9); the speed of
         sound [m/s] is by default ten times the fastest fluid that the scene lets expect
@@ -112,7 +112,7 @@ class Numerics(Model):
     surface_offset: Optional[float] = Field(None, ge=0, le=1,
                                             description="distance of p = 0 from full surface particles, in layers")
     pressure_mean: Optional[float] = Field(
-        None, ge=0, le=100, description="mean of pressure in short steps, in times that particles resolve")
+        None, ge=0, le=100, description="time of the means of pressure probes, over twice that which particles resolve")
     wall_rows: Optional[str] = Field(None, description="name of the rows of wall particles")
     gradient: Optional[str] = Field(None, description="name of the pressure gradient")
     surface_gradient: Optional[str] = Field(None, description="name of the pressure gradient at the surface")

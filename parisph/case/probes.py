@@ -16,6 +16,7 @@ from parisph.case.truths import Peaks, Truth, WaveTruth
 Peak = Annotated[bool, Field(description="whether the flow at the greatest value is kept, in the window of its truth")]
 Arrival = Annotated[
     Optional[float], Field(description="value whose first passing is told in the summary, in the probe's unit")]
+Acted = Annotated[bool, Field(description="whether the pressure that acts in the step is given beside its mean")]
 Every = Annotated[int, Field(ge=1, description="how many of the run's samples there are for one of this probe")]
 Point = Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) [m]")]
 
@@ -73,10 +74,12 @@ class PressureTap(Probe):
     diameter : [m] of a round sensor, over whose disc the pressure is averaged instead: in 2D over a stretch, with
         the chord of the disc at each place as its weight
     side : of a Plate, as seen along its points
+    acted : whether the pressure that acts in the step comes beside the mean in time, in the column pressure_acted
 
     On a body that moves, `at` is where the tap is at t = 0; it moves with the body.
 
-    A sample has the time for which its pressure is solved, the middle of a step; with method="SPH", the end.
+    A sample has the time for which its pressure is solved, the middle of a step; with method="SPH", the end. It is a
+    mean in time, as of a Force.
 
     Examples
     --------
@@ -94,6 +97,7 @@ class PressureTap(Probe):
         None, gt=0, description="radius of the face of the tap [m]; one spacing if it is less; default 3 spacings")
     diameter: Optional[float] = Field(None, gt=0, description="diameter of the disc of the sensor [m]")
     side: Optional[Literal["left", "right"]] = Field(None, description="side of a plate, as seen along its points")
+    acted: Acted = False
     arrival: Arrival = None
     every: Every = 1
 
@@ -276,9 +280,17 @@ class Force(Probe):
     Friction on the body is not included. A sample has the time for which its pressure is solved, the middle of a step;
     with method="SPH", the end.
 
+    It is a mean over the steps around, with weights that fall linearly to 0 at the means before and after. These are a
+    step away, or with Numerics(pressure_mean=) at least that many times 2 min(0.3 s/u, 0.025 sqrt(s/a)), with the
+    largest speed u and the larger one of the body force and the mean acceleration by pressure as a: particles do not
+    resolve what is shorter. The trapezoidal rule over the samples of all steps gives the impulse of the pressure that
+    acts, up to the ends of the run. With method="SPH" a sample is the pressure of one step.
+
     on : name of the body
     side : of a tank; None for all of it
     about : point of the moment [m]
+    acted : whether the force that acts in the step comes beside this mean, in the columns fx_acted, fy_acted and
+        moment_acted
 
     Examples
     --------
@@ -290,6 +302,7 @@ class Force(Probe):
     on: str = Field("tank", description="name of the body")
     side: Optional[Literal["left", "right", "bed", "lid"]] = Field(None, description="side of the tank")
     about: Point = (0.0, 0.0)
+    acted: Acted = False
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     every: Every = 1

@@ -119,7 +119,7 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
                                        f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
                                                      f"{f'; earlier results are in {folder}' * elsewhere}"))
             account = Account.resumed(saved.state) if saved else Account.new()
-            run = _Run(simulation, samplers, store, account, progress, saved.state.get("peaks") if saved else None,
+            run = _Run(simulation, samplers, store, account, progress, saved.state if saved else None,
                        folder if saved and elsewhere else None)
             if saved and done:
                 run.saved_step, run.last_checkpoint = saved.step, found
@@ -153,8 +153,8 @@ class _Run:
     """The steps of one run, and everything around them."""
 
     def __init__(self, simulation: Simulation, samplers: list[Sampler], store: Store, account: Account, progress: bool,
-                 peaks: Mapping[str, Any] | None = None, source: Path | None = None) -> None:
-        """peaks : state of the peaks in the checkpoint; source : folder of the earlier run, if this one is another."""
+                 state: Mapping[str, Any] | None = None, source: Path | None = None) -> None:
+        """state : in the checkpoint; source : folder of the earlier run, if this one is another."""
         self.simulation, self.store, self.account = simulation, store, account
         self.comm, self.case = simulation.comm, simulation.case
         self.progress = Progress(self.case.end_time, progress, self.comm.rank == 0)
@@ -162,8 +162,9 @@ class _Run:
         self.saved_step: int | None = None
         self.saved_at = perf_counter()
         self.clock = Clock()
-        self.peaks, self.source = Peaks(simulation, samplers, self.case.output.fields, peaks), source
-        self.watch = Watch(simulation, samplers, self.case.output, self.peaks)
+        state, self.source = state or {}, source
+        self.peaks = Peaks(simulation, samplers, self.case.output.fields, state.get("peaks"))
+        self.watch = Watch(simulation, samplers, self.case.output, self.peaks, state.get("watch"))
         self.snapshots = Times(self.case.output.every, self.case.output.times)
         self.checkpoints = Times(self.case.output.checkpoint_every)
 
@@ -263,6 +264,7 @@ class _Run:
         s = self.simulation
         self._note_options()
         s.complete(self.case.output.fields)
+        s.method.show()
         self.store.snapshot(s.particles, s.time, s.steps)
 
     def _save(self) -> None:
@@ -274,8 +276,8 @@ class _Run:
             self.account.measure(s)
         with s.timers("store"):
             self.peaks.write(self.store, all_of_them=True)
-            state = {**self.account.state(s), "peaks": self.peaks.state(), "left": vars(s.left),
-                     **s.method.state()}
+            state = {**self.account.state(s), "peaks": self.peaks.state(), "watch": self.watch.state(),
+                     "left": vars(s.left), **s.method.state()}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
         self.signals.left = (f"the last checkpoint is {self.last_checkpoint}; "

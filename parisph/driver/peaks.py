@@ -43,7 +43,8 @@ class Peaks:
 
     When a probe has a new maximum, this rank's particles are copied in memory. They are written when
     the value has clearly fallen, at each checkpoint, and at the end of the run. Every step counts, and
-    the values are the same on all ranks.
+    the values are the same on all ranks. Means of pressures, which are known some steps later, do not count here, but
+    those over the last steps (watch.means.Means.lately), which may differ from them a little.
 
     Parameters
     ----------

@@ -1,15 +1,18 @@
 """The sampling of a run's probes: every n steps, or at a fixed rate in time."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from parisph.base.arrays import Array, Floats
 from parisph.case.numerics import Output
 from parisph.driver.peaks import Peaks
 from parisph.driver.schedule import ROUNDING, Times
 from parisph.driver.simulation import Simulation
 from parisph.watch import instruments
+from parisph.watch.means import Means
 from parisph.watch.sampling import Sampler
 
 Values = dict[str, tuple[float, ...]]    # of each probe
@@ -37,18 +40,23 @@ class Watch:
     Samples have the time of what they measure: that of the particles, the end of a step, or for pressures on walls
     that of the pressure, in a projection the middle of the step. What is due after the last pressure of a run has that
     pressure, so that all series reach the end. At a fixed rate, samples are taken at exactly k intervals, by linear
-    interpolation in time between two steps, and probes are evaluated around these only. Nothing has to be stored for a
-    restart, which evaluates them again at the beginning of its first step.
+    interpolation in time between two steps, and probes are evaluated around these only; a restart evaluates them again
+    at the beginning of its first step.
+
+    The pressures of a projection are means in time (watch.means). Their probes are evaluated in every step, and a
+    sample is written when its mean is known, some steps later. A restart needs the state of the means.
 
     Parameters
     ----------
     simulation : Simulation
     samplers : list of Sampler (io.probes.build)
     output : Output of the case
-    peaks : Peaks, which sees the values of its probes in every step
+    peaks : Peaks, which sees the values of its probes in every step: of means, those of the last steps
+    state : of an earlier part of the run, from its checkpoint (see `state`)
     """
 
-    def __init__(self, simulation: Simulation, samplers: list[Sampler], output: Output, peaks: Peaks) -> None:
+    def __init__(self, simulation: Simulation, samplers: list[Sampler], output: Output, peaks: Peaks,
+                 state: Mapping[str, Any] | None = None) -> None:
         self.simulation, self.samplers, self.peaks = simulation, samplers, peaks
         self._every = output.probe_every
         self._interval = output.probe_interval or 0.0    # [s]
@@ -56,27 +64,44 @@ class Watch:
         self._places, self._pressures = (
             _Clock([sampler for sampler in samplers if sampler.of_pressure is pressures], 0.0, 0.0)
             for pressures in (False, True))
-        self._clocks = [clock for clock in (self._places, self._pressures) if clock.samplers]
+        self._averaged = simulation.pressure_window is not None and bool(self._pressures.samplers)
+        self._clocks = [clock for clock in (self._places, self._pressures)
+                        if clock.samplers and not (self._averaged and clock is self._pressures)]
+        self._start = simulation.time    # of the last step [s]
+        self._means: Means | None = None
+        self._pending: list[tuple[float, int, int]] = []    # samples of pressures to come: time [s], step, number
+        if state and self._averaged:
+            self._means = Means.resumed(state["means"])
+            self._pending = [(time, step, number) for time, step, number in state["pending"]]
         self._look_at_clocks()
 
     def title(self, sampler: Sampler) -> str:
         """Return the line for the head of a probe's file. Not collective."""
+        mean = "; mean in time with the impulse of the pressure" * (sampler.of_pressure and self._averaged)
         if self._times is None:
-            return f"{sampler.title}{'; time is that of the pressure' * sampler.of_pressure}"
+            return f"{sampler.title}{'; time is that of the pressure' * sampler.of_pressure}{mean}"
         apart = sampler.probe.every * self._interval
-        return f"{sampler.title}; every {apart:.12g} s by linear interpolation in time between the steps around"
+        return f"{sampler.title}; every {apart:.12g} s by linear interpolation in time between the steps around{mean}"
 
     def reached(self, sampler: Sampler) -> float:
         """Return the time [s] up to which samples of a probe are final now. Not collective."""
         if self.simulation.finished():
             return self.simulation.reached
+        if sampler.of_pressure and self._means is not None:
+            return self._means.known + self.simulation.rounding
         return (self._pressures if sampler.of_pressure else self._places).now + self.simulation.rounding
+
+    def state(self) -> dict[str, Any]:
+        """Return what a checkpoint needs. Not collective."""
+        return {} if self._means is None else {"means": self._means.state(), "pending": self._pending}
 
     def at_start(self) -> list[Line]:
         """Return the lines [(time [s], step, {probe: values})] of the start of a run."""
         s = self.simulation
         self._look_at_clocks()
         found = self._sample(self.samplers)
+        if self._averaged:
+            self._means = Means(s.time, self._joined(found))
         self.peaks.look(found)
         return [(s.time, s.steps, found)]
 
@@ -84,6 +109,9 @@ class Watch:
         """Evaluate the probes before a step that ends at `after` [s], if it contains samples."""
         s = self.simulation
         self._look_at_clocks()
+        if self._averaged and self._means is None:    # the checkpoint is of an earlier version
+            self._means = Means(self._pressures.now, self._joined(self._sample(self._pressures.samplers)), s.time)
+        self._start, self._pressures.since = s.time, self._pressures.now + s.rounding
         if self._times is None:
             return
         needed = []
@@ -102,8 +130,11 @@ class Watch:
         self._look_at_clocks()
         due = [self._due(clock) for clock in self._clocks]
         found = self._sample(self._needed(due))
+        lines: list[Line] = []
+        if self._means is not None:
+            lines = self._mean_lines(found, self._means)
+            found = found | self._values(self._means.lately)
         self.peaks.look(found)
-        lines = []
         for clock, own in zip(self._clocks, due):
             if own:
                 before, clock.last = clock.last, (clock.now, found)
@@ -111,17 +142,49 @@ class Watch:
                           for time, number in own]
         return lines
 
+    def _mean_lines(self, found: Values, means: Means) -> list[Line]:
+        """Return the lines of the pressures whose means have become known by the last step. Not collective."""
+        s, clock, ended = self.simulation, self._pressures, self.simulation.finished()
+        means.add(self._start, s.time, clock.now, self._joined(found), s.pressure_window or 0.0)
+        self._pending += [(time, s.steps, number) for time, number in self._due(clock)]
+        known, lines = means.known + s.rounding, []
+        for time, step, number in self._pending:
+            if ended or time <= known:
+                mean, acted = means.at(time, ended)
+                values = self._values(np.where(self._as_acted, acted, mean))
+                lines.append((time, step, self._of(clock, number, values)))
+        # a run that goes on behind its end knows the last ones better, and has none after its last pressure
+        self._pending = [line for line in self._pending if known < line[0] <= clock.now + s.rounding]
+        return lines
+
+    def _joined(self, found: Values) -> Floats:
+        """Return the values of all probes of pressures, one after the other (n,)."""
+        return np.concatenate([found[sampler.name] for sampler in self._pressures.samplers])
+
+    def _values(self, joined: Floats) -> Values:
+        """Return {probe: values} of the probes of pressures from their values one after the other."""
+        ends = np.cumsum([len(sampler.columns) for sampler in self._pressures.samplers])
+        return {sampler.name: tuple(own.tolist())
+                for sampler, own in zip(self._pressures.samplers, np.split(joined, ends[:-1]))}
+
+    @property
+    def _as_acted(self) -> Array:
+        """Which of the values of the probes of pressures are no means (n,)."""
+        return np.array([name in sampler.acted for sampler in self._pressures.samplers for name in sampler.columns])
+
     def _look_at_clocks(self) -> None:
         self._places.now, self._pressures.now = self.simulation.time, self.simulation.pressure_time
 
     def _needed(self, due: Sequence[Sequence[tuple[float, int]]]) -> Sequence[Sampler]:
         """Return the samplers to evaluate after a step, in their order. Not collective.
 
-        At a fixed rate all of a clock, if there are samples: the next step may begin with these values.
+        Those of means always. At a fixed rate all of a clock, if there are samples: the next step may begin with these
+        values.
         """
         needed = {id(sampler) for clock, own in zip(self._clocks, due) for sampler in clock.samplers
                   if sampler.probe.peak or (own and self._times) or any(_is_for(sampler, number) for _, number in own)}
-        return [sampler for sampler in self.samplers if id(sampler) in needed]
+        return [sampler for sampler in self.samplers
+                if id(sampler) in needed or (self._averaged and sampler.of_pressure)]
 
     def _of(self, clock: _Clock, number: int, values: Values) -> Values:
         """Return the values of the probes of a clock that have the sample of that number."""

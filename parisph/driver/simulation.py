@@ -214,6 +214,11 @@ class Simulation:
         found: float | None = self.method.pressure_time
         return self.time if found is None else found
 
+    @property
+    def pressure_window(self) -> float | None:
+        """Time [s] that means of pressure over steps like the last take, None where pressures are not averaged."""
+        return self.method.pressure_window
+
     def finished(self) -> bool:
         """Return whether the end time is reached, to within half a fixed step."""
         return finished(self.case, self.time)

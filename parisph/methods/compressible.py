@@ -68,6 +68,7 @@ class Compressible:
         self.strain_rate = 0.0           # nor is strain looked at
         self._steps, self._begun = 0, False
         self.pressure_time = None        # that of the particles
+        self.pressure_window = None      # no means: its pressures follow from densities, not from impulses
 
     # -- what the driver asks for ----------------------------------------------------------
 
@@ -121,6 +122,9 @@ class Compressible:
         strongest = float(np.sqrt((p.pull**2).sum(axis=1).max(initial=0.0)))
         speed, strongest = _largest(p.comm, speed, strongest)
         return weakly.longest_step(self.h, self.sound, speed, self.flow.numerics.artificial_viscosity, strongest)
+
+    def show(self) -> None:
+        """Leave the pressure that a snapshot shows: the one that particles have. Not collective."""
 
     @property
     def columns(self) -> dict[str, str]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
 from parisph.kernels import balance, movement, record
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, potential, regularising, straining, surfaces
@@ -24,10 +24,11 @@ from parisph.pressure.solver import PressureSolver
 
 FEW = 10             # particles without a surface that are not worth an equation
 BODIES = 4           # bodies of fluid without a surface, at most, that get one
-# of the time over which pressure is averaged: that of walls. Fluid comes to a wall one layer after the other, which is
-# more than the .3 spacings of `timestep`. Chosen by P2 of the dam break; 10/3, a whole spacing, does as well. Inside,
-# a longer mean would only be late.
+# times what particles resolve (`timestep`): the distance of the knots of means of pressures on walls. Fluid comes to a
+# wall one layer after the other, which is more than the .3 spacings there. P2 of the dam break at H/s = 40, three
+# starts: errors of .057 and .056 with adaptive steps and half of them; .061 and .058 with 1, .057 and .057 with 4.
 AT_WALLS = 2.0
+SHORTENED = 0.5      # of the usual step: one that is shortened more has no mean of its own
 ROUNDING = 1e-3      # spacings within which two particles are equally high
 
 
@@ -48,7 +49,7 @@ class Projection:
         self.stepping = STEPPINGS[n.stepping]
         self.guesses = Guesses()
         self.earlier_accelerations = Accelerations()
-        self.knows_pressure = False     # whether particles have the pressure of an earlier step, or of the start
+        self.pressure_window: float | None = 0.0
         self.rows = PressureRows(flow.particles.dim, parts.laplacian, parts.divergence, parts.wall_rows,
                                  n.surface_offset, lengths.MLS)
         self.solver = PressureSolver(flow.particles.comm, petsc_options, n.rtol, closed=flow.closed)
@@ -76,7 +77,7 @@ class Projection:
         with timers("assemble"):
             matrix, right, isolated = self._assemble(dt)
         with timers("solve"):
-            earlier, middle = p.p.copy(), time + 0.5 * dt
+            middle = time + 0.5 * dt
             guesses = self.guesses.at(p, middle)
             self.guesses.remember(p, middle)
             p.p[:], solve = self.solver.solve(*matrix, right, guesses, renumbered=renumbered)
@@ -91,9 +92,6 @@ class Projection:
             self._regularise_velocity(dt)
             self._move(start, time, dt)
             budget.mark(p, "pressure")
-        if self.knows_pressure:
-            self._average_pressure(earlier, dt, *self._mean_times(dt))
-        self.knows_pressure = True
         if parts.position_regularisers:
             with timers("regularise"):
                 flow.fresh("x")
@@ -127,7 +125,6 @@ class Projection:
         matrix, right, isolated = self._equation(target)
         p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
         self.guesses.restart(time)
-        self.knows_pressure = True
         return isolated
 
     def acceleration(self, time: float) -> np.ndarray:
@@ -147,6 +144,17 @@ class Projection:
         p.role[:] = role
         found[p.kind != FLUID] = 0.0
         return found
+
+    def show(self) -> None:
+        """Leave the pressure that a snapshot shows: after a step far shorter than usual, the mean over the usual time.
+
+        What steps leave of the divergence is gone after one of any length, and as a pressure grows as 1/dt. Later steps
+        only begin their solves with this pressure. Once a step; not collective.
+        """
+        p, share = self.flow.particles, self.flow.dt / max(self.flow.usual, np.finfo(float).tiny)
+        if 0.0 < share < SHORTENED:
+            p.p[:] = p.p_before + share * (p.p - p.p_before)
+            self.flow.stale.add("p")
 
     def longest_step(self) -> float:
         """Return the longest step [s] that the parts of the method allow, infinite if none limits it. Collective."""
@@ -191,7 +199,6 @@ class Projection:
         self.guesses.times = list(state.get("pressure_times", ()))
         if self.stepping.corrected:
             self.earlier_accelerations.times = list(state.get("acceleration_times", ()))
-        self.knows_pressure = True
 
     def about(self) -> dict[str, str | None]:
         """Return the options of PETSc in use."""
@@ -349,33 +356,17 @@ class Projection:
             straining.finish(flow, dt)
         regularising.change(flow, regularisers, dt)
 
-    def _mean_times(self, dt):
-        """Return the times [s] over which the pressures of the fluid and of walls are averaged in a step of dt.
+    def _window(self, acceleration):
+        """Return the time [s] over which probes average the pressure around a step. Collective.
 
-        0 for the step's own pressure. Collective.
+        A step of usual length has a mean of its own, one that is shortened to meet a time may share it.
+
+        acceleration : of fluid by pressure in this step, in the mean on all ranks [m/s^2]
         """
         flow = self.flow
-        p, n = flow.particles, flow.numerics
-        shortened = flow.usual if dt < 0.5 * flow.usual else 0.0
-        if not n.pressure_mean:
-            return shortened, shortened
-        time = n.pressure_mean * resolved_time(p.comm, p, flow.spacing, flow.force[:p.n_owned])
-        return max(shortened, time), max(shortened, AT_WALLS * time)
-
-    def _average_pressure(self, earlier, dt, time, at_walls):
-        """Leave means over these times [s] as the pressures after a step of dt that is shorter. Not collective.
-
-        The pulse of a particle that comes to a wall or to the surface acts in one step of any length. The velocity
-        needs its whole impulse, but as a pressure it would grow without bound as dt -> 0.
-        """
-        p = self.flow.particles
-        fluid = p.role == INNER
-        if self.flow.numerics.surface_offset > 0.0:
-            fluid |= p.role == SURFACE
-        for some, over in ((fluid, time), (p.role == WET, at_walls)):
-            if dt < over:
-                np.copyto(p.p, earlier + dt / over * (p.p - earlier), where=some)
-                self.flow.stale.add("p")
+        p, mean = flow.particles, flow.numerics.pressure_mean
+        time = mean * resolved_time(p.comm, p, flow.spacing, flow.force[:p.n_owned], acceleration) if mean else 0.0
+        return max(AT_WALLS * time, SHORTENED * flow.usual)
 
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None,
                           laplacian: np.ndarray | None = None) -> np.ndarray:
@@ -422,7 +413,9 @@ class Projection:
             p.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
         squares, count, surface, roots, particles, strain, collisions = sums
         flow.mean_strain = float(strain / max(particles, 1.0)) / dt
-        straining.remember(flow, float(roots / max(particles, 1.0)) ** 2, dt)
+        acceleration = float(roots / max(particles, 1.0)) ** 2
+        straining.remember(flow, acceleration, dt)
+        self.pressure_window = self._window(acceleration)
         again = {} if second is None else {"position_iterations": second.iterations,
                                            "position_residual": second.residual, "position_fallback": second.fallback}
         return ProjectionReport(dt, int(surface), 0, flow.budget.works(p.comm), solve.iterations,

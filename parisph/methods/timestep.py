@@ -114,16 +114,21 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
         dt = min(allowed, 0.5 * dt)
 
 
-def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: np.ndarray) -> float:
+def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: np.ndarray,
+                  acceleration: float = 0.0) -> float:
     """Return the shortest time [s] over which the pressure of particles has a meaning. Collective.
 
-    It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/g); 0 if nothing moves or
-    pulls. Within it, pressure consists of the pulses of single particles that come to a wall or to the surface.
+    It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/a), with the larger one
+    of the body force and of the acceleration of the fluid by pressure as a; 0 if nothing moves or pulls. Within it,
+    pressure consists of the pulses of single particles that come to a wall or to the surface.
 
     force : (n_owned, dim), body force per unit mass [m/s^2]; that on walls does not count
+    acceleration : of fluid by pressure, in the mean on all ranks [m/s^2]: in a tank without gravity whose walls sway,
+        the velocity, which turns, sets no time
     """
     strongest = record.fluid_sizes(force, particles.kind)[0]
     fastest, strongest, _ = _largest_of_all(comm, _fastest(particles), strongest)
+    strongest = max(strongest, acceleration)
     rate = max(fastest / (TOLD_MOVE * spacing), np.sqrt(strongest / spacing) / TOLD_FALL)
     return 1.0 / rate if 0.0 < rate < np.inf else 0.0
 

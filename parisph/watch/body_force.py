@@ -8,14 +8,14 @@ from parisph.base.errors import CaseError
 from parisph.base.fields import DRY, WALL
 from parisph.case import probes
 from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors
-from parisph.watch.sampling import WIDTH, Sampler, Scene, View
+from parisph.watch.sampling import WIDTH, OfPressure, Sampler, Scene, View
 from parisph.watch.wall_pressure import SIDES, Force
 
 LAST = -1.0     # the first number of a row that tells the greatest number of a wall particle; else that of a node
 SQUARE = 0.9    # cosine of the angle between an element's normal and that of the side it belongs to
 
 
-class BodyForce(Sampler):
+class BodyForce(OfPressure):
     """As Force, for a body of any shape, which may move: its nodes are where they are now.
 
     On each element the pressure is linear between its nodes, and the integrals are exact. A node on a convex edge has
@@ -23,7 +23,6 @@ class BodyForce(Sampler):
     """
 
     columns = Force.columns
-    of_pressure = True
     dims = (2,)
 
     def __init__(self, probe: probes.Force, scene: Scene, mesh: WallMesh) -> None:
@@ -60,7 +59,7 @@ class BodyForce(Sampler):
         rows[1:, 3] = np.where(p.edge[wall] == CONVEX, np.nan, np.where(p.role[wall] == DRY, np.inf, p.p[wall]))
         return rows
 
-    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
+    def acting(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         nodes, last = rows[rows[:, 0] != LAST], rows[rows[:, 0] == LAST, 1].max()
         x, p = np.zeros_like(self._mesh.x0), np.full(len(self._mesh.x0), np.inf)
         number = (nodes[:, 0] - (last + 1 - len(x))).astype(int)    # nodes are the last particles, in their order

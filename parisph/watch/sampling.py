@@ -224,12 +224,15 @@ class Sampler:
     name, title : str
     columns : dict of column name -> unit
     ghosts : fields of the ghosts that must be up to date
-    of_pressure : whether its values are those of the pressure alone, and so of the time for which that was solved
+    of_pressure : whether its values are those of the pressure alone, and so of the time for which that was solved; they
+        are linear in it
+    acted : names of columns with the pressure that acts in a step, also where others are means in time
     """
 
     columns: dict[str, str] = {}
     ghosts: tuple[str, ...] = ()
     of_pressure = False
+    acted: frozenset[str] = frozenset()
     dims: tuple[int, ...] = (2, 3)
     title: str
 
@@ -264,14 +267,40 @@ class Sampler:
         raise NotImplementedError
 
 
+class OfPressure(Sampler):
+    """A probe of pressure alone. Its columns are means in time in a run (watch.means).
+
+    With `acted` they come twice, the second time as what acts in the step.
+    """
+
+    of_pressure = True
+
+    def __init__(self, probe: AnyProbe, scene: Scene) -> None:
+        super().__init__(probe, scene)
+        if probe.acted:
+            self.acted = frozenset(f"{name}_acted" for name in self.columns)
+            self.columns = self.columns | {f"{name}_acted": unit for name, unit in self.columns.items()}
+
+    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
+        """See Sampler: at an instant, both are what acts then."""
+        found = tuple(self.acting(sums, rows))
+        return found + found if self.acted else found
+
+    def acting(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float] | np.ndarray:
+        """Return the values as `values` does, once. Not collective."""
+        raise NotImplementedError
+
+
 class Several(Sampler):
     """An array of probes: its columns are those of all of them, one after the other."""
 
     def __init__(self, probe: ProbeArray, scene: Scene, members: Sequence[Sampler]) -> None:
         super().__init__(probe, scene)
         self._members = tuple(members)
-        self.columns = {member.name if len(member.columns) == 1 else f"{member.name}_{column}": unit
-                        for member in members for column, unit in member.columns.items()}
+        names = [(member, column, member.name if len(member.columns) == 1 else f"{member.name}_{column}")
+                 for member in members for column in member.columns]
+        self.columns = {name: member.columns[column] for member, column, name in names}
+        self.acted = frozenset(name for member, column, name in names if column in member.acted)
         self.ghosts = tuple(sorted({name for member in members for name in member.ghosts}))
         self.of_pressure = all(member.of_pressure for member in members)
         self.title = "; ".join(f"{member.name}: {member.title}" for member in members)

@@ -8,7 +8,7 @@ from parisph.case import probes
 from parisph.geometry.mesh import area_vectors
 from parisph.geometry.probe_places import tap_element
 from parisph.kernels.tap import fitted_at_tap, tap_moments
-from parisph.watch.sampling import WIDTH, Sampler, Scene, View
+from parisph.watch.sampling import WIDTH, OfPressure, Scene, View
 
 # Sides of a tank: the axis across them, and the sign of the normal into the fluid.
 SIDES = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
@@ -17,7 +17,7 @@ FACE = 3.0    # radius [s] of the face of a tap: 2.1 and 2.6 follow an impact le
 FACING = 1e-6    # cosine between the normals of a tap and of a node of its wall; that of a sharp corner is small
 
 
-class PressureTap(Sampler):
+class PressureTap(OfPressure):
     """Pressure on a wall, by least squares of a linear pressure on the wall particles within the radius.
 
     The weight is (1 - r^2/radius^2)^2. A dry wall has p = 0. Only the wall of the tap counts; in a corner, only
@@ -25,7 +25,6 @@ class PressureTap(Sampler):
     """
 
     columns = {"pressure": "Pa"}
-    of_pressure = True
 
     def __init__(self, probe: probes.PressureTap, scene: Scene) -> None:
         super().__init__(probe, scene)
@@ -72,7 +71,7 @@ class PressureTap(Sampler):
         x, p = self._nodes(view)
         return tap_moments(x, p, self.at, self.axes, self.across, 0.5 * self.scene.step, self.radius)
 
-    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
+    def acting(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
         return (fitted_at_tap(sums, 1 + np.count_nonzero(~self.across)),)
 
 
@@ -101,7 +100,7 @@ class DiscTap(PressureTap):
         rows[:, 1], rows[:, 2] = d[near][:, ~self.across][:, 0], p[near]
         return rows
 
-    def values(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
+    def acting(self, sums: np.ndarray, rows: np.ndarray) -> Sequence[float]:
         return (disc_mean(rows[:, 1], rows[:, 2], self.radius),)
 
 
@@ -132,7 +131,7 @@ def _chords(z, radius):
     return 0.5 * (z * half + radius**2 * np.arcsin(np.clip(z / radius, -1.0, 1.0))), -(half**3) / 3.0
 
 
-class Force(Sampler):
+class Force(OfPressure):
     """Force of the pressure on the walls of a tank alone, -sum p n A, and its moment about a point (2D).
 
     Each wall particle stands for a spacing of wall, and at the ends of a side for half of one: this is the trapezoidal
@@ -141,7 +140,6 @@ class Force(Sampler):
     """
 
     columns = {"fx": "N/m", "fy": "N/m", "moment": "N m/m"}
-    of_pressure = True
     dims = (2,)
 
     def __init__(self, probe: probes.Force, scene: Scene) -> None:
@@ -161,7 +159,7 @@ class Force(Sampler):
             found += (*force.sum(axis=0), (arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum())
         return found
 
-    def values(self, sums: np.ndarray, rows: np.ndarray | None) -> np.ndarray:
+    def acting(self, sums: np.ndarray, rows: np.ndarray | None) -> np.ndarray:
         return sums
 
     def _areas(self, x: np.ndarray) -> Iterator[np.ndarray]:

@@ -1,11 +1,28 @@
-"""The pressure of steps that are shorter than what particles resolve."""
+"""What probes show of pressures: means in time with the impulse of the pressures that act."""
 
 import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.base.fields import FLUID, INNER, WET
-from parisph.driver import Simulation
+from parisph import (
+    Box,
+    Case,
+    Disc,
+    Fluid,
+    Force,
+    Momentum,
+    Numerics,
+    Obstacle,
+    Output,
+    PressureTap,
+    ProbeArray,
+    StillWater,
+    Sway,
+    Tank,
+)
+from parisph.base.fields import FLUID
+from parisph.driver import Simulation, restart, run
+from parisph.io import reader
 from parisph.methods.timestep import TOLD_FALL, TOLD_MOVE, resolved_time
 from tests.scenes import scene
 
@@ -14,9 +31,11 @@ def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_f
     simulation = Simulation(scene("dam_break", spacing=0.1, end_time=1.0), MPI.COMM_SELF)
     p, s = simulation.particles, simulation.numerics.spacing
 
-    def told(force):
-        return resolved_time(p.comm, p, s, np.tile([0.0, force], (p.n_owned, 1)))
+    def told(force, acceleration=0.0):
+        return resolved_time(p.comm, p, s, np.tile([0.0, force], (p.n_owned, 1)), acceleration)
     assert told(0.0) == 0.0 and told(-9.81) == pytest.approx(TOLD_FALL * np.sqrt(s / 9.81))
+    # fluid that nothing pulls, but walls that move
+    assert told(0.0, 9.81) == told(-9.81, 2.0) == told(-9.81)
     one = np.flatnonzero(p.kind == FLUID)[3]
     p.u[one] = (3.0, -4.0)
     assert (told(0.0) == pytest.approx(TOLD_MOVE * s / 5.0)
@@ -28,39 +47,65 @@ def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_f
     simulation.destroy()
 
 
-def pulses(mean):
-    """Return the velocities, and the size of the changes of pressure from step to step over that of pressure."""
-    case = scene("dam_break", {"pressure_mean": mean}, spacing=0.1, jitter=0.8, seed=3, time_step=0.001, end_time=1.0)
-    simulation, found = Simulation(case, MPI.COMM_SELF), []
-    simulation.solve_start()
-    for _ in range(80):
-        simulation.advance()
-        found.append(simulation.gather("p", "u"))
-    simulation.destroy()
-    p = np.array([step["p"] for step in found])[20:]
-    return found[-1]["u"], np.linalg.norm(np.diff(p, axis=0)) / np.linalg.norm(p)
+def falling(time_step=None, end=0.16, **output):
+    """A block of 12 x 8 spacings that is thrown onto the floor, where it is before t = 0.15 s."""
+    block = Fluid(Box(width=1.2, height=0.8, at=(1.4, 0.5)), density=1000.0, velocity=(0.0, -3.0))
+    return Case(title="block", fluid=block,
+                walls=Tank(width=4.0, height=3.0, lid=True), gravity=(0.0, -9.81), end_time=end,
+                output=Output(**output), numerics=Numerics(spacing=0.1, time_step=time_step),
+                probes=[Momentum("momentum"), Force("floor", side="bed", acted=True), Force("sides"),
+                        ProbeArray("taps", [PressureTap("a", at=(2.0, 0.0)),
+                                            PressureTap("b", at=(2.2, 0.0), acted=True)])])
 
 
-def test_short_steps_show_no_pulses_and_move_the_same():
-    u, rough = pulses(0.0)
-    v, smooth = pulses(1.0)
-    np.testing.assert_allclose(v, u, atol=1e-4 * np.abs(u).max())   # what is shown does not change what happens
-    assert smooth < 0.6 * rough
+@pytest.mark.parametrize("time_step", [None, 0.001])
+def test_the_impulse_of_the_force_is_the_momentum_lost(tmp_path, time_step):
+    run(falling(time_step, end=0.2), MPI.COMM_SELF, tmp_path / "run", progress=False)
+    found = reader.open_run(tmp_path / "run")
+    force, momentum, steps = found.probe("floor"), found.probe("momentum"), found.steps
+    lost = momentum["py"][-1] - momentum["py"][0] + 960.0 * 9.81 * momentum["time"][-1]
+    acted = force["fy_acted"][1:-1] @ steps["dt"]
+    shown = np.trapz(force["fy"], force["time"])
+    assert shown == pytest.approx(acted, rel=0.002)
+    assert -shown == pytest.approx(lost, rel=0.06) and lost > 1000.0
+    pulse = 0.7 if time_step else 1.0    # of a short step, which particles do not resolve
+    assert np.abs(force["fy"]).max() < pulse * np.abs(force["fy_acted"]).max()
 
 
-def test_walls_average_over_twice_the_time():
-    simulation = Simulation(scene("dam_break", spacing=0.1, end_time=1.0), MPI.COMM_SELF)
-    simulation.advance()
-    p, method = simulation.particles, simulation.method
-    method.flow.usual = 1e-6
-    time, at_walls = method._mean_times(1e-6)
-    assert at_walls == 2.0 * time > 0.0
-    p.p[:] = 0.0
-    method._average_pressure(np.ones(p.n_owned), 0.25 * time, time, at_walls)
-    np.testing.assert_allclose(p.p[p.role == INNER], 0.75)
-    np.testing.assert_allclose(p.p[p.role == WET], 0.875)
-    p.p[:] = 0.0
-    method._average_pressure(np.ones(p.n_owned), 1.5 * time, time, at_walls)
-    assert not p.p[p.role == INNER].any()
-    np.testing.assert_allclose(p.p[p.role == WET], 0.25)
-    simulation.destroy()
+def test_a_restart_shows_the_same(tmp_path):
+    """From a checkpoint in the impact, with means that are not known yet."""
+    case = falling(0.002, end=0.2, checkpoint_every=0.01)
+    run(case.changed(end_time=0.13), MPI.COMM_SELF, tmp_path / "part", progress=False)
+    restart(tmp_path / "part", MPI.COMM_SELF, until=0.2, progress=False)
+    run(case, MPI.COMM_SELF, tmp_path / "whole", progress=False)
+    part, whole = (reader.open_run(tmp_path / name) for name in ("part", "whole"))
+    for name in ("floor", "sides", "taps"):
+        a, b = part.probe(name), whole.probe(name)
+        np.testing.assert_array_equal(a["step"], b["step"])
+        for column in b.dtype.names[2:]:
+            scale = np.abs(b[column]).max()    # pressures are solved to 1e-5
+            np.testing.assert_allclose(a[column], b[column], rtol=0, atol=1e-4 * scale, err_msg=column)
+    assert list(whole.probe("taps").dtype.names[2:]) == ["a", "b_pressure", "b_pressure_acted"]
+
+
+def test_without_gravity_the_force_is_in_time(tmp_path):
+    """A disc sways in a full tank: the forces on both are what changes the momentum of the fluid."""
+    frequency = 3.0 * np.pi
+    disc = Obstacle(Disc(radius=0.3, at=(1.0, 1.0)), name="disc", motion=Sway(amplitude=0.03, frequency=frequency))
+    case = Case(title="sway", fluid=Fluid(StillWater(level=2.0), density=1000.0),
+                walls=(Tank(width=2.2, height=2.0, lid=True), disc), gravity=(0.0, 0.0), end_time=0.68,
+                numerics=Numerics(spacing=0.1),
+                probes=[Force("disc", on="disc"), Force("tank", on="tank"), Momentum("momentum")])
+    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    found = reader.open_run(tmp_path / "run")
+    on_disc, on_tank, momentum = (found.probe(name) for name in ("disc", "tank", "momentum"))
+
+    def wave(t, values):
+        """Return the amplitude of a wave over its first period, as a complex number with its phase."""
+        once = t <= 2.0 * np.pi / frequency
+        base = np.stack([np.ones(once.sum()), np.cos(frequency * t[once]), np.sin(frequency * t[once])], axis=1)
+        return np.linalg.lstsq(base, values[once], rcond=None)[0][1:] @ (1.0, 1.0j)
+    force = wave(on_disc["time"], on_disc["fx"] + on_tank["fx"])
+    # of A cos wt + B sin wt, the change is w (B cos wt - A sin wt)
+    due = -frequency * -1j * wave(momentum["time"], momentum["px"])
+    assert abs(force - due) < 0.08 * abs(due)

@@ -1,0 +1,134 @@
+"""Means of pressures in time that keep their integral."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from parisph.base.arrays import Floats
+
+ROUNDED = 1.0 - 1e-9    # of the distance of two knots: one that is a window but for rounding is one
+
+Point = tuple[float, Floats]                # time [s], values (n,)
+Step = tuple[float, float, Floats]          # start and end [s], values (n,)
+
+
+class Means:
+    """A line through means of pressures, whose integral over time is that of the pressures themselves.
+
+    A pressure p acts from the start of its step to the end. The line bends at knots, which are middles of steps about
+    a window apart. At a knot it is the mean of p weighted by its hat function f, which is 1 there and 0 at the knots
+    beside it: integral f p dt / integral f dt. The hats of all knots add up to 1. So the line has the integral of p
+    however far the knots are apart, and it is p where that is constant. It is straight between middles of steps, over
+    which the trapezoidal rule is exact.
+
+    A mean is known when the knot behind it is. The line begins at the pressure of the start. At the first and the last
+    knot, which have no other on one side, it is the pressure of the step. Values are pressures at n places, or what is
+    linear in them. Nothing is collective.
+
+    Parameters
+    ----------
+    time : of the start [s]; values : (n,) then
+    end : if the values are those of a step, and not of the start of a run: its end [s], with its middle as `time`
+    """
+
+    def __init__(self, time: float, values: Floats | Sequence[float], end: float | None = None) -> None:
+        own = np.array(values, float)
+        self._line: list[Point] = [(time, own)]         # the last two points of the line that are known
+        self._acted: list[Point] = [(time, own)]        # middles and values of steps from these on
+        self._knots = [] if end is None else [time]     # the last that is known, and the one behind it if there is one
+        self._steps: list[Step] = [] if end is None else [(time, end, own)]    # that act behind that knot
+
+    def add(self, start: float, end: float, middle: float, values: Floats | Sequence[float], window: float) -> None:
+        """Add the step from `start` to `end` [s], with its middle [s] and values (n,).
+
+        window : [s], which the distance of knots shall be, to half a step
+        """
+        own = np.array(values, float)
+        self._steps.append((start, end, own))
+        self._acted.append((middle, own))
+        if not self._knots:
+            self._line.append((middle, own))
+        elif middle - self._knots[-1] < ROUNDED * (window - 0.5 * (end - start)):
+            return
+        self._knots.append(middle)
+        if len(self._knots) == 3:
+            self._line = [self._line[-1], (self._knots[1], self._mean(*self._knots))]
+            self._knots.pop(0)
+            self._forget()
+
+    @property
+    def known(self) -> float:
+        """Time [s] up to which the line is known."""
+        return self._line[-1][0]
+
+    @property
+    def lately(self) -> Floats:
+        """The mean (n,) of what has acted since the last knot at which the line is known."""
+        if not self._steps:
+            return self._line[-1][1]
+        first = self._knots[0]
+        spans = np.array([end - max(start, first) for start, end, _ in self._steps])
+        return np.asarray(spans @ np.array([values for *_, values in self._steps]) / spans.sum())
+
+    def at(self, time: float, ended: bool = False) -> tuple[Floats, Floats]:
+        """Return the line (n,) at a time [s] that is known, and the values (n,) that acted, linear between middles.
+
+        ended : whether there is no further step: then all of the line is known
+        """
+        return _between([*self._line, *(self._last() if ended else ())], time), _between(self._acted, time)
+
+    def state(self) -> dict[str, Any]:
+        """Return what a checkpoint needs."""
+        return {"line": self._line, "knots": self._knots, "acted": self._acted, "steps": self._steps}
+
+    @classmethod
+    def resumed(cls, state: Mapping[str, Any]) -> "Means":
+        """Return what had this state."""
+        found = cls.__new__(cls)
+        found._line, found._acted = ([(time, np.array(values, float)) for time, values in state[name]]
+                                     for name in ("line", "acted"))
+        found._steps = [(start, end, np.array(values, float)) for start, end, values in state["steps"]]
+        found._knots = list(state["knots"])
+        return found
+
+    def _mean(self, before, knot, behind):
+        """Return the mean (n,) at a knot between two others."""
+        found = np.zeros_like(self._line[-1][1])
+        for start, end, values in self._steps:
+            weight = _hat(end, before, knot, behind) - _hat(start, before, knot, behind)
+            if weight > 0.0:    # what does not count may be nan
+                found += weight * values
+        return found / (0.5 * (behind - before))
+
+    def _last(self):
+        """Return the points of the line behind the known ones, if the last step was the last of all."""
+        last, found = self._acted[-1], []
+        if len(self._knots) == 2 and last[0] > self._knots[1]:
+            found = [(self._knots[1], self._mean(*self._knots, last[0]))]
+        return [*found, last] if last[0] > self._line[-1][0] else found
+
+    def _forget(self):
+        """Forget steps before the last known knot, and what acted before the known part of the line."""
+        self._steps = [step for step in self._steps if step[1] > self._knots[0]]
+        while len(self._acted) > 1 and self._acted[1][0] <= self._line[0][0]:
+            self._acted.pop(0)
+
+
+def _hat(time, before, knot, behind):
+    """Return the integral up to a time of the hat function of a knot between two others [s]."""
+    if time <= knot:
+        return 0.5 * max(time - before, 0.0) ** 2 / (knot - before)
+    return 0.5 * (behind - before) - 0.5 * max(behind - time, 0.0) ** 2 / (behind - knot)
+
+
+def _between(points, time):
+    """Return the values at a time on the line through points, those of the end points outside.
+
+    If either of two values is nan, the nearer one is taken.
+    """
+    for (before, a), (behind, b) in zip(points, points[1:]):
+        if time < behind:
+            share = max((time - before) / (behind - before), 0.0)
+            return np.where(np.isfinite(a + b), a + share * (b - a), a if share < 0.5 else b)
+    return points[-1][1]
