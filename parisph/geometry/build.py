@@ -18,7 +18,7 @@ from parisph.case.fluids import Fluid
 from parisph.case.motion import Motion, Rotation, course
 from parisph.case.scene import Scene
 from parisph.case.schema import Case
-from parisph.case.shapes import Lid, Shape, Tank
+from parisph.case.shapes import Box, Lid, Shape, Tank
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
@@ -172,6 +172,15 @@ def lattice_step(case: Case) -> Floats:
     return lattice(case).step if case.plain else np.full(case.dim, case.numerics.spacing)
 
 
+def uneven(case: Scene) -> bool:
+    """Return whether particles of a scene without elements stand for other cells than s^dim inside the fluid."""
+    s = case.numerics.spacing
+    if any(fluid.raised and isinstance(fluid.shape, Box) for fluid in case.fluids):
+        return True
+    steps = [lattice(case).step] if case.plain else [fill.step for fill in fillings(case, (), None)]
+    return any(abs(step.prod() / s**case.dim - 1.0) > FIT for step in steps)
+
+
 def domain(case: Scene) -> tuple[Floats, Floats]:
     """Return the lower and the upper corner (dim,) [m] of the walls, wherever they move, or of the fluid without any.
 
@@ -218,17 +227,18 @@ def _fluid(case: Case, fluid: Fluid, fill: Filling, fills: Sequence[Filling], me
     if not isinstance(fluid.shape, StillWater):
         x, factor = raised(fluid, mesh, case.bounds_of(fluid), x)
     n, dim = x.shape
+    cell = factor * fill.step.prod()
     return _with_area(mesh, {
         "kind": np.full(n, FLUID, dtype=np.int8), "corner": np.zeros(n, dtype=np.int8),
         "role": np.where(surface, SURFACE, INNER).astype(np.int8), "x": x, "u": fluid.start_velocity(x),
-        "volume": factor * fill.step.prod(), "normal": np.zeros((n, dim)), "no_slip": np.zeros(n, dtype=np.int8),
-        "wall_u": np.zeros((n, dim)), "weight": np.ones(n), "area": np.zeros((n, dim)),
+        "volume": cell, "normal": np.zeros((n, dim)), "no_slip": np.zeros(n, dtype=np.int8),
+        "wall_u": np.zeros((n, dim)), "weight": cell / case.numerics.spacing**dim, "area": np.zeros((n, dim)),
         "edge": np.zeros(n, dtype=np.int8), "body": np.zeros(n, dtype=np.int16)})
 
 
 def _with_area(mesh, arrays):
     """Leave out what only scenes with walls have."""
-    only = ("weight", "area", "edge", "body") if mesh is None else ()
+    only = ("area", "edge", "body") if mesh is None else ()
     return {name: values for name, values in arrays.items() if name not in only}
 
 

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.fields import FLUID
 from parisph.case.friction import Friction
 from parisph.kernels import collisions, halves, mirrors, shifting, surface, wall_law
 from parisph.kernels.wetness import FREE
@@ -35,17 +36,27 @@ class WallImages(Boundary):
         p, d = flow.particles, flow.domain
         surface.density_ratio(out, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
                               lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+        self._add_weights(out, np.empty_like(p.x), flow, least)
 
     def concentration(self, alpha: np.ndarray, gradient: np.ndarray, flow: "Flow", least: int) -> None:
         p, d = flow.particles, flow.domain
         shifting.concentration(alpha, gradient, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
                                lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+        self._add_weights(alpha, gradient, flow, least)
+
+    def _add_weights(self, alpha, gradient, flow, least):
+        """Add what the cells of the fluid were larger than those of the lattice at the start, if any were."""
+        p, d = flow.particles, flow.domain
+        if "weight" in p.fields:
+            halves.add_parts(alpha, gradient, np.flatnonzero(p.kind == FLUID), p.x_all, flow.seen(least),
+                             p.weight_all - 1.0, p.corner_all, p.normal_all, lengths.DENSITY * flow.spacing, flow.full,
+                             d.indptr, d.indices, flow.axes)
 
     def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
         p = flow.particles
         beside, *walls = self._beside(flow)
-        halves.surplus(ratio, gradient, beside, p.x_all, flow.seen(FREE), p.share_all, p.corner_all,
-                       p.normal_all, lengths.DENSITY * flow.spacing, flow.full, *walls, flow.axes)
+        halves.add_parts(ratio, gradient, beside, p.x_all, flow.seen(FREE), 1.0 - p.share_all, p.corner_all,
+                         p.normal_all, lengths.DENSITY * flow.spacing, flow.full, *walls, flow.axes)
 
     def keep_off(self, move: np.ndarray, flow: "Flow") -> None:
         p = flow.particles

@@ -19,8 +19,8 @@ def filled(dim, **how):
 def shares(pool, cells):
     """Return the shares if each fluid particle stands for so many cells of the lattice: a number, or (n,)."""
     out = np.full(pool.n, np.nan)
-    volume = np.where(pool.fluid, cells, 0.0) * pool.spacing**pool.dim
-    halves.wall_share(out, pool.x, pool.kind, volume, pool.normal, pool.spacing, *pool.csr)
+    cells = np.where(pool.fluid, cells, 0.0)
+    halves.wall_share(out, pool.x, pool.kind, cells, pool.normal, pool.spacing, *pool.csr)
     assert np.all(out[pool.fluid] == 1.0)
     return out
 
@@ -28,7 +28,7 @@ def shares(pool, cells):
 def extra(pool, share):
     h = H * pool.spacing
     ratio, gradient = np.zeros(pool.n), np.zeros((pool.n, pool.dim))
-    halves.surplus(ratio, gradient, pool.beside, pool.x, pool.kind, share, pool.corner, pool.normal, h,
+    halves.add_parts(ratio, gradient, pool.beside, pool.x, pool.kind, 1.0 - share, pool.corner, pool.normal, h,
                    surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
     return ratio, gradient
 
