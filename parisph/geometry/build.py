@@ -15,6 +15,7 @@ from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case import size as case_size
 from parisph.case.bodies import StillWater
 from parisph.case.fluids import Fluid
+from parisph.case.lattice import FIT
 from parisph.case.motion import Motion, Rotation, course
 from parisph.case.scene import Scene
 from parisph.case.schema import Case

@@ -100,7 +100,8 @@ def test_nodes_follow_the_fluid_in_the_order_of_the_mesh(name):
     np.testing.assert_array_equal(arrays["body"][wall], mesh.body)
     np.testing.assert_allclose(arrays["weight"][wall] * S, mesh.area * mesh.share)
     np.testing.assert_allclose(arrays["area"][wall] * S, mesh.vector_area)
-    assert np.all(arrays["weight"][~wall] == 1.0) and not arrays["area"][~wall].any()
+    np.testing.assert_allclose(arrays["weight"][~wall] * S**2, arrays["volume"][~wall])
+    assert not arrays["area"][~wall].any()
     assert not np.any(arrays["role"][wall][mesh.edge == CONVEX] != DRY)
 
 
