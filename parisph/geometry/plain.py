@@ -46,9 +46,9 @@ def plain_particles(case: Case, rank: int, size: int) -> dict[str, Array]:
     Returns
     -------
     dict of arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8;
-    x [m], u [m/s], normal (n, dim); volume (n,) [m^dim] (see Lattice.cells), 0 for walls; p (n,)
-    [Pa], zero where the first solve finds it, else that of still water; start_role as role. Wall
-    normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
+    x [m], u [m/s], normal (n, dim); volume (n,) [m^dim] (see Lattice.cells), 0 for walls; weight (n,), the cell of
+    fluid over s^dim, 1 for walls; p (n,) [Pa], zero where the first solve finds it, else that of still water;
+    start_role as role. Wall normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
 
     Raises
     ------

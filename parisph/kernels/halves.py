@@ -11,8 +11,9 @@ import math
 import numpy as np
 
 from parisph.base.fields import ABSENT, FLUID, WALL
-from parisph.kernels.jit import kernel, subkernel
+from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mirrors import casts_image, height, near_planes, reflect
+from parisph.kernels.near import dot, room_for
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 
 BEFORE = 1.5    # spacings from a wall within which fluid stands for its half cell there
@@ -72,10 +73,46 @@ def add_parts(ratio: np.ndarray, gradient: np.ndarray, own: np.ndarray, x: np.nd
                 j = i if k < indptr[i] else indices[k]
                 if part[j] == 0.0 or kind[j] == ABSENT:
                     continue
-                if subset and not casts_image(j, subset, member, x, kind, normal, 0.1 * h, axes):
-                    continue
-                reflect(image, j, subset, member, x, normal, axes)
+                if subset:
+                    if not casts_image(j, subset, member, x, kind, normal, 0.1 * h, axes):
+                        continue
+                    reflect(image, j, subset, member, x, normal, axes)
+                else:
+                    for a in range(dim):
+                        image[a] = x[j, a]
                 _add(ratio, gradient, i, image, x, part[j] / full, h, axes)
+
+
+@kernel
+def add_parts_inside(ratio: np.ndarray, gradient: np.ndarray, x: np.ndarray, kind: np.ndarray, part: np.ndarray,
+                     h: float, full: float, walls: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
+                     axes: tuple[int, ...]) -> None:
+    """The same as `add_parts` for owned fluid without walls in its lists, in a fraction of the time.
+
+    walls : indptr (n_owned + 1,) of the walls in the lists, of `mirrors.beside_walls`; other arguments as there
+    """
+    dim = len(axes)
+    near, weight = np.empty((dim, room_for(indptr))), np.empty((1, room_for(indptr)))
+    for i in range(len(indptr) - 1):
+        if kind[i] != FLUID or walls[i + 1] > walls[i]:
+            continue
+        first, count = indptr[i], indptr[i + 1] - indptr[i]
+        for k in range(count):
+            j = np.uint32(indices[first + k])
+            for a in range(dim):
+                near[a, k] = x[i, a] - x[j, a]
+            weight[0, k] = part[j]
+        total = part[i] * cubic_spline(0.0, h, dim)
+        for k in range(count):
+            r2 = 0.0
+            for a in range(dim):
+                r2 += near[a, k] ** 2
+            r = math.sqrt(r2)
+            total += weight[0, k] * cubic_spline(r, h, dim)
+            weight[0, k] *= cubic_spline_slope(r, h, dim)
+        ratio[i] += total / full
+        for a in range(dim):
+            gradient[i, a] += dot(weight, 0, near, a, count) / full
 
 
 @subkernel
@@ -89,7 +126,7 @@ def _any_part(i, kind, part, indptr, indices):
     return False
 
 
-@subkernel
+@inlined
 def _add(ratio, gradient, i, place, x, weight, h, axes):
     """Add a neighbour at a place to the sums of particle i."""
     dim, r2 = len(axes), 0.0

@@ -37,6 +37,7 @@ def weigh(flow: Flow, samples: Iterable[tuple[np.ndarray, np.ndarray]]) -> float
 
     A particle on the surface beside a slope may then stand for more than half a cell, though nothing is above it:
     the field half says so.
+    The field weight, where a scene has it, becomes that of its cell without the half cells of walls.
 
     samples : places and the volumes around them, at least all near particles of this rank (kernels.packing.volumes)
     """

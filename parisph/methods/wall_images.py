@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parisph.base.fields import FLUID
 from parisph.case.friction import Friction
 from parisph.kernels import collisions, halves, mirrors, shifting, surface, wall_law
 from parisph.kernels.wetness import FREE
@@ -47,10 +46,14 @@ class WallImages(Boundary):
     def _add_weights(self, alpha, gradient, flow, least):
         """Add what the cells of the fluid were larger than those of the lattice at the start, if any were."""
         p, d = flow.particles, flow.domain
-        if "weight" in p.fields:
-            halves.add_parts(alpha, gradient, np.flatnonzero(p.kind == FLUID), p.x_all, flow.seen(least),
-                             p.weight_all - 1.0, p.corner_all, p.normal_all, lengths.DENSITY * flow.spacing, flow.full,
-                             d.indptr, d.indices, flow.axes)
+        if "weight" not in p.fields:
+            return
+        beside, walls, _ = self._beside(flow)
+        more, h = p.weight_all - 1.0, lengths.DENSITY * flow.spacing
+        halves.add_parts_inside(alpha, gradient, p.x_all, p.kind_all, more, h, flow.full, walls, d.indptr, d.indices,
+                                flow.axes)
+        halves.add_parts(alpha, gradient, beside, p.x_all, flow.seen(least), more, p.corner_all, p.normal_all, h,
+                         flow.full, d.indptr, d.indices, flow.axes)
 
     def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
         p = flow.particles
