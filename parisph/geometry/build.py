@@ -70,10 +70,10 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     (n, dim) [m/s]. Wall normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
 
     In a scene that is not plain, all fluid has the volume of its lattice's cell: `samples` and kernels.packing.volumes
-    give that which it stands for. It is not jittered: see `jitter`. If it has walls, there are in addition, as
-    kernels.density takes them: weight (n,), of fluid its cell over s^dim, of a node the part of a cell s^dim inside
-    the fluid, area * share / s^(dim-1); area (n, dim), its vector area over s^(dim-1), 0 for fluid; edge (n,) int8 (geometry.mesh); body
-    (n,) int16, the number of the body in the mesh, 0 for fluid.
+    give that which it stands for. It is not jittered: see `jitter`. All scenes have weight (n,), of fluid its cell over
+    s^dim. If there are walls, it is for a node the part of a cell s^dim inside the fluid, area * share / s^(dim-1), and
+    there are in addition, as kernels.density takes them: area (n, dim), its vector area over s^(dim-1), 0 for fluid;
+    edge (n,) int8 (geometry.mesh); body (n,) int16, the number of the body in the mesh, 0 for fluid.
 
     Raises
     ------
