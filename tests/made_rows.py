@@ -23,9 +23,9 @@ def rows_of_method(method, dim, wall_rows="sfdi", offset=0.0):
     return PressureRows(dim, parts.laplacian, parts.divergence, parts.wall_rows, offset, lengths.MLS)
 
 
-def cloud_of(x, role, spacing, indptr, indices, kind=None, volume=None, normal=None):
+def cloud_of(x, role, spacing, indptr, indices, kind=None, cells=None, normal=None):
     """Return a Cloud of fluid; what is not given is zero."""
     n, dim = x.shape
     none = np.zeros(n, np.int8)
-    return Cloud(x, none if kind is None else kind, role, np.zeros(n) if volume is None else volume,
+    return Cloud(x, none if kind is None else kind, role, np.zeros(n) if cells is None else cells,
                  np.zeros_like(x) if normal is None else normal, none, indptr, indices, spacing, axes_of(dim))

@@ -138,7 +138,8 @@ FIELDS = {
               "part of the half cell at a wall particle for which fluid stands (kernels.halves), 1 for fluid",
               exchanged=False, migrates=False, written=False),
         Field("weight", "scalar", np.float64, "",
-              "part of a cell s^dim at a wall particle that is inside the fluid (kernels.density), 1 for fluid",
+              "cell of the particle over s^dim: of a wall particle, the part inside the fluid (kernels.density); of "
+              "fluid inside, that of the start, as its lattice was stretched",
               written=False, default=1.0),
         Field("area", "vector", np.float64, "", "area vector of a wall particle over s^(dim-1), 0 for fluid",
               written=False),

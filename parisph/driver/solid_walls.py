@@ -21,7 +21,7 @@ APART = 4    # times that close pairs of a jittered start are parted, until less
 def fields(case: Case) -> tuple[str, ...]:
     """Return the names of the fields that particles need beside such walls."""
     if case.plain or case.walls is None:
-        return ()
+        return ("weight",) if build.uneven(case) else ()
     moving = len(build.scene_motions(case)) > 1
     return (*WallSolids.fields, "wall_u") if moving else WallSolids.fields
 

@@ -15,10 +15,11 @@ from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case import size as case_size
 from parisph.case.bodies import StillWater
 from parisph.case.fluids import Fluid
+from parisph.case.lattice import FIT
 from parisph.case.motion import Motion, Rotation, course
 from parisph.case.scene import Scene
 from parisph.case.schema import Case
-from parisph.case.shapes import Lid, Shape, Tank
+from parisph.case.shapes import Box, Lid, Shape, Tank
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
@@ -69,10 +70,10 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     (n, dim) [m/s]. Wall normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
 
     In a scene that is not plain, all fluid has the volume of its lattice's cell: `samples` and kernels.packing.volumes
-    give that which it stands for. It is not jittered: see `jitter`. If it has walls, there are in addition, as
-    kernels.density takes them: weight (n,), 1 for fluid, of a node the part of a cell s^dim inside the fluid, area *
-    share / s^(dim-1); area (n, dim), its vector area over s^(dim-1), 0 for fluid; edge (n,) int8 (geometry.mesh); body
-    (n,) int16, the number of the body in the mesh, 0 for fluid.
+    give that which it stands for. It is not jittered: see `jitter`. All scenes have weight (n,), of fluid its cell over
+    s^dim. If there are walls, it is for a node the part of a cell s^dim inside the fluid, area * share / s^(dim-1), and
+    there are in addition, as kernels.density takes them: area (n, dim), its vector area over s^(dim-1), 0 for fluid;
+    edge (n,) int8 (geometry.mesh); body (n,) int16, the number of the body in the mesh, 0 for fluid.
 
     Raises
     ------
@@ -172,6 +173,15 @@ def lattice_step(case: Case) -> Floats:
     return lattice(case).step if case.plain else np.full(case.dim, case.numerics.spacing)
 
 
+def uneven(case: Scene) -> bool:
+    """Return whether particles of a scene without elements stand for other cells than s^dim inside the fluid."""
+    s = case.numerics.spacing
+    if any(fluid.raised and isinstance(fluid.shape, Box) for fluid in case.fluids):
+        return True
+    steps = [lattice(case).step] if case.plain else [fill.step for fill in fillings(case, (), None)]
+    return any(abs(step.prod() / s**case.dim - 1.0) > FIT for step in steps)
+
+
 def domain(case: Scene) -> tuple[Floats, Floats]:
     """Return the lower and the upper corner (dim,) [m] of the walls, wherever they move, or of the fluid without any.
 
@@ -218,17 +228,18 @@ def _fluid(case: Case, fluid: Fluid, fill: Filling, fills: Sequence[Filling], me
     if not isinstance(fluid.shape, StillWater):
         x, factor = raised(fluid, mesh, case.bounds_of(fluid), x)
     n, dim = x.shape
+    cell = factor * fill.step.prod()
     return _with_area(mesh, {
         "kind": np.full(n, FLUID, dtype=np.int8), "corner": np.zeros(n, dtype=np.int8),
         "role": np.where(surface, SURFACE, INNER).astype(np.int8), "x": x, "u": fluid.start_velocity(x),
-        "volume": factor * fill.step.prod(), "normal": np.zeros((n, dim)), "no_slip": np.zeros(n, dtype=np.int8),
-        "wall_u": np.zeros((n, dim)), "weight": np.ones(n), "area": np.zeros((n, dim)),
+        "volume": cell, "normal": np.zeros((n, dim)), "no_slip": np.zeros(n, dtype=np.int8),
+        "wall_u": np.zeros((n, dim)), "weight": cell / case.numerics.spacing**dim, "area": np.zeros((n, dim)),
         "edge": np.zeros(n, dtype=np.int8), "body": np.zeros(n, dtype=np.int16)})
 
 
 def _with_area(mesh, arrays):
     """Leave out what only scenes with walls have."""
-    only = ("weight", "area", "edge", "body") if mesh is None else ()
+    only = ("area", "edge", "body") if mesh is None else ()
     return {name: values for name, values in arrays.items() if name not in only}
 
 

@@ -46,9 +46,9 @@ def plain_particles(case: Case, rank: int, size: int) -> dict[str, Array]:
     Returns
     -------
     dict of arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8;
-    x [m], u [m/s], normal (n, dim); volume (n,) [m^dim] (see Lattice.cells), 0 for walls; p (n,)
-    [Pa], zero where the first solve finds it, else that of still water; start_role as role. Wall
-    normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
+    x [m], u [m/s], normal (n, dim); volume (n,) [m^dim] (see Lattice.cells), 0 for walls; weight (n,), the cell of
+    fluid over s^dim, 1 for walls; p (n,) [Pa], zero where the first solve finds it, else that of still water;
+    start_role as role. Wall normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def _fluid(case: Case, points: Lattice, start: int, stop: int) -> dict[str, Arra
     n, dim = index.shape
     surface = points.is_surface(index)
     x = _stretched(case, points.position(index))
-    volume = points.cells(index) * _stretch(case, points.position(index)) * points.step.prod()
+    cell = _stretch(case, points.position(index)) * points.step.prod()
     numerics = case.numerics
     if numerics.jitter > 0.0:
         move = numerics.spacing * numerics.jitter * (uniform(numerics.seed, np.arange(start, stop), dim) - 0.5)
@@ -115,7 +115,8 @@ def _fluid(case: Case, points: Lattice, start: int, stop: int) -> dict[str, Arra
         "role": np.where(surface, SURFACE, INNER).astype(np.int8),
         "x": x,
         "u": case.fluids[0].start_velocity(x),
-        "volume": volume,
+        "volume": points.cells(index) * cell,
+        "weight": cell / numerics.spacing**dim,
         "normal": np.zeros((n, dim)),
         "no_slip": np.zeros(n, dtype=np.int8),
         "wall_u": np.zeros((n, dim)),
@@ -142,6 +143,7 @@ def _walls(case: Case, points: Lattice, index: Ints, inward: Ints) -> dict[str, 
         "x": x,
         "u": np.zeros_like(x),
         "volume": np.zeros(n),
+        "weight": np.ones(n),
         "normal": inward / length[:, None] if n else np.zeros_like(x),
         "no_slip": _sticky(case.tank, inward),
         "wall_u": _lid_velocity(case.tank, inward),

@@ -169,8 +169,8 @@ def completed_density(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, weight
     """Kernel-sum density of owned fluid over its lattice value, completed by nodes and by the solid behind elements.
 
     alpha : (n_owned,) output; walls get 1
-    weight : (n_all,) 1 for fluid; of nodes, the part of a cell s^dim that is inside the fluid; 0 for those that do
-        not count
+    weight : (n_all,) of fluid, the cell that it starts in over s^dim; of nodes, the part of a cell s^dim that is inside
+        the fluid; 0 for those that do not count
     area : (n_all, dim) area vector of nodes over s^(dim-1), 0 for all others
     corners : (M, dim, dim) [m]; present : (M,), 0 to 1, the part of each element that counts
     values, h, full, spacing : of the Table
@@ -182,7 +182,7 @@ def completed_density(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, weight
         alpha[i] = 1.0
         if kind[i] != FLUID:
             continue
-        total, walls = cubic_spline(0.0, h, dim), element_indptr[i] < element_indptr[i + 1]
+        total, walls = weight[i] * cubic_spline(0.0, h, dim), element_indptr[i] < element_indptr[i + 1]
         first, count = indptr[i], indptr[i + 1] - indptr[i]
         for k in range(count):
             j = np.uint32(indices[first + k])

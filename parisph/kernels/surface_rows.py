@@ -17,7 +17,7 @@ LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surf
 
 @kernel
 def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: np.ndarray, role: np.ndarray,
-                 volume: np.ndarray, offset: float, spacing: float, radius: float, indptr: np.ndarray,
+                 cells: np.ndarray, offset: float, spacing: float, radius: float, indptr: np.ndarray,
                  indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fill the rows of surface particles: pressure falls in proportion to the distance to zero on the surface.
 
@@ -29,7 +29,7 @@ def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: 
     particle that stands for half a cell lies on the surface, as at the start of a tank: its row stays p = 0.
 
     count, columns, values : rows of PressureRows, those of surface particles are written
-    x, role : (n_all, ...); volume : (n_all,) [m^dim], of the fluid at the start
+    x, role : (n_all, ...); cells : (n_all,), how much of its cell a particle stands for
     offset : distance to the surface of a particle with a full cell where layers are one spacing apart [m]
     radius : of the neighbours that count [m]
     """
@@ -39,7 +39,7 @@ def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: 
         if role[i] != SURFACE:
             continue
         count[i] = 0
-        outside = offset * _filled(i, volume, spacing, axes)
+        outside = offset * _filled(i, cells)
         if outside == 0.0:
             continue
         n, total, first = 0, 0.0, indptr[i]
@@ -71,14 +71,13 @@ def surface_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, x: 
 
 
 @inlined
-def _filled(i, volume, spacing, axes):
+def _filled(i, cells):
     """Return how much of the outer part of its cell a particle fills, 0 to 1.
 
     That depends on its volume alone, which does not change: a rule that asked for walls beside the particle would move
     p = 0 at once when it comes to one or leaves it.
     """
-    share = volume[i] / spacing ** len(axes)
-    return min(max((share - HALF) / (FULL - HALF), 0.0), 1.0)
+    return min(max((cells[i] - HALF) / (FULL - HALF), 0.0), 1.0)
 
 
 @inlined

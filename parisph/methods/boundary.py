@@ -82,8 +82,8 @@ class Boundary(ABC):
         """Add the friction of walls that fluid slips along to out (n_owned, dim) [m/s^2]."""
 
     def cells(self, flow: "Flow") -> np.ndarray:
-        """Return the volume (n_all,) [m^dim] by which particles fill their cells, as for kernels.surface_rows."""
-        return flow.particles.volume_all
+        """Return the part (n_all,) of their cells that particles fill, as for kernels.surface_rows."""
+        return flow.cells
 
     def leave_out(self, flow: "Flow") -> None:
         """Write the role of wall particles that are never in a stencil."""

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from parisph.base.fields import FLUID
 from parisph.case.friction import Friction
 from parisph.case.numerics import Numerics
 from parisph.kernels import pairs, surface, wetness
@@ -97,6 +98,16 @@ class Flow:
         p, d = self.particles, self.domain
         return Cloud(p.x_all, p.kind_all, p.role_all, self.walls.cells(self), p.normal_all, p.corner_all, d.indptr,
                      d.indices, self.spacing, self.axes)
+
+    @property
+    def cells(self) -> np.ndarray:
+        """The volume (n_all,) that particles stand for over that of their cells at the start: 1/2 on a level surface,
+        3/2 beside a wall."""
+        p = self.particles
+        cell = self.spacing**p.dim
+        if "weight" not in p.fields:
+            return p.volume_all / cell
+        return p.volume_all / np.where(p.kind_all == FLUID, p.weight_all * cell, cell)
 
     def fresh(self, *names: str) -> None:
         """Send the fields that have changed to the ghosts, in one message, if any of `names` is among them. Collective.

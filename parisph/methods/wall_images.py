@@ -35,17 +35,31 @@ class WallImages(Boundary):
         p, d = flow.particles, flow.domain
         surface.density_ratio(out, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
                               lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+        self._add_weights(out, np.empty_like(p.x), flow, least)
 
     def concentration(self, alpha: np.ndarray, gradient: np.ndarray, flow: "Flow", least: int) -> None:
         p, d = flow.particles, flow.domain
         shifting.concentration(alpha, gradient, p.x_all, flow.seen(least), p.corner_all, p.normal_all,
                                lengths.DENSITY * flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+        self._add_weights(alpha, gradient, flow, least)
+
+    def _add_weights(self, alpha, gradient, flow, least):
+        """Add what the cells of the fluid were larger than those of the lattice at the start, if any were."""
+        p, d = flow.particles, flow.domain
+        if "weight" not in p.fields:
+            return
+        beside, walls, _ = self._beside(flow)
+        more, h = p.weight_all - 1.0, lengths.DENSITY * flow.spacing
+        halves.add_parts_inside(alpha, gradient, p.x_all, p.kind_all, more, h, flow.full, walls, d.indptr, d.indices,
+                                flow.axes)
+        halves.add_parts(alpha, gradient, beside, p.x_all, flow.seen(least), more, p.corner_all, p.normal_all, h,
+                         flow.full, d.indptr, d.indices, flow.axes)
 
     def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
         p = flow.particles
         beside, *walls = self._beside(flow)
-        halves.surplus(ratio, gradient, beside, p.x_all, flow.seen(FREE), p.share_all, p.corner_all,
-                       p.normal_all, lengths.DENSITY * flow.spacing, flow.full, *walls, flow.axes)
+        halves.add_parts(ratio, gradient, beside, p.x_all, flow.seen(FREE), 1.0 - p.share_all, p.corner_all,
+                         p.normal_all, lengths.DENSITY * flow.spacing, flow.full, *walls, flow.axes)
 
     def keep_off(self, move: np.ndarray, flow: "Flow") -> None:
         p = flow.particles

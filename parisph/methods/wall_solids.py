@@ -115,7 +115,7 @@ class WallSolids(Boundary):
 
     def cells(self, flow: "Flow") -> np.ndarray:
         p = flow.particles
-        return np.where(p.half_all == 1, 0.5 * flow.spacing**p.dim, p.volume_all)
+        return np.where(p.half_all == 1, 0.5, flow.cells)
 
     def leave_out(self, flow: "Flow") -> None:
         p = flow.particles

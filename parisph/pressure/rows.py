@@ -14,14 +14,14 @@ from parisph.kernels.jit import kernel
 class Cloud:
     """The particles as kernels need them: local arrays, and the CSR neighbour lists of the owned ones.
 
-    x, normal : (n_all, dim); kind, role, volume, corner : (n_all,); indptr : (n_owned + 1,); indices : (nnz,)
+    x, normal : (n_all, dim); kind, role, cells, corner : (n_all,); indptr : (n_owned + 1,); indices : (nnz,)
     spacing [m]; axes : of kernels.jit.axes_of
     """
 
     x: np.ndarray
     kind: np.ndarray
     role: np.ndarray
-    volume: np.ndarray
+    cells: np.ndarray
     normal: np.ndarray
     corner: np.ndarray
     indptr: np.ndarray
@@ -111,7 +111,7 @@ class PressureRows:
         self.walls.fill(rows, cloud)
         if self.offset > 0.0:
             s = cloud.spacing
-            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.role, cloud.volume,
+            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.role, cloud.cells,
                                       self.offset * s, s, self.radius * s, cloud.indptr, cloud.indices, cloud.axes)
 
     @property

@@ -10,6 +10,7 @@ TIGHT = {"rtol": 1e-13}
 SCENES = {
     "dam_break": dict(spacing=0.025),
     "small_sloshing": dict(spacing=0.1),
+    "solitary_wave": dict(spacing=0.2, preset="violent"),    # from a stretched lattice
     # so small that it lies in two cells of the partition: one of three ranks has no particle
     "free_drop": dict(spacing=0.5),
     "rotating_patch": dict(spacing=0.1, jitter=0.4),

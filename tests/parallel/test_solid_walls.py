@@ -26,7 +26,7 @@ def after(steps, comm, preset):
     s = Simulation(scene(preset), comm)
     for _ in range(steps):
         s.advance()
-    found = comm.bcast(s.gather("x", "u", "p", "role", "kind", "volume"))
+    found = comm.bcast(s.gather("x", "u", "p", "role", "kind", "volume", "weight"))
     s.destroy()
     return found
 
@@ -41,6 +41,7 @@ def test_ranks_agree(comm, preset, monkeypatch):
     alone, together = comm.bcast(alone), after(20, comm, preset)
     np.testing.assert_array_equal(together["role"], alone["role"])
     np.testing.assert_array_equal(together["volume"], alone["volume"])
+    np.testing.assert_allclose(together["weight"], alone["weight"], rtol=1e-12, atol=1e-12)
     fluid = alone["kind"] == FLUID
     assert np.abs(alone["u"][fluid]).max() > 0.05
     for name in ("x", "u", "p"):

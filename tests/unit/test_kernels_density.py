@@ -14,7 +14,6 @@ from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.density import node_terms
 from parisph.kernels.jit import axes_of
 from parisph.kernels.packing import pack
-from parisph.kernels.smoothing import cubic_spline
 from parisph.kernels.surface import lattice_sum
 from tests.distances import signed_distance
 from tests.wall_scenes import beside, filled
@@ -32,11 +31,9 @@ def tank_of(*counts):
 
 
 def solid_alone(scene):
-    """Leave out all particles: what remains is the kernel's integral over the solids, without the particle itself."""
+    """Leave out all particles: what remains is the kernel's integral over the solids."""
     scene.weight[:], scene.area[:] = 0.0, 0.0
-    dim = scene.dim
-    full = lattice_sum(S, H, axes_of(dim))
-    return (scene.alpha() - cubic_spline(0.0, H, dim) / full) * full * S**dim
+    return scene.alpha() * lattice_sum(S, H, axes_of(scene.dim)) * S**scene.dim
 
 
 def integral(solid, at, reach=2.0 * H):

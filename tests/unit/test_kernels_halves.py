@@ -5,6 +5,7 @@ import pytest
 
 from parisph.base.fields import WALL
 from parisph.kernels import halves, surface
+from parisph.kernels.mirrors import beside_walls
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 from tests.pools import tank
 
@@ -19,8 +20,8 @@ def filled(dim, **how):
 def shares(pool, cells):
     """Return the shares if each fluid particle stands for so many cells of the lattice: a number, or (n,)."""
     out = np.full(pool.n, np.nan)
-    volume = np.where(pool.fluid, cells, 0.0) * pool.spacing**pool.dim
-    halves.wall_share(out, pool.x, pool.kind, volume, pool.normal, pool.spacing, *pool.csr)
+    cells = np.where(pool.fluid, cells, 0.0)
+    halves.wall_share(out, pool.x, pool.kind, cells, pool.normal, pool.spacing, *pool.csr)
     assert np.all(out[pool.fluid] == 1.0)
     return out
 
@@ -28,7 +29,7 @@ def shares(pool, cells):
 def extra(pool, share):
     h = H * pool.spacing
     ratio, gradient = np.zeros(pool.n), np.zeros((pool.n, pool.dim))
-    halves.surplus(ratio, gradient, pool.beside, pool.x, pool.kind, share, pool.corner, pool.normal, h,
+    halves.add_parts(ratio, gradient, pool.beside, pool.x, pool.kind, 1.0 - share, pool.corner, pool.normal, h,
                    surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
     return ratio, gradient
 
@@ -81,3 +82,18 @@ def test_the_surplus_is_the_sum_over_walls_without_a_share_and_their_images(dim)
 def test_walls_with_their_whole_share_add_no_surplus(dim):
     ratio, gradient = extra(filled(dim, jitter=0.5), np.ones(filled(dim).n))
     assert not ratio.any() and not gradient.any()
+
+
+@dims
+def test_parts_of_fluid_without_walls_are_the_same_sum(dim):
+    pool = filled(dim, jitter=0.5)
+    part, h = np.where(pool.fluid, np.random.default_rng(1).uniform(-0.3, 0.3, pool.n), 0.0), H * pool.spacing
+    full, fluid = surface.lattice_sum(pool.spacing, h, pool.axes), np.flatnonzero(pool.fluid)
+    due, found = ((np.zeros(pool.n), np.zeros((pool.n, pool.dim))) for _ in range(2))
+    halves.add_parts(*due, fluid, pool.x, pool.kind, part, pool.corner, pool.normal, h, full, *pool.csr)
+    walls = beside_walls(pool.kind, pool.indptr, pool.indices)
+    halves.add_parts_inside(*found, pool.x, pool.kind, part, h, full, walls[1], *pool.csr)
+    inside = np.setdiff1d(fluid, walls[0])
+    assert len(inside) and np.abs(due[0][inside]).min() > 0.0 and not found[0][walls[0]].any()
+    for one, other in zip(found, due):
+        np.testing.assert_allclose(one[inside], other[inside], atol=1e-12)

@@ -14,9 +14,9 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 def rows_of(pool, method="ISPH_R", wall_rows="sfdi", u=None, made=None, offset=0.0):
     rows = made or rows_of_method(method, pool.dim, wall_rows, offset)
-    volume = np.where(pool.fluid, pool.spacing**pool.dim, 0.0)
+    cells = np.where(pool.fluid, 1.0, 0.0)
     rows.fill(np.zeros_like(pool.x) if u is None else u,
-              cloud_of(pool.x, pool.role, pool.spacing, pool.indptr, pool.indices, pool.kind, volume, pool.normal))
+              cloud_of(pool.x, pool.role, pool.spacing, pool.indptr, pool.indices, pool.kind, cells, pool.normal))
     return rows
 
 

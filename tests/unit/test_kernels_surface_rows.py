@@ -16,8 +16,8 @@ def rows(pool, share=1.0, offset=0.5):
     n, s = pool.n, pool.spacing
     count = np.full(n, -1, np.int32)
     columns, values = np.zeros(len(pool.indices), np.int32), np.zeros(len(pool.indices))
-    volume = share * np.where(pool.fluid, s**pool.dim, 0.0)
-    surface_rows(count, columns, values, pool.x, pool.role, volume, offset * s, s, 2.1 * s, *pool.csr)
+    cells = share * np.where(pool.fluid, 1.0, 0.0)
+    surface_rows(count, columns, values, pool.x, pool.role, cells, offset * s, s, 2.1 * s, *pool.csr)
     return count, columns, values
 
 

@@ -100,21 +100,22 @@ def test_nodes_follow_the_fluid_in_the_order_of_the_mesh(name):
     np.testing.assert_array_equal(arrays["body"][wall], mesh.body)
     np.testing.assert_allclose(arrays["weight"][wall] * S, mesh.area * mesh.share)
     np.testing.assert_allclose(arrays["area"][wall] * S, mesh.vector_area)
-    assert np.all(arrays["weight"][~wall] == 1.0) and not arrays["area"][~wall].any()
+    np.testing.assert_allclose(arrays["weight"][~wall] * S**2, arrays["volume"][~wall])
+    assert not arrays["area"][~wall].any()
     assert not np.any(arrays["role"][wall][mesh.edge == CONVEX] != DRY)
 
 
 def test_scenes_without_walls_have_no_fields_of_walls():
     case, _ = SCENES["no walls"]
     arrays = build.build(case)
-    assert build.scene_mesh(case) is None and "weight" not in arrays
+    assert build.scene_mesh(case) is None and "area" not in arrays
     right = arrays["x"][:, 0] > 0.5
     assert np.all(arrays["u"][right] == (-1.0, 0.0)) and not arrays["u"][~right].any()
 
 
 def test_plain_scenes_have_what_they_had():
     case = scene(Fluid(Box(1.0, 0.5), 1000.0), TANK)
-    assert build.is_plain(case) and not {"weight", "area", "edge", "body"} & set(build.build(case))
+    assert build.is_plain(case) and not {"area", "edge", "body"} & set(build.build(case))
     again = scene((Fluid(Box(1.0, 0.5), 1000.0),), (TANK,))
     one, other = build.build(case), build.build(again)
     assert all(one[name].tobytes() == other[name].tobytes() for name in one)

@@ -1,0 +1,54 @@
+"""Fluid whose particles do not start on a square lattice keeps the cells that they stand for at the start."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph.base.fields import FLUID, INNER, SURFACE
+from parisph.case.schema import Box, Case, Fluid, Numerics, SolitaryWave, StillWater, SurfaceGauge, Tank
+from parisph.driver import Simulation
+from parisph.watch import instruments
+
+G, D, LENGTH = 9.81, 1.0, 14.0
+RUN_UP = 0.42411823    # in depths, of a wave of .2 depths on a vertical wall: exact, by a spectral method of high order
+
+
+def wave(shape, height=0.2, spacing=0.125):
+    fluid = Fluid(shape, density=1000.0, wave=SolitaryWave(height=height * D, depth=D, at=8.0))
+    return Case(title="solitary wave", fluid=fluid, walls=Tank(width=LENGTH, height=2.0), gravity=(0.0, -G),
+                numerics=Numerics(spacing=spacing), end_time=2.6)
+
+
+@pytest.mark.parametrize("shape", [Box(width=LENGTH, height=D), StillWater(level=D)], ids=["stretched", "moved up"])
+def test_no_density_is_missing_at_the_start(shape):
+    """Cells under the crest are a fifth higher than those of the lattice, or layers do not divide the depth."""
+    s = Simulation(wave(shape), MPI.COMM_SELF)
+    s.solve_start()
+    s.advance()
+    p, h = s.particles, s.numerics.spacing
+    surface = p.x[(p.kind == FLUID) & (p.role != INNER)]
+    inner = (p.kind == FLUID) & (p.role == INNER) & (p.x[:, 1] > 1.5 * h)
+    below = np.interp(p.x[:, 0], *surface[np.argsort(surface[:, 0])].T) - p.x[:, 1]
+    deep = inner & (below > 3.0 * h)
+    assert deep.sum() > 400
+    error = np.sqrt(np.mean((p.alpha[deep] - 1.0)**2))
+    halves = s.method.flow.cells[:p.n_owned][(p.kind == FLUID) & (p.role == SURFACE) & (np.abs(p.x[:, 0] - 7.0) < 6.0)]
+    s.destroy()
+    assert error < 0.01    # with equal weights .088, and .015 where particles are moved up
+    if isinstance(shape, Box):
+        np.testing.assert_allclose(halves, 0.5)    # whatever the stretch
+
+
+def test_a_stretched_wave_runs_up_a_wall():
+    """With cells of one size as the aim, it keeps half of its height: .24 depths."""
+    case = wave(Box(width=LENGTH, height=D))
+    s = Simulation(case, MPI.COMM_SELF)
+    gauge = instruments.build(case.model_copy(update={"probes": (SurfaceGauge("wall", at=LENGTH),)}), s.comm)
+    s.solve_start()
+    highest = 0.0
+    while not s.finished():
+        s.advance()
+        found = instruments.sample_all(gauge, s.particles, s.domain, s.time)
+        highest = max(highest, found["wall"][0] - D)
+    s.destroy()
+    assert highest == pytest.approx(RUN_UP * D, rel=0.05)
