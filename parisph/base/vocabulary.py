@@ -7,9 +7,9 @@ A case is described and checked without the code that runs it, so it needs to kn
 WORDS: dict[str, list[str]] = {
     "laplacian": ["rankine", "rankine_printed", "sph", "cisph1", "cisph2", "gfd", "rankine_quadratic", "fatehi"],
     "divergence": ["flux", "nodal"],
-    "gradient": ["sfdi", "symmetric", "mixed", "spline", "corrected"],
+    "gradient": ["sfdi", "symmetric", "mixed", "spline", "corrected", "curved"],
     "surface_gradient": ["same", "harmonic", "curved"],
-    "wall_rows": ["sfdi", "harmonic", "curved"],
+    "wall_rows": ["sfdi", "harmonic", "curved", "curved_breaking"],
     "surface_rule": ["gap", "auxiliary", "density", "divergence", "frozen", "none"],
     "source": ["mixed", "divergence", "density", "compensating"],
     "stepping": ["midpoint", "corrected", "start", "predicted", "symplectic"],

@@ -38,7 +38,7 @@ class Flow:
     full : lattice value of the density ratio's sum
     time : of the operators of the step that begins [s]; dt : its length [s], 0 for a look at an instant
     usual : what that length would be if no step were shortened to meet a time [s]
-    force : (n_all, dim) [m/s^2], of this step
+    force : (n_all, dim) [m/s^2], of this step; body_force : the part of it by gravity and the inertia of the tank
     absorbed : (n_owned, dim) the part of force by such zones
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
     mean_acceleration : of fluid by pressure in the last steps (methods.straining.remember), on all ranks [m/s^2];
@@ -70,7 +70,7 @@ class Flow:
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
-        self.force = self.absorbed = np.zeros((0, particles.dim))
+        self.force = self.body_force = self.absorbed = np.zeros((0, particles.dim))
         self.by_pressure = np.zeros(particles.n_owned)
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None
@@ -87,6 +87,12 @@ class Flow:
         self.solver: Any = None
         self.pressure_gradient: Any = None
         self.position_solve: Any = None
+
+    @property
+    def pull(self) -> np.ndarray:
+        """The body force per volume (n_all, dim) [Pa/m], (0, dim) where it is uniform: then it bends no pressure."""
+        force = self.body_force
+        return self.density * force if np.any(force != force[:1]) else force[:0]
 
     @property
     def cloud(self) -> Cloud:

@@ -115,7 +115,7 @@ class Gradient(Part):
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
         """Add what is known of the pressure of the flow, and of no other field, to its gradient (n_owned, dim) [Pa/m].
 
-        Not collective. Asked of the gradient at the surface alone.
+        Not collective.
         """
 
     def form(self, spacing: float) -> tuple[float, int, float] | None:

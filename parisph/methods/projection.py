@@ -7,7 +7,7 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.kernels import balance, movement, record
+from parisph.kernels import balance, curvature, movement, record
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, regularising, straining, surfaces
 from parisph.methods.catalogue import Parts
@@ -214,7 +214,7 @@ class Projection:
         """Add up flow.force (n_all, dim) [m/s^2] at a time [s], in the middle of a step of dt [s]."""
         flow = self.flow
         flow.time, flow.dt = time, dt
-        flow.force = np.zeros_like(flow.particles.x_all)
+        flow.force = flow.body_force = np.zeros_like(flow.particles.x_all)
         for force in self.parts.forces:
             force.add(flow.force, flow, time)
 
@@ -249,12 +249,31 @@ class Projection:
                              self.flow.density)
         right = self.rows.right_hand_side(target)
         self._balance_walls(right, moved)
+        self._find_laplacian()
         self.parts.wall_rows.complete(right, self.rows.rows, self.rows.cloud, self.flow)
         matrix, isolated = self._matrix()
         balance.without_equation(right, p.role)
         if "surface_pressure" in p.fields:
             self.rows.add_surface_values(right, p.surface_pressure_all, p.role_all)
         return matrix, right, isolated
+
+    def _find_laplacian(self):
+        """Write the Laplacian that the pressure has beside that by the body force, for parts that need it. Collective.
+
+        rho (div (F - B) - tr((grad u)^2)) at inner particles, and at walls and the surface the mean of that.
+        """
+        flow, d = self.flow, self.flow.domain
+        p = flow.particles
+        if "laplacian" not in p.fields:
+            return
+        p.laplacian[:] = 0.0
+        if len(self.parts.forces) > 1:
+            self.rows.divergence(p.laplacian, flow.force - flow.body_force, p.role_all)
+        p.laplacian -= self.rows.gradient_invariants(p.u_all, p.role_all)[0]
+        p.laplacian *= flow.density
+        d.update("laplacian")
+        curvature.continue_laplacian(p.laplacian_all, p.x_all, p.role_all, lengths.WALL * flow.spacing, d.indptr,
+                                     d.indices, flow.axes)
 
     def _balance_walls(self, right, moved):
         """Make wall rows that are no normal derivative exact for water that moves with the wall.
@@ -385,6 +404,7 @@ class Projection:
         """Return the gradient of the flow's pressure at owned fluid particles (n_owned, dim) [Pa/m]. Collective."""
         flow = self.flow
         out = self.pressure_gradient(flow.particles.p_all, flow.density * flow.force)
+        self.parts.gradient.complete(out, flow)
         self.parts.surface_gradient.complete(out, flow)
         return out
 
