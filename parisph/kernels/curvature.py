@@ -64,6 +64,41 @@ def add_at_walls(right: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, cou
 
 
 @kernel
+def add_at_surface(right: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, count: np.ndarray, columns: np.ndarray,
+                   values: np.ndarray, x: np.ndarray, role: np.ndarray, indptr: np.ndarray,
+                   axes: tuple[int, ...]) -> None:
+    """Add what rows of the surface find of the known part of the pressure to the right-hand side (n_owned,) [Pa].
+
+    With the values S w_J, S = a/(a + d) (`surface_rows`), and the known part q: p_I = S mean(p_J - q_J) - (1 - S) q(a),
+    since p = 0 at the distance a outwards. q(a) is by L and by the mean pull of the neighbours. others : as there
+    """
+    dim = len(axes)
+    mean, force = np.empty(dim), np.empty(dim)
+    for i in range(len(indptr) - 1):
+        if role[i] != SURFACE or count[i] == 0:
+            continue
+        share, known = 0.0, 0.0
+        mean[:] = 0.0
+        force[:] = 0.0
+        for k in range(indptr[i], indptr[i] + count[i]):
+            j = columns[k]
+            share += values[k]
+            known += values[k] * (_by_pull(i, j, pull, x, axes)
+                                  + laplacian[i] * _square_distance(i, j, x, axes) / (2.0 * dim))
+            for a in range(dim):
+                mean[a] += values[k] * (x[j, a] - x[i, a])
+                if len(pull) > 0:
+                    force[a] += values[k] * (pull[j, a] - pull[i, a])
+        square, by_pull = 0.0, 0.0
+        for a in range(dim):
+            square += (mean[a] / share) ** 2
+            by_pull += 0.5 * force[a] * mean[a] / share**2
+        away = share / (1.0 - share)    # a/d
+        outside = away * away * (by_pull + laplacian[i] * square / (2.0 * dim))
+        right[i] -= known + (1.0 - share) * outside
+
+
+@kernel
 def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, x: np.ndarray, role: np.ndarray,
              where: int, radius: float, most: float, trusted: float, indptr: np.ndarray, indices: np.ndarray,
              axes: tuple[int, ...]) -> None:

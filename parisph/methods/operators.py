@@ -198,8 +198,9 @@ class CurvedWalls(HarmonicWalls):
     name, fields = "curved", ("laplacian",)
 
     def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
-        curvature.add_at_walls(right, flow.particles.laplacian_all, flow.pull, rows.count, rows.columns, rows.values,
-                               cloud.x, cloud.role, cloud.indptr, cloud.axes)
+        for add in (curvature.add_at_walls, curvature.add_at_surface):
+            add(right, flow.particles.laplacian_all, flow.pull, rows.count, rows.columns, rows.values, cloud.x,
+                cloud.role, cloud.indptr, cloud.axes)
 
 
 class CurvedBreakingWalls(CurvedWalls):

@@ -250,9 +250,9 @@ class Projection:
         right = self.rows.right_hand_side(target)
         self._balance_walls(right, moved)
         self._find_laplacian()
-        self.parts.wall_rows.complete(right, self.rows.rows, self.rows.cloud, self.flow)
         matrix, isolated = self._matrix()
         balance.without_equation(right, p.role)
+        self.parts.wall_rows.complete(right, self.rows.rows, self.rows.cloud, self.flow)
         if "surface_pressure" in p.fields:
             self.rows.add_surface_values(right, p.surface_pressure_all, p.role_all)
         return matrix, right, isolated
