@@ -131,10 +131,9 @@ def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.nda
         for a in range(dim):
             for b in range(a + 1):
                 m[a, b] = m[b, a] = matrix[a, b]
-        raised = np.inf
-        if found > size and cholesky(matrix, size):
-            raised = _inflation(m, matrix, right, size, axes)
-        if raised <= most:
+        spans = found > size and cholesky(matrix, size)
+        raised = _inflation(m, matrix, right, size, axes) if spans else np.inf
+        if spans and raised <= most:
             curve = laplacian[i] * radius * radius / (2.0 * dim) if raised <= trusted else 0.0
             for k in range(columns):
                 change[0, k] = 0.0

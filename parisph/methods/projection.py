@@ -139,7 +139,7 @@ class Projection:
         flow.domain.update("p")
         role = p.role.copy()
         self._sum_forces(time)
-        found = flow.force[:p.n_owned] - self._gradient_of_pressure() / flow.density
+        found = flow.force[:p.n_owned] - self.gradient_of_pressure() / flow.density
         p.role[:] = role
         found[p.kind != FLUID] = 0.0
         return found
@@ -332,7 +332,7 @@ class Projection:
         """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
         flow = self.flow
         p = flow.particles
-        grad = self._gradient_of_pressure()
+        grad = self.gradient_of_pressure()
         acceleration, flow.by_pressure = np.empty_like(grad), np.empty(p.n_owned)
         movement.accelerate(p.u, acceleration, flow.by_pressure, grad, flow.force, flow.density, dt, p.kind)
         moved = flow.walls.acceleration(flow)
@@ -400,7 +400,7 @@ class Projection:
         self.flow.stale.add("role")
         return out
 
-    def _gradient_of_pressure(self):
+    def gradient_of_pressure(self):
         """Return the gradient of the flow's pressure at owned fluid particles (n_owned, dim) [Pa/m]. Collective."""
         flow = self.flow
         out = self.pressure_gradient(flow.particles.p_all, flow.density * flow.force)
