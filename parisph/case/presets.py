@@ -12,8 +12,8 @@ USUAL: dict[str, Any] = {
     "regularisers": ("film", *WITHOUT_FILMS),
 }
 
-# Waves that do not break: the surface keeps its particles, and stencils are exact for quadratic pressure. The wall guard
-# changes no wave; without it, a surface particle that goes up and down beside a wall passes it in the end.
+# Waves that do not break: the surface keeps its particles, and stencils are exact for quadratic pressure. The wall
+# guard changes no wave; without it, a surface particle that goes up and down beside a wall passes it in the end.
 _GENTLE: dict[str, Any] = {
     **USUAL,
     "cfl": 0.4,

@@ -20,6 +20,9 @@ from parisph.kernels.moments import cholesky, cholesky_solve, invert, normal_mat
 from parisph.kernels.near import dot, fill_up, gather, room_for, weights
 from parisph.kernels.smoothing import quartic_weight
 
+# Below this value of det/(trace/dim)^dim a linear gradient is damped (`operators.LeastSquares`), and stays.
+FLAT = 0.05
+
 
 @kernel
 def continue_laplacian(laplacian: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float, indptr: np.ndarray,
@@ -100,17 +103,18 @@ def add_at_surface(right: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, c
 
 @kernel
 def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, x: np.ndarray, role: np.ndarray,
-             where: int, radius: float, most: float, trusted: float, indptr: np.ndarray, indices: np.ndarray,
-             axes: tuple[int, ...]) -> None:
+             where: int, radius: float, most: float, kept: float, indptr: np.ndarray,
+             indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Replace the gradient of the pressure by that of a fit by harmonic polynomials to what is not known of it.
 
     Exact for every quadratic pressure. Where neighbours do not span the basis, or the terms of degree 2 raise the
-    variance of the slope too much, a linear fit takes what the pull gives from the value in `out`.
+    variance of the slope too much, the value is that of a linear fit, and what this finds of the known part is taken
+    from it: all of that, or nothing, since its parts depend on the frame, and their sum does not.
 
-    out : (n_owned, dim) [Pa/m] of a linear fit; laplacian, pull : as of add_at_walls
+    out : (n_owned, dim) [Pa/m] of another fit; laplacian, pull : as of add_at_walls
     where : the role of the particles; radius : [m] of the quartic weight
-    most, trusted : by how much terms of degree 2 may raise the variance (harmonic.coefficients), and up to where L is
-        used
+    most : by how much terms of degree 2 may raise the variance (harmonic.coefficients)
+    kept : up to where `out` has those terms and stays; not above `most` if it has them nowhere
     """
     dim, size, room = len(axes), basis_size(axes), room_for(indptr)
     basis, w, change = np.zeros((size + 4, room)), np.empty((1, room)), np.zeros((1, room))
@@ -133,24 +137,25 @@ def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.nda
                 m[a, b] = m[b, a] = matrix[a, b]
         spans = found > size and cholesky(matrix, size)
         raised = _inflation(m, matrix, right, size, axes) if spans else np.inf
-        if spans and raised <= most:
-            curve = laplacian[i] * radius * radius / (2.0 * dim) if raised <= trusted else 0.0
-            for k in range(columns):
-                change[0, k] = 0.0
-            for k in range(n):
-                j = member[k]
-                change[0, k] = w[0, k] * (p[j] - p[i] - _by_pull(i, j, pull, x, axes) - curve * basis[size, k])
-            for r in range(size):
-                right[r] = dot(change, 0, basis, r, columns)
-            cholesky_solve(matrix, right, size)
-            for a in range(dim):
-                out[i, a] = right[a] / radius
-        elif len(pull) > 0 and found > dim and invert(m, inverse, axes) > 0.0:
-            for k in range(n):
-                known = w[0, k] * _by_pull(i, member[k], pull, x, axes) / radius
-                for a in range(dim):
-                    for b in range(dim):
-                        out[i, a] -= inverse[a, b] * basis[b, k] * known
+        curve = laplacian[i] * radius * radius / (2.0 * dim)
+        if not (spans and raised <= most):
+            if raised > kept and found > dim and invert(m, inverse, axes) > FLAT:
+                for k in range(n):
+                    known = w[0, k] * (_by_pull(i, member[k], pull, x, axes) + curve * basis[size, k]) / radius
+                    for a in range(dim):
+                        for b in range(dim):
+                            out[i, a] -= inverse[a, b] * basis[b, k] * known
+            continue
+        for k in range(columns):
+            change[0, k] = 0.0
+        for k in range(n):
+            j = member[k]
+            change[0, k] = w[0, k] * (p[j] - p[i] - _by_pull(i, j, pull, x, axes) - curve * basis[size, k])
+        for r in range(size):
+            right[r] = dot(change, 0, basis, r, columns)
+        cholesky_solve(matrix, right, size)
+        for a in range(dim):
+            out[i, a] = right[a] / radius
 
 
 @inlined

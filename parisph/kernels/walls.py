@@ -89,8 +89,8 @@ def _mean(i, first, n, columns, values, x, radius2, weights, axes):
 
 @kernel
 def harmonic_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
-                  role: np.ndarray, normal: np.ndarray, radius: float, most: float, indptr: np.ndarray, indices: np.ndarray,
-                  axes: tuple[int, ...]) -> None:
+                  role: np.ndarray, normal: np.ndarray, radius: float, most: float, indptr: np.ndarray,
+                  indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Replace SFDI wall rows by n . (harmonic stencil) wherever the neighbours allow it, with values above -UNSOUND.
 
     most : by how much terms of degree 2 may raise the variance of a slope (harmonic.coefficients)

@@ -311,8 +311,8 @@ class HarmonicSurface(Gradient):
 class CurvedSurface(HarmonicSurface):
     """Harmonic gradients that know how the pressure bends, so that they are exact for quadratics.
 
-    What velocities give of that only where the fit is good, in violent flow as well: elsewhere it would feed single
-    particles of a sheet.
+    Only where the fit is good, in violent flow as well: elsewhere it would feed single particles of a sheet. In the dam
+    break (H/s = 40) the pressure of the impact errs by .06 to .16 where it is used up to RAPID_INFLATION, else by .04.
     """
 
     name, fields = "curved", ("laplacian",)
@@ -330,11 +330,12 @@ class Curved(Mixed):
         _bend(out, flow, INNER, INFLATION)
 
 
-def _bend(out, flow, where, most):
+def _bend(out, flow, where, kept):
     """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`."""
     p, d = flow.particles, flow.domain
     curvature.gradient(out, p.p_all, p.laplacian_all, flow.pull, p.x_all, p.role_all, where,
-                       lengths.WALL * flow.spacing, most, INFLATION, d.indptr, d.indices, flow.axes)
+                       lengths.WALL * flow.spacing, INFLATION, kept, d.indptr, d.indices,
+                       flow.axes)
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):

@@ -400,7 +400,7 @@ class Projection:
         self.flow.stale.add("role")
         return out
 
-    def gradient_of_pressure(self):
+    def gradient_of_pressure(self) -> np.ndarray:
         """Return the gradient of the flow's pressure at owned fluid particles (n_owned, dim) [Pa/m]. Collective."""
         flow = self.flow
         out = self.pressure_gradient(flow.particles.p_all, flow.density * flow.force)
