@@ -73,8 +73,9 @@ class StillTank:
         p, d, rows = self.particles, self.domain, self.method.rows
         rows.fill(np.zeros((self.n, 2)), self.flow.cloud)
         self.pressures = np.concatenate([self.inner, self.wet, self.surface])
-        self.gradient = np.stack([self.method.pressure_gradient(e)[self.fluid].ravel()
-                                  for e in self._units(self.pressures)], axis=1)
+        if "laplacian" in p.fields:
+            p.laplacian[:] = 0.0    # of second order in a wave
+        self.gradient = np.stack([self._gradient(e)[self.fluid].ravel() for e in self._units(self.pressures)], axis=1)
         self.rows = self._pressure_rows()
         self.measure = rows.rows.measure[self.inner].copy()
         div, beyond = np.empty(self.n), np.empty((self.n, 2))
@@ -89,6 +90,10 @@ class StillTank:
                 columns.append(-self.numerics.filter * beyond[self.fluid].ravel())
         for name in ("divergence", "smoothing", "smoothing_of_walls"):
             setattr(self, name, np.stack(getattr(self, name), axis=1))
+
+    def _gradient(self, pressure):
+        self.particles.p[:] = pressure
+        return self.method.gradient_of_pressure()
 
     def _units(self, numbers):
         for i in numbers:

@@ -110,6 +110,8 @@ FIELDS = {
         Field("volume", "scalar", np.float64, "m^dim",
               "volume of fluid that the particle stands for, always; 0 for walls"),
         Field("p", "scalar", np.float64, "Pa", "pressure"),
+        Field("laplacian", "scalar", np.float64, "Pa/m^2",
+              "Laplacian of the pressure in the last step, less that by the body force", written=False),
         Field("p_before", "scalar", np.float64, "Pa", "pressure one step before", exchanged=False, written=False),
         Field("p_earlier", "scalar", np.float64, "Pa", "pressure two steps before", exchanged=False, written=False),
         Field("normal", "vector", np.float64, "", "unit normal of a wall particle, into the fluid"),

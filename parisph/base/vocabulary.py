@@ -7,15 +7,15 @@ A case is described and checked without the code that runs it, so it needs to kn
 WORDS: dict[str, list[str]] = {
     "laplacian": ["rankine", "rankine_printed", "sph", "cisph1", "cisph2", "gfd", "rankine_quadratic", "fatehi"],
     "divergence": ["flux", "nodal"],
-    "gradient": ["sfdi", "symmetric", "mixed", "harmonic", "spline", "corrected"],
-    "surface_gradient": ["same", "harmonic", "curved"],
-    "wall_rows": ["sfdi", "harmonic", "curved"],
+    "gradient": ["sfdi", "symmetric", "mixed", "spline", "corrected", "curved", "cubic"],
+    "surface_gradient": ["same", "harmonic", "curved", "cubic"],
+    "wall_rows": ["sfdi", "harmonic", "curved", "curved_breaking"],
     "surface_rule": ["gap", "auxiliary", "density", "divergence", "frozen", "none"],
     "source": ["mixed", "divergence", "density", "compensating"],
     "stepping": ["midpoint", "corrected", "start", "predicted", "symplectic"],
     "force": ["body", "coriolis", "viscous", "viscous_morris", "absorb", "friction"],
-    "regulariser": ["film", "filter", "irrotational", "collisions", "wall_guard", "projection", "parting", "shift", "keep_apart",
-                    "shift_even", "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"],
+    "regulariser": ["film", "filter", "irrotational", "collisions", "wall_guard", "projection", "parting", "shift",
+                    "keep_apart", "shift_even", "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"],
 }
 
 # What a scene may have that some forces are for.

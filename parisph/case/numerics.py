@@ -33,6 +33,9 @@ class Numerics(Model):
         1.25 times the root of its mean square if that is more; and where it is not 0, a step strains the fluid by no
         more than 1.5 % in the mean; these two make it no shorter than the fastest fluid takes for a tenth of a
         spacing), of at most a fiftieth of the period of a Sway
+    wave_step : largest adaptive step of waves over sqrt(s/g), the time scale of the shortest ones on the lattice; where
+        it is not 0, a step strains the fluid by no more than .7 % in the mean, by the largest strain of the last waves;
+        0 for neither limit
     max_time_step : upper limit of an adaptive step [s]
     zeta_time : relaxation time of the divergence [s], zeta = dt/zeta_time; 0 for zeta itself
     zeta, gamma : weights of divergence and of density in the pressure source (Z14 Eq 19)
@@ -79,6 +82,8 @@ class Numerics(Model):
     fall: Optional[float] = Field(
         None, ge=0, le=2,
         description="largest adaptive step of moving fluid over sqrt(spacing/acceleration), 0 for no limit")
+    wave_step: Optional[float] = Field(
+        None, ge=0, le=2, description="largest adaptive step of waves over sqrt(spacing/g), 0 for no limit")
     max_time_step: Optional[float] = Field(None, gt=0, description="upper limit of an adaptive step [s]")
     zeta_time: Optional[float] = Field(None, ge=0, description="relaxation time of the divergence [s], 0 for none")
     zeta: Optional[float] = Field(None, gt=0, le=2, description="weight of the divergence in the source")

@@ -63,7 +63,7 @@ def _keep_meaning(content: dict[str, Any], version: int) -> None:
     numerics, probes = content.get("numerics"), content.get("probes")
     if not isinstance(numerics, dict) or numerics.get("kappa") is None:    # as the user gave it, not resolved
         return
-    later = ["residual_strain", "pressure_mean", "volume_time"]
+    later = ["residual_strain", "pressure_mean", "volume_time", "wave_step"]
     if version < 2:
         later += ["kappa_strain", "shift_strain", "filter_strain", "fall", "surface_offset"]
     for name in later:

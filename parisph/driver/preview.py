@@ -157,6 +157,8 @@ def estimated_steps(case: Case, numerics: Numerics, expected: scales.Scales) -> 
     move = numerics.cfl * numerics.spacing
     fall = math.sqrt(2.0 * move / expected.force) if expected.force else math.inf
     longest = min(_longest_step(case, numerics), fall, case.end_time)
+    if numerics.wave_step and expected.force:
+        longest = min(longest, numerics.wave_step * math.sqrt(numerics.spacing / expected.force))
     # see methods.timestep.next_step; in a flow without a force, the mean acceleration is about a third of the largest
     brisk = np.minimum(BRISK * expected.accelerations, expected.force or IMPACT / 3.0 * expected.accelerations)
     rates = [expected.speeds / move, np.full(len(expected.times), 1.0 / longest)]

@@ -39,7 +39,7 @@ def fill_basis(b: np.ndarray, i: int, j: int, x: np.ndarray, radius: float, axes
 
 @subkernel
 def terms(degree: int, axes: tuple[int, ...]) -> int:
-    """Return the number of harmonic polynomials of degree 1 to `degree`, which is 1, 2 or 3: at most 6 in 2D, 15 in 3D."""
+    """Return the number of harmonic polynomials of degree 1 to `degree`, at most 3: then 6 in 2D, 15 in 3D."""
     dim = len(axes)
     if degree == 1:
         return dim

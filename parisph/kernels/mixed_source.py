@@ -12,9 +12,9 @@ EXPANSION = 0.01     # largest relative volume that a particle remembers: what r
 
 
 @kernel
-def mixed(target: np.ndarray, expansion: np.ndarray, left: np.ndarray, div: np.ndarray, square: np.ndarray, rate: np.ndarray,
-          before: np.ndarray, force: np.ndarray, role: np.ndarray, density: float, spacing: float, dt: float,
-          usual: float, zeta: float, strain: float, per_strain: float, time: float) -> None:
+def mixed(target: np.ndarray, expansion: np.ndarray, left: np.ndarray, div: np.ndarray, square: np.ndarray,
+          rate: np.ndarray, before: np.ndarray, force: np.ndarray, role: np.ndarray, density: float, spacing: float,
+          dt: float, usual: float, zeta: float, strain: float, per_strain: float, time: float) -> None:
     """Write rho/dt zeta d - strain rho S. d is the divergence, less what is put off, plus what is given back, and S the
     strain source.
 
@@ -22,7 +22,12 @@ def mixed(target: np.ndarray, expansion: np.ndarray, left: np.ndarray, div: np.n
     reduced by 2 dt times it. What the divergence is beyond that, it has left as a residual; exact also after a step of
     another length if strain is 1.
 
+    The volume that the step has made, to second order in it, is by the mean of the divergences of its velocity where its
+    operators were and where those of the next step are. By the second one alone, errors of the divergence on strained
+    stencils would add up: the mean level under a wave would drift in proportion to the step.
+
     target : (n,) output [Pa/m^2]; expansion : (n,), changed, or (0,) to give nothing back
+    left : (n,) the first of these divergences [1/s]; `before` is the second
     div : (n,) of the predicted velocity [1/s]; square, rate, before : (n,), tr(G^2), sqrt(2 G:G) and tr(G) of the
         velocity's gradient G at the start of the step
     force : (n_all, dim) per unit mass [m/s^2]; role : (n_all,); density [kg/m^3]; spacing [m]

@@ -89,15 +89,18 @@ def _mean(i, first, n, columns, values, x, radius2, weights, axes):
 
 @kernel
 def harmonic_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, measure: np.ndarray, x: np.ndarray,
-                  role: np.ndarray, normal: np.ndarray, radius: float, indptr: np.ndarray, indices: np.ndarray,
-                  axes: tuple[int, ...]) -> None:
-    """Replace SFDI wall rows by n . (harmonic stencil) wherever the neighbours allow it, with values above -UNSOUND."""
+                  role: np.ndarray, normal: np.ndarray, radius: float, most: float, indptr: np.ndarray,
+                  indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Replace SFDI wall rows by n . (harmonic stencil) wherever the neighbours allow it, with values above -UNSOUND.
+
+    most : by how much terms of degree 2 may raise the variance of a slope (harmonic.coefficients)
+    """
     dim = len(axes)
     c, work, b = harmonic.scratch(indptr, axes)
     for i in range(len(indptr) - 1):
         if role[i] != WET:
             continue
-        if not harmonic.coefficients(c, i, x, role, radius, np.inf, work, b, indptr, indices, axes):
+        if not harmonic.coefficients(c, i, x, role, radius, most, work, b, indptr, indices, axes):
             continue
         total, lowest = 0.0, 0.0
         for k in range(indptr[i + 1] - indptr[i]):

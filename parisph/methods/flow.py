@@ -1,7 +1,7 @@
 """The state of a scene that the parts of a method may read and change."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,10 +12,20 @@ from parisph.kernels import pairs, surface, wetness
 from parisph.kernels.jit import axes_of
 from parisph.methods import lengths
 from parisph.methods.budget import Budget, NoBudget
-from parisph.methods.potential import Potential
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.rows import Cloud
+
+
+class Potential(NamedTuple):
+    """The potential flow that a velocity is close to.
+
+    beyond : (n_owned, dim) [m/s], what the velocity of fluid has beyond it; square : (n_owned,) [1/s^2], tr(G^2) of its
+        velocity gradient G, at fluid and wet walls
+    """
+
+    beyond: np.ndarray
+    square: np.ndarray
 
 
 class Flow:
@@ -40,13 +50,16 @@ class Flow:
     full : lattice value of the density ratio's sum
     time : of the operators of the step that begins [s]; dt : its length [s], 0 for a look at an instant
     usual : what that length would be if no step were shortened to meet a time [s]
-    force : (n_all, dim) [m/s^2], of this step
+    force : (n_all, dim) [m/s^2], of this step; body_force : the part of it by gravity and the inertia of the tank
+    varies : whether the body force does in space, the same on all ranks; bends : whether the field laplacian is without
+        its divergence
     absorbed : (n_owned, dim) the part of force by such zones
     by_pressure : (n_owned,) acceleration by pressure alone in this step [m/s^2]
     mean_acceleration : of fluid by pressure in the last steps (methods.straining.remember), on all ranks [m/s^2];
         0 before the first
     mean_strain : sqrt(2 S:S) of fluid in the last step, in the mean on all ranks [1/s]; 0 before the first, and in a
         method that measures no strain
+    top_strain : the largest of it in the last waves (methods.straining.remember_strain)
     strained, doubt, rapid : (n_owned,) or None, and whole, of methods.straining in this step
     beyond_fit : (n_owned, dim) [m/s] of kernels.strain.velocity_gradient, if straining.begin has found it, else None
     potential : methods.potential of the velocity at the start of the step, None if no part needs it
@@ -73,7 +86,8 @@ class Flow:
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
-        self.force = self.absorbed = np.zeros((0, particles.dim))
+        self.force = self.body_force = self.absorbed = np.zeros((0, particles.dim))
+        self.varies, self.bends = False, True
         self.by_pressure = np.zeros(particles.n_owned)
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None
@@ -81,7 +95,7 @@ class Flow:
         self.beyond_fit: np.ndarray | None = None
         self.potential: Potential | None = None
         self.accelerations = 0.0, 0.0
-        self.mean_acceleration = self.mean_strain = self.top_speed = 0.0
+        self.mean_acceleration = self.mean_strain = self.top_strain = self.top_speed = 0.0
         self.whole = 1.0
         self.collisions = 0
         self.stale: set[str] = set()
@@ -91,6 +105,12 @@ class Flow:
         self.solver: Any = None
         self.pressure_gradient: Any = None
         self.position_solve: Any = None
+
+    @property
+    def pull(self) -> np.ndarray:
+        """The body force per volume (n_all, dim) [Pa/m], (0, dim) where it is uniform or the Laplacian holds it too."""
+        force = self.body_force
+        return self.density * force if self.bends and np.any(force != force[:1]) else force[:0]
 
     @property
     def cloud(self) -> Cloud:

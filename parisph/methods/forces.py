@@ -21,7 +21,7 @@ class Body(Force):
     name = "body"
 
     def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
-        force = flow.body(flow.particles.x_all, time)
+        force = flow.body_force = flow.body(flow.particles.x_all, time)
         for axis in range(out.shape[1]):    # numpy is slow along a short last axis
             out[:, axis] += force[:, axis]
 

@@ -105,10 +105,10 @@ class WallRows(Part):
 class Gradient(Part):
     """The gradient of pressure at fluid particles.
 
-    curved : whether it uses the Laplacian of the pressure
+    whole : whether the field laplacian must hold the whole Laplacian of the pressure, with that by the body force
     """
 
-    curved: ClassVar[bool] = False
+    whole: ClassVar[bool] = False
 
     @abstractmethod
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
@@ -116,9 +116,15 @@ class Gradient(Part):
         """Write the gradient of f (n_all,) at owned fluid particles to out (n_owned, dim). Not collective.
 
         along : (n_all, dim), what the gradient is across walls at rest (methods.boundary), None for 0
-        laplacian : (n_owned,) of f, for parts that use it, None for 0
+        laplacian : (n_owned,) of f, for parts that are `whole`, None for 0
 
         A particle with too few neighbours gets a zero gradient, and the role BALLISTIC.
+        """
+
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        """Add what is known of the pressure of the flow, and of no other field, to its gradient (n_owned, dim) [Pa/m].
+
+        Not collective.
         """
 
     def form(self, spacing: float) -> tuple[float, int, float] | None:

@@ -1,28 +1,21 @@
 """The potential flow that the fluid's velocity is close to, and the regulariser that removes what is beyond it."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parisph.case.numerics import Numerics
-from parisph.kernels import potential
+from parisph.kernels import potential_fit
 from parisph.methods import lengths
+from parisph.methods.flow import Potential
 from parisph.methods.parts import REGULARISERS, Regulariser
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-# sqrt(s/g) in which the filter has its full strength: damping is in proportion to time, whatever the step. A standing
-# wave of 20 spacings and a = .4 s keeps 88 % of its height in 50 periods with .3, and ... (tests.lasting)
+# sqrt(s/g) in which the filter has its full strength: damping is in proportion to time, whatever the step. Without it
+# small errors of the operators grow at a rate of .02 to .05 sqrt(g/s).
 FILTER_TIME = 0.3
-
-
-class Potential(NamedTuple):
-    """beyond : (n_owned, dim) [m/s], what the velocity of fluid has beyond a potential flow; square : (n_owned,) [1/s^2],
-    tr(G^2) of the gradient G of that flow, at fluid and wet walls."""
-
-    beyond: np.ndarray
-    square: np.ndarray
 
 
 def find(flow: "Flow") -> Potential:
@@ -38,7 +31,7 @@ def find(flow: "Flow") -> Potential:
         turning = spin * np.stack([-p.x_all[:, 1], p.x_all[:, 0]], axis=1)
         u, wall_u = u + turning, wall_u + turning
     beyond, square = np.empty_like(p.u), np.empty(p.n_owned)
-    potential.fit_potential(beyond, square, u, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
+    potential_fit.fit_potential(beyond, square, u, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
                             p.normal_all, np.einsum("ia,ia->i", p.normal_all, wall_u), lengths.WALL * flow.spacing,
                             d.indptr, d.indices, flow.axes)
     return Potential(beyond, square)

@@ -7,13 +7,12 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
-from parisph.kernels import balance, movement, record
+from parisph.kernels import balance, curvature, movement, record
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, potential, regularising, straining, surfaces
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.guesses import Guesses
-from parisph.methods.operators import INFLATION, laplacian_of_pressure
 from parisph.methods.reports import ProjectionReport
 from parisph.methods.stepping import STEPPINGS, Accelerations
 from parisph.methods.timestep import resolved_time
@@ -90,6 +89,8 @@ class Projection:
                 if force.cause:
                     budget.move("pressure", force.cause, force.work(flow, start))
             self._regularise_velocity(dt)
+            if "left" in p.fields:
+                self._note_what_is_left()
             self._move(start, time, dt)
             budget.mark(p, "pressure")
         if parts.position_regularisers:
@@ -140,7 +141,7 @@ class Projection:
         role = p.role.copy()
         self._sum_forces(time)
         self._find_potential()
-        found = flow.force[:p.n_owned] - self._gradient_of_pressure() / flow.density
+        found = flow.force[:p.n_owned] - self.gradient_of_pressure() / flow.density
         p.role[:] = role
         found[p.kind != FLUID] = 0.0
         return found
@@ -176,8 +177,9 @@ class Projection:
 
     @property
     def strain_rate(self) -> float:
-        """Mean rate at which fluid was strained in the last step, on all ranks, sqrt(2 S:S) [1/s]."""
-        return self.flow.mean_strain
+        """Mean rate at which fluid was strained in the last step, on all ranks, sqrt(2 S:S) [1/s]; in waves whose step
+        it limits, the largest of the last waves."""
+        return self.flow.top_strain if self.flow.numerics.wave_step else self.flow.mean_strain
 
     @property
     def columns(self) -> dict[str, str]:
@@ -188,7 +190,8 @@ class Projection:
         """Return what a checkpoint needs beside the particles. Not collective."""
         largest, mean = self.flow.accelerations
         return {"acceleration": largest, "rms_acceleration": mean, "mean_acceleration": self.flow.mean_acceleration,
-                "mean_strain": self.flow.mean_strain, "pressure_times": self.guesses.times,
+                "mean_strain": self.flow.mean_strain, "top_strain": self.flow.top_strain,
+                "pressure_times": self.guesses.times,
                 "acceleration_times": self.earlier_accelerations.times}
 
     def resume(self, state: dict) -> None:
@@ -196,6 +199,7 @@ class Projection:
         self.flow.accelerations = state.get("acceleration", 0.0), state.get("rms_acceleration", 0.0)
         self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
         self.flow.mean_strain = state.get("mean_strain", 0.0)
+        self.flow.top_strain = state.get("top_strain", 0.0)
         self.guesses.times = list(state.get("pressure_times", ()))
         if self.stepping.corrected:
             self.earlier_accelerations.times = list(state.get("acceleration_times", ()))
@@ -225,9 +229,13 @@ class Projection:
         """Add up flow.force (n_all, dim) [m/s^2] at a time [s], in the middle of a step of dt [s]."""
         flow = self.flow
         flow.time, flow.dt = time, dt
-        flow.force = np.zeros_like(flow.particles.x_all)
+        flow.force = flow.body_force = np.zeros_like(flow.particles.x_all)
         for force in self.parts.forces:
             force.add(flow.force, flow, time)
+        if self.parts.gradient.whole:
+            varies = bool(np.any(flow.body_force != flow.body_force[:1]))
+            comm = flow.particles.comm
+            flow.varies = varies if comm.size == 1 else comm.allreduce(varies, op=MPI.LOR)
 
     def _wall_velocity(self):
         p, d, flow = self.flow.particles, self.flow.domain, self.flow
@@ -266,12 +274,39 @@ class Projection:
                              self.flow.density)
         right = self.rows.right_hand_side(target)
         self._balance_walls(right, moved)
-        self.parts.wall_rows.complete(right, self.rows.rows, self.rows.cloud, self.flow)
+        self._find_laplacian()
         matrix, isolated = self._matrix()
         balance.without_equation(right, p.role)
+        self.parts.wall_rows.complete(right, self.rows.rows, self.rows.cloud, self.flow)
         if "surface_pressure" in p.fields:
             self.rows.add_surface_values(right, p.surface_pressure_all, p.role_all)
         return matrix, right, isolated
+
+    def _find_laplacian(self):
+        """Write the Laplacian of the pressure, for parts that need it. Collective.
+
+        rho (div F - tr(G^2)) with the force F and the velocity gradient G at inner particles, and at walls and the
+        surface the mean of that. Without the body force in F, which parts know (Flow.pull), unless a part wants it
+        whole. Of a potential flow tr(G^2) is known everywhere; in a tank that turns with W it has G + W x.
+        """
+        flow, d = self.flow, self.flow.domain
+        p, fit = flow.particles, flow.potential
+        if "laplacian" not in p.fields:
+            return
+        p.laplacian[:] = 0.0
+        flow.bends = not self.parts.gradient.whole
+        if flow.bends or len(self.parts.forces) > 1 or flow.varies:
+            self.rows.divergence(p.laplacian, flow.force - flow.body_force if flow.bends else flow.force, p.role_all)
+        if fit is None:
+            p.laplacian -= self.rows.gradient_invariants(p.u_all, p.role_all)[0]
+        p.laplacian *= flow.density
+        if fit is None or len(self.parts.forces) > 1 or flow.varies:
+            d.update("laplacian")
+            curvature.continue_laplacian(p.laplacian_all, p.x_all, p.role_all, lengths.WALL * flow.spacing, d.indptr,
+                                         d.indices, flow.axes)
+        if fit is not None:
+            spin = flow.spin(flow.time) if flow.spin is not None else 0.0
+            p.laplacian -= flow.density * (fit.square - 2.0 * spin**2)
 
     def _balance_walls(self, right, moved):
         """Make wall rows that are no normal derivative exact for water that moves with the wall.
@@ -330,7 +365,7 @@ class Projection:
         """u = u + dt (g - grad p/rho), Eqs. 14 and 15 (2014 paper)."""
         flow = self.flow
         p = flow.particles
-        grad = self._gradient_of_pressure()
+        grad = self.gradient_of_pressure()
         acceleration, flow.by_pressure = np.empty_like(grad), np.empty(p.n_owned)
         movement.accelerate(p.u, acceleration, flow.by_pressure, grad, flow.force, flow.density, dt, p.kind)
         moved = flow.walls.acceleration(flow)
@@ -383,14 +418,25 @@ class Projection:
         self.flow.stale.add("role")
         return out
 
-    def _gradient_of_pressure(self):
+    def gradient_of_pressure(self) -> np.ndarray:
         """Return the gradient of the flow's pressure at owned fluid particles (n_owned, dim) [Pa/m]. Collective."""
         flow = self.flow
-        curved = None
-        if self.parts.surface_gradient.curved:
-            fluid = flow.particles.kind == FLUID
-            curved = laplacian_of_pressure(flow, fluid, INFLATION)
-        return self.pressure_gradient(flow.particles.p_all, flow.density * flow.force, curved)
+        bent = flow.particles.laplacian if "laplacian" in flow.particles.fields else None
+        out = self.pressure_gradient(flow.particles.p_all, flow.density * flow.force, bent)
+        self.parts.gradient.complete(out, flow)
+        self.parts.surface_gradient.complete(out, flow)
+        return out
+
+    def _note_what_is_left(self):
+        """Write the divergence of the new velocity where the operators of the step were, with that of walls beside it.
+
+        Collective.
+        """
+        flow = self.flow
+        flow.fresh("u")
+        self._wall_velocity()
+        flow.domain.update("u")
+        self.rows.divergence(flow.particles.left, flow.particles.u_all, flow.particles.role_all)
 
     def _move(self, start, time, dt):
         """Move particles by the trapezoid of Eq. 16, or by the new velocity, and walls to where they are afterwards."""
@@ -405,8 +451,6 @@ class Projection:
         p, second = flow.particles, flow.position_solve
         div = np.empty(p.n_owned)
         self.rows.divergence(div, p.u_all, p.role_all)
-        if "left" in p.fields:
-            p.left[:] = div
         strained = np.empty(0) if flow.strained is None else flow.strained
         sums = np.array([*record.step_sums(div, p.role, p.kind, flow.by_pressure, strained), flow.collisions])
         if p.comm.size > 1:
@@ -414,6 +458,7 @@ class Projection:
         squares, count, surface, roots, particles, strain, collisions = sums
         flow.mean_strain = float(strain / max(particles, 1.0)) / dt
         acceleration = float(roots / max(particles, 1.0)) ** 2
+        straining.remember_strain(flow, dt)
         straining.remember(flow, acceleration, dt)
         self.pressure_window = self._window(acceleration)
         again = {} if second is None else {"position_iterations": second.iterations,

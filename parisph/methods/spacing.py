@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.case.numerics import Numerics
-from parisph.kernels import spacing
-from parisph.methods import straining
+from parisph.kernels import even_spacing
+from parisph.methods import lengths, straining
 from parisph.methods.further_shifts import Shift
 from parisph.methods.parts import REGULARISERS
 
@@ -18,16 +18,16 @@ class EvenShift(Shift):
     """Moves particles away from neighbours that are too close; velocities follow by their gradient."""
 
     name, words, shapes = "shift_even", "even distances", True
-    reach = 2.6
+    reach, fields = lengths.WALL, ("acceleration",)
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
-        return straining.FIELDS
+        return (*self.fields, *straining.FIELDS)
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         across = p.acceleration - flow.force[:p.n_owned]
-        spacing.even_out(move, across, p.x_all, p.kind_all, p.role_all, p.normal_all, self.strength(flow), flow.spacing,
-                         d.indptr, d.indices, flow.axes)
+        even_spacing.even_out(move, across, p.x_all, p.kind_all, p.role_all, p.normal_all, self.strength(flow),
+                              flow.spacing, d.indptr, d.indices, flow.axes)
         p.u[:] += np.einsum("iab,ib->ia", p.grad_u, move)
         flow.stale.add("u")
 

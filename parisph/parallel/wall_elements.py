@@ -102,7 +102,7 @@ class WallElements:
         return found
 
     def of_walls(self, particles: Particles) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return which particles, ghosts included, are nodes of moving walls: (m,), and a, turn and u (m, dim) of these."""
+        """Return which particles are nodes of moving walls, ghosts included: (m,), and their a, turn and u (m, dim)."""
         here, node = self._here(particles.kind_all, particles.id_all)
         return here, self.a[node], self.turn[node], self.u[node]
 

@@ -98,11 +98,12 @@ class PressureRows:
         self.offset, self.radius = offset, radius
         self.own_flux = laplacian.gives != divergence.name
         self.rows, self.flux = Rows(), Flux(dim)
+        self._invariants: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
     def fill(self, u: np.ndarray, cloud: Cloud) -> None:
         """Fill the rows of all owned particles, and the flux divergence of u (n_all, dim) [m/s]. Not collective."""
         n, rows, flux = len(cloud.indptr) - 1, self.rows, self.flux
-        self.cloud = cloud
+        self.cloud, self._invariants = cloud, None
         rows.reserve(n, len(cloud.indices))
         flux.reserve(n, len(cloud.indices), None if self.own_flux else rows)
         self.laplacian.fill(rows, cloud, flux, u)
@@ -151,11 +152,15 @@ class PressureRows:
     def gradient_invariants(self, u: np.ndarray, role: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return tr(G^2) [1/s^2], sqrt(2 G:G) and tr(G) [1/s] of G = grad u at inner particles, (n_owned,) each.
 
-        u : (n_all, dim) [m/s]; role : (n_all,)
+        They are found once for the rows, and not again until they are filled anew.
+
+        u : (n_all, dim) [m/s] of the flow; role : (n_all,)
         """
-        square, rate, div = np.empty((3, len(self.cloud.indptr) - 1))
-        rankine.gradient_invariants(square, rate, div, u, role, *self._stencils())
-        return square, rate, div
+        if self._invariants is None:
+            square, rate, div = np.empty((3, len(self.cloud.indptr) - 1))
+            rankine.gradient_invariants(square, rate, div, u, role, *self._stencils())
+            self._invariants = square, rate, div
+        return self._invariants
 
     def _stencils(self):
         flux, cloud = self.flux, self.cloud

@@ -114,7 +114,7 @@ def wall_errors(kind, jitter):
         arguments = (*rows.matrix, pool.x, pool.role, pool.normal, WALL * s, *pool.csr)
         walls.sfdi_rows(*arguments)
         if kind == "harmonic":
-            walls.harmonic_rows(*arguments)
+            walls.harmonic_rows(*arguments[:-3], np.inf, *arguments[-3:])
         f, grad = harmonic_pressure(pool.x)
         wet = pool.role == WET
         error = rows.applied(f)[wet] / -rows.measure[wet] - (pool.normal * grad).sum(axis=1)[wet]

@@ -56,8 +56,8 @@ def error(name, spacing, wall_rows, field, jitter=0.4):
     right = flow.rows.right_hand_side(target)
     if wall_rows == "curved":
         rows, cloud = flow.rows.rows, flow.rows.cloud
-        curvature.add_at_walls(right, field(*p.x.T)[2], rows.count, rows.columns, rows.values, cloud.x, cloud.role,
-                               cloud.indptr, cloud.axes)
+        curvature.add_at_walls(right, field(*p.x.T)[2], np.empty((0, 2)), rows.count, rows.columns, rows.values,
+                               cloud.x, cloud.role, cloud.indptr, cloud.axes)
     solved = (p.role == INNER) | (p.role == WET)
     right[~solved] = 0.0
     flow.rows.add_surface_values(right, value, p.role_all)

@@ -19,7 +19,7 @@ some = comm.Split(0 if comm.rank < 2 else 1)
 for preset in {PRESETS!r}:
     case = scene(preset)
     if preset == "solitary":
-        case = case.changed(**{{"numerics.wall_rows": "curved"}})    # which no preset has
+        case = case.changed(**{{"numerics.wall_rows": "curved"}})
     whole = case.changed(end_time={STEPS} * case.numerics.time_step)
     driver.run(whole, some, f"{{preset}}-{{some.size}}", progress=False)
     if some.size == 2:

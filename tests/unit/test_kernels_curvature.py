@@ -1,13 +1,14 @@
-"""What a pressure that is not harmonic adds to harmonic fits, at walls and at the surface."""
+"""What is known of how the pressure bends, in rows of walls and of the surface and in the gradient."""
 
 import numpy as np
 import pytest
 
-from parisph.base.fields import SURFACE, WET
-from parisph.kernels import curvature, gradient, walls
+from parisph.base.fields import INNER, SURFACE, WET
+from parisph.kernels import curvature, surface_rows, walls
+from parisph.kernels.gradient import least_squares_gradient
 from tests.pools import Rows, free, monomials, tank
 
-DENSITY, RADIUS = 3.0, 2.6
+RADIUS = 2.6
 dims = pytest.mark.parametrize("dim", [2, 3])
 
 
@@ -15,71 +16,98 @@ def jittered(dim):
     return tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.4)
 
 
-def strained(pool):
-    """Return a linear velocity (n, dim) and tr((grad u)^2) of it."""
-    g = np.arange(1.0, pool.dim**2 + 1.0).reshape(pool.dim, pool.dim) / 7.0
-    return pool.x @ g.T, np.trace(g @ g)
 
-
-def quadratics(pool, laplacian):
-    """Yield (f, gradient) of every quadratic monomial that is not harmonic, scaled to have this Laplacian."""
-    for f, grad, due in monomials(pool.x, 2):
-        if due != 0.0:
-            yield f * laplacian / due, grad * laplacian / due
+def no_pull(pool):
+    return np.empty((0, pool.dim))
 
 
 @dims
-@pytest.mark.parametrize("outflow", [0.0, 3.0])
-def test_laplacian_at_walls_is_that_of_the_flow(dim, outflow):
+def test_the_laplacian_of_walls_is_the_mean_of_inner_ones(dim):
     pool = jittered(dim)
-    u, square = strained(pool)
-    force = pool.x * outflow / dim
-    found = np.full(pool.n, 7.0)
-    curvature.laplacian_at_walls(found, DENSITY, u, force, pool.x, pool.role, RADIUS * pool.spacing, *pool.csr)
-    wet = pool.role == WET
-    np.testing.assert_allclose(found[wet], DENSITY * (outflow - square), rtol=1e-10)
-    assert np.all(found[~wet] == 0.0)
+    laplacian = np.where(pool.role == INNER, 5.0, 70.0)
+    curvature.continue_laplacian(laplacian, pool.x, pool.role, RADIUS * pool.spacing, *pool.csr)
+    np.testing.assert_allclose(laplacian[(pool.role == WET) | (pool.role == SURFACE) | (pool.role == INNER)], 5.0)
 
 
 @dims
-def test_wall_rows_are_exact_for_quadratics(dim):
-    pool, laplacian = jittered(dim), 5.0
+def test_harmonic_wall_rows_are_exact_for_quadratics(dim):
+    pool = jittered(dim)
     rows, wet = Rows(pool), pool.role == WET
-    arguments = (*rows.matrix, pool.x, pool.role, pool.normal, RADIUS * pool.spacing, *pool.csr)
-    walls.sfdi_rows(*arguments)
-    walls.harmonic_rows(*arguments)
+    arguments = (*rows.matrix, pool.x, pool.role, pool.normal, RADIUS * pool.spacing)
+    walls.sfdi_rows(*arguments, *pool.csr)
+    walls.harmonic_rows(*arguments, np.inf, *pool.csr)
     tried = 0
-    for f, grad in quadratics(pool, laplacian):
+    for f, grad, due in monomials(pool.x, 2):
         right = -rows.measure * (pool.normal * grad).sum(axis=1)
-        assert np.abs(rows.applied(f) - right)[wet].max() > 1e-3, "harmonic rows alone are not"
-        curvature.add_at_walls(right, np.full(pool.n, laplacian), *rows.matrix[:3], pool.x, pool.role, pool.indptr,
-                               pool.axes)
+        if due != 0.0:
+            assert np.abs(rows.applied(f) - right)[wet].max() > 1e-3, "harmonic rows alone are not"
+        curvature.add_at_walls(right, np.full(pool.n, float(due)), no_pull(pool), *rows.matrix[:3], pool.x, pool.role,
+                               pool.indptr, pool.axes)
         np.testing.assert_allclose(rows.applied(f)[wet], right[wet], atol=1e-11)
-        tried += 1
+        tried += due != 0.0
     assert tried == dim
+
+
+def test_uncertain_wall_rows_stay_of_first_order():
+    pool = jittered(2)
+    rows, first = Rows(pool), Rows(pool)
+    for some in (rows, first):
+        walls.sfdi_rows(*some.matrix, pool.x, pool.role, pool.normal, RADIUS * pool.spacing, *pool.csr)
+    walls.harmonic_rows(*rows.matrix, pool.x, pool.role, pool.normal, RADIUS * pool.spacing, 1.0, *pool.csr)
+    wet = pool.role == WET
+    assert np.array_equal(rows.measure[wet], first.measure[wet])
 
 
 @dims
-@pytest.mark.parametrize("outflow", [0.0, 9.0])
-def test_gradient_at_the_surface_is_exact_for_quadratics(dim, outflow):
+def test_rows_of_first_order_are_exact_for_water_at_rest_in_a_linear_force(dim):
     pool = jittered(dim)
-    u, square = strained(pool)
-    force = pool.x * outflow / dim
-    surface, tried = pool.role == SURFACE, 0
-    for f, grad in quadratics(pool, DENSITY * (outflow - square)):
-        out = at_surface(pool, f)
-        assert np.abs(out - grad)[surface].max() > 1e-3, "the harmonic gradient alone is not"
-        curvature.add_at_surface(out, DENSITY, u, force, pool.x, pool.role, RADIUS * pool.spacing, np.inf, *pool.csr)
-        np.testing.assert_allclose(out[surface], grad[surface], atol=1e-9)
-        assert np.all(out[~surface] == 0.0)
-        tried += 1
-    assert tried == dim
+    rows, wet = Rows(pool), pool.role == WET
+    walls.sfdi_rows(*rows.matrix, pool.x, pool.role, pool.normal, RADIUS * pool.spacing, *pool.csr)
+    p, pull = at_rest(pool)
+    right = -rows.measure * (pool.normal * pull).sum(axis=1)
+    curvature.add_at_walls(right, np.zeros(pool.n), pull, *rows.matrix[:3], pool.x, pool.role, pool.indptr, pool.axes)
+    sound = wet & (rows.measure > 0.0)
+    np.testing.assert_allclose(rows.applied(p)[sound], right[sound], atol=1e-9)
 
 
-def at_surface(pool, f):
-    """Return the harmonic gradient of f (n,) at surface particles: (n, dim)."""
+def at_rest(pool):
+    """Return a quadratic pressure (n,) and the force per volume that balances it (n, dim)."""
+    bends = np.arange(1.0, pool.dim**2 + 1.0).reshape(pool.dim, pool.dim) - 3.0
+    bends = bends + bends.T
+    return 0.5 * np.einsum("ia,ab,ib->i", pool.x, bends, pool.x), pool.x @ bends
+
+
+@dims
+@pytest.mark.parametrize("where", [INNER, SURFACE])
+@pytest.mark.parametrize("limit", [np.inf, 0.0], ids=["harmonic", "linear"])
+def test_the_gradient_is_exact_for_water_at_rest(dim, where, limit):
+    """By the harmonic fit, and where it is too uncertain by what a linear one lacks."""
+    pool = jittered(dim)
+    p, pull = at_rest(pool)
+    out = linear(pool, p)
+    curvature.gradient(out, p, np.zeros(pool.n), pull, pool.x, pool.role, where, RADIUS * pool.spacing, limit, limit,
+                       *pool.csr)
+    here = pool.role == where
+    np.testing.assert_allclose(out[here], pull[here], atol=1e-9)
+
+
+@dims
+@pytest.mark.parametrize("where", [INNER, SURFACE])
+def test_the_gradient_is_exact_for_quadratics(dim, where):
+    pool = jittered(dim)
+    here = pool.role == where
+    for f, grad, due in monomials(pool.x, 2):
+        out = linear(pool, f)
+        assert np.abs(out - grad)[here].max() > 1e-3 and np.all(out[~here] == linear(pool, f)[~here])
+        curvature.gradient(out, f, np.full(pool.n, float(due)), no_pull(pool), pool.x, pool.role, where,
+                           RADIUS * pool.spacing, np.inf, np.inf, *pool.csr)
+        np.testing.assert_allclose(out[here], grad[here], atol=1e-9)
+
+
+def linear(pool, f):
+    """Return the gradient of a linear fit to f (n,)."""
     out = np.zeros((pool.n, pool.dim))
-    gradient.harmonic_gradient(out, f, pool.x, pool.role, RADIUS * pool.spacing, np.inf, *pool.csr)
+    least_squares_gradient(out, f, pool.x, pool.role.copy(), RADIUS * pool.spacing, 0, 0.0, *pool.csr)
     return out
 
 
@@ -87,5 +115,22 @@ def test_what_has_no_fit_stays():
     pool = free([[0, 0], [1, 0], [2, 0]])
     pool.role[:] = SURFACE
     out = np.full((3, 2), 7.0)
-    curvature.add_at_surface(out, DENSITY, pool.x, pool.x, pool.x, pool.role, RADIUS * pool.spacing, np.inf, *pool.csr)
+    curvature.gradient(out, pool.x[:, 0] ** 2, np.ones(3), no_pull(pool), pool.x, pool.role, SURFACE,
+                       RADIUS * pool.spacing, np.inf, np.inf, *pool.csr)
     assert np.all(out == 7.0)
+
+
+def test_rows_of_the_surface_are_exact_across_it():
+    """A column of layers whose pressure depends on the depth alone, without neighbours aside."""
+    pool = free([[0.0, 0.0], [0.0, -1.0]])
+    pool.role[:] = SURFACE, INNER
+    rows = Rows(pool)
+    surface_rows.surface_rows(*rows.matrix[:3], pool.x, pool.role, np.full(2, pool.spacing**2), 0.6 * pool.spacing,
+                              pool.spacing, 2.1 * pool.spacing, *pool.csr)
+    depth = 0.6 * pool.spacing - (pool.x[:, 1] - pool.x[0, 1])
+    p, right = 3.0 * depth + 4.0 * depth**2, np.zeros(2)
+    for laplacian, pull in ((16.0, no_pull(pool)), (0.0, np.stack([0.0 * depth, -3.0 - 8.0 * depth], axis=1))):
+        right[:] = 0.0
+        curvature.add_at_surface(right, np.full(2, laplacian), pull, *rows.matrix[:3], pool.x, pool.role, pool.indptr,
+                                 pool.axes)
+        assert rows.applied(p)[0] == pytest.approx(right[0], rel=1e-9)

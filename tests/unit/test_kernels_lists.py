@@ -144,7 +144,7 @@ def harmonic_wall_rows(pool):
     rows = Rows(pool)
     arguments = (*rows.matrix, pool.x, pool.role, pool.normal, 2.6 * S, *pool.csr)
     walls.sfdi_rows(*arguments)
-    walls.harmonic_rows(*arguments)
+    walls.harmonic_rows(*arguments[:-3], np.inf, *arguments[-3:])
     return np.stack([rows.applied(P[: pool.n]), rows.measure])
 
 

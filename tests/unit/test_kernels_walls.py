@@ -18,7 +18,7 @@ def filled(pool, kind):
     arguments = (*rows.matrix, pool.x, pool.role, pool.normal, RADIUS * pool.spacing, *pool.csr)
     walls.sfdi_rows(*arguments)
     if kind == "harmonic":
-        walls.harmonic_rows(*arguments)
+        walls.harmonic_rows(*arguments[:-3], np.inf, *arguments[-3:])
     return rows
 
 

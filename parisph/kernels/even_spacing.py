@@ -10,8 +10,9 @@ from parisph.kernels.jit import kernel, subkernel
 # Radius of the neighbours that push, in spacings: those of the next layers, but not of the ones behind them, so that
 # nothing is missing around the particles of the second layer.
 REACH = 1.9
-# What a particle on the square lattice is pushed back by, over its displacement and the strength: the slope of all pushes.
-STIFFNESS = {1: 1.60, 2: 1.67, 3: 1.8}
+# The push of all neighbours over the displacement of a lone particle, in spacings: 1.60 of a line, 1.67 of the square
+# lattice, 1.62 of the cubic one.
+STIFFNESS = 1.65
 
 
 @kernel
@@ -63,7 +64,7 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
             for a in range(dim):
                 push[a] -= along / max(size, 1e-300) * across[i, a]
         for a in range(dim):
-            move[i, a] = strength[i] / 1.65 * spacing * push[a]
+            move[i, a] = strength[i] / STIFFNESS * spacing * push[a]
 
 
 @subkernel
