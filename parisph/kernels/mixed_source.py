@@ -22,8 +22,8 @@ def mixed(target: np.ndarray, expansion: np.ndarray, left: np.ndarray, div: np.n
     reduced by 2 dt times it. What the divergence is beyond that, it has left as a residual; exact also after a step of
     another length if strain is 1.
 
-    The volume that the step has made, to second order in it, is by the mean of the divergences of its velocity where its
-    operators were and where those of the next step are. By the second one alone, errors of the divergence on strained
+    The volume that the step has made, to second order in it, is by the mean of the divergences of its velocity where
+    its operators were and where those of the next step are. By the second one alone, errors of the divergence on strained
     stencils would add up: the mean level under a wave would drift in proportion to the step.
 
     target : (n,) output [Pa/m^2]; expansion : (n,), changed, or (0,) to give nothing back
