@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from parisph.base.fields import FLUID, SURFACE, WALL
+from parisph.base.fields import FLUID, SURFACE
 from parisph.kernels.jit import kernel, subkernel
 
 # Radius of the neighbours that push, in spacings: those of the next layers, but not of the ones behind them, so that
@@ -13,20 +13,22 @@ REACH = 1.9
 # The push of all neighbours over the displacement of a lone particle, in spacings: 1.60 of a line, 1.67 of the square
 # lattice, 1.62 of the cubic one.
 STIFFNESS = 1.65
+CLOSEST = 1e-3    # distance in spacings below which a push falls to 0: pairs in one place have no direction
+TINY = float(np.finfo(float).tiny)  # keeps 0/0 away
 
 
 @kernel
 def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray,
-             normal: np.ndarray, strength: np.ndarray, spacing: float, indptr: np.ndarray, indices: np.ndarray,
-             axes: tuple[int, ...]) -> None:
+             known: np.ndarray, normal: np.ndarray, strength: np.ndarray, spacing: float, indptr: np.ndarray,
+             indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Write the moves of owned fluid away from neighbours that are too close (n_owned, dim) [m].
 
-    Each neighbour within the reach pushes with (1 - q^2)^2, q = r/(1.9 s). On a lattice that is strained, the pushes
-    from both sides are equal. Particles of the surface are pushed along it, by those of the surface and by the nearest
-    wall.
+    Each neighbour within the reach pushes with (1 - q^2)^2, q = r/(1.9 s), wall particles across their wall only. On a
+    lattice that is strained, the pushes from both sides are equal. Particles of the surface are pushed along it, by
+    those of the surface and by the nearest wall.
 
-    across : (n_owned, dim), any length, the direction across the surface; strength : (n_owned,), part of a displacement
-        of one particle on the lattice that is undone
+    across : (n_owned, dim), any length, the direction across the surface; known : (n_all,) bool, walls with one normal
+    strength : (n_owned,), part of a displacement of one particle on the lattice that is undone
     """
     dim = len(axes)
     push = np.empty(dim)
@@ -39,21 +41,24 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
         wall, least = -1, REACH * spacing
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
-            if on and kind[j] == WALL:
-                away = 0.0
-                for a in range(dim):
-                    away += normal[j, a] * (x[i, a] - x[j, a])
-                if away < least:
+            r2, away = 0.0, 0.0
+            for a in range(dim):
+                r2 += (x[i, a] - x[j, a]) ** 2
+                away += normal[j, a] * (x[i, a] - x[j, a])
+            if kind[j] == FLUID:
+                if not on or role[j] == SURFACE:
+                    f = _push(r2, spacing)
+                    for a in range(dim):
+                        push[a] += f * (x[i, a] - x[j, a])
+            elif known[j]:
+                if on and away < least:
                     wall, least = j, away
-            elif not on or role[j] == SURFACE:
-                r2 = 0.0
-                for a in range(dim):
-                    r2 += (x[j, a] - x[i, a]) ** 2
-                f = _push(math.sqrt(r2), spacing)
-                for a in range(dim):
-                    push[a] -= f * (x[j, a] - x[i, a])
+                elif not on:
+                    f = _push(r2, spacing) * away
+                    for a in range(dim):
+                        push[a] += f * normal[j, a]
         if wall >= 0:
-            f = _push(max(least, 0.0), spacing) * least
+            f = _push(least * least, spacing) * least
             for a in range(dim):
                 push[a] += f * normal[wall, a]
         if on:
@@ -62,13 +67,13 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
                 size += across[i, a] ** 2
                 along += across[i, a] * push[a]
             for a in range(dim):
-                push[a] -= along / max(size, 1e-300) * across[i, a]
+                push[a] -= along / max(size, TINY) * across[i, a]
         for a in range(dim):
             move[i, a] = strength[i] / STIFFNESS * spacing * push[a]
 
 
 @subkernel
-def _push(r, spacing):
-    """Return the push over the distance r [1/m]."""
-    q2 = min((r / (REACH * spacing)) ** 2, 1.0)
-    return (1.0 - q2) ** 2 / max(r, 1e-3 * spacing)
+def _push(r2, spacing):
+    """Return the push over the distance r [1/m], by its square."""
+    q2 = min(r2 / (REACH * spacing) ** 2, 1.0)
+    return (1.0 - q2) ** 2 / max(math.sqrt(r2), CLOSEST * spacing)

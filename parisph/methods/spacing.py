@@ -26,8 +26,8 @@ class EvenShift(Shift):
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
         p, d = flow.particles, flow.domain
         across = p.acceleration - flow.force[:p.n_owned]
-        even_spacing.even_out(move, across, p.x_all, p.kind_all, p.role_all, p.normal_all, self.strength(flow),
-                              flow.spacing, d.indptr, d.indices, flow.axes)
+        even_spacing.even_out(move, across, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
+                              p.normal_all, self.strength(flow), flow.spacing, d.indptr, d.indices, flow.axes)
         p.u[:] += np.einsum("iab,ib->ia", p.grad_u, move)
         flow.stale.add("u")
 
