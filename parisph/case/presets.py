@@ -35,7 +35,7 @@ _GENTLE: dict[str, Any] = {
     "collision_distance": 0.0,
     "restitution": 0.0,
     "wall_guard": 0.25,
-    "surface_rule": "frozen",
+    "surface_rule": "gap",
     "surface_offset": 0.0,
     "pressure_mean": 0.0,
     "wall_rows": "curved",
