@@ -37,7 +37,7 @@ def fill_basis(b: np.ndarray, i: int, j: int, x: np.ndarray, radius: float, axes
             n += 1
 
 
-@subkernel
+@inlined
 def terms(degree: int, axes: tuple[int, ...]) -> int:
     """Return the number of harmonic polynomials of degree 1 to `degree`, at most 3: then 6 in 2D, 15 in 3D."""
     dim = len(axes)

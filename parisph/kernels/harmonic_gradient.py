@@ -20,38 +20,38 @@ UNIT = 0.4
 
 @kernel
 def harmonic_gradient(out: np.ndarray, f: np.ndarray, slope: np.ndarray, known: np.ndarray, laplacian: np.ndarray,
-                      x: np.ndarray, role: np.ndarray, normal: np.ndarray, of: int, degree: int, radius: float,
+                      x: np.ndarray, role: np.ndarray, normal: np.ndarray, of: int, radius: float,
                       most: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Replace the gradient at particles of one role by that of the harmonic fit.
 
-    Where the neighbours do not span the polynomials up to `degree`, or the terms above the first degree raise the
-    variance of the slope to more than `most` times that of a linear fit, the degree is one less. Where they do not
-    suffice for degree 2, `out` keeps its value.
+    The polynomials are of degree 3. Where the neighbours do not span them, or the terms above the first degree raise the
+    variance of the slope to more than `most` times that of a linear fit, they are of degree 2. Where the neighbours do
+    not suffice for these either, `out` keeps its value.
 
     out : (n_owned, dim), changed [unit of f per m]; f, x, role : (n_all, ...)
     slope : (n_all,) n . grad f at the walls that are `known` (n_all,) bool; normal : (n_all, dim)
     laplacian : (n_owned,) of f [unit of f per m^2], or without rows if f is harmonic. What it adds to values around a
         particle, lap r^2/(2 dim), and to slopes is not harmonic but known.
-    of : the role; degree : 2 or 3; radius [m]
+    of : the role; radius [m]
     """
-    dim, size, room = len(axes), harmonic.terms(3, axes), 2 * room_for(indptr)
+    dim, size, less, room = len(axes), harmonic.terms(3, axes), harmonic.terms(2, axes), 2 * room_for(indptr)
     b, w, work = np.empty((size + 4, room)), np.empty((1, room)), np.empty((size, size + 3))
     right, scratch, moment, d = np.empty(size), np.empty(size), np.empty((dim, dim)), np.empty(dim)
     for i in range(len(indptr) - 1):
         if role[i] != of:
             continue
         lap = laplacian[i] / dim if len(laplacian) > 0 else 0.0
-        m = _data(b, w, d, i, f, slope, known, lap, x, role, normal, degree, radius, indptr, indices, axes)
-        for less in range(degree - 1):
-            n = harmonic.terms(degree - less, axes)
-            if m > n and harmonic.fit(right, work, moment, scratch, b, w, m, n, most, axes):
-                for a in range(dim):
-                    out[i, a] = right[a] / (UNIT * radius)
-                break
+        m = _data(b, w, d, i, f, slope, known, lap, x, role, normal, radius, indptr, indices, axes)
+        sound = m > size and harmonic.fit(right, work, moment, scratch, b, w, m, size, most, axes)
+        if not sound:    # the columns of degree 2 are the first ones
+            sound = m > less and harmonic.fit(right, work, moment, scratch, b, w, m, less, most, axes)
+        if sound:
+            for a in range(dim):
+                out[i, a] = right[a] / (UNIT * radius)
 
 
 @inlined
-def _data(b, w, d, i, f, slope, known, lap, x, role, normal, degree, radius, indptr, indices, axes):
+def _data(b, w, d, i, f, slope, known, lap, x, role, normal, radius, indptr, indices, axes):
     """Write the data of the fit around particle i to columns; return their number. lap : the Laplacian over dim."""
     dim, unit, last, m = len(axes), UNIT * radius, len(b) - 1, 0
     for k in range(indptr[i], indptr[i + 1]):
@@ -69,11 +69,11 @@ def _data(b, w, d, i, f, slope, known, lap, x, role, normal, degree, radius, ind
         if weight == 0.0:
             continue
         if inside:
-            harmonic.fill_values(b, m, d, degree, axes)
+            harmonic.fill_values(b, m, d, 3, axes)
             w[0, m], b[last, m] = weight, f[j] - f[i] - 0.5 * lap * r2
             m += 1
         if across:
-            harmonic.fill_slopes(b, m, d, normal[j], degree, axes)
+            harmonic.fill_slopes(b, m, d, normal[j], 3, axes)
             w[0, m], b[last, m] = weight, (slope[j] - lap * away) * unit
             m += 1
     return m

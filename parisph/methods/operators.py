@@ -266,7 +266,7 @@ def _fit(out, f, flow, along, laplacian, role):
     p, d = flow.particles, flow.domain
     harmonic_gradient.harmonic_gradient(
         out, f, flow.walls.slope(flow, along), flow.walls.known_slopes(flow),
-        np.empty(0) if laplacian is None else laplacian, p.x_all, p.role_all, p.normal_all, role, 3,
+        np.empty(0) if laplacian is None else laplacian, p.x_all, p.role_all, p.normal_all, role,
         lengths.WALL * flow.spacing, INFLATION, d.indptr, d.indices, flow.axes)
 
 
