@@ -24,9 +24,9 @@ def harmonic_gradient(out: np.ndarray, f: np.ndarray, slope: np.ndarray, known: 
                       most: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Replace the gradient at particles of one role by that of the harmonic fit.
 
-    The polynomials are of degree 3. Where the neighbours do not span them, or the terms above the first degree raise the
-    variance of the slope to more than `most` times that of a linear fit, they are of degree 2. Where the neighbours do
-    not suffice for these either, `out` keeps its value.
+    The polynomials are of degree 3. Where the neighbours do not span them, or the terms above the first degree raise
+    the variance of the slope to more than `most` times that of a linear fit, they are of degree 2. Where the neighbours
+    do not suffice for these either, `out` keeps its value.
 
     out : (n_owned, dim), changed [unit of f per m]; f, x, role : (n_all, ...)
     slope : (n_all,) n . grad f at the walls that are `known` (n_all,) bool; normal : (n_all, dim)
