@@ -24,11 +24,14 @@ def fit(pool, u):
 def test_nothing_is_beyond_the_gradient_of_a_harmonic_cubic(dim):
     pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.4)
     seen = pool.fluid | (pool.role == WET)
+    beside = ((pool.index <= 1) | ((pool.index >= pool.top - 1) & (np.arange(dim) < dim - 1))).sum(axis=1)
     for _, u, bends in harmonic_cubics(pool.x):
         beyond, square = fit(pool, u)
         np.testing.assert_allclose(beyond, 0.0, atol=1e-9)
-        np.testing.assert_allclose(square[seen], np.einsum("iab,iba->i", bends, bends)[seen], rtol=1e-7)
-        assert np.all(square[~seen] == 0.0)
+        found = square != 0.0
+        np.testing.assert_allclose(square[found], np.einsum("iab,iba->i", bends, bends)[found], rtol=1e-7)
+        assert not np.any(found & ~seen) and np.all(found[pool.fluid])
+        assert np.all(found[seen] | (dim == 3) & (beside[seen] > 1)), "only walls in edges of a box lack data enough"
 
 
 @dims
