@@ -17,8 +17,7 @@ from parisph.case.load import load
 from parisph.case.waves import angular_frequency
 from parisph.geometry import build as geometry
 from parisph.kernels import gradient as gradients
-from parisph.kernels import strain
-from parisph.methods import lengths
+from parisph.methods import lengths, potential
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
@@ -70,30 +69,21 @@ class StillTank:
 
     def _fill(self):
         """Make the matrices; pressures are in the order inner, wet, surface, velocities (particle, axis) in rows."""
-        p, d, rows = self.particles, self.domain, self.method.rows
+        p, rows = self.particles, self.method.rows
         rows.fill(np.zeros((self.n, 2)), self.flow.cloud)
         self.pressures = np.concatenate([self.inner, self.wet, self.surface])
-        if "laplacian" in p.fields:
-            p.laplacian[:] = 0.0    # of second order in a wave
-        self.gradient = np.stack([self._gradient(e)[self.fluid].ravel() for e in self._units(self.pressures)], axis=1)
+        # slopes across walls and the Laplacian belong to the pressure at rest, or are of second order
+        self.gradient = np.stack([self.method.pressure_gradient(e)[self.fluid].ravel()
+                                  for e in self._units(self.pressures)], axis=1)
         self.rows = self._pressure_rows()
         self.measure = rows.rows.measure[self.inner].copy()
-        div, beyond = np.empty(self.n), np.empty((self.n, 2))
-        self.divergence, self.smoothing, self.smoothing_of_walls = [], [], []
+        div, divergence, beyond = np.empty(self.n), [], []
         for e in self._velocity_units():
-            both = self._with_walls(e)
-            rows.divergence(div, both, p.role)
-            self.divergence.append(div[self.inner])
-            for u, columns in ((e, self.smoothing), (both - e, self.smoothing_of_walls)):
-                strain.velocity_gradient(np.empty((0, 2, 2)), np.empty(0), beyond, u, p.x, p.kind, p.role,
-                                         lengths.MLS * self.numerics.spacing, 0.05, d.indptr, d.indices, self.flow.axes)
-                columns.append(-self.numerics.filter * beyond[self.fluid].ravel())
-        for name in ("divergence", "smoothing", "smoothing_of_walls"):
-            setattr(self, name, np.stack(getattr(self, name), axis=1))
-
-    def _gradient(self, pressure):
-        self.particles.p[:] = pressure
-        return self.method.gradient_of_pressure()
+            p.u[:] = self._with_walls(e)
+            rows.divergence(div, p.u, p.role)
+            divergence.append(div[self.inner])
+            beyond.append(potential.find(self.flow).beyond[self.fluid].ravel())
+        self.divergence, self.beyond = (np.stack(columns, axis=1) for columns in (divergence, beyond))
 
     def _units(self, numbers):
         for i in numbers:
@@ -162,9 +152,8 @@ class StillTank:
             middle = middle + share(dt, self.flow.wave_time) * dt**2 * (2.0 * last - before)
         pressure = surface @ (GRAVITY * middle) + unit @ (self.divergence @ u / dt)
         acceleration = -self.gradient @ pressure
-        after = u + dt * acceleration
-        # the filter meets the walls' velocity of the start of the step
-        after = after + self.smoothing @ after + self.smoothing_of_walls @ u
+        filtered = self.numerics.filter * min(1.0, dt / (potential.FILTER_TIME * self.flow.wave_time))
+        after = u + dt * acceleration - filtered * self.beyond @ u
         return np.vstack([eta + 0.5 * dt * (u + after)[self.rise], after, acceleration[self.rise], last])
 
     def step(self, eta, u, last, before, dt):

@@ -172,6 +172,23 @@ def harmonic_quadratics(x):
     return found + [(f, grad) for f, grad, laplacian in monomials(x, 2) if laplacian == 0.0]
 
 
+def harmonic_cubics(x, many=8, seed=0):
+    """Return harmonic polynomials of degree 3, with all lower degrees: list of (f (n,), gradient, second derivatives).
+
+    Real parts of (p . x + i q . x + c)^3 with random orthogonal unit vectors p and q: eight of them span those of
+    degree 3.
+    """
+    dim, random = x.shape[1], np.random.default_rng(seed)
+    found = []
+    for _ in range(many):
+        p, q = np.linalg.qr(random.normal(size=(dim, dim)))[0][:2]
+        along = p + 1j * q
+        z = x @ along + complex(*random.normal(size=2))
+        found.append(((z**3).real, (3.0 * z[:, None] ** 2 * along).real,
+                      (6.0 * z[:, None, None] * np.outer(along, along)).real))
+    return found
+
+
 def part(pool, keep):
     """Return the Pool of the particles that are kept, (n,) bool."""
     fields = (getattr(pool, name)[keep] for name in ("x", "kind", "corner", "normal", "role", "index"))

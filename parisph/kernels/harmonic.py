@@ -21,22 +21,6 @@ def basis_size(axes: tuple[int, ...]) -> int:
     return dim + dim * (dim + 1) // 2 - 1
 
 
-@subkernel
-def fill_basis(b: np.ndarray, i: int, j: int, x: np.ndarray, radius: float, axes: tuple[int, ...]) -> None:
-    """Write the harmonic polynomials at neighbour j, in units of the radius."""
-    dim = len(axes)
-    n = dim
-    for a in range(dim):
-        b[a] = (x[j, a] - x[i, a]) / radius
-    for a in range(dim - 1):
-        b[n] = b[a] * b[a] - b[a + 1] * b[a + 1]
-        n += 1
-    for a in range(dim):
-        for c in range(a):
-            b[n] = b[a] * b[c]
-            n += 1
-
-
 @inlined
 def terms(degree: int, axes: tuple[int, ...]) -> int:
     """Return the number of harmonic polynomials of degree 1 to `degree`, at most 3: then 6 in 2D, 15 in 3D."""
@@ -144,7 +128,7 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
     Returns False, with out undefined, when the neighbours do not span the basis, or not well enough for `most`.
     """
     dim, n = len(axes), basis_size(axes)
-    radius2 = radius * radius
+    radius2, column, d = radius * radius, b.reshape(n, 1), np.empty(dim)
     work[:n, :n] = 0.0
     found = 0
     for k in range(indptr[i], indptr[i + 1]):
@@ -152,7 +136,9 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
         if w == 0.0:
             continue
         found += 1
-        fill_basis(b, i, indices[k], x, radius, axes)
+        for a in range(dim):
+            d[a] = (x[indices[k], a] - x[i, a]) / radius
+        fill_values(column, 0, d, 2, axes)
         for r in range(n):
             for c in range(r + 1):
                 work[r, c] += w * b[r] * b[c]
@@ -171,7 +157,9 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
         if w == 0.0:
             out[row, :] = 0.0
             continue
-        fill_basis(b, i, indices[k], x, radius, axes)
+        for a in range(dim):
+            d[a] = (x[indices[k], a] - x[i, a]) / radius
+        fill_values(column, 0, d, 2, axes)
         cholesky_solve(work, b, n)
         for a in range(dim):
             out[row, a] = w * b[a] / radius

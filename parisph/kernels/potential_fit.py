@@ -20,15 +20,15 @@ def fit_potential(beyond: np.ndarray, square: np.ndarray, u: np.ndarray, x: np.n
                   indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fit u = grad f around fluid and wet walls, with f a harmonic polynomial of degree 3.
 
-    The data are the velocities of the fluid within the radius, the particle itself included, and those across walls.
+    Where that takes more data than there are, as at walls in the edges of a box, it is of degree 2. The data are the velocities of the fluid within the radius, the particle itself included, and those across walls.
 
     beyond : (n_owned, dim) output [m/s], u - grad f of fluid, 0 elsewhere
     square : (n_owned,) output [1/s^2], tr((grad grad f)^2); both are 0 where the data do not determine f
     u : (n_all, dim) [m/s]; known : (n_all,) bool, walls with one normal; across : (n_all,) n . u of walls [m/s]
     """
-    dim, n, room = len(axes), harmonic.terms(3, axes), len(axes) * (room_for(indptr) + 1)
-    b, w, work = np.empty((n + 4, room)), np.empty((1, room)), np.empty((n, n + 3))
-    right, scratch, moment = np.empty(n), np.empty(n), np.empty((dim, dim))
+    dim, size, room = len(axes), harmonic.terms(3, axes), len(axes) * (room_for(indptr) + 1)
+    b, w, work = np.empty((size + 4, room)), np.empty((1, room)), np.empty((size, size + 3))
+    right, scratch, moment = np.empty(size), np.empty(size), np.empty((dim, dim))
     d, one = np.empty(dim), np.eye(dim)
     for i in range(len(indptr) - 1):
         beyond[i, :] = 0.0
@@ -36,7 +36,13 @@ def fit_potential(beyond: np.ndarray, square: np.ndarray, u: np.ndarray, x: np.n
         if role[i] == BALLISTIC or (kind[i] == WALL and role[i] != WET):
             continue
         m = _data(b, w, d, one, i, u, x, kind, known, normal, across, radius, indptr, indices, axes)
-        if m <= n or not harmonic.fit(right, work, moment, scratch, b, w, m, n, np.inf, axes):
+        sound = False
+        for less in range(2):
+            n = harmonic.terms(3 - less, axes)
+            sound = m > n and harmonic.fit(right, work, moment, scratch, b, w, m, n, np.inf, axes)
+            if sound:
+                break
+        if not sound:
             continue
         square[i] = _square(right, axes) / (UNIT * radius) ** 2
         if kind[i] == FLUID:

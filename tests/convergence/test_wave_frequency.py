@@ -37,24 +37,23 @@ def observed(errors):
     return np.diff(np.log(np.abs(errors))) / -np.diff(np.log(ACROSS))
 
 
-def test_order_of_the_first_frequency():
+def test_error_of_the_first_frequency():
     errors = np.array([frequency_error(n) for n in ACROSS])
-    assert np.all(np.abs(errors) < [8.5e-3, 1.6e-3, 4.5e-4]), "measured -.76, -.138, -.036 %"
-    assert np.all(observed(errors) >= 2.0), "measured 2.5 and 2.6"
+    assert np.all(np.abs(errors) < [1.6e-3, 2e-4, 1.5e-4]), "measured -.136, -.002, .008 %"
 
 
-def test_harmonic_stencils_beat_those_of_first_order():
+def test_cubic_stencils_beat_those_of_first_order():
     recipe = np.array([frequency_error(n) for n in ACROSS])
     plain = np.array([frequency_error(n, first_order=True) for n in ACROSS])
-    assert np.all(np.abs(recipe) < np.array([0.5, 0.4, 0.3]) * np.abs(plain)), "measured .43, .31, .24"
+    assert np.all(np.abs(recipe) < 0.1 * np.abs(plain)), "measured -1.76, -.44, -.15 % for these"
     assert np.all(observed(plain) >= 1.5)
 
 
-@pytest.mark.parametrize("mode", [2, 3])
-def test_shorter_waves(mode):
-    errors = np.array([frequency_error(n, mode) for n in ACROSS])
-    assert np.all(observed(errors) >= 1.5)
-    assert abs(errors[-1]) < 3e-3
+@pytest.mark.parametrize(("across", "mode", "limit"), [(20, 2, 5e-4), (40, 4, 2e-3),    # 20 spacings a wavelength
+                                                       (12, 2, 5e-4), (12, 3, 2e-3), (40, 2, 5e-4), (40, 3, 1e-3)])
+def test_shorter_waves(across, mode, limit):
+    """kd = 3.1, 4.7 and 6.3. Measured -.005, .159; -.026, .156, .034, .080 %."""
+    assert abs(frequency_error(across, mode)) < limit
 
 
 @pytest.mark.parametrize("across", ACROSS)
@@ -67,7 +66,7 @@ def test_level_is_neutral(across):
 
 
 def test_matrix_is_what_a_step_does():
-    small = StillTank(12)
+    small = StillTank(12, shift=0.0)    # which moves particles in proportion to the square of the motion
     random = np.random.default_rng(0)
     m, n, dt = len(small.surface), len(small.fluid), 0.064 * UNIT
     length = 1e-5 * DEPTH
@@ -82,11 +81,11 @@ def test_matrix_is_what_a_step_does():
 
 @lru_cache(maxsize=None)
 def step_eigenvalues(across, dt, stepping="corrected"):
-    """Return eigenvalues and shapes of one step of dt sqrt(g/d), the filter in proportion to it.
+    """Return eigenvalues and shapes of one step of dt sqrt(g/d).
 
     Without those that last less than a step: accelerations of no motion, which the next step forgets.
     """
-    values, shapes = np.linalg.eig(tank(across, filter=0.03 * dt / 0.064, stepping=stepping).step_matrix(dt * UNIT))
+    values, shapes = np.linalg.eig(tank(across, stepping=stepping).step_matrix(dt * UNIT))
     last = np.abs(values) > 0.3
     return values[last], shapes[:, last]
 
@@ -100,12 +99,21 @@ def first_wave(across, dt, stepping="corrected"):
     return abs(np.angle(values[k])) / scale - 1.0, np.log(abs(values[k])) / scale
 
 
-@pytest.mark.parametrize(("across", "dt", "limit"), [(12, 0.064, 6e-3), (24, 0.064, 9e-4), (24, 0.128, 1.3e-3),
-                                                     (24, 0.016, 8e-4)])
-def test_frequency_of_the_steps(across, dt, limit):
+@pytest.mark.parametrize(("across", "dt"), [(12, 0.064), (24, 0.064), (24, 0.128), (24, 0.016)])
+def test_frequency_of_the_steps(across, dt):
     error, growth = first_wave(across, dt)
-    assert abs(error) < limit
-    assert -3e-3 < growth < 1e-4, "the wave neither grows nor decays by more than 2 % in a period"
+    assert abs(error) < 3e-4, "measured -.009, .018, .020, .011 %"
+    lost = {12: 1.2e-3, 24: 1.2e-4}[across]
+    assert -lost < growth < 1e-9, "the wave never grows; with 24 spacings it loses .06 % in a period"
+
+
+@pytest.mark.parametrize(("mode", "limit"), [(1, 3e-4), (2, 1e-3), (3, 2e-3), (4, 3e-3)])
+def test_waves_of_a_tank_twenty_spacings_long(mode, limit):
+    """As dt -> 0, with the filter: 40 to 10 spacings a wavelength, kd from 1.6 to 6.3."""
+    values, shapes = step_eigenvalues(20, 0.016)
+    k, likeness = tank(20).mode(mode, values, shapes)
+    error = abs(np.angle(values[k])) / (0.016 * UNIT * exact_frequency(mode)) - 1.0
+    assert likeness > 0.99 and abs(error) < limit, "measured .005, .048, .139, .192 %"
 
 
 @pytest.mark.parametrize("dt", [0.064, 0.128, 0.2])
@@ -121,9 +129,9 @@ def test_no_motion_grows(across, dt):
 
 
 @pytest.mark.parametrize("over", [0.75, 1.0, 1.1])
-def test_in_long_steps_short_waves_grow_less(over):
-    """Steps of up to 1.1 sqrt(s/g), with the filter of the preset as it is."""
+def test_in_long_steps_short_waves_do_not_grow(over):
+    """Steps of up to 1.1 sqrt(s/g); with the midpoint stepping they do, in each step by .008 to .08 %."""
     step = over * np.sqrt(2.0 / 24.0) * UNIT
     midpoint, corrected = (np.abs(np.linalg.eigvals(tank(24, stepping=word).step_matrix(step))).max() - 1.0
                            for word in ("midpoint", "corrected"))
-    assert midpoint > 1e-3 and corrected < 0.4 * midpoint
+    assert midpoint > 5e-5 and corrected < 1e-9

@@ -11,16 +11,19 @@ from parisph.methods.guesses import Guesses
 from parisph.parallel.particles import Particles
 from tests.scenes import scene
 
-# Beside those that every scene has. Still water, and waves that keep their surface; a dam break; a driven cavity.
+# Beside those that every scene has. Still water, and waves that do not break; a dam break; a driven cavity.
 OWN = {
-    "hydrostatic": {"closing", "start_role", "acceleration", "acceleration_before", "expansion"},
-    "dam_break": {"closing", "alpha", "grad_u", "strain_rate", "pairs", "phi", "grad_alpha", "turn", "share"},
+    "hydrostatic": {"closing", "alpha", "acceleration", "acceleration_before", "expansion", "left", "laplacian",
+                    "grad_u", "strain_rate"},
+    "dam_break": {"closing", "alpha", "laplacian", "grad_u", "strain_rate", "pairs", "phi", "grad_alpha", "turn",
+                  "share"},
     "lid_driven_cavity": {"grad_u", "strain_rate", "pairs", "grad_alpha", "no_slip", "wall_u", "nu", "viscous"},
 }
 
 
-def parts(name):
+def parts(name, **numerics):
     case = scene(name)
+    case = case.changed(numerics=case.numerics.model_copy(update=numerics))
     return parts_of(case.complete_numerics(), case.physics), case.closed
 
 
@@ -33,10 +36,18 @@ def test_a_scene_has_the_stages_that_it_needs():
     stages = {name: found.stages(closed) for name, (found, closed) in ((name, parts(name)) for name in OWN)}
     said = {name: " | ".join(words) for name, words in stages.items()}
     assert "viscous" not in said["hydrostatic"] + said["dam_break"] and "viscous force" in said["lid_driven_cavity"]
-    assert "surface (gap)" in said["dam_break"]
-    assert "surface (" not in said["hydrostatic"] + said["lid_driven_cavity"]
-    for word in ("shift", "collisions", "projection"):
-        assert word not in said["hydrostatic"]
+    assert "surface (gap)" in said["dam_break"] and "surface (gap)" in said["hydrostatic"]
+    assert "surface (" not in said["lid_driven_cavity"]
+    for word in ("Fick shift", "collisions", "projection", "films"):
+        assert word in said["dam_break"] and word not in said["hydrostatic"]
+    for word in ("irrotational filter", "even distances", "volume given back"):
+        assert word in said["hydrostatic"] and word not in said["dam_break"]
+
+
+def test_a_surface_that_keeps_its_particles_is_not_looked_for():
+    found, closed = parts("hydrostatic", surface_rule="frozen")
+    assert "start_role" in found.fields and "alpha" not in found.fields
+    assert not any(word.startswith("surface (") for word in found.stages(closed))
 
 
 def test_only_fields_of_the_scene_have_arrays():

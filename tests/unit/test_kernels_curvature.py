@@ -16,7 +16,6 @@ def jittered(dim):
     return tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.4)
 
 
-
 def no_pull(pool):
     return np.empty((0, pool.dim))
 
@@ -125,7 +124,7 @@ def test_rows_of_the_surface_are_exact_across_it():
     pool = free([[0.0, 0.0], [0.0, -1.0]])
     pool.role[:] = SURFACE, INNER
     rows = Rows(pool)
-    surface_rows.surface_rows(*rows.matrix[:3], pool.x, pool.role, np.full(2, pool.spacing**2), 0.6 * pool.spacing,
+    surface_rows.surface_rows(*rows.matrix[:3], pool.x, pool.role, np.ones(2), 0.6 * pool.spacing,
                               pool.spacing, 2.1 * pool.spacing, *pool.csr)
     depth = 0.6 * pool.spacing - (pool.x[:, 1] - pool.x[0, 1])
     p, right = 3.0 * depth + 4.0 * depth**2, np.zeros(2)

@@ -241,6 +241,19 @@ def test_wall_velocity_has_the_walls_normal_part_and_the_fluids_tangential_part(
     np.testing.assert_array_equal(out[others], wall_u[others])
 
 
+@dims
+def test_a_velocity_that_changes_along_a_wall_is_continued_beside_corners_too(dim):
+    """u = (x, ...) above the bed. The mean of the fluid is .5 s off beside a corner, the damped slope .08 s."""
+    pool = tank((9,) * dim if dim == 2 else (6,) * dim)
+    u = np.zeros((pool.n, dim))
+    u[:, 0] = pool.x[:, 0]
+    bed = (pool.role == WET) & (pool.corner == 0) & (pool.normal[:, -1] > 0.9)
+    out = moved_walls(pool, np.where(pool.fluid[:, None], u, np.nan), np.zeros_like(u))
+    error = np.abs(out - u)[bed].max(axis=1) / pool.spacing
+    assert error.max() < 0.1
+    assert error[np.abs(pool.index[bed, 0] - 0.5 * pool.top[0]) < 1.6].max() < 5e-3, "in the middle"
+
+
 def test_wall_velocity_without_fluid_is_the_walls_own():
     pool = tank((7, 7))
     pool.x[pool.fluid] += 100.0

@@ -58,15 +58,51 @@ def test_what_is_not_harmonic_is_not_exact(dim):
     assert error > 0.1 * pool.spacing
 
 
+def values(d, degree=3):
+    """Return the polynomials at places d (k, dim): (terms, k)."""
+    axes = tuple(range(d.shape[1]))
+    b = np.full((15, len(d)), np.nan)
+    for k, place in enumerate(d):
+        harmonic.fill_values(b, k, place, degree, axes)
+    n = harmonic.terms(degree, axes)
+    assert np.isnan(b[n:]).all() and np.isfinite(b[:n]).all()
+    return b[:n]
+
+
+def slopes(d, normal, degree=3):
+    """Return their derivatives in the directions normal (k, dim): (terms, k)."""
+    axes = tuple(range(d.shape[1]))
+    b = np.full((15, len(d)), np.nan)
+    for k, (place, n) in enumerate(zip(d, normal)):
+        harmonic.fill_slopes(b, k, place, n, degree, axes)
+    n = harmonic.terms(degree, axes)
+    assert np.isnan(b[n:]).all() and np.isfinite(b[:n]).all()
+    return b[:n]
+
+
 @dims
-def test_size_of_the_basis(dim):
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_the_polynomials_are_all_harmonic_ones_up_to_a_degree(dim, degree):
+    """Independent, as many as there are, and in the order of their degrees."""
+    assert harmonic.terms(degree, tuple(range(dim))) == {2: [2, 4, 6], 3: [3, 8, 15]}[dim][degree - 1]
     assert harmonic.basis_size(tuple(range(dim))) == {2: 4, 3: 8}[dim]
-    pool = free([[0] * dim, range(1, dim + 1)], spacing=1.0)
-    b = np.full(8, np.nan)
-    harmonic.fill_basis(b, 0, 1, pool.x, 2.0, pool.axes)
-    expected = {2: [0.5, 1.0, 0.25 - 1.0, 0.5], 3: [0.5, 1.0, 1.5, 0.25 - 1.0, 1.0 - 2.25, 0.5, 0.75, 1.5]}[dim]
-    np.testing.assert_allclose(b[: len(expected)], expected, rtol=1e-14)
-    assert np.isnan(b[len(expected):]).all()
+    random = np.random.default_rng(0)
+    d = random.normal(size=(60, dim))
+    found = values(d, degree)
+    np.testing.assert_array_equal(found, values(d)[: len(found)])
+    assert np.linalg.cond(found) < 50.0
+    around = sum(values(d + side, degree) for side in np.vstack([np.eye(dim), -np.eye(dim)]))
+    np.testing.assert_allclose(around, 2.0 * dim * found, atol=1e-11)    # second differences are exact for cubics
+
+
+@dims
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_slopes_are_derivatives_of_the_polynomials(dim, degree):
+    d, normal = np.random.default_rng(1).normal(size=(2, 20, dim))
+    step = 0.5    # central differences, corrected to be exact for cubics
+    change = [values(d + t * step * normal, degree) - values(d - t * step * normal, degree) for t in (1.0, 2.0)]
+    exact = (8.0 * change[0] - change[1]) / (12.0 * step)
+    np.testing.assert_allclose(slopes(d, normal, degree), exact, rtol=1e-11, atol=1e-11)
 
 
 @dims
@@ -101,11 +137,8 @@ def test_the_terms_of_degree_two_raise_the_variance_of_a_slope_by_what_is_said(d
     near = pool.indices[pool.indptr[i]:pool.indptr[i + 1]]
     d = (pool.x[near] - pool.x[i]) / (2.6 * pool.spacing)
     weight = np.array([quartic_weight(r2, 1.0) for r2 in (d**2).sum(axis=1)])
-    b, basis = np.empty(harmonic.basis_size(pool.axes)), []
-    for j in near:
-        harmonic.fill_basis(b, i, j, pool.x, 2.6 * pool.spacing, pool.axes)
-        basis.append(b.copy())
-    moment = np.transpose(basis) * weight @ basis
+    basis = values(d, 2)
+    moment = basis * weight @ basis.T
     raised = np.trace(np.linalg.inv(moment)[:dim, :dim] @ moment[:dim, :dim]) / dim
     assert raised > 1.1
     assert coefficients(pool, i, most=1.001 * raised)[0] and not coefficients(pool, i, most=0.999 * raised)[0]

@@ -1,0 +1,81 @@
+"""The potential flow that a velocity is close to."""
+
+import numpy as np
+import pytest
+
+from parisph.base.fields import BALLISTIC, WALL, WET
+from parisph.kernels.potential_fit import fit_potential
+from tests.pools import harmonic_cubics, tank
+
+dims = pytest.mark.parametrize("dim", [2, 3])
+
+
+def fit(pool, u):
+    """Return beyond (n, dim) and square (n,) of a velocity u (n, dim), of which walls know what is across them."""
+    beyond, square = np.full((pool.n, pool.dim), np.nan), np.full(pool.n, np.nan)
+    known = (pool.kind == WALL) & (pool.corner == 0)
+    across = np.where(known, (pool.normal * u).sum(axis=1), np.nan)
+    fit_potential(beyond, square, np.where(pool.fluid[:, None], u, np.nan), pool.x, pool.kind, pool.role, known,
+                  pool.normal, across, 2.6 * pool.spacing, *pool.csr)
+    return beyond, square
+
+
+def jittered(dim):
+    """Return a tank, which of it is fluid or wet wall, and which of that lies beside two walls (n,)."""
+    pool = tank((8,) * dim if dim == 2 else (6,) * dim, jitter=0.4)
+    near = (pool.index <= 1) | ((pool.index >= pool.top - 1) & (np.arange(dim) < dim - 1))
+    return pool, pool.fluid | (pool.role == WET), near.sum(axis=1) > 1
+
+
+@dims
+def test_nothing_is_beyond_the_gradient_of_a_harmonic_cubic(dim):
+    pool, seen, in_edge = jittered(dim)
+    sure = seen if dim == 2 else pool.fluid | (seen & ~in_edge)    # walls in edges of a box may lack data for all terms
+    for _, u, bends in harmonic_cubics(pool.x):
+        beyond, square = fit(pool, u)
+        np.testing.assert_allclose(beyond, 0.0, atol=1e-9)
+        np.testing.assert_allclose(square[sure], np.einsum("iab,iba->i", bends, bends)[sure], rtol=1e-7)
+        assert np.all(square[~seen] == 0.0)
+
+
+@dims
+def test_walls_in_edges_know_the_gradient_of_a_harmonic_quadratic(dim):
+    pool, seen, _ = jittered(dim)
+    for a in range(dim - 1):
+        u = np.zeros((pool.n, dim))
+        u[:, a], u[:, a + 1] = 2.0 * pool.x[:, a], -2.0 * pool.x[:, a + 1]
+        beyond, square = fit(pool, u)
+        np.testing.assert_allclose(beyond, 0.0, atol=1e-9)
+        np.testing.assert_allclose(square[seen], 8.0, rtol=1e-7)
+
+
+@dims
+def test_roughness_is_beyond_it(dim):
+    """Most of what a single particle has, which its neighbours have not."""
+    pool = tank((8,) * dim if dim == 2 else (6,) * dim)
+    i = pool.at(*[4 if dim == 2 else 3] * dim)
+    u = np.zeros((pool.n, dim))
+    u[i, 0] = 1.0
+    beyond = fit(pool, u)[0]
+    assert beyond[i, 0] > 0.5 and np.abs(np.delete(beyond, i, axis=0)).max() < 0.5 * beyond[i, 0]
+
+
+def test_a_vortex_is_beyond_it_beside_a_wall_only():
+    """u = (y, 0) above the bed: inside, the fit does not see that the flow turns; a wall, which the flow follows, does.
+
+    To take a part of it away brings the flow to rest there.
+    """
+    pool = tank((12, 12))
+    u = np.stack([pool.x[:, 1], 0.0 * pool.x[:, 0]], axis=1)
+    beyond = fit(pool, u)[0] / pool.spacing
+    np.testing.assert_allclose(beyond[pool.far_inside(4)], 0.0, atol=1e-12)
+    beside = beyond[pool.at(6, 1)]
+    assert abs(beside[0]) > 0.05 and abs(beside[1]) < 1e-12
+
+
+def test_free_flight_has_no_potential():
+    pool = tank((8, 8))
+    i = pool.at(4, 4)
+    pool.role[i] = BALLISTIC
+    beyond, square = fit(pool, np.random.default_rng(0).normal(size=(pool.n, 2)))
+    assert np.all(beyond[i] == 0.0) and square[i] == 0.0 and np.all(beyond[~pool.fluid] == 0.0)
