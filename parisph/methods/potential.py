@@ -21,18 +21,18 @@ FILTER_TIME = 0.3
 def find(flow: "Flow") -> Potential:
     """Fit the potential flow around owned particles to the current velocity. Not collective.
 
-    In a tank that turns, the velocity in space is that of a potential.
+    The velocity of walls must be known, ghosts included: across them it is theirs. In a tank that turns, the velocity
+    in space is that of a potential.
     """
     p, d = flow.particles, flow.domain
     u = p.u_all
-    wall_u = p.wall_u_all if "wall_u" in p.fields else np.zeros_like(u)
     spin = flow.spin(flow.time) if flow.spin is not None else 0.0
     if spin:
         turning = spin * np.stack([-p.x_all[:, 1], p.x_all[:, 0]], axis=1)
-        u, wall_u = u + turning, wall_u + turning
+        u = u + turning
     beyond, square = np.empty_like(p.u), np.empty(p.n_owned)
     potential_fit.fit_potential(beyond, square, u, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
-                            p.normal_all, np.einsum("ia,ia->i", p.normal_all, wall_u), lengths.WALL * flow.spacing,
+                            p.normal_all, np.einsum("ia,ia->i", p.normal_all, u), lengths.WALL * flow.spacing,
                             d.indptr, d.indices, flow.axes)
     return Potential(beyond, square)
 
