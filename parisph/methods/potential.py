@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.case.numerics import Numerics
 from parisph.kernels import potential_fit
-from parisph.methods import lengths
+from parisph.methods import lengths, straining
 from parisph.methods.flow import Potential
 from parisph.methods.parts import REGULARISERS, Regulariser
 
@@ -40,7 +40,7 @@ def find(flow: "Flow") -> Potential:
 class Irrotational(Regulariser):
     """Removes a part of what each velocity has beyond a potential flow, in proportion to time.
 
-    Viscous fluid has vorticity, and keeps it.
+    Viscous fluid has vorticity, and keeps it: from its velocities goes what they have beyond a linear fit.
     """
 
     name, cause, words, reach, strain = "irrotational", "filter", "irrotational filter", lengths.WALL, False
@@ -50,11 +50,9 @@ class Irrotational(Regulariser):
         return numerics.filter > 0.0
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        found = flow.potential
-        if found is None:
-            return np.zeros_like(flow.particles.u)
+        beyond = straining.beyond_fit(flow) if flow.potential is None else flow.potential.beyond
         part = min(1.0, dt / (FILTER_TIME * flow.wave_time)) if np.isfinite(flow.wave_time) else 1.0
-        return -part * flow.numerics.filter * found.beyond
+        return -part * flow.numerics.filter * beyond
 
 
 REGULARISERS.register(Irrotational())
