@@ -10,6 +10,7 @@ import numpy as np
 
 from parisph.base.fields import WALL
 from parisph.case.friction import Friction
+from parisph.kernels import wetness
 from parisph.kernels.moving_mirrors import Solids, no_solids
 from parisph.methods.parts import Gradient
 
@@ -114,10 +115,10 @@ class Boundary(ABC):
     def known_slopes(self, flow: "Flow") -> np.ndarray:
         """Return which particles (n_all,) are walls with one normal, across which the slope of pressure is known.
 
-        Also dry ones: the pressure of a wave goes on above its surface, as far as a stencil reaches.
+        Also dry ones: the pressure of a wave goes on above its surface, as far as a stencil reaches. But not those
+        that are apart, as a lid above the water.
         """
-        p = flow.particles
-        return (p.kind_all == WALL) & (p.corner_all == 0)
+        return (flow.seen(wetness.FREE) == WALL) & (flow.particles.corner_all == 0)
 
     def slope(self, flow: "Flow", along: np.ndarray | None) -> np.ndarray:
         """Return the slope across walls (n_all,) of a field with the gradient `along` (n_all, dim) in water at rest.

@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.case.numerics import Numerics
 from parisph.kernels import potential_fit
-from parisph.methods import lengths
+from parisph.methods import lengths, straining
 from parisph.methods.flow import Potential
 from parisph.methods.parts import REGULARISERS, Regulariser
 
@@ -21,18 +21,18 @@ FILTER_TIME = 0.3
 def find(flow: "Flow") -> Potential:
     """Fit the potential flow around owned particles to the current velocity. Not collective.
 
-    In a tank that turns, the velocity in space is that of a potential.
+    The velocity of walls must be known, ghosts included: across them it is theirs. In a tank that turns, the velocity
+    in space is that of a potential.
     """
     p, d = flow.particles, flow.domain
     u = p.u_all
-    wall_u = p.wall_u_all if "wall_u" in p.fields else np.zeros_like(u)
     spin = flow.spin(flow.time) if flow.spin is not None else 0.0
     if spin:
         turning = spin * np.stack([-p.x_all[:, 1], p.x_all[:, 0]], axis=1)
-        u, wall_u = u + turning, wall_u + turning
+        u = u + turning
     beyond, square = np.empty_like(p.u), np.empty(p.n_owned)
     potential_fit.fit_potential(beyond, square, u, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
-                            p.normal_all, np.einsum("ia,ia->i", p.normal_all, wall_u), lengths.WALL * flow.spacing,
+                            p.normal_all, np.einsum("ia,ia->i", p.normal_all, u), lengths.WALL * flow.spacing,
                             d.indptr, d.indices, flow.axes)
     return Potential(beyond, square)
 
@@ -40,7 +40,7 @@ def find(flow: "Flow") -> Potential:
 class Irrotational(Regulariser):
     """Removes a part of what each velocity has beyond a potential flow, in proportion to time.
 
-    Viscous fluid has vorticity, and keeps it.
+    Viscous fluid has vorticity, and keeps it: from its velocities goes what they have beyond a linear fit.
     """
 
     name, cause, words, reach, strain = "irrotational", "filter", "irrotational filter", lengths.WALL, False
@@ -50,11 +50,9 @@ class Irrotational(Regulariser):
         return numerics.filter > 0.0
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        found = flow.potential
-        if found is None:
-            return np.zeros_like(flow.particles.u)
+        beyond = straining.beyond_fit(flow) if flow.potential is None else flow.potential.beyond
         part = min(1.0, dt / (FILTER_TIME * flow.wave_time)) if np.isfinite(flow.wave_time) else 1.0
-        return -part * flow.numerics.filter * found.beyond
+        return -part * flow.numerics.filter * beyond
 
 
 REGULARISERS.register(Irrotational())

@@ -36,6 +36,20 @@ def begin(flow: "Flow", fit: bool = False) -> None:
     flow.stale.update(FIELDS)
 
 
+def beyond_fit(flow: "Flow") -> np.ndarray:
+    """Return what velocities (n_owned, dim) [m/s] have beyond the moving least squares of their neighbours.
+
+    It is that of `begin` if this has found it. Not collective.
+    """
+    p, d = flow.particles, flow.domain
+    if flow.beyond_fit is not None:
+        return flow.beyond_fit
+    found = np.empty_like(p.u)
+    strain.velocity_gradient(np.empty((0, p.dim, p.dim)), np.empty(0), found, p.u_all, p.x_all, p.kind_all, p.role_all,
+                             lengths.MLS * flow.spacing, SPAN, d.indptr, d.indices, flow.axes)
+    return found
+
+
 def finish(flow: "Flow", dt: float) -> None:
     """Write flow.strained, dt sqrt(2 S:S) as the mean around each particle, flow.rapid and flow.doubt. Collective.
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.case.numerics import Numerics
-from parisph.kernels import collisions, films, movement, strain
+from parisph.kernels import collisions, films, movement
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Limiter, Regulariser
 
@@ -26,14 +26,8 @@ class Filter(Regulariser):
         return straining.FIELDS if numerics.filter_strain else ()
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        p, d, n = flow.particles, flow.domain, flow.numerics
-        beyond = flow.beyond_fit
-        if beyond is None:
-            beyond = np.empty_like(p.u)
-            strain.velocity_gradient(np.empty((0, p.dim, p.dim)), np.empty(0), beyond, p.u_all, p.x_all, p.kind_all,
-                                     p.role_all, lengths.MLS * flow.spacing, straining.SPAN, d.indptr, d.indices,
-                                     flow.axes)
-        return -straining.strength(flow, n.filter, n.filter_strain)[:, None] * beyond
+        n = flow.numerics
+        return -straining.strength(flow, n.filter, n.filter_strain)[:, None] * straining.beyond_fit(flow)
 
 
 class Film(Regulariser):

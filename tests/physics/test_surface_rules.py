@@ -53,7 +53,7 @@ def test_density_ratio_sees_a_surface_below_the_surface():
 @pytest.mark.parametrize("rule", OPEN)
 def test_small_sloshing(rule, tmp_path):
     """The wave is a fortieth of a spacing high, so that every rule finds the particles that a frozen surface keeps."""
-    case = scene("small_sloshing", {"surface_rule": rule}, spacing=0.1, end_time=10, refine_time=True)
+    case = scene("small_sloshing", {"surface_rule": rule}, spacing=0.1, end_time=10)
     found = driver.run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
     assert found["status"] == "completed" and found["errors"]["left"]["relative_l2"] < 0.03
 

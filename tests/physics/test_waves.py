@@ -15,17 +15,18 @@ def summary_of(case, folder):
     return run(case, MPI.COMM_SELF, folder / "run", progress=False)
 
 
-@pytest.mark.parametrize(("sets", "error"), [
-    (dict(spacing=0.1), 0.04),                              # 200-class, to t sqrt(g/d) = 50
-    (dict(spacing=0.05, end_time=10), 0.02),                # 800-class
-    (dict(spacing=0.05, end_time=10, jitter=0.4), 0.03),
+@pytest.mark.parametrize(("sets", "error", "volume"), [
+    (dict(spacing=0.1), 0.032, 3e-4),                       # 200-class, to t sqrt(g/d) = 50
+    (dict(spacing=0.05, end_time=10), 0.015, 3e-4),         # 800-class
+    # the shift makes a jittered start even, also below the surface, whose cells are not measured: 1e-4 without it
+    (dict(spacing=0.05, end_time=10, jitter=0.4), 0.015, 1e-3),
 ])
-def test_small_sloshing(tmp_path, sets, error):
+def test_small_sloshing(tmp_path, sets, error, volume):
     found = summary_of(scene("small_sloshing", **sets), tmp_path)
     assert found["errors"]["left"]["relative_l2"] <= error
     assert found["errors"]["left"]["points"] > 500
     # no fluid comes or goes, and so small a wave has no energy to speak of
-    assert abs(found["volume_drift"]) < 3e-4 and abs(found["energy_drift"]) < 1e-4
+    assert abs(found["volume_drift"]) < volume and abs(found["energy_drift"]) < 1e-4
     assert found["fallbacks"] == 0 and found["iterations"]["max"] <= 15
 
 
@@ -38,12 +39,12 @@ def test_standing_wave(tmp_path):
 
 
 def test_the_level_under_a_standing_wave_does_not_drift_with_the_time_step(tmp_path):
-    """Measured 0.045 in long steps with the preset, and 0.094 if no volume is given back."""
+    """Measured 0.016 in long steps with the preset, and 0.025 if no volume is given back."""
     case = scene("standing_wave", spacing=0.05, time_step=0.128)
     without = case.changed(**{"numerics.volume_time": 0.0})
     found, kept = (summary_of(each, tmp_path / name)["errors"]["centre"]["relative_l2"]
                    for name, each in (("given", case), ("kept", without)))
-    assert found < 0.05 and kept > 0.08
+    assert found < 0.02 and kept > 1.4 * found
 
 
 def test_solitary_wave_keeps_its_form(tmp_path):
