@@ -20,7 +20,8 @@ def fit_potential(beyond: np.ndarray, square: np.ndarray, u: np.ndarray, x: np.n
                   indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fit u = grad f around fluid and wet walls, with f a harmonic polynomial of degree 3.
 
-    Where that takes more data than there are, as at walls in the edges of a box, it is of degree 2. The data are the velocities of the fluid within the radius, the particle itself included, and those across walls.
+    Where that takes more data than there are, as at walls in the edges of a box, it is of degree 2. The data are the
+    velocities of the fluid within the radius, the particle itself included, and those across walls.
 
     beyond : (n_owned, dim) output [m/s], u - grad f of fluid, 0 elsewhere
     square : (n_owned,) output [1/s^2], tr((grad grad f)^2); both are 0 where the data do not determine f
