@@ -17,7 +17,7 @@ from parisph.case.load import load
 from parisph.case.waves import angular_frequency
 from parisph.geometry import build as geometry
 from parisph.kernels import gradient as gradients
-from parisph.methods import lengths, potential
+from parisph.methods import lengths, potential, surfaces
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
@@ -55,6 +55,9 @@ class StillTank:
         self.flow = Flow(self.numerics.model_copy(update={"rtol": 1e-13}), 1.0, self._force, p, self.domain,
                          WallImages(), Timers(), wave_time=np.sqrt(self.numerics.spacing / GRAVITY))
         self.method = Projection(self.flow, parts)
+        flow = self.flow
+        flow.force = self._force(p.x_all, 0.0)
+        surfaces.classify(flow, parts.surface, 0.0)    # which walls are wet, or apart from the water
         self.n = p.n_owned
         self.x, self._ids = p.x.copy(), p.id.copy()
         self.inner, self.wet, self.surface = (np.flatnonzero(p.role == r) for r in (INNER, WET, SURFACE))
