@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
-from parisph.base.fields import WALL
+from parisph.base.fields import ABSENT, WALL
 from parisph.case.friction import Friction
 from parisph.kernels import wetness
 from parisph.kernels.moving_mirrors import Solids, no_solids
@@ -116,9 +116,11 @@ class Boundary(ABC):
         """Return which particles (n_all,) are walls with one normal, across which the slope of pressure is known.
 
         Also dry ones: the pressure of a wave goes on above its surface, as far as a stencil reaches. But not those
-        that are apart, as a lid above the water.
+        that are apart and from which gravity pulls the water, as a lid above it.
         """
-        return (flow.seen(wetness.FREE) == WALL) & (flow.particles.corner_all == 0)
+        p = flow.particles
+        lid = (flow.seen(wetness.FREE) == ABSENT) & (np.einsum("ia,ia->i", p.normal_all, flow.body_force) > 0.0)
+        return (p.kind_all == WALL) & (p.corner_all == 0) & ~lid
 
     def slope(self, flow: "Flow", along: np.ndarray | None) -> np.ndarray:
         """Return the slope across walls (n_all,) of a field with the gradient `along` (n_all, dim) in water at rest.
