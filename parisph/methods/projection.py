@@ -90,7 +90,7 @@ class Projection:
                     budget.move("pressure", force.cause, force.work(flow, start))
             self._regularise_velocity(dt)
             if "left" in p.fields:
-                self._note_what_is_left()
+                self._note_what_is_left(dt)
             self._move(start, time, dt)
             budget.mark(p, "pressure")
         if parts.position_regularisers:
@@ -237,14 +237,18 @@ class Projection:
             comm = flow.particles.comm
             flow.varies = varies if comm.size == 1 else comm.allreduce(varies, op=MPI.LOR)
 
-    def _wall_velocity(self):
+    def _wall_velocity(self, later=0.0):
+        """Write the velocity of walls so much later [s] than the start of the step."""
         p, d, flow = self.flow.particles, self.flow.domain, self.flow
         own = p.wall_u if "wall_u" in p.fields else np.zeros_like(p.u)
+        moved = flow.walls.acceleration(flow) if later else None
+        if moved is not None:
+            own = own + later * moved
         gradients.wall_velocity(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, own,
                                 flow.wall_shear(), lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
         if "no_slip" in p.fields:
             sticky = (p.kind == WALL) & (p.no_slip == 1)
-            p.u[sticky] = p.wall_u[sticky]
+            p.u[sticky] = own[sticky]
 
     def _find_potential(self):
         """Fit a potential flow to the velocity, if any part needs it and the fluid has no viscosity."""
@@ -427,14 +431,16 @@ class Projection:
         self.parts.surface_gradient.complete(out, flow)
         return out
 
-    def _note_what_is_left(self):
-        """Write the divergence of the new velocity where the operators of the step were, with that of walls beside it.
+    def _note_what_is_left(self, dt):
+        """Write the divergence of the new velocity where the operators of the step were, with the new one of walls.
 
+        With that which walls had a step earlier, water beside a wall that moves would seem to gain or lose volume in
+        proportion to the step: waves in a tank that sways differed by .8 % from those seen from the tank, else by .02.
         Collective.
         """
         flow = self.flow
         flow.fresh("u")
-        self._wall_velocity()
+        self._wall_velocity(dt)
         flow.domain.update("u")
         self.rows.divergence(flow.particles.left, flow.particles.u_all, flow.particles.role_all)
 
