@@ -23,8 +23,8 @@ def mixed(target: np.ndarray, expansion: np.ndarray, left: np.ndarray, div: np.n
     another length if strain is 1.
 
     The volume that the step has made, to second order in it, is by the mean of the divergences of its velocity where
-    its operators were and where those of the next step are. By the second one alone, errors of the divergence on strained
-    stencils would add up: the mean level under a wave would drift in proportion to the step.
+    its operators were and where those of the next step are. By the second one alone, errors of the divergence on
+    strained stencils would add up: the mean level under a wave would drift in proportion to the step.
 
     target : (n,) output [Pa/m^2]; expansion : (n,), changed, or (0,) to give nothing back
     left : (n,) the first of these divergences [1/s]; `before` is the second
