@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 # Harmonic terms may raise the variance of a slope by this factor at most. Beside a vertical wall they raise it by 2
 # to 4, also in waves.
 INFLATION = 6.0
+NEVER = -1.0    # no harmonic terms
 RAPID_INFLATION = 60.0    # on a surface that breaks
 # The same in wall rows of water that breaks. On a lattice they raise it by 1.3 to 1.4 at walls, 2.8 just below the
 # surface and 5 in corners. Rows below the tip of a tongue, which are of the second kind, hold it up: with limits of 3
@@ -177,6 +178,16 @@ class SfdiWalls(WallRows):
         walls.sfdi_rows(rows.count, rows.columns, rows.values, rows.measure, cloud.x, cloud.role, cloud.normal,
                         lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
+    def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
+        """Add what a body force that is not uniform bends the pressure by: water at rest in a linear one stays so."""
+        if len(pull := flow.pull):
+            _complete_rows(right, np.zeros(len(cloud.x)), pull, rows, cloud)
+
+
+def _complete_rows(right, laplacian, pull, rows, cloud):
+    for add in (curvature.add_at_walls, curvature.add_at_surface):
+        add(right, laplacian, pull, rows.count, rows.columns, rows.values, cloud.x, cloud.role, cloud.indptr, cloud.axes)
+
 
 class HarmonicWalls(SfdiWalls):
     """Least squares exact for harmonic pressure; first-order ones where neighbours do not suffice."""
@@ -200,9 +211,7 @@ class CurvedWalls(HarmonicWalls):
     name, fields = "curved", ("laplacian",)
 
     def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
-        for add in (curvature.add_at_walls, curvature.add_at_surface):
-            add(right, flow.particles.laplacian_all, flow.pull, rows.count, rows.columns, rows.values, cloud.x,
-                cloud.role, cloud.indptr, cloud.axes)
+        _complete_rows(right, flow.particles.laplacian_all, flow.pull, rows, cloud)
 
 
 class CurvedBreakingWalls(CurvedWalls):
@@ -234,6 +243,11 @@ class Mixed(LeastSquares):
     """With the plain weight, which averages over more neighbours."""
 
     name, source, reach = "mixed", "Z17 Eq 28", lengths.MIXED
+
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        """Add what a body force that is not uniform bends the pressure by."""
+        if len(flow.pull):
+            _bend(out, flow, np.zeros(len(flow.particles.p_all)), INNER, NEVER, NEVER)
 
 
 class Cubic(Mixed):
@@ -343,6 +357,11 @@ class HarmonicSurface(Gradient):
         gradient.harmonic_gradient(out, f, p.x_all, p.role_all, lengths.WALL * flow.spacing, self.most(flow), d.indptr,
                                    d.indices, flow.axes)
 
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        """Add what a body force that is not uniform bends the pressure by."""
+        if len(flow.pull):
+            _bend(out, flow, np.zeros(len(flow.particles.p_all)), SURFACE, self.most(flow), NEVER)
+
     def most(self, flow: "Flow") -> float:
         """Return by how much the harmonic terms may raise the variance of the slope."""
         return INFLATION if SURFACES[flow.numerics.surface_rule].keeps else RAPID_INFLATION
@@ -358,7 +377,7 @@ class CurvedSurface(HarmonicSurface):
     name, fields = "curved", ("laplacian",)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        _bend(out, flow, SURFACE, self.most(flow))
+        _bend(out, flow, flow.particles.laplacian_all, SURFACE, INFLATION, self.most(flow))
 
 
 class Curved(Mixed):
@@ -367,15 +386,14 @@ class Curved(Mixed):
     name, source, reach, fields = "curved", "", lengths.WALL, ("laplacian",)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        _bend(out, flow, INNER, INFLATION)
+        _bend(out, flow, flow.particles.laplacian_all, INNER, INFLATION, INFLATION)
 
 
-def _bend(out, flow, where, kept):
+def _bend(out, flow, laplacian, where, most, kept):
     """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`."""
     p, d = flow.particles, flow.domain
-    curvature.gradient(out, p.p_all, p.laplacian_all, flow.pull, p.x_all, p.role_all, where,
-                       lengths.WALL * flow.spacing, INFLATION, kept, d.indptr, d.indices,
-                       flow.axes)
+    curvature.gradient(out, p.p_all, laplacian, flow.pull, p.x_all, p.role_all, where, lengths.WALL * flow.spacing, most,
+                       kept, d.indptr, d.indices, flow.axes)
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):

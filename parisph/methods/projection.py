@@ -434,6 +434,8 @@ class Projection:
     def _note_what_is_left(self, dt):
         """Write the divergence of the new velocity where the operators of the step were, with that of walls beside it.
 
+        With that which walls had a step earlier, water beside a wall that moves would seem to gain or lose volume in
+        proportion to the step: waves in a tank that sways differed by .8 % from those seen from the tank, else by .02.
         Collective.
         """
         flow = self.flow
