@@ -186,7 +186,8 @@ class SfdiWalls(WallRows):
 
 def _complete_rows(right, laplacian, pull, rows, cloud):
     for add in (curvature.add_at_walls, curvature.add_at_surface):
-        add(right, laplacian, pull, rows.count, rows.columns, rows.values, cloud.x, cloud.role, cloud.indptr, cloud.axes)
+        add(right, laplacian, pull, rows.count, rows.columns, rows.values, cloud.x, cloud.role, cloud.indptr,
+            cloud.axes)
 
 
 class HarmonicWalls(SfdiWalls):
@@ -392,8 +393,8 @@ class Curved(Mixed):
 def _bend(out, flow, laplacian, where, most, kept):
     """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`."""
     p, d = flow.particles, flow.domain
-    curvature.gradient(out, p.p_all, laplacian, flow.pull, p.x_all, p.role_all, where, lengths.WALL * flow.spacing, most,
-                       kept, d.indptr, d.indices, flow.axes)
+    curvature.gradient(out, p.p_all, laplacian, flow.pull, p.x_all, p.role_all, where, lengths.WALL * flow.spacing,
+                       most, kept, d.indptr, d.indices, flow.axes)
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):
