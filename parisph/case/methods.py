@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from parisph.case.presets import WITHOUT_FILMS
+from parisph.case.presets import USUAL, WITHOUT_FILMS
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ _DENSITY = ("with these settings, water at rest on disordered particles begins t
 _Z14 = {**_PAPER, "zeta": 0.9, "gamma": 0.1}
 _Z17 = {**_PAPER, "laplacian": "sph", "zeta": 0.99, "gamma": 0.01}
 
-# Rows that are not exact for linear pressure grow an error of rounding, within thousands of steps, beside the harmonic
-# gradient of the gentle preset at the surface.
+# Rows that are not exact for linear pressure grow an error of rounding, within thousands of steps, beside a harmonic
+# gradient at the surface.
 METHODS = {
     method.name: method
     for method in (
@@ -57,8 +57,7 @@ METHODS = {
         Method("ISPH", "Z14 Eq 20a", {"laplacian": "sph", "surface_gradient": "same"}),
         Method("CISPH1", "Z14 Eqs 20b and 20c, sign corrected", {"laplacian": "cisph1", "surface_gradient": "same"}),
         Method("CISPH2", "Z14 Eqs 20b and 20d, sign corrected", {"laplacian": "cisph2"}),
-        # with the filter of the gentle preset, 0.03, an error of rounding grows to 6e-6 sqrt(g d) in 10,000 steps of
-        # water at rest
+        # with a filter of 0.03 an error of rounding grows to 6e-6 sqrt(g d) in 10,000 steps of water at rest
         Method("GFD", "generalised finite differences", {"laplacian": "gfd", "filter": 0.06}),
         Method("ISPH_R2", "Z14 Eqs 21-23 with quadratic moving least squares", {"laplacian": "rankine_quadratic"}),
         Method("FM", "Fatehi and Manzari 2011", {"laplacian": "fatehi"}),
@@ -66,7 +65,7 @@ METHODS = {
                warning="as printed, the Laplacian is too large by a constant factor and does not converge"),
         Method("HuAdams", "Z14 Eq 17, and Eq 18 in a second solve for positions", {
             "laplacian": "rankine", "source": "divergence", "kappa": 1.0, "kappa_strain": 0.0, "shift": 0.0,
-            "residual_strain": 0.0}, warning=_DENSITY),
+            "residual_strain": 0.0, "regularisers": USUAL["regularisers"]}, warning=_DENSITY),
         Method("KG", "Z14 Eq 23, with the source of Khayyer and Gotoh", {
             "laplacian": "rankine", "source": "compensating", "kappa": 0.0, "shift": 0.0, "residual_strain": 0.0}),
         Method("SPH", "Z14 Eqs 3-9: weakly compressible, with artificial viscosity", {"laplacian": "sph"},

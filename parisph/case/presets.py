@@ -111,7 +111,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "rtol": 1e-6,
     },
     "gentle": _GENTLE,
-    "solitary": _GENTLE,    # once had numerics of its own
+    "solitary": _GENTLE,    # another name, of older cases
 }
 
 # A closed tank full of fluid has no free surface, beside which stencils are one-sided: far weaker regularisation keeps

@@ -146,7 +146,7 @@ class Doubts:
         if conservation.driven or not start or start <= 0.0 or high is None:
             return
         if high > limit.value * start + self._noise:
-            yield (f"the kinetic energy was {high / start:.3g} of all energy in motion at the start, at "
+            yield (f"the kinetic energy was {high / start:.3g} times all energy in motion at the start, at "
                    f"t = {conservation.kinetic.high_time:.4g} s, though nothing does work on the fluid: {limit.advice}")
 
     def _of_level(self) -> Iterator[str]:
@@ -237,6 +237,8 @@ def _across(case: Case) -> Sequence[SurfaceGauge]:
     if case.dim != 2 or not case.plain or tank is None or case.lidded:
         return ()
     if scene.gravity[0] != 0.0 or not scene.gravity[-1] < 0.0:
+        return ()
+    if case.fluid_bounds[0][-1] > scene.lower[-1] + case.numerics.spacing:    # water in the air has no level
         return ()
     places = scene.lower[0] + (np.arange(GAUGES) + 0.5) * (scene.upper[0] - scene.lower[0]) / GAUGES
     return tuple(SurfaceGauge(f"level-{number}", at=float(at)) for number, at in enumerate(places))

@@ -8,7 +8,6 @@ import numpy as np
 from parisph.base.errors import Interrupted, ParisphError, ParticleLost, SolverDiverged, StoreError
 from parisph.base.fields import FLUID
 from parisph.case.numerics import Numerics
-from parisph.case.presets import PRESETS
 from parisph.driver.simulation import Simulation
 from parisph.parallel.particles import Particles
 
@@ -33,7 +32,8 @@ def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path
     found = suspects(s, bad[0] if bad else None)
     if found:
         lines += ["  particles to look at:", *(f"    {line}" for line in found)]
-    if not bad and s.numerics.surface_rule == "frozen" and isinstance(error, (ParticleLost, SolverDiverged)):
+    for_waves = s.numerics.wave_step or s.numerics.surface_rule == "frozen"
+    if not bad and for_waves and isinstance(error, (ParticleLost, SolverDiverged)):
         lines.append(f"  {_beyond_range(s.numerics)}")
     if last_checkpoint:
         lines.append(f"  last good checkpoint: {last_checkpoint}")
@@ -41,12 +41,11 @@ def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path
 
 
 def _beyond_range(numerics: Numerics) -> str:
-    """Return advice for a surface that keeps its particles, which fails in breaking waves."""
-    of_preset = PRESETS[numerics.preset]["surface_rule"] == "frozen"
-    chosen = f'preset="{numerics.preset}"' if of_preset else 'surface_rule="frozen"'
-    instead = 'preset="violent"' if of_preset else 'surface_rule="gap"'
-    return (f"{chosen} keeps the initial surface particles, and fails if waves are steep or break: use {instead}, "
-            "a smaller amplitude, or a smaller time step")
+    """Return advice for numerics of waves that do not break, and for a surface that keeps its particles."""
+    frozen = numerics.surface_rule == "frozen"
+    chosen = 'surface_rule="frozen"' if frozen else f'preset="{numerics.preset}"'
+    instead = 'surface_rule="gap"' if frozen else 'preset="violent"'
+    return f"{chosen} fails if waves break: use {instead}, or a smaller amplitude"
 
 
 def suspects(simulation: Simulation, bad_force: float | None = None, count: int = WORST) -> list[str]:

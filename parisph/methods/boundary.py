@@ -119,6 +119,8 @@ class Boundary(ABC):
         that are apart and from which gravity pulls the water, as a lid above it.
         """
         p = flow.particles
+        if not len(flow.body_force):    # before any step
+            return (p.kind_all == WALL) & (p.corner_all == 0)
         lid = (flow.seen(wetness.FREE) == ABSENT) & (np.einsum("ia,ia->i", p.normal_all, flow.body_force) > 0.0)
         return (p.kind_all == WALL) & (p.corner_all == 0) & ~lid
 

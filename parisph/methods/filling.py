@@ -69,10 +69,11 @@ def _weigh_cells(flow, fluid, own):
     cells = p.volume_all / s**p.dim
     if isinstance(flow.walls, WallSolids):
         d.update(*flow.walls.cover(flow))
-        walls = np.flatnonzero(p.kind_all == WALL)
-        places = p.x_all[walls] + TIE * s * np.arange(1.0, p.dim + 1.0)
-        nearest = fluid[nearest_points(p.x_all[fluid], places, s)]
-        cells -= np.bincount(nearest, (p.weight_all * p.covered_all)[walls], p.n_all)
+        walls = np.flatnonzero((p.kind_all == WALL) & (p.covered_all > 0.0))
+        if len(walls) and len(fluid):
+            places = p.x_all[walls] + TIE * s * np.arange(1.0, p.dim + 1.0)
+            nearest = fluid[nearest_points(p.x_all[fluid], places, s)]
+            cells -= np.bincount(nearest, (p.weight_all * p.covered_all)[walls], p.n_all)
     p.weight[inner] = cells[inner]
     d.update("weight")
     mean = np.empty(p.n_owned)

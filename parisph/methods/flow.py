@@ -1,7 +1,7 @@
 """The state of a scene that the parts of a method may read and change."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,16 +16,8 @@ from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.rows import Cloud
 
-
-class Potential(NamedTuple):
-    """The potential flow that a velocity is close to.
-
-    beyond : (n_owned, dim) [m/s], what the velocity of fluid has beyond it; square : (n_owned,) [1/s^2], tr(G^2) of its
-        velocity gradient G, at fluid and wet walls
-    """
-
-    beyond: np.ndarray
-    square: np.ndarray
+if TYPE_CHECKING:
+    from parisph.methods.potential import Potential
 
 
 class Flow:
@@ -93,7 +85,7 @@ class Flow:
         self.doubt: np.ndarray | None = None
         self.rapid: np.ndarray | None = None
         self.beyond_fit: np.ndarray | None = None
-        self.potential: Potential | None = None
+        self.potential: "Potential | None" = None
         self.accelerations = 0.0, 0.0
         self.mean_acceleration = self.mean_strain = self.top_strain = self.top_speed = 0.0
         self.whole = 1.0
@@ -111,6 +103,12 @@ class Flow:
         """The body force per volume (n_all, dim) [Pa/m], (0, dim) where it is uniform or the Laplacian holds it too."""
         force = self.body_force
         return self.density * force if self.bends and np.any(force != force[:1]) else force[:0]
+
+    @property
+    def outer_pull(self) -> np.ndarray:
+        """That of a force from outside, (0, dim) in a tank that turns: what its inertia bends belongs to the strain, as
+        water in free flight shows."""
+        return self.pull if self.spin is None else self.body_force[:0]
 
     @property
     def cloud(self) -> Cloud:

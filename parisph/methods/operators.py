@@ -180,7 +180,7 @@ class SfdiWalls(WallRows):
 
     def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
         """Add what a body force that is not uniform bends the pressure by: water at rest in a linear one stays so."""
-        if len(pull := flow.pull):
+        if len(pull := flow.outer_pull):
             _complete_rows(right, np.zeros(len(cloud.x)), pull, rows, cloud)
 
 
@@ -205,8 +205,8 @@ class HarmonicWalls(SfdiWalls):
 class CurvedWalls(HarmonicWalls):
     """Harmonic rows that know how the pressure bends beside them, so that they are exact for quadratics.
 
-    With the gradient "curved" alone: beside a linear one, what rows and gradient differ by leaves divergence in each
-    step, and the level rises (kernels.curvature).
+    With a gradient that knows this too ("curved", "cubic"): beside a linear one, what rows and gradient differ by
+    leaves divergence in each step, and the level rises (kernels.curvature).
     """
 
     name, fields = "curved", ("laplacian",)
@@ -247,7 +247,7 @@ class Mixed(LeastSquares):
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
         """Add what a body force that is not uniform bends the pressure by."""
-        if len(flow.pull):
+        if len(flow.outer_pull):
             _bend(out, flow, np.zeros(len(flow.particles.p_all)), INNER, NEVER, NEVER)
 
 
@@ -269,7 +269,7 @@ class Cubic(Mixed):
 class CubicSurface(Gradient):
     """The same at surface particles."""
 
-    name, reach, fields = "cubic", lengths.WALL, ("laplacian",)
+    name, reach, fields, whole = "cubic", lengths.WALL, ("laplacian",), True
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
               laplacian: np.ndarray | None = None) -> None:
@@ -360,7 +360,7 @@ class HarmonicSurface(Gradient):
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
         """Add what a body force that is not uniform bends the pressure by."""
-        if len(flow.pull):
+        if len(flow.outer_pull):
             _bend(out, flow, np.zeros(len(flow.particles.p_all)), SURFACE, self.most(flow), NEVER)
 
     def most(self, flow: "Flow") -> float:

@@ -206,6 +206,7 @@ class Regulariser(Part):
     needs_fit : whether it uses flow.beyond_fit, which the pass for the strain finds if there is one
     needs_potential : whether it uses flow.potential
     free : whether it may move particles farther than positions.CAP
+    carries : whether velocities follow its moves, by the field grad_u
     cause : column of the energy budget
     words : what `parisph check` calls it
 
@@ -218,6 +219,7 @@ class Regulariser(Part):
     needs_fit: ClassVar[bool] = False
     needs_potential: ClassVar[bool] = False
     free: ClassVar[bool] = False
+    carries: ClassVar[bool] = False
     cause: ClassVar[str]
     words: ClassVar[str]
 

@@ -1,13 +1,12 @@
 """The potential flow that the fluid's velocity is close to, and the regulariser that removes what is beyond it."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from parisph.case.numerics import Numerics
 from parisph.kernels import potential_fit
 from parisph.methods import lengths, straining
-from parisph.methods.flow import Potential
 from parisph.methods.parts import REGULARISERS, Regulariser
 
 if TYPE_CHECKING:
@@ -16,6 +15,18 @@ if TYPE_CHECKING:
 # sqrt(s/g) in which the filter has its full strength: damping is in proportion to time, whatever the step. Without it
 # small errors of the operators grow at a rate of .02 to .05 sqrt(g/s).
 FILTER_TIME = 0.3
+VISCOUS = 0.8   # part of it in viscous fluid, whose filter is one of roughness: more would add to its viscosity
+
+
+class Potential(NamedTuple):
+    """The potential flow that a velocity is close to.
+
+    beyond : (n_owned, dim) [m/s], what the velocity of fluid has beyond it; square : (n_owned,) [1/s^2], tr(G^2) of its
+        velocity gradient G, at fluid and wet walls
+    """
+
+    beyond: np.ndarray
+    square: np.ndarray
 
 
 def find(flow: "Flow") -> Potential:
@@ -51,7 +62,10 @@ class Irrotational(Regulariser):
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         beyond = straining.beyond_fit(flow) if flow.potential is None else flow.potential.beyond
-        part = min(1.0, dt / (FILTER_TIME * flow.wave_time)) if np.isfinite(flow.wave_time) else 1.0
+        rate = 1.0 / flow.wave_time if 0.0 < flow.wave_time < np.inf else flow.mean_strain    # without gravity
+        part = min(1.0, dt * rate / FILTER_TIME)
+        if flow.potential is None:
+            part *= VISCOUS
         return -part * flow.numerics.filter * beyond
 
 

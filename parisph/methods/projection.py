@@ -131,7 +131,7 @@ class Projection:
     def acceleration(self, time: float) -> np.ndarray:
         """Return g - grad p/rho [m/s^2] of owned particles with their current pressure, 0 for walls. Collective.
 
-        Nothing changes, not even the role of a particle with too few neighbours.
+        No particle changes, not even the role of one with too few neighbours.
         """
         flow = self.flow
         p = flow.particles
@@ -229,13 +229,18 @@ class Projection:
         """Add up flow.force (n_all, dim) [m/s^2] at a time [s], in the middle of a step of dt [s]."""
         flow = self.flow
         flow.time, flow.dt = time, dt
-        flow.force = flow.body_force = np.zeros_like(flow.particles.x_all)
+        flow.force, flow.body_force = np.zeros_like(flow.particles.x_all), np.zeros_like(flow.particles.x_all)
         for force in self.parts.forces:
             force.add(flow.force, flow, time)
-        if self.parts.gradient.whole:
+        if self._whole:
             varies = bool(np.any(flow.body_force != flow.body_force[:1]))
             comm = flow.particles.comm
             flow.varies = varies if comm.size == 1 else comm.allreduce(varies, op=MPI.LOR)
+
+    @property
+    def _whole(self):
+        """Whether a gradient needs the whole Laplacian of the pressure, with that by the body force."""
+        return self.parts.gradient.whole or self.parts.surface_gradient.whole
 
     def _wall_velocity(self, later=0.0):
         """Write the velocity of walls, a time [s] after the start of the step."""
@@ -298,7 +303,7 @@ class Projection:
         if "laplacian" not in p.fields:
             return
         p.laplacian[:] = 0.0
-        flow.bends = not self.parts.gradient.whole
+        flow.bends = not self._whole
         if flow.bends or len(self.parts.forces) > 1 or flow.varies:
             self.rows.divergence(p.laplacian, flow.force - flow.body_force if flow.bends else flow.force, p.role_all)
         if fit is None:

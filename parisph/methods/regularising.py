@@ -37,7 +37,10 @@ def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
         if isinstance(part, Limiter):
             part.apply(flow, dt)
         elif part.moves:
-            displace(flow, changes[part.name])
+            displace(flow, changes[part.name])    # which shortens moves into walls
+            if part.carries:
+                p.u[:] += np.einsum("iab,ib->ia", p.grad_u, changes[part.name])
+                flow.stale.add("u")
         else:
             p.u[:] += changes[part.name]
             flow.stale.add("u")

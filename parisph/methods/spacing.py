@@ -1,14 +1,15 @@
-"""The shift that keeps the distances of neighbours even, for surfaces that keep their particles."""
+"""The shift that keeps the distances of neighbours even, for waves that do not break."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parisph.case.numerics import Numerics
-from parisph.kernels import even_spacing
+from parisph.kernels import even_spacing, shifting
 from parisph.methods import lengths, straining
 from parisph.methods.further_shifts import Shift
 from parisph.methods.parts import REGULARISERS
+from parisph.methods.positions import CAP
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 class EvenShift(Shift):
     """Moves particles away from neighbours that are too close; velocities follow by their gradient."""
 
-    name, words, shapes = "shift_even", "even distances", True
+    name, words, shapes, carries = "shift_even", "even distances", True, True
     reach, fields = lengths.WALL, ("acceleration",)
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
@@ -28,8 +29,7 @@ class EvenShift(Shift):
         across = p.acceleration - flow.force[:p.n_owned]
         even_spacing.even_out(move, across, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
                               p.normal_all, self.strength(flow), flow.spacing, d.indptr, d.indices, flow.axes)
-        p.u[:] += np.einsum("iab,ib->ia", p.grad_u, move)
-        flow.stale.add("u")
+        shifting.limit_lengths(move, p.n_owned, CAP * flow.spacing, flow.axes)
 
 
 REGULARISERS.register(EvenShift())

@@ -97,9 +97,9 @@ def remember(flow: "Flow", acceleration: float, dt: float) -> None:
 def remember_strain(flow: "Flow", dt: float) -> None:
     """Take the mean strain rate of a step of dt [s] into the largest of the last waves. Not collective.
 
-    Without gravity there is none.
+    Without gravity there are no waves to remember.
     """
-    left = max(0.0, 1.0 - dt / (WAVES * flow.wave_time))
+    left = max(0.0, 1.0 - dt / (WAVES * flow.wave_time)) if 0.0 < flow.wave_time < np.inf else 0.0
     flow.top_strain = max(flow.mean_strain, left * flow.top_strain)
 
 

@@ -79,7 +79,7 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     if fastest > 0.0:
         violent = max(violent, LEAST_MOVE * numerics.spacing / fastest)
     dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * largest, gravity)), violent,
-             _of_waves(numerics, gravity, strain_rate))
+             _of_waves(numerics, gravity, strain_rate, fastest))
     if numerics.max_time_step is not None:
         dt = min(dt, numerics.max_time_step)
     if previous is not None:
@@ -109,7 +109,7 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
     mine = np.array([inverse, a.max(initial=0.0), force_at(0.0)])
     comm.Allreduce(MPI.IN_PLACE, mine, op=MPI.MAX)
     inverse, strongest, force = mine
-    dt = min(dt, _accurate(numerics, min(BRISK * strongest, force)), _of_waves(numerics, force, 0.0))
+    dt = min(dt, _accurate(numerics, min(BRISK * strongest, force)), _of_waves(numerics, force, 0.0, 0.0))
     if inverse > 0.0:
         dt = min(dt, 1.0 / float(inverse))
     if dt == np.inf:
@@ -161,12 +161,13 @@ def _accurate(numerics, acceleration):
     return numerics.fall * np.sqrt(numerics.spacing / acceleration)
 
 
-def _of_waves(numerics, gravity, strain_rate):
+def _of_waves(numerics, gravity, strain_rate, fastest):
     """Return the longest step [s] of waves; infinite without `wave_step`."""
     if not numerics.wave_step:
         return np.inf
     by_gravity = numerics.wave_step * np.sqrt(numerics.spacing / gravity) if gravity > 0.0 else np.inf
-    return min(by_gravity, WAVE_STRAIN / strain_rate if strain_rate > 0.0 else np.inf)
+    by_strain = WAVE_STRAIN / strain_rate if strain_rate > 0.0 else np.inf
+    return min(by_gravity, max(by_strain, LEAST_MOVE * numerics.spacing / fastest) if fastest > 0.0 else by_strain)
 
 
 def _fastest(particles):

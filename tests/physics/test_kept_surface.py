@@ -12,8 +12,8 @@ from parisph.methods.operators import INFLATION, RAPID_INFLATION
 from tests.scenes import scene
 
 S = 0.1
-# no shift: it would push the particle where it is put among others
-KEPT = {"surface_rule": "frozen", "shift": 0.0,
+# no shift and no collisions: they would push the particle where it is put among others
+KEPT = {"surface_rule": "frozen", "shift": 0.0, "collision_distance": 0.0,
         "regularisers": ("filter", "collisions", "wall_guard", "parting", "keep_apart")}
 
 
