@@ -4,6 +4,8 @@ Waves are irrotational. What a velocity has beyond the gradient of a harmonic fu
 roughness, a residual divergence, or a vortex that the small errors of the pressure gradient drive for many periods.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, FLUID, WALL, WET
@@ -12,6 +14,17 @@ from parisph.kernels.harmonic_gradient import UNIT
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.near import room_for
 from parisph.kernels.smoothing import quartic_weight
+
+
+class Potential(NamedTuple):
+    """The potential flow that a velocity is close to.
+
+    beyond : (n_owned, dim) [m/s], what the velocity of fluid has beyond it; square : (n_owned,) [1/s^2], tr(G^2) of its
+        velocity gradient G, at fluid and wet walls
+    """
+
+    beyond: np.ndarray
+    square: np.ndarray
 
 
 @kernel

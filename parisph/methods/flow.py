@@ -1,7 +1,7 @@
 """The state of a scene that the parts of a method may read and change."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -10,14 +10,12 @@ from parisph.case.friction import Friction
 from parisph.case.numerics import Numerics
 from parisph.kernels import pairs, surface, wetness
 from parisph.kernels.jit import axes_of
+from parisph.kernels.potential_fit import Potential
 from parisph.methods import lengths
 from parisph.methods.budget import Budget, NoBudget
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.rows import Cloud
-
-if TYPE_CHECKING:
-    from parisph.methods.potential import Potential
 
 
 class Flow:
@@ -85,7 +83,7 @@ class Flow:
         self.doubt: np.ndarray | None = None
         self.rapid: np.ndarray | None = None
         self.beyond_fit: np.ndarray | None = None
-        self.potential: "Potential | None" = None
+        self.potential: Potential | None = None
         self.accelerations = 0.0, 0.0
         self.mean_acceleration = self.mean_strain = self.top_strain = self.top_speed = 0.0
         self.whole = 1.0

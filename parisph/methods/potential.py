@@ -1,11 +1,11 @@
 """The potential flow that the fluid's velocity is close to, and the regulariser that removes what is beyond it."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parisph.case.numerics import Numerics
-from parisph.kernels import potential_fit
+from parisph.kernels.potential_fit import Potential, fit_potential
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Regulariser
 
@@ -16,17 +16,6 @@ if TYPE_CHECKING:
 # small errors of the operators grow at a rate of .02 to .05 sqrt(g/s).
 FILTER_TIME = 0.3
 VISCOUS = 0.8   # part of it in viscous fluid, whose filter is one of roughness: more would add to its viscosity
-
-
-class Potential(NamedTuple):
-    """The potential flow that a velocity is close to.
-
-    beyond : (n_owned, dim) [m/s], what the velocity of fluid has beyond it; square : (n_owned,) [1/s^2], tr(G^2) of its
-        velocity gradient G, at fluid and wet walls
-    """
-
-    beyond: np.ndarray
-    square: np.ndarray
 
 
 def find(flow: "Flow") -> Potential:
@@ -42,9 +31,8 @@ def find(flow: "Flow") -> Potential:
         turning = spin * np.stack([-p.x_all[:, 1], p.x_all[:, 0]], axis=1)
         u = u + turning
     beyond, square = np.empty_like(p.u), np.empty(p.n_owned)
-    potential_fit.fit_potential(beyond, square, u, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
-                            p.normal_all, np.einsum("ia,ia->i", p.normal_all, u), lengths.WALL * flow.spacing,
-                            d.indptr, d.indices, flow.axes)
+    fit_potential(beyond, square, u, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow), p.normal_all,
+                  np.einsum("ia,ia->i", p.normal_all, u), lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
     return Potential(beyond, square)
 
 
