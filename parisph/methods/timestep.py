@@ -28,6 +28,7 @@ STRAIN = 0.015
 # The same in waves, by the largest of the last waves: the mean level drifts in proportion to it. A standing wave with
 # a = .05 d, kd = pi and d/s = 10 rises by 3 % of a in 60 periods with it, by 8 % with twice the step.
 WAVE_STRAIN = 0.007
+WAVE_MOVE = 0.02    # spacings the fastest particle may move whatever the strain: a rough moment is no end of the run
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
@@ -167,7 +168,7 @@ def _of_waves(numerics, gravity, strain_rate, fastest):
         return np.inf
     by_gravity = numerics.wave_step * np.sqrt(numerics.spacing / gravity) if gravity > 0.0 else np.inf
     by_strain = WAVE_STRAIN / strain_rate if strain_rate > 0.0 else np.inf
-    return min(by_gravity, max(by_strain, LEAST_MOVE * numerics.spacing / fastest) if fastest > 0.0 else by_strain)
+    return min(by_gravity, max(by_strain, WAVE_MOVE * numerics.spacing / fastest) if fastest > 0.0 else by_strain)
 
 
 def _fastest(particles):
