@@ -14,7 +14,7 @@ import numpy as np
 
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels.circle import fill_basis
-from parisph.kernels.harmonic import basis_size
+from parisph.kernels.harmonic import basis_size, inflation
 from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.moments import cholesky, cholesky_solve, invert, normal_matrix
 from parisph.kernels.near import dot, fill_up, gather, room_for, weights
@@ -136,7 +136,7 @@ def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.nda
             for b in range(a + 1):
                 m[a, b] = m[b, a] = matrix[a, b]
         spans = found > size and cholesky(matrix, size)
-        raised = _inflation(m, matrix, right, size, axes) if spans else np.inf
+        raised = inflation(m, matrix, right, size, axes) if spans else np.inf
         curve = laplacian[i] * radius * radius / (2.0 * dim)
         if not (spans and raised <= most):
             if raised > kept and found > dim and invert(m, inverse, axes) > FLAT:
@@ -156,19 +156,6 @@ def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.nda
         cholesky_solve(matrix, right, size)
         for a in range(dim):
             out[i, a] = right[a] / radius
-
-
-@inlined
-def _inflation(moment, factor, b, n, axes):
-    """Return what `harmonic.coefficients` says of `most`, for the factor of all terms and the linear moment."""
-    dim, raised = len(axes), 0.0
-    for a in range(dim):
-        for r in range(n):
-            b[r] = 1.0 if r == a else 0.0
-        cholesky_solve(factor, b, n)
-        for c in range(dim):
-            raised += b[c] * moment[a, c] / dim
-    return raised
 
 
 @inlined
