@@ -151,6 +151,11 @@ class Rows:
         return np.array([self.entries(i)[1].sum() for i in range(self.pool.n)])
 
 
+def nowhere(out):
+    """Return what a gradient `out` (n, dim) that is known nowhere needs."""
+    return np.zeros(len(out), bool)
+
+
 def monomials(x, degree):
     """Return all monomials of exactly this degree (1 or 2) with their gradients and Laplacians.
 

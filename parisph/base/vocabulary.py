@@ -8,7 +8,7 @@ WORDS: dict[str, list[str]] = {
     "laplacian": ["rankine", "rankine_printed", "sph", "cisph1", "cisph2", "gfd", "rankine_quadratic", "fatehi"],
     "divergence": ["flux", "nodal"],
     "gradient": ["sfdi", "symmetric", "mixed", "spline", "corrected", "curved", "cubic"],
-    "surface_gradient": ["same", "harmonic", "curved", "cubic"],
+    "surface_gradient": ["same", "harmonic", "curved"],
     "wall_rows": ["sfdi", "harmonic", "curved", "curved_breaking"],
     "surface_rule": ["gap", "auxiliary", "density", "divergence", "frozen", "none"],
     "source": ["mixed", "divergence", "density", "compensating"],

@@ -40,7 +40,7 @@ _GENTLE: dict[str, Any] = {
     "pressure_mean": 0.0,
     "wall_rows": "curved",
     "gradient": "cubic",
-    "surface_gradient": "cubic",
+    "surface_gradient": "same",
     "stepping": "corrected",
     "rtol": 1e-9,
 }

@@ -22,8 +22,9 @@ SOFTENING = 0.25    # of the moment's mean, times what its quality lacks
 
 
 @kernel
-def least_squares_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float, power: int,
-                           floor: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def least_squares_gradient(out: np.ndarray, known: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.ndarray,
+                           radius: float, power: int, floor: float, indptr: np.ndarray, indices: np.ndarray,
+                           axes: tuple[int, ...]) -> None:
     """First-order least-squares gradient of f at fluid particles.
 
     power 2: SFDI (Zheng et al. 2017, Eqs. 29-32); power 0: the mixed symmetric form
@@ -35,6 +36,7 @@ def least_squares_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: 
     out : (n_owned, dim) [unit of f per m]; zero for walls, and for particles with fewer than
         dim + 1 neighbours; where det/(trace/dim)^dim of the moment < floor, the slope across the
         line of the neighbours (3D: their line or plane) is damped
+    known : (n_owned,) bool, where out stays
     role : particles with fewer than dim + 1 neighbours, or with all in one place, become BALLISTIC
     f, x, role : owned and ghost
     """
@@ -44,6 +46,8 @@ def least_squares_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: 
     m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
     moments, sums = np.empty((moment_count(axes), 1)), np.empty(1 + dim)
     for i in range(len(indptr) - 1):
+        if known[i]:
+            continue
         for a in range(dim):
             out[i, a] = 0.0
         if role[i] != INNER and role[i] != SURFACE:
@@ -162,10 +166,10 @@ def harmonic_gradient(out: np.ndarray, f: np.ndarray, x: np.ndarray, role: np.nd
 
 
 @kernel
-def gradient_at_walls(out: np.ndarray, f: np.ndarray, slope_here: np.ndarray, less: np.ndarray, x: np.ndarray,
-                      role: np.ndarray, radius: float, power: int, floor: float, near_wall: float, corners: np.ndarray,
-                      element_indptr: np.ndarray, element_indices: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
-                      axes: tuple[int, ...]) -> None:
+def gradient_at_walls(out: np.ndarray, known: np.ndarray, f: np.ndarray, slope_here: np.ndarray, less: np.ndarray,
+                      x: np.ndarray, role: np.ndarray, radius: float, power: int, floor: float, near_wall: float,
+                      corners: np.ndarray, element_indptr: np.ndarray, element_indices: np.ndarray, indptr: np.ndarray,
+                      indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Repeat `least_squares_gradient` where neighbours are too few, with the slope at the nearest wall for a datum.
 
     M becomes M + w n n^T, and b becomes b + w n (n . slope), w = tr M, where n is the normal of the nearest element.
@@ -182,7 +186,7 @@ def gradient_at_walls(out: np.ndarray, f: np.ndarray, slope_here: np.ndarray, le
     m, inverse = np.empty((dim, dim)), np.empty((dim, dim))
     place, foot, best = np.empty(dim), np.empty(dim), np.empty(dim)
     for i in range(len(indptr) - 1):
-        if element_indptr[i] == element_indptr[i + 1] or role[i] not in (INNER, SURFACE, BALLISTIC):
+        if known[i] or element_indptr[i] == element_indptr[i + 1] or role[i] not in (INNER, SURFACE, BALLISTIC):
             continue
         count = gather(near, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(near, count, axes)

@@ -8,10 +8,15 @@ stencils at walls and at the surface. The two harmonic terms of degree 3 (seven 
 import numpy as np
 
 from parisph.kernels.jit import inlined, subkernel
-from parisph.kernels.moments import cholesky, cholesky_solve, normal_matrix
-from parisph.kernels.near import LANES
+from parisph.kernels.moments import PIVOT_FLOOR, cholesky, cholesky_solve, invert, normal_matrix
+from parisph.kernels.near import LANES, dot4
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import quartic_weight
+
+# The unit of length of a fit with slopes, in radii: 1.04 spacings for a radius of 2.6, so that all moments are of order
+# one. A slope across a wall weighs as much as a difference between values over this length; a quarter or four times of
+# it do as well.
+UNIT = 0.4
 
 
 @subkernel
@@ -31,20 +36,18 @@ def terms(degree: int, axes: tuple[int, ...]) -> int:
 
 
 @inlined
-def fill_values(b: np.ndarray, k: int, d: np.ndarray, degree: int, axes: tuple[int, ...]) -> None:
-    """Write the harmonic polynomials up to a degree at the place d (dim,) to column k."""
-    x, y = d[0], d[1]
-    b[0, k], b[1, k] = x, y
+def fill_values(b: np.ndarray, m: int, degree: int, axes: tuple[int, ...]) -> None:
+    """Add the harmonic polynomials of degree 2 to `degree` to the coordinates in the first rows of m columns."""
     if len(axes) == 2:
-        if degree > 1:
+        for k in range(m):
+            x, y = b[0, k], b[1, k]
             b[2, k], b[3, k] = x * x - y * y, x * y
-        if degree > 2:
-            b[4, k], b[5, k] = x * (x * x - 3.0 * y * y), y * (3.0 * x * x - y * y)
-    else:
-        z = d[2]
-        b[2, k] = z
-        if degree > 1:
-            b[3, k], b[4, k], b[5, k], b[6, k], b[7, k] = x * x - y * y, y * y - z * z, x * y, x * z, y * z
+            if degree > 2:
+                b[4, k], b[5, k] = x * (x * x - 3.0 * y * y), y * (3.0 * x * x - y * y)
+        return
+    for k in range(m):
+        x, y, z = b[0, k], b[1, k], b[2, k]
+        b[3, k], b[4, k], b[5, k], b[6, k], b[7, k] = x * x - y * y, y * y - z * z, x * y, x * z, y * z
         if degree > 2:
             b[8, k], b[9, k], b[10, k] = x * y * z, x * (y * y - z * z), y * (z * z - x * x)
             b[11, k] = z * (x * x - y * y)
@@ -54,64 +57,134 @@ def fill_values(b: np.ndarray, k: int, d: np.ndarray, degree: int, axes: tuple[i
 
 
 @inlined
-def fill_slopes(b: np.ndarray, k: int, d: np.ndarray, n: np.ndarray, degree: int, axes: tuple[int, ...]) -> None:
-    """Write the derivatives of these polynomials in the direction n (dim,) at the place d (dim,) to column k."""
-    x, y, p, q = d[0], d[1], n[0], n[1]
+def fill_slopes(b: np.ndarray, k: int, x: float, y: float, z: float, p: float, q: float, r: float,
+                axes: tuple[int, ...]) -> None:
+    """Write the derivatives of the polynomials up to degree 3 in the direction (p, q, r) at (x, y, z) to column k.
+
+    In 2D, z and r are not used.
+    """
     b[0, k], b[1, k] = p, q
     if len(axes) == 2:
-        if degree > 1:
-            b[2, k], b[3, k] = 2.0 * (x * p - y * q), y * p + x * q
-        if degree > 2:
-            b[4, k] = 3.0 * (x * x - y * y) * p - 6.0 * x * y * q
-            b[5, k] = 6.0 * x * y * p + 3.0 * (x * x - y * y) * q
+        b[2, k], b[3, k] = 2.0 * (x * p - y * q), y * p + x * q
+        b[4, k] = 3.0 * (x * x - y * y) * p - 6.0 * x * y * q
+        b[5, k] = 6.0 * x * y * p + 3.0 * (x * x - y * y) * q
     else:
-        z, r = d[2], n[2]
         b[2, k] = r
-        if degree > 1:
-            b[3, k], b[4, k] = 2.0 * (x * p - y * q), 2.0 * (y * q - z * r)
-            b[5, k], b[6, k], b[7, k] = y * p + x * q, z * p + x * r, z * q + y * r
-        if degree > 2:
-            b[8, k] = y * z * p + x * z * q + x * y * r
-            b[9, k] = (y * y - z * z) * p + 2.0 * x * (y * q - z * r)
-            b[10, k] = (z * z - x * x) * q + 2.0 * y * (z * r - x * p)
-            b[11, k] = (x * x - y * y) * r + 2.0 * z * (x * p - y * q)
-            b[12, k] = (6.0 * x * x - 3.0 * y * y - 3.0 * z * z) * p - 6.0 * x * (y * q + z * r)
-            b[13, k] = (6.0 * y * y - 3.0 * z * z - 3.0 * x * x) * q - 6.0 * y * (z * r + x * p)
-            b[14, k] = (6.0 * z * z - 3.0 * x * x - 3.0 * y * y) * r - 6.0 * z * (x * p + y * q)
+        b[3, k], b[4, k] = 2.0 * (x * p - y * q), 2.0 * (y * q - z * r)
+        b[5, k], b[6, k], b[7, k] = y * p + x * q, z * p + x * r, z * q + y * r
+        b[8, k] = y * z * p + x * z * q + x * y * r
+        b[9, k] = (y * y - z * z) * p + 2.0 * x * (y * q - z * r)
+        b[10, k] = (z * z - x * x) * q + 2.0 * y * (z * r - x * p)
+        b[11, k] = (x * x - y * y) * r + 2.0 * z * (x * p - y * q)
+        b[12, k] = (6.0 * x * x - 3.0 * y * y - 3.0 * z * z) * p - 6.0 * x * (y * q + z * r)
+        b[13, k] = (6.0 * y * y - 3.0 * z * z - 3.0 * x * x) * q - 6.0 * y * (z * r + x * p)
+        b[14, k] = (6.0 * z * z - 3.0 * x * x - 3.0 * y * y) * r - 6.0 * z * (x * p + y * q)
 
 
 @inlined
-def fit(right: np.ndarray, work: np.ndarray, moment: np.ndarray, scratch: np.ndarray, b: np.ndarray, w: np.ndarray,
-        m: int, n: int, most: float, axes: tuple[int, ...]) -> bool:
-    """Write the coefficients of n polynomials to right (n,), from the m data in the columns of b, the last row of which
-    holds their values; return whether the fit is sound.
+def weigh(w: np.ndarray, near: np.ndarray, m: int, axes: tuple[int, ...]) -> None:
+    """Write the weights of m places in UNITs of the radius, in the first rows of `near`."""
+    for k in range(m):
+        r2 = near[0, k] ** 2 + near[1, k] ** 2
+        if len(axes) == 3:
+            r2 += near[2, k] ** 2
+        w[0, k] = quartic_weight(r2, 1.0 / UNIT**2)
 
-    It is not where the data do not determine the coefficients, or the terms above the first degree raise the variance
-    of the slope to more than `most` times that of a linear fit. b is padded to whole LANES.
 
-    w : (1, columns) weights; work : (n, n + 3), moment : (dim, dim), scratch : (n,)
+@inlined
+def add_slopes(b: np.ndarray, w: np.ndarray, m: int, i: int, slope: np.ndarray, known: np.ndarray, lap: float,
+               unit: float, scale: float, radius: float, x: np.ndarray, normal: np.ndarray, indptr: np.ndarray,
+               indices: np.ndarray, axes: tuple[int, ...]) -> int:
+    """Add a column for each slope across a wall that is known, of i and around it; return how many there are then.
+
+    m : columns that there are; lap : what slopes grow by with the distance [1/m]; unit : of lengths [m]
+    scale : of data; others : as of harmonic_gradient
     """
-    dim, last = len(axes), len(b) - 1
-    columns = (m + LANES - 1) // LANES * LANES
+    radius2, z, r = radius * radius, 0.0, 0.0
+    for k in range(indptr[i] - 1, indptr[i + 1]):
+        j = np.uint32(i if k < indptr[i] else indices[k])
+        if not known[j]:
+            continue
+        dx, dy, p, q = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], normal[j, 0], normal[j, 1]
+        r2, away = dx * dx + dy * dy, p * dx + q * dy
+        if len(axes) == 3:
+            z, r = x[j, 2] - x[i, 2], normal[j, 2]
+            r2 += z * z
+            away += r * z
+        weight = quartic_weight(r2, radius2)
+        if weight > 0.0:
+            fill_slopes(b, m, dx / unit, dy / unit, z / unit, p, q, r, axes)
+            w[0, m], b[terms(3, axes), m] = weight, (slope[j] - lap * away) * scale
+            m += 1
+    return m
+
+
+@inlined
+def assemble(work: np.ndarray, right: np.ndarray, b: np.ndarray, w: np.ndarray, m: int, n: int,
+             axes: tuple[int, ...]) -> None:
+    """Write the moments of the first n polynomials, a lower triangle, and of the data, from m columns.
+
+    work : (n, n + 3); right : (n + 3,)
+    b : polynomials up to degree 3, and data in the row after them, with whole LANES of columns, and of rows
+    w : (1, columns) weights
+    """
+    last, columns = terms(3, axes), (m + LANES - 1) // LANES * LANES
     for k in range(m, columns):
-        w[0, k], b[last, k] = 0.0, 0.0
-        for r in range(n):
+        w[0, k] = 0.0
+        for r in range(last + 1):
             b[r, k] = 0.0
     normal_matrix(work, b, w, n, columns)
-    for r in range(n):
-        total = 0.0
-        for k in range(columns):
-            total += w[0, k] * b[r, k] * b[last, k]
-        right[r] = total
+    for s in range(0, n, 4):
+        right[s], right[s + 1], right[s + 2], right[s + 3] = dot4(b, last, w, b, s, columns)
+
+
+@inlined
+def solve(right: np.ndarray, work: np.ndarray, moment: np.ndarray, rest: np.ndarray, inverse: np.ndarray, n: int,
+          few: int, most: float, axes: tuple[int, ...]) -> bool:
+    """Write the first coefficients of n polynomials to right, from moments; return whether the fit is sound.
+
+    It is not where the data do not determine the coefficients, or the terms above the first degree raise the variance
+    of the slope to more than `most` times that of a linear fit.
+
+    right, work : of `assemble`, overwritten; few : coefficients that are wanted, at least those of degree 1
+    moment, rest, inverse : (dim, dim) scratch
+    """
+    dim = len(axes)
+    largest, sound = 0.0, True
     for a in range(dim):
         for c in range(a + 1):
             moment[a, c] = moment[c, a] = work[a, c]
-    if not cholesky(work, n):
+    for k in range(n):
+        largest = max(largest, work[k, k])
+    # the terms of the highest degree go first: what is left for those of degree 1 is all that a slope needs
+    for k in range(n - 1, dim - 1, -1):
+        sound &= work[k, k] > PIVOT_FLOOR * largest
+        work[k, k] = 1.0 / work[k, k]
+        for r in range(k):
+            factor = work[k, r] * work[k, k]
+            for c in range(r + 1):
+                work[r, c] -= factor * work[k, c]
+            right[r] -= factor * right[k]
+    for a in range(dim):
+        for c in range(a + 1):
+            rest[a, c] = rest[c, a] = work[a, c]
+    if not (sound and invert(rest, inverse, axes) > 0.0):
         return False
-    if most < np.inf and inflation(moment, work, scratch, n, axes) > most:
-        return False
-    cholesky_solve(work, right, n)
-    return True
+    raised = 0.0
+    for a in range(dim):
+        sound &= inverse[a, a] * moment[a, a] * PIVOT_FLOOR < 1.0
+        work[a, a] = right[a]
+        for c in range(dim):
+            raised += inverse[a, c] * moment[a, c] / dim
+    for a in range(dim):
+        right[a] = 0.0
+        for c in range(dim):
+            right[a] += inverse[a, c] * work[c, c]
+    for k in range(dim, few):
+        for c in range(k):
+            right[k] -= work[k, c] * right[c]
+        right[k] *= work[k, k]
+    return sound and raised <= most
 
 
 @subkernel
@@ -128,7 +201,7 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
     Returns False, with out undefined, when the neighbours do not span the basis, or not well enough for `most`.
     """
     dim, n = len(axes), basis_size(axes)
-    radius2, column, d = radius * radius, b.reshape(n, 1), np.empty(dim)
+    radius2, column = radius * radius, b.reshape(n, 1)
     work[:n, :n] = 0.0
     found = 0
     for k in range(indptr[i], indptr[i + 1]):
@@ -137,8 +210,8 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
             continue
         found += 1
         for a in range(dim):
-            d[a] = (x[indices[k], a] - x[i, a]) / radius
-        fill_values(column, 0, d, 2, axes)
+            b[a] = (x[indices[k], a] - x[i, a]) / radius
+        fill_values(column, 1, 2, axes)
         for r in range(n):
             for c in range(r + 1):
                 work[r, c] += w * b[r] * b[c]
@@ -158,8 +231,8 @@ def coefficients(out: np.ndarray, i: int, x: np.ndarray, role: np.ndarray, radiu
             out[row, :] = 0.0
             continue
         for a in range(dim):
-            d[a] = (x[indices[k], a] - x[i, a]) / radius
-        fill_values(column, 0, d, 2, axes)
+            b[a] = (x[indices[k], a] - x[i, a]) / radius
+        fill_values(column, 1, 2, axes)
         cholesky_solve(work, b, n)
         for a in range(dim):
             out[row, a] = w * b[a] / radius

@@ -7,22 +7,17 @@ a wave ten spacings deep pushes the particles beside a wall too hard, by a tenth
 
 import numpy as np
 
+from parisph.base.fields import INNER, SURFACE
 from parisph.kernels import harmonic
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.near import room_for
-from parisph.kernels.roles import outside
-from parisph.kernels.smoothing import quartic_weight
-
-# The unit of length, in radii: 1.04 spacings for a radius of 2.6, so that all moments are of order one. A slope across
-# a wall weighs as much as a difference between values over this length; a quarter or four times of it do as well.
-UNIT = 0.4
+from parisph.kernels.near import fill_up, gather_within, room_for
 
 
 @kernel
 def harmonic_gradient(out: np.ndarray, f: np.ndarray, slope: np.ndarray, known: np.ndarray, laplacian: np.ndarray,
-                      x: np.ndarray, role: np.ndarray, normal: np.ndarray, of: int, radius: float,
-                      most: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Replace the gradient at particles of one role by that of the harmonic fit.
+                      x: np.ndarray, role: np.ndarray, normal: np.ndarray, radius: float, most: float,
+                      indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> np.ndarray:
+    """Write the gradient at fluid with a pressure by the harmonic fit, and return where there is one (n_owned,) bool.
 
     The polynomials are of degree 3. Where the neighbours do not span them, or the terms above the first degree raise
     the variance of the slope to more than `most` times that of a linear fit, they are of degree 2. Where the neighbours
@@ -32,48 +27,43 @@ def harmonic_gradient(out: np.ndarray, f: np.ndarray, slope: np.ndarray, known: 
     slope : (n_all,) n . grad f at the walls that are `known` (n_all,) bool; normal : (n_all, dim)
     laplacian : (n_owned,) of f [unit of f per m^2], or without rows if f is harmonic. What it adds to values around a
         particle, lap r^2/(2 dim), and to slopes is not harmonic but known.
-    of : the role; radius [m]
+    radius [m]
     """
-    dim, size, less, room = len(axes), harmonic.terms(3, axes), harmonic.terms(2, axes), 2 * room_for(indptr)
-    b, w, work = np.empty((size + 4, room)), np.empty((1, room)), np.empty((size, size + 3))
-    right, scratch, moment, d = np.empty(size), np.empty(size), np.empty((dim, dim)), np.empty(dim)
+    dim, room, size, less = len(axes), 2 * room_for(indptr), harmonic.terms(3, axes), harmonic.terms(2, axes)
+    b, w, member = np.zeros((size + 4, room)), np.empty((1, room)), np.empty(room, np.int32)
+    right, work = np.empty(size + 3), np.empty((size, size + 3))
+    moment, rest, inverse = np.empty((dim, dim)), np.empty((dim, dim)), np.empty((dim, dim))
+    unit, found = harmonic.UNIT * radius, np.zeros(len(indptr) - 1, np.bool_)
     for i in range(len(indptr) - 1):
-        if role[i] != of:
+        if role[i] != INNER and role[i] != SURFACE:
+            continue
+        n = gather_within(b, member, 0, i, x, role, unit, radius, indptr, indices, axes)
+        if n <= dim:    # in free flight, whatever walls are near
             continue
         lap = laplacian[i] / dim if len(laplacian) > 0 else 0.0
-        m = _data(b, w, d, i, f, slope, known, lap, x, role, normal, radius, indptr, indices, axes)
-        sound = m > size and harmonic.fit(right, work, moment, scratch, b, w, m, size, most, axes)
-        if not sound:    # the columns of degree 2 are the first ones
-            sound = m > less and harmonic.fit(right, work, moment, scratch, b, w, m, less, most, axes)
-        if sound:
-            for a in range(dim):
-                out[i, a] = right[a] / (UNIT * radius)
+        _values(b, w, member, n, i, f, 0.5 * lap * unit * unit, size, axes)
+        m = harmonic.add_slopes(b, w, n, i, slope, known, lap, unit, unit, radius, x, normal, indptr, indices, axes)
+        if m > size:
+            harmonic.assemble(work, right, b, w, m, size, axes)
+            found[i] = harmonic.solve(right, work, moment, rest, inverse, size, dim, most, axes)
+        if m > less and not found[i]:
+            harmonic.assemble(work, right, b, w, m, less, axes)
+            found[i] = harmonic.solve(right, work, moment, rest, inverse, less, dim, most, axes)
+        for a in range(dim if found[i] else 0):
+            out[i, a] = right[a] / unit
+    return found
 
 
 @inlined
-def _data(b, w, d, i, f, slope, known, lap, x, role, normal, radius, indptr, indices, axes):
-    """Write the data of the fit around particle i to columns; return their number. lap : the Laplacian over dim."""
-    dim, unit, last, m = len(axes), UNIT * radius, len(b) - 1, 0
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        inside, across = not outside(role[j]), known[j]
-        if not (inside or across):
-            continue
-        r2, away = 0.0, 0.0
-        for a in range(dim):
-            d[a] = x[j, a] - x[i, a]
-            r2 += d[a] * d[a]
-            away += normal[j, a] * d[a]
-            d[a] /= unit
-        weight = quartic_weight(r2, radius * radius)
-        if weight == 0.0:
-            continue
-        if inside:
-            harmonic.fill_values(b, m, d, 3, axes)
-            w[0, m], b[last, m] = weight, f[j] - f[i] - 0.5 * lap * r2
-            m += 1
-        if across:
-            harmonic.fill_slopes(b, m, d, normal[j], 3, axes)
-            w[0, m], b[last, m] = weight, (slope[j] - lap * away) * unit
-            m += 1
-    return m
+def _values(b, w, member, n, i, f, bend, size, axes):
+    """Complete the columns of n neighbours: polynomials, weights and data. bend : lap/(2 dim), lengths in units."""
+    m = fill_up(b, n, axes)
+    harmonic.fill_values(b, m, 3, axes)
+    harmonic.weigh(w, b, m, axes)
+    for k in range(m):
+        r2 = b[0, k] ** 2 + b[1, k] ** 2
+        if len(axes) == 3:
+            r2 += b[2, k] ** 2
+        b[size, k] = -bend * r2
+    for k in range(n):
+        b[size, k] += f[np.uint32(member[k])] - f[i]

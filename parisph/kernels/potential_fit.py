@@ -8,104 +8,161 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parisph.base.fields import BALLISTIC, FLUID, WALL, WET
+from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, WALL, WET
 from parisph.kernels import harmonic
-from parisph.kernels.harmonic_gradient import UNIT
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.near import room_for
-from parisph.kernels.smoothing import quartic_weight
+from parisph.kernels.near import fill_up, gather_within, room_for
 
 
 class Potential(NamedTuple):
     """The potential flow that a velocity is close to.
 
-    beyond : (n_owned, dim) [m/s], what the velocity of fluid has beyond it; square : (n_owned,) [1/s^2], tr(G^2) of its
-        velocity gradient G, at fluid and wet walls
+    beyond : (n_owned, dim) [m/s], what the velocity of fluid has beyond it
+    gradient : (n_owned, dim, dim) [1/s], its velocity gradient at fluid and wet walls, seen from the tank
+    square : (n_owned,) [1/s^2], the sum of the squares of its second derivatives
     """
 
     beyond: np.ndarray
+    gradient: np.ndarray
     square: np.ndarray
 
 
 @kernel
-def fit_potential(beyond: np.ndarray, square: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray,
-                  role: np.ndarray, known: np.ndarray, normal: np.ndarray, across: np.ndarray, radius: float,
-                  indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def fit_potential(beyond: np.ndarray, gradient: np.ndarray, square: np.ndarray, u: np.ndarray, x: np.ndarray,
+                  kind: np.ndarray, role: np.ndarray, known: np.ndarray, normal: np.ndarray, across: np.ndarray,
+                  radius: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Fit u = grad f around fluid and wet walls, with f a harmonic polynomial of degree 3.
 
     Where that takes more data than there are, as at walls in the edges of a box, it is of degree 2. The data are the
     velocities of the fluid within the radius, the particle itself included, and those across walls.
 
     beyond : (n_owned, dim) output [m/s], u - grad f of fluid, 0 elsewhere
-    square : (n_owned,) output [1/s^2], tr((grad grad f)^2); both are 0 where the data do not determine f
+    gradient : (n_owned, dim, dim) output [1/s], grad grad f
+    square : (n_owned,) output [1/s^2], the sum of its squares; all are 0 where the data do not determine f
     u : (n_all, dim) [m/s]; known : (n_all,) bool, walls with one normal; across : (n_all,) n . u of walls [m/s]
     """
-    dim, size, room = len(axes), harmonic.terms(3, axes), len(axes) * (room_for(indptr) + 1)
-    b, w, work = np.empty((size + 4, room)), np.empty((1, room)), np.empty((size, size + 3))
-    right, scratch, moment = np.empty(size), np.empty(size), np.empty((dim, dim))
-    d, one = np.empty(dim), np.eye(dim)
+    dim, size, less = len(axes), harmonic.terms(3, axes), harmonic.terms(2, axes)
+    room, columns = room_for(indptr), (dim if dim == 3 else 0) * room_for(indptr) + room_for(indptr)
+    b, w, member = np.zeros((size + 4, columns)), np.empty((1, columns)), np.empty(room, np.int32)
+    near, weight, v = np.empty((dim, room)), np.empty((1, room)), np.empty((dim, room))
+    right, work = np.empty(size + 3), np.empty((size, size + 3))
+    moment, rest, inverse = np.empty((dim, dim)), np.empty((dim, dim)), np.empty((dim, dim))
+    unit, fluid = harmonic.UNIT * radius, np.full(len(kind), np.int8(DRY))
+    for j in range(len(kind)):
+        if kind[j] == FLUID:
+            fluid[j] = INNER
     for i in range(len(indptr) - 1):
-        beyond[i, :] = 0.0
         square[i] = 0.0
+        for a in range(dim):
+            beyond[i, a] = 0.0
+            for c in range(dim):
+                gradient[i, a, c] = 0.0
         if role[i] == BALLISTIC or (kind[i] == WALL and role[i] != WET):
             continue
-        m = _data(b, w, d, one, i, u, x, kind, known, normal, across, radius, indptr, indices, axes)
-        sound = False
-        for less in range(2):
-            n = harmonic.terms(3 - less, axes)
-            sound = m > n and harmonic.fit(right, work, moment, scratch, b, w, m, n, np.inf, axes)
-            if sound:
-                break
-        if not sound:
-            continue
-        square[i] = _square(right, axes) / (UNIT * radius) ** 2
+        n = gather_within(near, member, 0, i, x, fluid, unit, radius, indptr, indices, axes)
         if kind[i] == FLUID:
+            member[n] = i
             for a in range(dim):
+                near[a, n] = 0.0
+            n += 1
+        m = fill_up(near, n, axes)
+        harmonic.weigh(weight, near, m, axes)
+        for a in range(dim):
+            for k in range(m):
+                v[a, k] = u[np.uint32(member[k]), a] if k < n else 0.0
+        first = _add_columns(b, w, weight, near, v, m, axes) if dim == 3 else 0
+        last = harmonic.add_slopes(b, w, first, i, across, known, 0.0, unit, 1.0, radius, x, normal, indptr, indices,
+                                   axes)
+        data, sound = dim * n + last - first, False
+        for count in (size, less):
+            if data > count and not sound:
+                harmonic.assemble(work, right, b, w, last, count, axes)
+                if dim == 2:
+                    _add_moments(work, right, weight, near, v, m)
+                sound = harmonic.solve(right, work, moment, rest, inverse, count, less, np.inf, axes)
+        if sound:
+            square[i] = _curve(gradient, i, right, unit, axes)
+            for a in range(dim if kind[i] == FLUID else 0):
                 beyond[i, a] = u[i, a] - right[a]
 
 
 @inlined
-def _data(b, w, d, one, i, u, x, kind, known, normal, across, radius, indptr, indices, axes):
-    """Write the data of the fit around particle i to columns; return their number."""
-    dim, unit, last, m = len(axes), UNIT * radius, len(b) - 1, 0
-    d[:] = 0.0
-    if kind[i] == FLUID:
-        for a in range(dim):
-            harmonic.fill_slopes(b, m, d, one[a], 3, axes)
-            w[0, m], b[last, m] = 1.0, u[i, a]
-            m += 1
-    elif known[i]:
-        harmonic.fill_slopes(b, m, d, normal[i], 3, axes)
-        w[0, m], b[last, m] = 1.0, across[i]
-        m += 1
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        if kind[j] != FLUID and not known[j]:
-            continue
-        r2 = 0.0
-        for a in range(dim):
-            d[a] = x[j, a] - x[i, a]
-            r2 += d[a] * d[a]
-            d[a] /= unit
-        weight = quartic_weight(r2, radius * radius)
-        if weight == 0.0:
-            continue
-        if kind[j] == FLUID:
-            for a in range(dim):
-                harmonic.fill_slopes(b, m, d, one[a], 3, axes)
-                w[0, m], b[last, m] = weight, u[j, a]
-                m += 1
-        else:
-            harmonic.fill_slopes(b, m, d, normal[j], 3, axes)
-            w[0, m], b[last, m] = weight, across[j]
-            m += 1
-    return m
+def _add_columns(b, w, weight, near, v, m, axes):
+    """Write a column for each component of m velocities v; return the number of columns."""
+    last, z = harmonic.terms(3, axes), 0.0
+    for a in range(len(axes)):
+        p, q, r = 1.0 if a == 0 else 0.0, 1.0 if a == 1 else 0.0, 1.0 if a == 2 else 0.0
+        for k in range(m):
+            if len(axes) == 3:
+                z = near[2, k]
+            harmonic.fill_slopes(b, a * m + k, near[0, k], near[1, k], z, p, q, r, axes)
+        for k in range(m):    # in a loop of its own, which is vectorised
+            w[0, a * m + k], b[last, a * m + k] = weight[0, k], v[a, k]
+    return len(axes) * m
 
 
 @inlined
-def _square(c, axes):
-    """Return the sum of the squares of the second derivatives, by the coefficients of degree 2."""
+def _add_moments(work, right, weight, near, v, m):
+    """Add the moments of m velocities in 2D, which nine sums give: u - i v is a polynomial of x + i y."""
+    s, sx, sy, sd, se, sr, rx, ry, rr = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    r0, r1, r2, r3, r4, r5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(m):
+        w, x, y, p, q = weight[0, k], near[0, k], near[1, k], v[0, k], v[1, k]
+        square, d, e = x * x + y * y, 3.0 * (x * x - y * y), 6.0 * x * y
+        s += w
+        sx += w * x
+        sy += w * y
+        sd += w * d
+        se += w * e
+        sr += w * square
+        rx += w * square * x
+        ry += w * square * y
+        rr += w * square * square
+        r0 += w * p
+        r1 += w * q
+        r2 += w * (x * p - y * q)
+        r3 += w * (y * p + x * q)
+        r4 += w * (d * p - e * q)
+        r5 += w * (e * p + d * q)
+    work[0, 0] += s
+    work[1, 1] += s
+    work[2, 0] += 2.0 * sx
+    work[2, 1] -= 2.0 * sy
+    work[2, 2] += 4.0 * sr
+    work[3, 0] += sy
+    work[3, 1] += sx
+    work[3, 3] += sr
+    work[4, 0] += sd
+    work[4, 1] -= se
+    work[4, 2] += 6.0 * rx
+    work[4, 3] -= 3.0 * ry
+    work[4, 4] += 9.0 * rr
+    work[5, 0] += se
+    work[5, 1] += sd
+    work[5, 2] += 6.0 * ry
+    work[5, 3] += 3.0 * rx
+    work[5, 5] += 9.0 * rr
+    right[0] += r0
+    right[1] += r1
+    right[2] += 2.0 * r2
+    right[3] += r3
+    right[4] += r4
+    right[5] += r5
+
+
+@inlined
+def _curve(gradient, i, c, unit, axes):
+    """Write the second derivatives, by the coefficients of degree 2; return the sum of their squares."""
     if len(axes) == 2:
-        return 2.0 * (4.0 * c[2] * c[2] + c[3] * c[3])
-    xx, yy, zz = 2.0 * c[3], 2.0 * (c[4] - c[3]), -2.0 * c[4]
-    return xx * xx + yy * yy + zz * zz + 2.0 * (c[5] * c[5] + c[6] * c[6] + c[7] * c[7])
+        gradient[i, 0, 0], gradient[i, 0, 1] = 2.0 * c[2] / unit, c[3] / unit
+        gradient[i, 1, 0], gradient[i, 1, 1] = gradient[i, 0, 1], -gradient[i, 0, 0]
+    else:
+        gradient[i, 0, 0], gradient[i, 1, 1] = 2.0 * c[3] / unit, 2.0 * (c[4] - c[3]) / unit
+        gradient[i, 2, 2] = -2.0 * c[4] / unit
+        gradient[i, 0, 1], gradient[i, 0, 2], gradient[i, 1, 2] = c[5] / unit, c[6] / unit, c[7] / unit
+        gradient[i, 1, 0], gradient[i, 2, 0], gradient[i, 2, 1] = c[5] / unit, c[6] / unit, c[7] / unit
+    total = 0.0
+    for a in range(len(axes)):
+        for e in range(len(axes)):
+            total += gradient[i, a, e] ** 2
+    return total

@@ -31,6 +31,25 @@ def without_walls(kind: np.ndarray, closing: np.ndarray, least: int) -> np.ndarr
 
 
 @kernel
+def known_slopes(kind: np.ndarray, corner: np.ndarray, closing: np.ndarray, normal: np.ndarray,
+                 force: np.ndarray) -> np.ndarray:
+    """Return which particles (n,) are walls with one normal that are not APART with a force (n, dim) off them.
+
+    force : without rows before any step; closing : without rows where no wall is apart
+    """
+    known = np.zeros(len(kind), np.bool_)
+    for i in range(len(kind)):
+        if kind[i] != WALL or corner[i]:
+            continue
+        off = 0.0
+        if len(force) > 0 and len(closing) > 0 and closing[i] == APART:
+            for a in range(normal.shape[1]):
+                off += normal[i, a] * force[i, a]
+        known[i] = not off > 0.0
+    return known
+
+
+@kernel
 def closing_walls(closing: np.ndarray, role: np.ndarray, x: np.ndarray, u: np.ndarray, force: np.ndarray,
                   kind: np.ndarray, normal: np.ndarray, spacing: float, dt: float, indptr: np.ndarray,
                   indices: np.ndarray, axes: tuple[int, ...]) -> None:

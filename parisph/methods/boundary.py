@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
-from parisph.base.fields import ABSENT, WALL
 from parisph.case.friction import Friction
 from parisph.kernels import wetness
 from parisph.kernels.moving_mirrors import Solids, no_solids
-from parisph.methods.parts import Gradient
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -119,10 +117,8 @@ class Boundary(ABC):
         that are apart and from which gravity pulls the water, as a lid above it.
         """
         p = flow.particles
-        if not len(flow.body_force):    # before any step
-            return (p.kind_all == WALL) & (p.corner_all == 0)
-        lid = (flow.seen(wetness.FREE) == ABSENT) & (np.einsum("ia,ia->i", p.normal_all, flow.body_force) > 0.0)
-        return (p.kind_all == WALL) & (p.corner_all == 0) & ~lid
+        closing = p.closing_all if "closing" in p.fields else np.empty(0, np.int8)    # a full tank: all walls are wet
+        return wetness.known_slopes(p.kind_all, p.corner_all, closing, p.normal_all, flow.body_force)
 
     def slope(self, flow: "Flow", along: np.ndarray | None) -> np.ndarray:
         """Return the slope across walls (n_all,) of a field with the gradient `along` (n_all, dim) in water at rest.
@@ -132,9 +128,10 @@ class Boundary(ABC):
         p = flow.particles
         return np.zeros(len(p.x_all)) if along is None else np.einsum("ia,ia->i", p.normal_all, along)
 
-    def mend_gradient(self, out: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
-                      part: Gradient) -> None:
-        """Repeat a gradient out (n_owned, dim) of f (n_all,) where neighbours are too few but a wall is near.
+    def mend_gradient(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
+                      form: tuple[float, int, float]) -> None:
+        """Repeat a linear fit out (n_owned, dim) of f (n_all,) where neighbours are too few but a wall is near.
 
-        slope : (n_all, dim), what the gradient is across walls at rest, None for 0; part : which wrote it
+        known : (n_owned,) bool, where out stays; slope : (n_all, dim), what the gradient is across walls at rest, None
+        for 0; form : radius [m], power and floor of the fit
         """

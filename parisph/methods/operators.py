@@ -235,9 +235,14 @@ class LeastSquares(Gradient):
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
               laplacian: np.ndarray | None = None) -> None:
+        self.fit(out, np.zeros(len(out), np.bool_), f, flow, along)
+
+    def fit(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None) -> None:
+        """Write the linear fit to out (n_owned, dim) but where it is `known` (n_owned,) bool; others as of `write`."""
         p, d = flow.particles, flow.domain
-        gradient.least_squares_gradient(out, f, p.x_all, p.role_all, *self.form(flow.spacing), d.indptr, d.indices,
-                                        flow.axes)
+        gradient.least_squares_gradient(out, known, f, p.x_all, p.role_all, *self.form(flow.spacing), d.indptr,
+                                        d.indices, flow.axes)
+        flow.walls.mend_gradient(out, known, f, along, flow, self.form(flow.spacing))
 
 
 class Mixed(LeastSquares):
@@ -254,35 +259,21 @@ class Mixed(LeastSquares):
 class Cubic(Mixed):
     """Least squares by harmonic polynomials of degree 3, which know the slope across walls and the Laplacian.
 
-    Where neighbours do not suffice, of degree 2, and else as "mixed". Errors on a lattice that a wave strains have a
-    mean in time, which drives vortices: with terms of degree 2 alone inside it is ten times as large.
+    Where neighbours do not suffice, of degree 2, and else as "mixed". At the surface too if its gradient is "same".
+    Errors on a lattice that a wave strains have a mean in time, which drives vortices: with terms of degree 2 alone
+    inside it is ten times as large.
     """
 
     name, source, reach, fields, whole = "cubic", "", lengths.WALL, ("laplacian",), True
 
     def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
               laplacian: np.ndarray | None = None) -> None:
-        super().write(out, f, flow)
-        _fit(out, f, flow, along, laplacian, INNER)
-
-
-class CubicSurface(Gradient):
-    """The same at surface particles."""
-
-    name, reach, fields, whole = "cubic", lengths.WALL, ("laplacian",), True
-
-    def write(self, out: np.ndarray, f: np.ndarray, flow: "Flow", along: np.ndarray | None = None,
-              laplacian: np.ndarray | None = None) -> None:
-        _fit(out, f, flow, along, laplacian, SURFACE)
-
-
-def _fit(out, f, flow, along, laplacian, role):
-    """Replace the gradient at particles of a role by that of the harmonic fit."""
-    p, d = flow.particles, flow.domain
-    harmonic_gradient.harmonic_gradient(
-        out, f, flow.walls.slope(flow, along), flow.walls.known_slopes(flow),
-        np.empty(0) if laplacian is None else laplacian, p.x_all, p.role_all, p.normal_all, role,
-        lengths.WALL * flow.spacing, INFLATION, d.indptr, d.indices, flow.axes)
+        p, d = flow.particles, flow.domain
+        found = harmonic_gradient.harmonic_gradient(
+            out, f, flow.walls.slope(flow, along), flow.walls.known_slopes(flow),
+            np.empty(0) if laplacian is None else laplacian, p.x_all, p.role_all, p.normal_all,
+            self.reach * flow.spacing, INFLATION, d.indptr, d.indices, flow.axes)
+        self.fit(out, found, f, flow, along)
 
 
 class Sfdi(LeastSquares):
@@ -328,6 +319,7 @@ class Symmetric(LeastSquares):
         p, d, s = flow.particles, flow.domain, flow.spacing
         gradient.symmetric_gradient(out, f, p.x_all, p.role_all, lengths.SPH * s, s**p.dim, d.indptr, d.indices,
                                     flow.axes)
+        flow.walls.mend_gradient(out, np.zeros(len(out), np.bool_), f, along, flow, self.form(s))
 
 
 class Same(Gradient):
@@ -405,5 +397,5 @@ for walls_part in (SfdiWalls(), HarmonicWalls(), CurvedWalls(), CurvedBreakingWa
     WALL_ROWS.register(walls_part)
 for gradient_part in (Mixed(), Sfdi(), Symmetric(), Spline(), Corrected(), Curved(), Cubic()):
     GRADIENTS.register(gradient_part)
-for surface_part in (Same(), HarmonicSurface(), CurvedSurface(), CubicSurface()):
+for surface_part in (Same(), HarmonicSurface(), CurvedSurface()):
     SURFACE_GRADIENTS.register(surface_part)

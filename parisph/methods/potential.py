@@ -30,10 +30,14 @@ def find(flow: "Flow") -> Potential:
     if spin:
         turning = spin * np.stack([-p.x_all[:, 1], p.x_all[:, 0]], axis=1)
         u = u + turning
-    beyond, square = np.empty_like(p.u), np.empty(p.n_owned)
-    fit_potential(beyond, square, u, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow), p.normal_all,
-                  np.einsum("ia,ia->i", p.normal_all, u), lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
-    return Potential(beyond, square)
+    beyond, gradient, square = np.empty_like(p.u), np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned)
+    fit_potential(beyond, gradient, square, u, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
+                  p.normal_all, np.einsum("ia,ia->i", p.normal_all, u), lengths.WALL * flow.spacing, d.indptr,
+                  d.indices, flow.axes)
+    if spin:
+        gradient[:, 0, 1] += spin
+        gradient[:, 1, 0] -= spin
+    return Potential(beyond, gradient, square)
 
 
 class Irrotational(Regulariser):

@@ -422,7 +422,6 @@ class Projection:
         """
         out = np.empty_like(self.flow.particles.u)
         self.parts.gradient.write(out, f, self.flow, slope, laplacian)
-        self.flow.walls.mend_gradient(out, f, slope, self.flow, self.parts.gradient)
         self.parts.surface_gradient.write(out, f, self.flow, slope, laplacian)
         self.flow.stale.add("role")
         return out

@@ -25,15 +25,21 @@ FIELDS = ("grad_u", "strain_rate")
 def begin(flow: "Flow", fit: bool = False) -> None:
     """Write the fields grad_u and strain_rate, and name them in flow.stale. Collective.
 
+    Of a potential flow they are known: that of the start of the step.
+
     fit : whether flow.beyond_fit is wanted, which the same pass finds
     """
     p, d = flow.particles, flow.domain
+    flow.stale.update(FIELDS)
+    if flow.potential is not None:
+        p.grad_u[:], flow.beyond_fit = flow.potential.gradient, None
+        np.sqrt(2.0 * flow.potential.square, out=p.strain_rate)
+        return
     flow.fresh("role", "u")
     found = np.empty((p.n_owned if fit else 0, p.dim))
     strain.velocity_gradient(p.grad_u, p.strain_rate, found, p.u_all, p.x_all, p.kind_all, p.role_all,
                              lengths.MLS * flow.spacing, SPAN, d.indptr, d.indices, flow.axes)
     flow.beyond_fit = found if fit else None
-    flow.stale.update(FIELDS)
 
 
 def beyond_fit(flow: "Flow") -> np.ndarray:
@@ -60,9 +66,11 @@ def finish(flow: "Flow", dt: float) -> None:
     """
     p, d = flow.particles, flow.domain
     flow.fresh(*FIELDS)
-    out = np.empty(p.n_owned)
-    strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing,
-                           d.indptr, d.indices, flow.axes)
+    out = p.strain_rate
+    if flow.potential is None:    # whose fit is a mean itself
+        out = np.empty(p.n_owned)
+        strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr,
+                               d.indices, flow.axes)
     flow.strained, flow.rapid, flow.doubt = np.empty((3, p.n_owned))
     # a full closed tank does not notice a uniform force, which only its pressure balances
     strain.judge(flow.strained, flow.rapid, flow.doubt, out, flow.by_pressure, flow.spacing, dt,

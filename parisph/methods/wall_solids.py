@@ -11,7 +11,6 @@ from parisph.kernels import density, gradient, solids, wall_law, wetness
 from parisph.kernels.moving_mirrors import GONE, SLIPS, STICKS, Solids
 from parisph.methods import lengths
 from parisph.methods.boundary import Boundary, Directions
-from parisph.methods.parts import Gradient
 from parisph.parallel.wall_elements import WallElements
 
 if TYPE_CHECKING:
@@ -156,12 +155,11 @@ class WallSolids(Boundary):
             found[here] -= flow.density * (np.einsum("ia,ia->i", p.normal_all[here], a) - 2.0 * turned)
         return found
 
-    def mend_gradient(self, out: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
-                      part: Gradient) -> None:
-        p, d, e, form = flow.particles, flow.domain, self.elements, part.form(flow.spacing)
-        if form is not None:
-            along, less = np.zeros_like(p.x_all), np.zeros_like(e.acceleration)
-            if slope is not None:
-                along, less = slope, flow.density * e.acceleration
-            gradient.gradient_at_walls(out, f, along, less, p.x_all, p.role_all, *form, DATUM * flow.spacing,
-                                       e.corners, e.indptr, e.indices, d.indptr, d.indices, flow.axes)
+    def mend_gradient(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
+                      form: tuple[float, int, float]) -> None:
+        p, d, e = flow.particles, flow.domain, self.elements
+        along, less = np.zeros_like(p.x_all), np.zeros_like(e.acceleration)
+        if slope is not None:
+            along, less = slope, flow.density * e.acceleration
+        gradient.gradient_at_walls(out, known, f, along, less, p.x_all, p.role_all, *form, DATUM * flow.spacing,
+                                   e.corners, e.indptr, e.indices, d.indptr, d.indices, flow.axes)

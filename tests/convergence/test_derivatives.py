@@ -10,7 +10,7 @@ from parisph.kernels import gradient, rankine, walls
 from parisph.kernels.near import SPLINE, SPLINE_SLOPE
 from parisph.methods.lengths import CIRCLE, MIXED, MLS, SPH, WALL
 from tests.manufactured import orders
-from tests.pools import Rows, block, tank
+from tests.pools import Rows, block, nowhere, tank
 
 CELLS = (20, 40, 80)
 
@@ -60,7 +60,8 @@ def gradient_errors(name, jitter, where="inside"):
             gradient.symmetric_gradient(out, f, pool.x, pool.role, SPH * s, s * s, *pool.csr)
         else:
             power, radius, floor = LEAST_SQUARES[name]
-            gradient.least_squares_gradient(out, f, pool.x, pool.role, radius * s, power, floor, *pool.csr)
+            gradient.least_squares_gradient(out, nowhere(out), f, pool.x, pool.role, radius * s, power, floor,
+                                            *pool.csr)
             if jitter > 1.0:    # below the floor the slope is damped: no order
                 sound = pool.quality(radius * s, max(power, 0)) >= floor
         chosen = (middle(pool.x) if where == "inside" else ~pool.far_inside(1)) & (pool.role == INNER) & sound
@@ -143,7 +144,7 @@ def surface_errors(jitter, harmonic):
         pool = tank((cells, cells), jitter=jitter, spacing=s)
         f, exact = harmonic_pressure(pool.x)
         out = np.empty_like(pool.x)
-        gradient.least_squares_gradient(out, f, pool.x, pool.role, MIXED * s, 0, 0.05, *pool.csr)
+        gradient.least_squares_gradient(out, nowhere(out), f, pool.x, pool.role, MIXED * s, 0, 0.05, *pool.csr)
         if harmonic:
             gradient.harmonic_gradient(out, f, pool.x, pool.role, WALL * s, np.inf, *pool.csr)
         surface = pool.role == SURFACE

@@ -6,7 +6,7 @@ import pytest
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels import curvature, surface_rows, walls
 from parisph.kernels.gradient import least_squares_gradient
-from tests.pools import Rows, free, monomials, tank
+from tests.pools import Rows, free, monomials, nowhere, tank
 
 RADIUS = 2.6
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -106,7 +106,7 @@ def test_the_gradient_is_exact_for_quadratics(dim, where):
 def linear(pool, f):
     """Return the gradient of a linear fit to f (n,)."""
     out = np.zeros((pool.n, pool.dim))
-    least_squares_gradient(out, f, pool.x, pool.role.copy(), RADIUS * pool.spacing, 0, 0.0, *pool.csr)
+    least_squares_gradient(out, nowhere(out), f, pool.x, pool.role.copy(), RADIUS * pool.spacing, 0, 0.0, *pool.csr)
     return out
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from parisph.base.fields import DRY, INNER, WALL
 from parisph.kernels import flux, gradient, rankine
-from tests.pools import Rows, block, free, tank
+from tests.pools import Rows, block, free, nowhere, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
 jitters = pytest.mark.parametrize("jitter", [0.0, 0.8, 1.2])
@@ -102,7 +102,7 @@ def test_nodal_divergence_is_the_trace_of_the_least_squares_gradient(dim, power)
     u, trace = np.random.default_rng(7).normal(size=pool.x.shape), np.zeros(pool.n)
     for a in range(dim):
         out = np.empty_like(u)
-        gradient.least_squares_gradient(out, np.ascontiguousarray(u[:, a]), pool.x, pool.role,
+        gradient.least_squares_gradient(out, nowhere(out), np.ascontiguousarray(u[:, a]), pool.x, pool.role,
                                         MLS * pool.spacing, power, 0.0, *pool.csr)
         trace += out[:, a]
     np.testing.assert_allclose(nodal(pool, u, power, 0.0).div, trace, atol=1e-10 / pool.spacing)

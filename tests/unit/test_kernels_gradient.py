@@ -7,7 +7,7 @@ from parisph.base.fields import BALLISTIC, CONTACT, DRY, INNER, SURFACE, WALL, W
 from parisph.kernels import gradient
 from parisph.kernels.moments import second_moment
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
-from tests.pools import block, free, monomials, tank
+from tests.pools import block, free, monomials, nowhere, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
 powers = pytest.mark.parametrize("power", [0, 2])
@@ -17,7 +17,7 @@ FLOOR = {0: 0.05, 2: 0.2}
 
 def least_squares(pool, f, power=2, floor=None):
     out = np.full((pool.n, pool.dim), np.nan)
-    gradient.least_squares_gradient(out, f, pool.x, pool.role, RADIUS[power] * pool.spacing, power,
+    gradient.least_squares_gradient(out, nowhere(out), f, pool.x, pool.role, RADIUS[power] * pool.spacing, power,
                                     FLOOR[power] if floor is None else floor, *pool.csr)
     return out
 
@@ -169,8 +169,8 @@ def test_the_floor_sets_where_the_slope_across_is_damped(power):
 def test_only_owned_rows_are_written():
     pool = block(2, 6)
     out = np.full((5, 2), np.nan)
-    gradient.least_squares_gradient(out, pool.x[:, 0].copy(), pool.x, pool.role, 2.1 * pool.spacing, 2, 0.05,
-                                    pool.indptr[:6], pool.indices, pool.axes)
+    gradient.least_squares_gradient(out, nowhere(out), pool.x[:, 0].copy(), pool.x, pool.role, 2.1 * pool.spacing, 2,
+                                    0.05, pool.indptr[:6], pool.indices, pool.axes)
     np.testing.assert_allclose(out, np.tile([1.0, 0.0], (5, 1)), atol=1e-12)
 
 

@@ -62,20 +62,21 @@ def values(d, degree=3):
     """Return the polynomials at places d (k, dim): (terms, k)."""
     axes = tuple(range(d.shape[1]))
     b = np.full((15, len(d)), np.nan)
-    for k, place in enumerate(d):
-        harmonic.fill_values(b, k, place, degree, axes)
+    b[: len(axes)] = d.T
+    if degree > 1:
+        harmonic.fill_values(b, len(d), degree, axes)
     n = harmonic.terms(degree, axes)
     assert np.isnan(b[n:]).all() and np.isfinite(b[:n]).all()
     return b[:n]
 
 
-def slopes(d, normal, degree=3):
+def slopes(d, normal):
     """Return their derivatives in the directions normal (k, dim): (terms, k)."""
-    axes = tuple(range(d.shape[1]))
+    axes, none = tuple(range(d.shape[1])), np.zeros((1, 3 - d.shape[1]))
     b = np.full((15, len(d)), np.nan)
-    for k, (place, n) in enumerate(zip(d, normal)):
-        harmonic.fill_slopes(b, k, place, n, degree, axes)
-    n = harmonic.terms(degree, axes)
+    for k in range(len(d)):
+        harmonic.fill_slopes(b, k, *np.append(d[k], none), *np.append(normal[k], none), axes)
+    n = harmonic.terms(3, axes)
     assert np.isnan(b[n:]).all() and np.isfinite(b[:n]).all()
     return b[:n]
 
@@ -96,13 +97,12 @@ def test_the_polynomials_are_all_harmonic_ones_up_to_a_degree(dim, degree):
 
 
 @dims
-@pytest.mark.parametrize("degree", [1, 2, 3])
-def test_slopes_are_derivatives_of_the_polynomials(dim, degree):
+def test_slopes_are_derivatives_of_the_polynomials(dim):
     d, normal = np.random.default_rng(1).normal(size=(2, 20, dim))
     step = 0.5    # central differences, corrected to be exact for cubics
-    change = [values(d + t * step * normal, degree) - values(d - t * step * normal, degree) for t in (1.0, 2.0)]
+    change = [values(d + t * step * normal) - values(d - t * step * normal) for t in (1.0, 2.0)]
     exact = (8.0 * change[0] - change[1]) / (12.0 * step)
-    np.testing.assert_allclose(slopes(d, normal, degree), exact, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(slopes(d, normal), exact, rtol=1e-11, atol=1e-11)
 
 
 @dims

@@ -7,7 +7,7 @@ from parisph.base.fields import BALLISTIC
 from parisph.kernels import gradient
 from parisph.kernels.near import SPLINE, SPLINE_SLOPE
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
-from tests.pools import block, monomials
+from tests.pools import block, monomials, nowhere
 
 dims = pytest.mark.parametrize("dim", [2, 3])
 weights = pytest.mark.parametrize("weight", [SPLINE_SLOPE, SPLINE])
@@ -21,7 +21,8 @@ def cloud(dim, jitter):
 
 def least_squares(pool, f, weight, radius=REACH):
     out = np.full((pool.n, pool.dim), np.nan)
-    gradient.least_squares_gradient(out, f, pool.x, pool.role, radius * pool.spacing, weight, 0.05, *pool.csr)
+    gradient.least_squares_gradient(out, nowhere(out), f, pool.x, pool.role, radius * pool.spacing, weight, 0.05,
+                                    *pool.csr)
     return out
 
 

@@ -11,13 +11,16 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 
 def fit(pool, u):
-    """Return beyond (n, dim) and square (n,) of a velocity u (n, dim), of which walls know what is across them."""
-    beyond, square = np.full((pool.n, pool.dim), np.nan), np.full(pool.n, np.nan)
+    """Return beyond (n, dim) and gradient (n, dim, dim) of a velocity u (n, dim), known of walls across them."""
+    beyond, gradient = np.full((pool.n, pool.dim), np.nan), np.full((pool.n, pool.dim, pool.dim), np.nan)
+    square = np.full(pool.n, np.nan)
     known = (pool.kind == WALL) & (pool.corner == 0)
     across = np.where(known, (pool.normal * u).sum(axis=1), np.nan)
-    fit_potential(beyond, square, np.where(pool.fluid[:, None], u, np.nan), pool.x, pool.kind, pool.role, known,
-                  pool.normal, across, 2.6 * pool.spacing, *pool.csr)
-    return beyond, square
+    u = np.where(pool.fluid[:, None], u, np.nan)
+    fit_potential(beyond, gradient, square, u, pool.x, pool.kind, pool.role, known, pool.normal, across,
+                  2.6 * pool.spacing, *pool.csr)
+    np.testing.assert_allclose(square, np.einsum("iab,iba->i", gradient, gradient), rtol=1e-12)
+    return beyond, gradient
 
 
 def jittered(dim):
@@ -32,10 +35,10 @@ def test_nothing_is_beyond_the_gradient_of_a_harmonic_cubic(dim):
     pool, seen, in_edge = jittered(dim)
     sure = seen if dim == 2 else pool.fluid | (seen & ~in_edge)    # walls in edges of a box may lack data for all terms
     for _, u, bends in harmonic_cubics(pool.x):
-        beyond, square = fit(pool, u)
+        beyond, found = fit(pool, u)
         np.testing.assert_allclose(beyond, 0.0, atol=1e-9)
-        np.testing.assert_allclose(square[sure], np.einsum("iab,iba->i", bends, bends)[sure], rtol=1e-7)
-        assert np.all(square[~seen] == 0.0)
+        np.testing.assert_allclose(found[sure], bends[sure], atol=1e-7)
+        assert np.all(found[~seen] == 0.0)
 
 
 @dims
@@ -44,9 +47,9 @@ def test_walls_in_edges_know_the_gradient_of_a_harmonic_quadratic(dim):
     for a in range(dim - 1):
         u = np.zeros((pool.n, dim))
         u[:, a], u[:, a + 1] = 2.0 * pool.x[:, a], -2.0 * pool.x[:, a + 1]
-        beyond, square = fit(pool, u)
+        beyond, found = fit(pool, u)
         np.testing.assert_allclose(beyond, 0.0, atol=1e-9)
-        np.testing.assert_allclose(square[seen], 8.0, rtol=1e-7)
+        np.testing.assert_allclose((found[seen]**2).sum(axis=(1, 2)), 8.0, rtol=1e-7)
 
 
 @dims
@@ -77,5 +80,5 @@ def test_free_flight_has_no_potential():
     pool = tank((8, 8))
     i = pool.at(4, 4)
     pool.role[i] = BALLISTIC
-    beyond, square = fit(pool, np.random.default_rng(0).normal(size=(pool.n, 2)))
-    assert np.all(beyond[i] == 0.0) and square[i] == 0.0 and np.all(beyond[~pool.fluid] == 0.0)
+    beyond, found = fit(pool, np.random.default_rng(0).normal(size=(pool.n, 2)))
+    assert np.all(beyond[i] == 0.0) and np.all(found[i] == 0.0) and np.all(beyond[~pool.fluid] == 0.0)

@@ -12,6 +12,7 @@ from parisph.kernels.jit import axes_of
 from parisph.methods.wall_solids import WallSolids
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
+from tests.pools import nowhere
 from tests.wall_scenes import filled
 
 S = 0.05
@@ -123,8 +124,8 @@ def test_one_neighbour_and_a_wall_make_a_gradient():
     lists = lone(x, bed)
 
     def run(near_wall):
-        gradient.gradient_at_walls(out, x @ slope, np.tile(slope + less[0], (2, 1)), less, x, role, 2.6 * S, 0, 0.05,
-                                   near_wall, bed, *lists, axes_of(2))
+        gradient.gradient_at_walls(out, nowhere(out), x @ slope, np.tile(slope + less[0], (2, 1)), less, x, role,
+                                   2.6 * S, 0, 0.05, near_wall, bed, *lists, axes_of(2))
     run(0.3 * S)
     assert not out.any() and (role == BALLISTIC).all()
     run(S)
