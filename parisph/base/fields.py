@@ -114,6 +114,7 @@ FIELDS = {
               "Laplacian of the pressure in the last step, less that by the body force", written=False),
         Field("p_before", "scalar", np.float64, "Pa", "pressure one step before", exchanged=False, written=False),
         Field("p_earlier", "scalar", np.float64, "Pa", "pressure two steps before", exchanged=False, written=False),
+        Field("p_earliest", "scalar", np.float64, "Pa", "pressure three steps before", exchanged=False, written=False),
         Field("normal", "vector", np.float64, "", "unit normal of a wall particle, into the fluid"),
         Field("role", "scalar", np.int8, "",
               "0 inner, 1 surface, 2 wet wall, 3 dry wall, 4 contact line, 5 ballistic"),

@@ -33,6 +33,15 @@ def give_to_fluid(values: np.ndarray, new: np.ndarray, kind: np.ndarray) -> None
 
 
 @kernel
+def carry(u: np.ndarray, grad_u: np.ndarray, move: np.ndarray) -> None:
+    """Add what velocities u (n, dim) [m/s] differ by over a move (n, dim) [m], by their gradient (n, dim, dim) [1/s]."""
+    for i in range(len(move)):
+        for a in range(move.shape[1]):
+            for b in range(move.shape[1]):
+                u[i, a] += grad_u[i, a, b] * move[i, b]
+
+
+@kernel
 def accelerate(u: np.ndarray, acceleration: np.ndarray, by_pressure: np.ndarray, grad: np.ndarray, force: np.ndarray,
                density: float, dt: float, kind: np.ndarray) -> None:
     """Add dt times the acceleration f - grad/rho to the velocities of fluid, and write it for all particles.

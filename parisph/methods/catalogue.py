@@ -116,7 +116,8 @@ class Parts:
     @cached_property
     def fields(self) -> FieldSet:
         """The fields of the scene's particles."""
-        return FieldSet((*Guesses.fields, *STEPPINGS[self.numerics.stepping].fields,
+        stepping = STEPPINGS[self.numerics.stepping]
+        return FieldSet((*Guesses.fields, *(Guesses.of_waves if stepping.corrected else ()), *stepping.fields,
                          *(name for part in self for name in part.needs(self.numerics))))
 
     @property

@@ -7,42 +7,49 @@ from parisph.parallel.particles import Particles
 
 
 class Guesses:
-    """The pressure of the last step, and extrapolations in time along the paths of particles, linear and quadratic.
+    """The pressure of the last step, and extrapolations in time along the paths of particles.
 
     The solve takes the last pressure if it still solves the equation, as at rest, else the one with the least residual,
-    from which it goes on even if that solves the equation (pressure.system.CLOSER). In waves that is the quadratic one,
-    with a third fewer iterations to follow; in violent flow, where pressures come and go, it changes from step to step,
-    with a fifth fewer.
+    from which it goes on even if that solves the equation (pressure.system.CLOSER). In waves that is the quadratic or
+    the cubic one, with a third fewer iterations to follow, and a sixth fewer than these; in violent flow, where
+    pressures come and go, the linear and the quadratic one change from step to step, with a fifth fewer.
+
+    waves : whether the last extrapolations are the quadratic and the cubic one
 
     Attributes
     ----------
-    fields : that particles need
-    times : [s] of the pressures that particles have, the last first; at most three
+    fields : that particles need, and further ones for waves
+    times : [s] of the pressures that particles have, the last first; at most three, or four
     """
 
-    fields = ("p_before", "p_earlier")
+    fields, of_waves = ("p_before", "p_earlier"), ("p_earliest",)
 
-    def __init__(self) -> None:
+    def __init__(self, waves: bool = False) -> None:
+        self.most = 4 if waves else 3
         self.times: list[float] = []
 
     def at(self, particles: Particles, time: float) -> np.ndarray:
         """Return the guesses of the pressure at a time [s]: (1 to 3, n_owned) [Pa]. Not collective."""
         p = particles
-        orders = [order for order in range(2, len(self.times) + 1) if len(set(self.times[:order])) == order]
-        weights = np.zeros((1 + len(orders), 3))
+        orders = [order for order in range(2, len(self.times) + 1) if len(set(self.times[:order])) == order][-2:]
+        weights = np.zeros((1 + len(orders), 4))
         weights[0, 0] = 1.0
         for own, order in zip(weights[1:], orders):
             own[:order] = _weights(self.times[:order], time)
         found = np.empty((len(weights), p.n_owned))
-        extrapolation.combine(found, weights, p.p, p.p_before, p.p_earlier)
+        extrapolation.combine(found, weights, p.p, p.p_before, p.p_earlier, self._earliest(p))
         return found
 
     def remember(self, particles: Particles, time: float) -> None:
         """Keep the pressure that particles have, before they get that of `time` [s]. Not collective."""
         p = particles
+        self._earliest(p)[:] = p.p_earlier
         p.p_earlier[:] = p.p_before
         p.p_before[:] = p.p
-        self.times = [time, *self.times[:2]]
+        self.times = [time, *self.times[:self.most - 1]]
+
+    def _earliest(self, particles: Particles) -> np.ndarray:
+        return particles.p_earliest if self.most == 4 else particles.p_earlier
 
     def restart(self, time: float) -> None:
         """Forget all pressures but that which particles have, of `time` [s]."""

@@ -46,7 +46,7 @@ class Projection:
     def __init__(self, flow: Flow, parts: Parts, petsc_options: list[str] | None = None) -> None:
         self.flow, self.parts, n = flow, parts, flow.numerics
         self.stepping = STEPPINGS[n.stepping]
-        self.guesses = Guesses()
+        self.guesses = Guesses(self.stepping.corrected)
         self.earlier_accelerations = Accelerations()
         self.pressure_window: float | None = 0.0
         self.rows = PressureRows(flow.particles.dim, parts.laplacian, parts.divergence, parts.wall_rows,
@@ -459,8 +459,11 @@ class Projection:
     def _report(self, dt, solve, isolated):
         flow = self.flow
         p, second = flow.particles, flow.position_solve
-        div = np.empty(p.n_owned)
-        self.rows.divergence(div, p.u_all, p.role_all)
+        if "left" in p.fields:    # it is known
+            div = p.left
+        else:
+            div = np.empty(p.n_owned)
+            self.rows.divergence(div, p.u_all, p.role_all)
         strained = np.empty(0) if flow.strained is None else flow.strained
         sums = np.array([*record.step_sums(div, p.role, p.kind, flow.by_pressure, strained), flow.collisions])
         if p.comm.size > 1:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from parisph.kernels import shifting
+from parisph.kernels import movement, shifting
 from parisph.methods.flow import Flow
 from parisph.methods.parts import Limiter, Regulariser
 from parisph.methods.positions import CAP, displace
@@ -39,7 +39,7 @@ def change(flow: Flow, parts: Sequence[Regulariser], dt: float) -> None:
         elif part.moves:
             displace(flow, changes[part.name])    # which shortens moves into walls
             if part.carries:
-                p.u[:] += np.einsum("iab,ib->ia", p.grad_u, changes[part.name])
+                movement.carry(p.u, p.grad_u, changes[part.name])
                 flow.stale.add("u")
         else:
             p.u[:] += changes[part.name]

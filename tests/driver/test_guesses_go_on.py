@@ -52,7 +52,7 @@ def test_a_restart_guesses_as_the_run_would_have_done(made, known):
         s.advance()
     start = saved(s)
     if not known:    # as in checkpoints of earlier versions
-        for name in ("p_before", "p_earlier"):
+        for name in ("p_before", "p_earlier", "p_earliest"):
             del start.arrays[name]
         del start.state["pressure_times"]
     again = made(s.case, start)

@@ -14,7 +14,7 @@ from tests.scenes import scene
 # Beside those that every scene has. Still water, and waves that do not break; a dam break; a driven cavity.
 OWN = {
     "hydrostatic": {"closing", "alpha", "pairs", "acceleration", "acceleration_before", "expansion", "left",
-                    "laplacian", "grad_u", "strain_rate"},
+                    "laplacian", "p_earliest", "grad_u", "strain_rate"},
     "dam_break": {"closing", "alpha", "grad_u", "strain_rate", "pairs", "phi", "grad_alpha", "turn",
                   "share"},
     "lid_driven_cavity": {"grad_u", "strain_rate", "pairs", "grad_alpha", "no_slip", "wall_u", "nu", "viscous"},

@@ -13,13 +13,13 @@ from tests import systems
 
 
 def particles(n=5):
-    p = Particles(MPI.COMM_SELF, 2, FieldSet(Guesses.fields))
+    p = Particles(MPI.COMM_SELF, 2, FieldSet((*Guesses.fields, *Guesses.of_waves)))
     p.assign({"x": np.random.default_rng(0).random((n, 2))})
     return p
 
 
-def history(p, times, pressure):
-    guesses = Guesses()
+def history(p, times, pressure, waves=False):
+    guesses = Guesses(waves)
     guesses.restart(times[0])
     p.p = pressure(times[0])
     for time in times[1:]:
@@ -38,6 +38,14 @@ def test_steps_of_any_length_extrapolate_what_is_quadratic_in_time(degree):
     for order, guess in enumerate(found):
         right = np.allclose(guess, scale * 0.85**degree, rtol=1e-7)
         assert right == (degree <= order)
+
+
+def test_in_waves_what_is_cubic_in_time_is_extrapolated():
+    p = particles()
+    times = [0.3, 0.45, 0.5, 0.7, 0.75]
+    found = history(p, times, lambda t: p.x[:, 0] * t**3, waves=True).at(p, 0.85)
+    right = [np.allclose(guess, p.x[:, 0] * 0.85**3, rtol=1e-7) for guess in found]
+    assert right == [False, False, True]
 
 
 def test_only_what_is_known_is_extrapolated():
