@@ -34,7 +34,7 @@ def give_to_fluid(values: np.ndarray, new: np.ndarray, kind: np.ndarray) -> None
 
 @kernel
 def carry(u: np.ndarray, grad_u: np.ndarray, move: np.ndarray) -> None:
-    """Add what velocities u (n, dim) [m/s] differ by over a move (n, dim) [m], by their gradient (n, dim, dim) [1/s]."""
+    """Add what velocities u (n, dim) differ by over a move (n, dim) [m], by their gradient (n, dim, dim) [1/s]."""
     for i in range(len(move)):
         for a in range(move.shape[1]):
             for b in range(move.shape[1]):
