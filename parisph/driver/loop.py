@@ -264,8 +264,8 @@ class _Run:
         s = self.simulation
         self._note_options()
         s.complete(self.case.output.fields)
-        s.method.show()
-        self.store.snapshot(s.particles, s.time, s.steps)
+        with s.method.shown():
+            self.store.snapshot(s.particles, s.time, s.steps)
 
     def _save(self) -> None:
         s = self.simulation

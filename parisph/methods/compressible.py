@@ -1,5 +1,6 @@
 """One time step of traditional, weakly compressible SPH (Zheng, Ma & Duan 2014, Sec. 2.1)."""
 
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 import numpy as np
@@ -123,8 +124,9 @@ class Compressible:
         speed, strongest = _largest(p.comm, speed, strongest)
         return weakly.longest_step(self.h, self.sound, speed, self.flow.numerics.artificial_viscosity, strongest)
 
-    def show(self) -> None:
-        """Leave the pressure that a snapshot shows: the one that particles have. Not collective."""
+    def shown(self) -> AbstractContextManager[None]:
+        """Have the pressure that a snapshot shows, within this context: the one that particles have."""
+        return nullcontext()
 
     @property
     def columns(self) -> dict[str, str]:

@@ -1,6 +1,8 @@
 """One time step of the projection methods."""
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -146,16 +148,21 @@ class Projection:
         found[p.kind != FLUID] = 0.0
         return found
 
-    def show(self) -> None:
-        """Leave the pressure that a snapshot shows: after a step far shorter than usual, the mean over the usual time.
+    @contextmanager
+    def shown(self) -> Iterator[None]:
+        """Give particles the pressure that a snapshot shows, within this context. Not collective.
 
-        What steps leave of the divergence is gone after one of any length, and as a pressure grows as 1/dt. Later steps
-        only begin their solves with this pressure. Once a step; not collective.
+        After a step far shorter than usual it is the mean over the usual time: what steps leave of the divergence is
+        gone after one of any length, and as a pressure grows as 1/dt.
         """
         p, share = self.flow.particles, self.flow.dt / max(self.flow.usual, np.finfo(float).tiny)
+        acted = p.p.copy()
         if 0.0 < share < SHORTENED:
             p.p[:] = p.p_before + share * (p.p - p.p_before)
-            self.flow.stale.add("p")
+        try:
+            yield
+        finally:
+            p.p[:] = acted
 
     def longest_step(self) -> float:
         """Return the longest step [s] that the parts of the method allow, infinite if none limits it. Collective."""
