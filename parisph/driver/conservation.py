@@ -8,6 +8,7 @@ from typing import Any, Optional
 import numpy as np
 from mpi4py import MPI
 
+from parisph.base.fields import FLUID, SURFACE
 from parisph.case.schema import Box, Case, Energy, Volume
 from parisph.driver.simulation import Simulation
 from parisph.watch import instruments
@@ -72,7 +73,9 @@ class Conservation:
     relative to the lowest corner of the tank, in the direction of gravity: so the energy is positive, and
     its change relative to the start has the right sign. The energy in motion is
     the kinetic energy plus the potential energy above that of the fluid at rest: the energy of the waves,
-    which is small compared with the potential energy of all the water.
+    which is small compared with the potential energy of all the water. Where particles are moved to keep their
+    distances even, and the flow is not, it is that of the surface's elevation: such moves change the energy of
+    all particles by more than that of low waves.
 
     Parameters
     ----------
@@ -89,6 +92,9 @@ class Conservation:
         volume = (Volume(name="volume"),) if case.dim == 2 else ()
         self._volume = instruments.build(case.model_copy(update={"probes": volume}), simulation.comm)
         self.driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
+        self._by_surface = (case.dim == 2 and "shift_even" in (simulation.numerics.regularisers or ())
+                            and np.allclose(np.array(case.fluid_bounds)[:, 0],
+                                            (self._scene.lower[0], self._scene.upper[0])))
         state, start = state or {}, start or {}
         self.energy, self.motion, self.kinetic, self.volume = (
             Range(**state[name]) if name in state else Range(start=start.get(name)) for name in RANGES)
@@ -101,7 +107,7 @@ class Conservation:
 
     def measure(self, simulation: Simulation) -> None:
         """Measure both. Collective."""
-        self._look_at_energy(simulation)
+        self._look_at_energy(simulation, whole=True)
         self._look_at_volume(simulation)
 
     def state(self) -> dict[str, Any]:
@@ -116,6 +122,8 @@ class Conservation:
         first, last = energy.start, energy.now
         if not self.driven and start is not None and start > 0.0 and first is not None and last is not None:
             change = (last - first) / start
+            if self._by_surface and motion.now is not None:
+                change = motion.now / start - 1.0
         return {
             "volume_drift": volume.relative(volume.now), "volume_range": volume.extremes(),
             "volume_unknown": REASONS["volume"] if volume.missing and volume.low is None else None,
@@ -148,7 +156,7 @@ class Conservation:
                              f"first at t = {gaps.missing_since:.4g} s: {reason}")
         return found
 
-    def _look_at_energy(self, simulation: Simulation) -> None:
+    def _look_at_energy(self, simulation: Simulation, whole: bool = False) -> None:
         s, p = simulation, simulation.particles
         sums = np.asarray(self._energy.sums(View(p, s.domain)), float)
         s.comm.Allreduce(MPI.IN_PLACE, sums, op=MPI.SUM)
@@ -156,7 +164,23 @@ class Conservation:
         self.energy.add(s.time, total + s.left.energy - self._lowest * (sums[2] + s.left.volume))
         self.kinetic.add(s.time, kinetic)
         if self._at_rest is not None:
-            self.motion.add(s.time, kinetic + potential - self._at_rest(sums[2]))
+            elevated = self._elevation(s) if self._by_surface and (whole or s.steps % EVERY == 0) else None
+            if elevated is not None:
+                self.motion.add(s.time, kinetic + elevated)
+            elif not self._by_surface:
+                self.motion.add(s.time, kinetic + potential - self._at_rest(sums[2]))
+
+    def _elevation(self, simulation: Simulation) -> float | None:
+        """Return the potential energy of the surface's elevation about its mean [J/m]; None without one. Collective."""
+        s, p, scene = simulation, simulation.particles, self._scene
+        top = np.concatenate(s.comm.allgather(p.x[(p.kind == FLUID) & (p.role == SURFACE)]))
+        if not len(top) or not scene.gravity.any():
+            return None
+        x, y = top[np.argsort(top[:, 0])].T
+        x, y = np.r_[scene.lower[0], x, scene.upper[0]], np.r_[y[0], y, y[-1]]
+        part = 0.5 * (np.r_[0.0, np.diff(x)] + np.r_[np.diff(x), 0.0])    # of the width, by the trapezoidal rule
+        off = y - part @ y / part.sum()
+        return float(0.5 * scene.density * abs(scene.gravity[-1]) * (part @ off**2))
 
     def _look_at_volume(self, simulation: Simulation) -> None:
         s = simulation

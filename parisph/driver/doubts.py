@@ -9,6 +9,8 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.arrays import Floats
+from parisph.case.bodies import motion_of
+from parisph.case.motion import AtRest
 from parisph.case.probes import SurfaceGauge
 from parisph.case.schema import Case
 from parisph.driver.conservation import Conservation
@@ -33,7 +35,9 @@ class Limit(NamedTuple):
 # of its energy after 10 periods has 1.00 with "gentle"; a gentle one that breaks down after 9 periods, d/s = 10, keeps
 # all limits with 20; and a filter that takes 26 % of a wave takes 17 %.
 FINER = "use a smaller spacing"
-OTHER = f'{FINER}, or preset="violent" for steep or breaking waves and "gentle" for others'
+OTHER = f"{FINER}, or {{other}}"
+PRESETS = {"violent": 'preset="violent" for steep or breaking waves',
+           "gentle": 'preset="gentle" for waves that do not break'}
 LIMITS = {
     # kinetic energy over all energy in motion at the start, of a flow on which no work is done: it cannot be above 1
     "motion": Limit(1.05, (1.02, 1.2), "runs that are right: 1.00; waves that feed on errors: 1.1 to 3", OTHER),
@@ -81,6 +85,12 @@ class Seen:
     off_height: float = 0.0
 
 
+def advice(limit: Limit, preset: str) -> str:
+    """Return what helps a run with a preset, which it names no more."""
+    used = "gentle" if preset == "solitary" else preset
+    return limit.advice.format(other=" and ".join(text for name, text in PRESETS.items() if name != used))
+
+
 class Doubts:
     """Looks at pairs and at the mean level on the way, and at the end at all that has a limit.
 
@@ -91,7 +101,7 @@ class Doubts:
     """
 
     def __init__(self, simulation: Simulation, state: Mapping[str, Any] | None = None) -> None:
-        case, self._spacing = simulation.case, simulation.numerics.spacing
+        case, self._spacing, self._preset = simulation.case, simulation.numerics.spacing, simulation.numerics.preset
         self._seen = Seen(**(state or {}))
         self._gauges = instruments.build(case.model_copy(update={"probes": _across(case)}), simulation.comm)
         self._noise = _noise(simulation)
@@ -147,19 +157,21 @@ class Doubts:
             return
         if high > limit.value * start + self._noise:
             yield (f"the kinetic energy was {high / start:.3g} times all energy in motion at the start, at "
-                   f"t = {conservation.kinetic.high_time:.4g} s, though nothing does work on the fluid: {limit.advice}")
+                   f"t = {conservation.kinetic.high_time:.4g} s, though nothing does work on the fluid: "
+                   f"{advice(limit, self._preset)}")
 
     def _of_level(self) -> Iterator[str]:
         seen, limit, spacing = self._seen, LIMITS["level"], self._spacing
         if abs(seen.off) > RESOLVED * spacing and abs(seen.off) > limit.value * max(seen.off_height, LOWEST * spacing):
             yield (f"the mean level was {seen.off:+.3g} m off at t = {seen.off_time:.4g} s, more than "
-                   f"{limit.value:.0%} of the height of the waves, {seen.off_height:.3g} m: {limit.advice}")
+                   f"{limit.value:.0%} of the height of the waves, {seen.off_height:.3g} m: "
+                   f"{advice(limit, self._preset)}")
 
     def _of_pairs(self) -> Iterator[str]:
         seen, limit = self._seen, LIMITS["pair"]
         if seen.pair < limit.value:
             yield (f"two particles were {seen.pair:.2g} spacings apart at t = {seen.pair_time:.4g} s, closer than "
-                   f"{limit.value:g}: {limit.advice}")
+                   f"{limit.value:g}: {advice(limit, self._preset)}")
 
     def _of_loss(self) -> Iterator[str]:
         limit = LIMITS["lost"]
@@ -176,8 +188,8 @@ class Doubts:
 def of_gauges(case: Case, run: Run) -> list[str]:
     """Return one line for the gauge at which regular waves that should be alike are least so. Not collective.
 
-    Those are waves of a start that nothing drives or damps, and those of a wavemaker or a zone with a zone behind them
-    that takes them up.
+    Those are waves of a start that nothing drives or damps, and those of a body that moves or a zone with a zone behind
+    them that takes them up.
     """
     if case.constant_force is None or case.viscosity or case.friction is not None or bool(case.absorb) != _makes(case):
         return []
@@ -228,7 +240,7 @@ def _uneven(time: Floats, y: Floats, spacing: float) -> tuple[float, float]:
 def _makes(case: Case) -> bool:
     """Return whether a body or a zone of the case makes waves."""
     return any(getattr(zone, "wave", None) is not None for zone in case.absorb) or any(
-        body.kind in ("piston", "flap") for body in case.bodies)
+        not isinstance(motion_of(body), AtRest) for body in case.bodies)
 
 
 def _across(case: Case) -> Sequence[SurfaceGauge]:

@@ -93,6 +93,7 @@ def _warnings(case: Case, count: Mapping[str, int]) -> Iterator[str]:
     """Warn of a method's limits, and of water without a free surface, which the initial lattice already shows."""
     if catalogue.warning(case.numerics):
         yield f"method {case.numerics.method}: {catalogue.warning(case.numerics)}"
+    yield from catalogue.unread(case.numerics)
     yield from scene_checks.warnings(case)
     yield from _about_the_step(case)
     yield from _about_flaps(case)

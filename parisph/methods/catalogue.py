@@ -216,6 +216,23 @@ def parts_of(numerics: Numerics, physics: Collection[str] = ()) -> Any:
     return Parts.of(numerics, physics)
 
 
+def unread(numerics: Numerics) -> list[str]:
+    """Return a line for each number, not 0, that a case gives and no regulariser of it reads.
+
+    numerics : as the user gave them
+    """
+    given, found = numerics.resolved(), []
+    own = {word for name in given.regularisers or () for word in REGULARISERS[name].reads}
+    if METHODS[numerics.method].step == "compressible":
+        own = set()
+    for word in sorted({word for part in REGULARISERS.values() for word in part.reads} - own):
+        if word in numerics.model_fields_set and getattr(numerics, word):
+            readers = [name for name, part in REGULARISERS.items() if word in part.reads]
+            found.append(f"numerics.{word} = {getattr(numerics, word):g} has no effect: this scene has no regulariser "
+                         f"that reads it, which are {', '.join(readers)}; leave it out, or choose another preset")
+    return found
+
+
 def warning(numerics: Numerics) -> str:
     """Return what a user must know before running the method of a case, or nothing."""
     return METHODS[numerics.method].warning

@@ -25,6 +25,7 @@ class Shift(Regulariser):
     """A shift with the weight and the strain of the numbers `shift` and `shift_strain`."""
 
     cause, moves, shapes = "shift", True, False
+    reads = ("shift", "shift_strain")
 
     def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0

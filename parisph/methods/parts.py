@@ -207,6 +207,7 @@ class Regulariser(Part):
     needs_potential : whether it uses flow.potential
     free : whether it may move particles farther than positions.CAP
     carries : whether velocities follow its moves, by the field grad_u
+    reads : the numbers of Numerics that only some regularisers read, and that this one does
     cause : column of the energy budget
     words : what `parisph check` calls it
 
@@ -220,6 +221,7 @@ class Regulariser(Part):
     needs_potential: ClassVar[bool] = False
     free: ClassVar[bool] = False
     carries: ClassVar[bool] = False
+    reads: ClassVar[tuple[str, ...]] = ()
     cause: ClassVar[str]
     words: ClassVar[str]
 

@@ -36,6 +36,7 @@ class PositionProjection(Regulariser):
     """
 
     name, cause, words, moves = "projection", "projection", "position projection", True
+    reads = ("kappa", "kappa_strain")
     fields = (*straining.FIELDS, "alpha", "phi")
 
     def wanted(self, numerics: Numerics) -> bool:
@@ -61,6 +62,7 @@ class Parting(Regulariser):
     """Parts close pairs that have no pressure."""
 
     name, cause, words, fields = "parting", "parting", "parting of close pairs", ("pairs",)
+    reads = ("shift",)
     moves, strain, free = True, False, True
 
     def wanted(self, numerics: Numerics) -> bool:
@@ -84,6 +86,7 @@ class FickShift(Regulariser):
     """Shifts by C_i h^2 along -grad alpha, at the surface along it, and turns close pairs."""
 
     name, source, cause, words, moves = "shift", "Lind et al. 2012", "shift", "Fick shift", True
+    reads = ("shift", "shift_strain")
     fields = ("grad_alpha", "turn")
 
     def wanted(self, numerics: Numerics) -> bool:
@@ -126,6 +129,7 @@ class KeepApart(Limiter):
     """
 
     name, cause, words, moves, strain = "keep_apart", "parting", "least distance", True, False
+    reads = ("shift",)
 
     def wanted(self, numerics: Numerics) -> bool:
         return numerics.shift > 0.0

@@ -47,6 +47,7 @@ class Irrotational(Regulariser):
     """
 
     name, cause, words, reach, strain = "irrotational", "filter", "irrotational filter", lengths.WALL, False
+    reads = ("filter",)
     needs_potential = True
 
     def wanted(self, numerics: Numerics) -> bool:

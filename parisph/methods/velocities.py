@@ -17,6 +17,7 @@ class Filter(Regulariser):
     """Removes a part of each velocity's difference to the moving least squares of its neighbours."""
 
     name, cause, words, reach = "filter", "filter", "velocity filter", lengths.MLS
+    reads = ("filter", "filter_strain")
     needs_fit = True
 
     def wanted(self, numerics: Numerics) -> bool:
@@ -50,6 +51,7 @@ class Collisions(Regulariser):
     """Close pairs collide with the part of their velocity that is not that of the strain around them."""
 
     name, cause, words, fields = "collisions", "collisions", "pair collisions", (*straining.FIELDS, "pairs")
+    reads = ("collision_distance", "restitution")
 
     def wanted(self, numerics: Numerics) -> bool:
         return numerics.collision_distance > 0.0

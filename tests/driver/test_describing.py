@@ -36,6 +36,16 @@ def test_every_case_is_described(path):
     assert "times the step" not in describe(case) and "caught in the corner" not in describe(case)
 
 
+def test_numbers_that_no_part_reads_are_named():
+    case = scene("standing_wave", spacing=0.1)
+    given = {"numerics.kappa": 0.5, "numerics.filter_strain": 1.0, "numerics.shift_strain": 9.0}
+    told = describe(case.changed(**given))
+    assert "numerics.kappa = 0.5 has no effect" in told and "which are projection;" in told
+    assert "numerics.filter_strain = 1 has no effect" in told and "shift_strain = 9 has" not in told
+    for values in ({"numerics.kappa": 0.0}, {"numerics.kappa": 0.5, "numerics.preset": "violent"}):
+        assert "has no effect" not in describe(case.changed(**values))
+
+
 @pytest.mark.parametrize("name, why", [("standing_wave", "resolves the shortest waves"),
                                        ("dam_break", "moves the fastest fluid by 0.3 spacings")])
 def test_a_fixed_step_that_is_too_long_is_warned_of(name, why):

@@ -3,13 +3,15 @@
 import json
 import re
 from math import pi
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mpi4py import MPI
 
+from parisph import Disc, Fluid, Heave, Obstacle, StillWater, SurfaceGauge, Tank
 from parisph.driver import Simulation, run
-from parisph.driver.doubts import LIMITS, heights
+from parisph.driver.doubts import LIMITS, advice, heights, of_gauges
 from parisph.driver.summary import Account
 from tests.hard.tanks import swayed
 from tests.lasting import standing
@@ -92,6 +94,26 @@ def test_heights_of_waves_behind_their_front_over_a_trend():
     begins, high = heights(t, np.minimum(t, 4.0) / 4.0 * np.sin(2.0 * np.pi * t) + 0.2 * t)
     assert high == pytest.approx(2.0, rel=0.1) and begins[0] > 5.0 and len(high) > 10
     assert len(heights(t, np.sin(2.0 * np.pi * t * (1.0 + 0.1 * t)))[1]) == 0    # not regular
+
+
+@pytest.mark.parametrize("preset", ["violent", "gentle", "solitary", "closed"])
+def test_advice_does_not_name_the_preset_in_use(preset):
+    told = advice(LIMITS["level"], preset)
+    named = set(re.findall('preset="([a-z]+)"', told))
+    assert "smaller spacing" in told
+    assert named == {"violent", "gentle"} - {"gentle" if preset == "solitary" else preset}
+
+
+def test_waves_that_a_body_drives_need_not_be_alike():
+    """Unless a zone takes them up: an obstacle that heaves is no wave of the start."""
+    gauge = SurfaceGauge("gauge", at=1.5)
+    walls = Tank(width=2.0, height=1.5), Obstacle(Disc(radius=0.2, at=(1.0, 0.5)))
+    case = wave(10.0, 1.0).changed(walls=walls, probes=(gauge,), fluid=Fluid(StillWater(level=1.0), density=1000.0))
+    t = np.linspace(0.0, 20.0, 1001)
+    one = SimpleNamespace(probe=lambda name: {"time": t, "y": (1.0 + (t > 15.0)) * np.sin(2.0 * np.pi * t)})
+    assert of_gauges(case, one)
+    heaving = walls[1].model_copy(update={"motion": Heave(amplitude=0.1, frequency=6.0)})
+    assert not of_gauges(case.changed(walls=(walls[0], heaving)), one)
 
 
 def test_limits_are_in_their_ranges():
