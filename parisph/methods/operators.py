@@ -179,9 +179,10 @@ class SfdiWalls(WallRows):
                         lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
     def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
-        """Add what a body force that is not uniform bends the pressure by: water at rest in a linear one stays so."""
-        if len(pull := flow.outer_pull):
-            _complete_rows(right, np.zeros(len(cloud.x)), pull, rows, cloud)
+        """Add what a body force that is not uniform, and vorticity, bend the pressure by: water at rest in a linear
+        force stays so, and such that turns with its tank."""
+        if flow.bent_without_strain:
+            _complete_rows(right, flow.without_strain, flow.outer_pull, rows, cloud)
 
 
 def _complete_rows(right, laplacian, pull, rows, cloud):
@@ -246,9 +247,9 @@ class Mixed(LeastSquares):
     name, source, reach = "mixed", "Z17 Eq 28", lengths.MIXED
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        """Add what a body force that is not uniform bends the pressure by."""
-        if len(flow.outer_pull):
-            _bend(out, flow, np.zeros(len(flow.particles.p_all)), INNER, NEVER, NEVER)
+        """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
+        if flow.bent_without_strain:
+            _bend(out, flow, flow.without_strain, flow.outer_pull, INNER, NEVER, NEVER)
 
 
 class Cubic(Mixed):
@@ -359,9 +360,9 @@ class HarmonicSurface(Gradient):
                                    d.indices, flow.axes)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        """Add what a body force that is not uniform bends the pressure by."""
-        if len(flow.outer_pull):
-            _bend(out, flow, np.zeros(len(flow.particles.p_all)), SURFACE, self.most(flow), NEVER)
+        """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
+        if flow.bent_without_strain:
+            _bend(out, flow, flow.without_strain, flow.outer_pull, SURFACE, self.most(flow), NEVER)
 
     def most(self, flow: "Flow") -> float:
         """Return by how much the harmonic terms may raise the variance of the slope."""
@@ -378,7 +379,7 @@ class CurvedSurface(HarmonicSurface):
     name, fields = "curved", ("laplacian",)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        _bend(out, flow, flow.particles.laplacian_all, SURFACE, INFLATION, self.most(flow))
+        _bend(out, flow, flow.particles.laplacian_all, flow.pull, SURFACE, INFLATION, self.most(flow))
 
 
 class Curved(Mixed):
@@ -387,14 +388,14 @@ class Curved(Mixed):
     name, source, reach, fields = "curved", "", lengths.WALL, ("laplacian",)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        _bend(out, flow, flow.particles.laplacian_all, INNER, INFLATION, INFLATION)
+        _bend(out, flow, flow.particles.laplacian_all, flow.pull, INNER, INFLATION, INFLATION)
 
 
-def _bend(out, flow, laplacian, where, most, kept):
+def _bend(out, flow, laplacian, pull, where, most, kept):
     """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`."""
     p, d = flow.particles, flow.domain
-    curvature.gradient(out, p.p_all, laplacian, flow.pull, p.x_all, p.role_all, where, lengths.WALL * flow.spacing,
-                       most, kept, d.indptr, d.indices, flow.axes)
+    curvature.gradient(out, p.p_all, laplacian, pull, p.x_all, p.role_all, where, lengths.WALL * flow.spacing, most,
+                       kept, d.indptr, d.indices, flow.axes)
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):
