@@ -261,8 +261,9 @@ def _walls(case: Case, walls: Sequence, mesh: WallMesh, fills: Sequence[Filling]
     return {
         "kind": np.full(n, WALL, dtype=np.int8), "corner": _in_corner(mesh)[nodes],
         "role": _roles(case, walls, fills, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
-        "swirl": np.zeros(n), "volume": np.zeros(n), "normal": mesh.normal0[nodes], "no_slip": no_slip, "wall_u": wall_u,
-        "weight": mesh.area[nodes] * mesh.share[nodes] / scale, "area": mesh.vector_area[nodes] / scale,
+        "swirl": np.zeros(n), "volume": np.zeros(n), "normal": mesh.normal0[nodes], "no_slip": no_slip,
+        "wall_u": wall_u, "weight": mesh.area[nodes] * mesh.share[nodes] / scale,
+        "area": mesh.vector_area[nodes] / scale,
         "edge": mesh.edge[nodes], "body": mesh.body[nodes].astype(np.int16)}
 
 

@@ -33,8 +33,8 @@ class Flow:
     absorb : callable (x (n, dim), t) -> 1/tau (n,) [1/s] and u_t/tau (n, dim) [m/s^2] of zones (case.absorb), or None
     friction : case.friction.Friction, or None
     wave_time : sqrt(s/g), the time scale of the shortest waves on the lattice [s]
-    vorticity : of the fluid in the room at the start, in the mean [1/s]; that of each particle is its field swirl, which
-        scenes without any do not have
+    vorticity : of the fluid in the room at the start, in the mean [1/s]; that of each particle is its field swirl,
+        which scenes without any do not have
     budget : measures the energy that the fluid gains by each part of a step, or None
 
     Attributes
@@ -112,13 +112,18 @@ class Flow:
 
     @property
     def without_strain(self) -> np.ndarray:
-        """The Laplacian of the pressure (n_all,) [Pa/m^2] by vorticity alone, rho w^2/2, in the room and in its tank."""
+        """The Laplacian of the pressure (n_all,) [Pa/m^2] by vorticity alone, rho w^2/2, seen from the tank as well."""
         return 0.5 * self.density * self.swirl()**2
 
     @property
     def bent_without_strain(self) -> bool:
         """Whether `outer_pull` or `without_strain` bends the pressure, the same on all ranks."""
-        return "swirl" in self.particles.fields or len(self.outer_pull) > 0
+        turns = self.viscosity > 0.0 and self.spin is not None
+        return turns or "swirl" in self.particles.fields or len(self.outer_pull) > 0
+
+    @property
+    def _turn(self):
+        return 0.0 if self.spin is None else self.spin(self.time)
 
     @property
     def cloud(self) -> Cloud:
@@ -164,18 +169,17 @@ class Flow:
         if self.viscosity:
             return np.zeros_like(p.u)
         shear = self.walls.shear(self)
-        turn = 2.0 * self.spin(self.time) if self.spin is not None else 0.0
-        turn = turn - self.swirl()[:p.n_owned]
+        turn = 2.0 * self._turn - self.swirl()[:p.n_owned]
         if np.any(turn):
             shear += turn[:, None] * np.stack([p.normal[:, 1], -p.normal[:, 0]], axis=1)
         return shear
 
     def swirl(self) -> np.ndarray:
         """Return the vorticity (n_all,) [1/s] in the room that particles carry, for owned walls that of the fluid
-        beside them; 0 in viscous fluid. Not collective."""
+        beside them. Viscous fluid is taken to turn with its tank. Not collective."""
         p, d = self.particles, self.domain
         if "swirl" not in p.fields:
-            return np.zeros(p.n_all)
+            return np.full(p.n_all, 2.0 * self._turn if self.viscosity else 0.0)
         gradient.mean_beside_walls(p.swirl_all, p.x_all, p.kind_all, lengths.WALL * self.spacing, d.indptr, d.indices,
                                    self.axes)
         return p.swirl_all

@@ -240,16 +240,16 @@ class LeastSquares(Gradient):
         gradient.least_squares_gradient(out, f, p.x_all, p.role_all, *self.form(flow.spacing), d.indptr, d.indices,
                                         flow.axes)
 
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
+        if flow.bent_without_strain:
+            _bend(out, flow, flow.without_strain, flow.outer_pull, INNER, NEVER, NEVER, self.form(flow.spacing))
+
 
 class Mixed(LeastSquares):
     """With the plain weight, which averages over more neighbours."""
 
     name, source, reach = "mixed", "Z17 Eq 28", lengths.MIXED
-
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
-        if flow.bent_without_strain:
-            _bend(out, flow, flow.without_strain, flow.outer_pull, INNER, NEVER, NEVER)
 
 
 class Cubic(Mixed):
@@ -265,6 +265,9 @@ class Cubic(Mixed):
               laplacian: np.ndarray | None = None) -> None:
         super().write(out, f, flow)
         _fit(out, f, flow, along, laplacian, INNER)
+
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        pass    # it knows how the pressure bends
 
 
 class CubicSurface(Gradient):
@@ -330,6 +333,9 @@ class Symmetric(LeastSquares):
         gradient.symmetric_gradient(out, f, p.x_all, p.role_all, lengths.SPH * s, s**p.dim, d.indptr, d.indices,
                                     flow.axes)
 
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        pass    # it is not even exact for a linear pressure
+
 
 class Same(Gradient):
     """Surface particles have the gradient of all others."""
@@ -362,7 +368,7 @@ class HarmonicSurface(Gradient):
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
         """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
         if flow.bent_without_strain:
-            _bend(out, flow, flow.without_strain, flow.outer_pull, SURFACE, self.most(flow), NEVER)
+            _bend(out, flow, flow.without_strain, flow.outer_pull, SURFACE, self.most(flow), NEVER, _form(flow))
 
     def most(self, flow: "Flow") -> float:
         """Return by how much the harmonic terms may raise the variance of the slope."""
@@ -379,7 +385,8 @@ class CurvedSurface(HarmonicSurface):
     name, fields = "curved", ("laplacian",)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        _bend(out, flow, flow.particles.laplacian_all, flow.pull, SURFACE, INFLATION, self.most(flow))
+        _bend(out, flow, flow.particles.laplacian_all, flow.pull, SURFACE, INFLATION, self.most(flow),
+              _form(flow))
 
 
 class Curved(Mixed):
@@ -388,14 +395,23 @@ class Curved(Mixed):
     name, source, reach, fields = "curved", "", lengths.WALL, ("laplacian",)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        _bend(out, flow, flow.particles.laplacian_all, flow.pull, INNER, INFLATION, INFLATION)
+        _bend(out, flow, flow.particles.laplacian_all, flow.pull, INNER, INFLATION, INFLATION,
+              _form(flow))
 
 
-def _bend(out, flow, laplacian, pull, where, most, kept):
-    """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`."""
+def _form(flow):
+    """Return radius [m], power of the weight and floor of fits that know how the pressure bends."""
+    return lengths.WALL * flow.spacing, LeastSquares.power, LeastSquares.floor
+
+
+def _bend(out, flow, laplacian, pull, where, most, kept, form):
+    """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`.
+
+    form : of the linear fit that `out` is
+    """
     p, d = flow.particles, flow.domain
-    curvature.gradient(out, p.p_all, laplacian, pull, p.x_all, p.role_all, where, lengths.WALL * flow.spacing, most,
-                       kept, d.indptr, d.indices, flow.axes)
+    curvature.gradient(out, p.p_all, laplacian, pull, p.x_all, p.role_all, where, *form, most, kept, d.indptr,
+                       d.indices, flow.axes)
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):
