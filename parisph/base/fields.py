@@ -128,6 +128,9 @@ FIELDS = {
               written=False),
         Field("vorticity", "scalar", np.float64, "1/s", "dv/dx - du/dy of fluid, 0 for walls; as of when it is written",
               exchanged=False, migrates=False),
+        Field("swirl", "scalar", np.float64, "1/s",
+              "vorticity in the room that fluid without viscosity carries from the start; of a wall, that of the fluid "
+              "beside it", written=False),
         Field("strain_rate", "scalar", np.float64, "1/s", "rate of strain sqrt(2 S:S)", exchanged=False, migrates=False,
               written=False),
         Field("turn", "scalar", np.float64, "m", "displacement by which close pairs turn",

@@ -13,6 +13,9 @@ from parisph.case.model import Model
 from parisph.case.shapes import Box, Disc, Polygon, Shape
 from parisph.case.waves import AnyWave
 
+NEAR = 1e-4        # part of a length, over which differences are taken
+ROUNDING = 1e-6    # part of a velocity: a smaller change over a length is none
+
 Number = Union[float, str]  # a number, or an expression of position
 
 
@@ -88,6 +91,25 @@ class Fluid(Model):
             return vector_field(self.velocity, with_time=False)(x)
         bed = self.top - self.wave.depth
         return np.stack(self.wave.velocity(x[:, 0], x[:, -1] - bed, 0.0), axis=1)
+
+    def start_vorticity(self, x: Floats, length: float) -> Floats:
+        """Return dv/dx - du/dy (n,) [1/s] of the velocity at the start, at x (n, 2) [m]; a wave has none.
+
+        length : [m], over which the velocity varies little
+
+        By central differences. Where a velocity is not known beside a point, it counts as 0, and so does what may be an
+        error of rounding.
+        """
+        if self.wave is not None:
+            return np.zeros(len(x))
+        h, found = NEAR * length, np.zeros(len(x))
+        top = np.abs(self.start_velocity(x)).max(initial=0.0)
+        for along, component, sign in ((0, 1, 1.0), (1, 0, -1.0)):
+            step = h * np.eye(2)[along]
+            change = self.start_velocity(x + step) - self.start_velocity(x - step)
+            found += sign * change[:, component] / (2.0 * h)
+        known = np.isfinite(found) & (np.abs(found) * length > ROUNDING * top)
+        return np.where(known, found, 0.0)
 
     @model_validator(mode="after")
     def _wave_fits(self) -> "Fluid":

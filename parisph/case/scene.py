@@ -224,6 +224,13 @@ class Scene(Model):
         """Whether the tank turns, so that gravity does in its frame."""
         return isinstance(self.frame, Rotation)
 
+    def start_vorticity(self, fluid: Fluid, x: Floats) -> Floats:
+        """Return the vorticity (n,) [1/s] in the room at the start at x (n, dim) [m] of a body of fluid.
+
+        Fluid at rest in a tank that turns at the start turns with it.
+        """
+        return fluid.start_vorticity(x, self.numerics.spacing) + 2.0 * self.spin(0.0)
+
     def spin(self, t: float) -> float:
         """Angular velocity of the tank [rad/s] at t [s], against the clock."""
         return float(self.frame.law(t)[1]) if self.turns else 0.0

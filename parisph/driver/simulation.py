@@ -1,6 +1,6 @@
 """A scene in memory: particles, domain, solver and method, advanced step by step."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import wraps
@@ -111,9 +111,10 @@ class Simulation:
         agree(self.comm, _wrong_code())
         self.timers = PhaseTimers()
         parts = _parts(case, self.comm)
-        self.particles = Particles(self.comm, case.dim,
-                                   FieldSet((*parts.fields, *solid_walls.fields(case), *case.output.fields)))
         arrays = _arrays(case, self.comm) if start is None else start.arrays
+        vorticity, carried = _vorticity(case, arrays, self.comm)
+        self.particles = Particles(self.comm, case.dim, FieldSet((*parts.fields, *solid_walls.fields(case), *carried,
+                                                                  *case.output.fields)))
         self.particles.assign({name: values for name, values in arrays.items() if name in self.particles.fields})
         self.time = 0.0 if start is None else start.time
         self.steps = 0 if start is None else start.step
@@ -126,8 +127,8 @@ class Simulation:
         self._made.append(self.domain)
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
                     solid_walls.boundary_of(case, elements), self.timers, closed=case.closed,
-                    budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin, absorb=case.absorber,
-                    friction=case.friction, wave_time=wave_time(case))
+                    budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin if case.turns else None,
+                    absorb=case.absorber, friction=case.friction, wave_time=wave_time(case), vorticity=vorticity)
         if start is None and not case.plain:
             solid_walls.fill(case, flow)
         self.method = _method(case, flow, parts, petsc_options)
@@ -377,6 +378,19 @@ def _method(case: Case, flow: Flow, parts: Parts | CompressibleParts,
 def _budget(case: Case, parts: Parts | CompressibleParts) -> Budget | None:
     """Return the Budget of the case, None if it has none."""
     return Budget(case.density, Scene.of(case).gravity, parts.causes) if case.output.budget else None
+
+
+def _vorticity(case: Case, arrays: Mapping[str, Array], comm: MPI.Comm) -> tuple[float, tuple[str, ...]]:
+    """Return the mean vorticity [1/s] that the fluid carries, and the field of it if there is any. Collective.
+
+    Viscous fluid has none that it keeps.
+    """
+    if case.viscosity or "swirl" not in arrays:
+        return 0.0, ()
+    fluid = arrays["kind"] == FLUID
+    swirl, volume = arrays["swirl"][fluid], arrays["volume"][fluid]
+    total, squares, room = comm.allreduce(np.array([volume @ swirl, volume @ swirl**2, volume.sum()]))
+    return (float(total / room), ("swirl",)) if squares else (0.0, ())
 
 
 def _arrays(case: Case, comm: MPI.Comm) -> dict[str, Array]:

@@ -232,6 +232,7 @@ def _fluid(case: Case, fluid: Fluid, fill: Filling, fills: Sequence[Filling], me
     return _with_area(mesh, {
         "kind": np.full(n, FLUID, dtype=np.int8), "corner": np.zeros(n, dtype=np.int8),
         "role": np.where(surface, SURFACE, INNER).astype(np.int8), "x": x, "u": fluid.start_velocity(x),
+        "swirl": case.start_vorticity(fluid, x),
         "volume": cell, "normal": np.zeros((n, dim)), "no_slip": np.zeros(n, dtype=np.int8),
         "wall_u": np.zeros((n, dim)), "weight": cell / case.numerics.spacing**dim, "area": np.zeros((n, dim)),
         "edge": np.zeros(n, dtype=np.int8), "body": np.zeros(n, dtype=np.int16)})
@@ -260,8 +261,9 @@ def _walls(case: Case, walls: Sequence, mesh: WallMesh, fills: Sequence[Filling]
     return {
         "kind": np.full(n, WALL, dtype=np.int8), "corner": _in_corner(mesh)[nodes],
         "role": _roles(case, walls, fills, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
-        "volume": np.zeros(n), "normal": mesh.normal0[nodes], "no_slip": no_slip, "wall_u": wall_u,
-        "weight": mesh.area[nodes] * mesh.share[nodes] / scale, "area": mesh.vector_area[nodes] / scale,
+        "swirl": np.zeros(n), "volume": np.zeros(n), "normal": mesh.normal0[nodes], "no_slip": no_slip,
+        "wall_u": wall_u, "weight": mesh.area[nodes] * mesh.share[nodes] / scale,
+        "area": mesh.vector_area[nodes] / scale,
         "edge": mesh.edge[nodes], "body": mesh.body[nodes].astype(np.int16)}
 
 

@@ -20,9 +20,6 @@ from parisph.kernels.moments import cholesky, cholesky_solve, invert, normal_mat
 from parisph.kernels.near import dot, fill_up, gather, room_for, weights
 from parisph.kernels.smoothing import quartic_weight
 
-# Below this value of det/(trace/dim)^dim a linear gradient is damped (`operators.LeastSquares`), and stays.
-FLAT = 0.05
-
 
 @kernel
 def continue_laplacian(laplacian: np.ndarray, x: np.ndarray, role: np.ndarray, radius: float, indptr: np.ndarray,
@@ -103,7 +100,7 @@ def add_at_surface(right: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, c
 
 @kernel
 def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.ndarray, x: np.ndarray, role: np.ndarray,
-             where: int, radius: float, most: float, kept: float, indptr: np.ndarray,
+             where: int, radius: float, power: int, floor: float, most: float, kept: float, indptr: np.ndarray,
              indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Replace the gradient of the pressure by that of a fit by harmonic polynomials to what is not known of it.
 
@@ -112,7 +109,8 @@ def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.nda
     from it: all of that, or nothing, since its parts depend on the frame, and their sum does not.
 
     out : (n_owned, dim) [Pa/m] of another fit; laplacian, pull : as of add_at_walls
-    where : the role of the particles; radius : [m] of the quartic weight
+    where : the role of the particles; radius [m], power : of the weight (near.weights); floor : value of
+        det/(trace/dim)^dim below which a linear gradient is damped (`operators.LeastSquares`), and stays
     most : by how much terms of degree 2 may raise the variance (harmonic.coefficients)
     kept : up to where `out` has those terms and stays; not above `most` if it has them nowhere
     """
@@ -127,7 +125,7 @@ def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.nda
         n = gather(basis, member, 0, i, x, role, radius, indptr, indices, axes)
         columns = fill_up(basis, n, axes)
         fill_basis(basis, columns, axes)
-        weights(w, basis, 0, columns, axes)
+        weights(w, basis, power, columns, axes)
         found = 0
         for k in range(n):
             found += w[0, k] > 0.0
@@ -139,7 +137,7 @@ def gradient(out: np.ndarray, p: np.ndarray, laplacian: np.ndarray, pull: np.nda
         raised = inflation(m, matrix, right, size, axes) if spans else np.inf
         curve = laplacian[i] * radius * radius / (2.0 * dim)
         if not (spans and raised <= most):
-            if raised > kept and found > dim and invert(m, inverse, axes) > FLAT:
+            if raised > kept and found > dim and invert(m, inverse, axes) > floor:
                 for k in range(n):
                     known = w[0, k] * (_by_pull(i, member[k], pull, x, axes) + curve * basis[size, k]) / radius
                     for a in range(dim):

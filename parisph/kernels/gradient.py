@@ -280,6 +280,26 @@ def wall_velocity(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.nda
         _extrapolate(u, i, x, kind, normal, wall_u, shear, m, inverse, mean, radius2, indptr, indices, axes)
 
 
+@kernel
+def mean_beside_walls(f: np.ndarray, x: np.ndarray, kind: np.ndarray, radius: float, indptr: np.ndarray,
+                      indices: np.ndarray, axes: tuple[int, ...]) -> None:
+    """Write to owned wall particles the weighted mean of a field of the fluid within a radius, 0 where there is none.
+
+    f : (n_all,); radius : of the weight [m]
+    """
+    for i in range(len(indptr) - 1):
+        if kind[i] != WALL:
+            continue
+        total, weight = 0.0, 0.0
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            if kind[j] != WALL:
+                w, _ = pair_weight(i, j, x, radius * radius, 0, axes)
+                total += w * f[j]
+                weight += w
+        f[i] = total / weight if weight > 0.0 else 0.0
+
+
 @subkernel
 def _extrapolate(u, i, x, kind, normal, wall_u, shear, m, inverse, mean, radius2, indptr, indices, axes):
     """Fit u linearly, and set the tangential value at the wall. m, inverse : (dim, dim), mean : (dim,) scratch"""

@@ -8,7 +8,7 @@ import numpy as np
 from parisph.base.fields import FLUID
 from parisph.case.friction import Friction
 from parisph.case.numerics import Numerics
-from parisph.kernels import pairs, surface, wetness
+from parisph.kernels import gradient, pairs, surface, wetness
 from parisph.kernels.jit import axes_of
 from parisph.kernels.potential_fit import Potential
 from parisph.methods import lengths
@@ -33,6 +33,8 @@ class Flow:
     absorb : callable (x (n, dim), t) -> 1/tau (n,) [1/s] and u_t/tau (n, dim) [m/s^2] of zones (case.absorb), or None
     friction : case.friction.Friction, or None
     wave_time : sqrt(s/g), the time scale of the shortest waves on the lattice [s]
+    vorticity : of the fluid in the room at the start, in the mean [1/s]; that of each particle is its field swirl,
+        which scenes without any do not have
     budget : measures the energy that the fluid gains by each part of a step, or None
 
     Attributes
@@ -67,11 +69,11 @@ class Flow:
     def __init__(self, numerics: Numerics, density: float, body: Any, particles: Particles, domain: Domain, walls: Any,
                  timers: Any, closed: bool = False, budget: Budget | None = None, viscosity: float = 0.0,
                  spin: Callable[[float], float] | None = None, absorb: Any = None,
-                 friction: Friction | None = None, wave_time: float = np.inf) -> None:
+                 friction: Friction | None = None, wave_time: float = np.inf, vorticity: float = 0.0) -> None:
         self.numerics, self.density, self.body, self.viscosity = numerics, density, body, viscosity
         self.particles, self.domain, self.walls, self.timers = particles, domain, walls, timers
         self.closed, self.budget, self.spin, self.absorb = closed, budget or NoBudget(), spin, absorb
-        self.friction, self.wave_time = friction, wave_time
+        self.friction, self.wave_time, self.vorticity = friction, wave_time, vorticity
         self.time = self.dt = self.usual = 0.0
         self.spacing: float = numerics.spacing
         self.axes = axes_of(particles.dim)
@@ -109,6 +111,21 @@ class Flow:
         return self.pull if self.spin is None else self.body_force[:0]
 
     @property
+    def without_strain(self) -> np.ndarray:
+        """The Laplacian of the pressure (n_all,) [Pa/m^2] by vorticity alone, rho w^2/2, seen from the tank as well."""
+        return 0.5 * self.density * self.swirl()**2
+
+    @property
+    def bent_without_strain(self) -> bool:
+        """Whether `outer_pull` or `without_strain` bends the pressure, the same on all ranks."""
+        turns = self.viscosity > 0.0 and self.spin is not None
+        return turns or "swirl" in self.particles.fields or len(self.outer_pull) > 0
+
+    @property
+    def _turn(self):
+        return 0.0 if self.spin is None else self.spin(self.time)
+
+    @property
     def cloud(self) -> Cloud:
         """The particles as kernels need them, now."""
         p, d = self.particles, self.domain
@@ -142,20 +159,30 @@ class Flow:
         return wetness.without_walls(p.kind_all, p.closing_all, closing)
 
     def wall_shear(self) -> np.ndarray:
-        """Return how the velocity of irrotational flow along a wall changes with the distance from it: (n_owned, dim)
-        [1/s].
+        """Return how the velocity of the flow along a wall changes with the distance from it: (n_owned, dim) [1/s].
 
-        The wall's normal turns, in its own frame with the frame's spin W against the water: - dn/dt - 2 W x n. In
-        viscous fluid, which walls set in rotation, this is unknown and taken as 0.
+        The wall's normal turns, in its own frame with the frame's spin W against the water, and the water with the
+        vorticity w that it has had in the room since the start: - dn/dt - (2 W - w) x n. In viscous fluid, which walls
+        set in rotation, this is unknown and taken as 0.
         """
         p = self.particles
         if self.viscosity:
             return np.zeros_like(p.u)
         shear = self.walls.shear(self)
-        spin = self.spin(self.time) if self.spin is not None else 0.0
-        if spin:
-            shear += 2.0 * spin * np.stack([p.normal[:, 1], -p.normal[:, 0]], axis=1)
+        turn = 2.0 * self._turn - self.swirl()[:p.n_owned]
+        if np.any(turn):
+            shear += turn[:, None] * np.stack([p.normal[:, 1], -p.normal[:, 0]], axis=1)
         return shear
+
+    def swirl(self) -> np.ndarray:
+        """Return the vorticity (n_all,) [1/s] in the room that particles carry, for owned walls that of the fluid
+        beside them. Viscous fluid is taken to turn with its tank. Not collective."""
+        p, d = self.particles, self.domain
+        if "swirl" not in p.fields:
+            return np.full(p.n_all, 2.0 * self._turn if self.viscosity else 0.0)
+        gradient.mean_beside_walls(p.swirl_all, p.x_all, p.kind_all, lengths.WALL * self.spacing, d.indptr, d.indices,
+                                   self.axes)
+        return p.swirl_all
 
     def close_pairs(self, distance: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the CSR lists of fluid pairs nearer than a distance [spacings]: (indptr, indices) of

@@ -179,9 +179,10 @@ class SfdiWalls(WallRows):
                         lengths.WALL * cloud.spacing, cloud.indptr, cloud.indices, cloud.axes)
 
     def complete(self, right: np.ndarray, rows: Rows, cloud: Cloud, flow: "Flow") -> None:
-        """Add what a body force that is not uniform bends the pressure by: water at rest in a linear one stays so."""
-        if len(pull := flow.outer_pull):
-            _complete_rows(right, np.zeros(len(cloud.x)), pull, rows, cloud)
+        """Add what a body force that is not uniform, and vorticity, bend the pressure by: water at rest in a linear
+        force stays so, and such that turns with its tank."""
+        if flow.bent_without_strain:
+            _complete_rows(right, flow.without_strain, flow.outer_pull, rows, cloud)
 
 
 def _complete_rows(right, laplacian, pull, rows, cloud):
@@ -244,16 +245,16 @@ class LeastSquares(Gradient):
                                         d.indices, flow.axes)
         flow.walls.mend_gradient(out, known, f, along, flow, self.form(flow.spacing))
 
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
+        if flow.bent_without_strain:
+            _bend(out, flow, flow.without_strain, flow.outer_pull, INNER, NEVER, NEVER, self.form(flow.spacing))
+
 
 class Mixed(LeastSquares):
     """With the plain weight, which averages over more neighbours."""
 
     name, source, reach = "mixed", "Z17 Eq 28", lengths.MIXED
-
-    def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        """Add what a body force that is not uniform bends the pressure by."""
-        if len(flow.outer_pull):
-            _bend(out, flow, np.zeros(len(flow.particles.p_all)), INNER, NEVER, NEVER)
 
 
 class Cubic(Mixed):
@@ -274,6 +275,9 @@ class Cubic(Mixed):
             np.empty(0) if laplacian is None else laplacian, p.x_all, p.role_all, p.normal_all,
             self.reach * flow.spacing, INFLATION, d.indptr, d.indices, flow.axes)
         self.fit(out, found, f, flow, along)
+
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        pass    # it knows how the pressure bends
 
 
 class Sfdi(LeastSquares):
@@ -321,6 +325,9 @@ class Symmetric(LeastSquares):
                                     flow.axes)
         flow.walls.mend_gradient(out, np.zeros(len(out), np.bool_), f, along, flow, self.form(s))
 
+    def complete(self, out: np.ndarray, flow: "Flow") -> None:
+        pass    # it is not even exact for a linear pressure
+
 
 class Same(Gradient):
     """Surface particles have the gradient of all others."""
@@ -351,9 +358,9 @@ class HarmonicSurface(Gradient):
                                    d.indices, flow.axes)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        """Add what a body force that is not uniform bends the pressure by."""
-        if len(flow.outer_pull):
-            _bend(out, flow, np.zeros(len(flow.particles.p_all)), SURFACE, self.most(flow), NEVER)
+        """Add what a body force that is not uniform, and vorticity, bend the pressure by."""
+        if flow.bent_without_strain:
+            _bend(out, flow, flow.without_strain, flow.outer_pull, SURFACE, self.most(flow), NEVER, _form(flow))
 
     def most(self, flow: "Flow") -> float:
         """Return by how much the harmonic terms may raise the variance of the slope."""
@@ -370,7 +377,8 @@ class CurvedSurface(HarmonicSurface):
     name, fields = "curved", ("laplacian",)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        _bend(out, flow, flow.particles.laplacian_all, SURFACE, INFLATION, self.most(flow))
+        _bend(out, flow, flow.particles.laplacian_all, flow.pull, SURFACE, INFLATION, self.most(flow),
+              _form(flow))
 
 
 class Curved(Mixed):
@@ -379,14 +387,23 @@ class Curved(Mixed):
     name, source, reach, fields = "curved", "", lengths.WALL, ("laplacian",)
 
     def complete(self, out: np.ndarray, flow: "Flow") -> None:
-        _bend(out, flow, flow.particles.laplacian_all, INNER, INFLATION, INFLATION)
+        _bend(out, flow, flow.particles.laplacian_all, flow.pull, INNER, INFLATION, INFLATION,
+              _form(flow))
 
 
-def _bend(out, flow, laplacian, where, most, kept):
-    """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`."""
+def _form(flow):
+    """Return radius [m], power of the weight and floor of fits that know how the pressure bends."""
+    return lengths.WALL * flow.spacing, LeastSquares.power, LeastSquares.floor
+
+
+def _bend(out, flow, laplacian, pull, where, most, kept, form):
+    """Replace the gradient of the pressure (n_owned, dim) [Pa/m] at particles of one role by `curvature.gradient`.
+
+    form : of the linear fit that `out` is
+    """
     p, d = flow.particles, flow.domain
-    curvature.gradient(out, p.p_all, laplacian, flow.pull, p.x_all, p.role_all, where, lengths.WALL * flow.spacing,
-                       most, kept, d.indptr, d.indices, flow.axes)
+    curvature.gradient(out, p.p_all, laplacian, pull, p.x_all, p.role_all, where, *form, most, kept, d.indptr,
+                       d.indices, flow.axes)
 
 
 for part in (Rankine(), RankinePrinted(), Sph(), Cisph1(), Cisph2(), Gfd(), QuadraticRankine(), Fatehi()):

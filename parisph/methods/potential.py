@@ -22,11 +22,11 @@ def find(flow: "Flow") -> Potential:
     """Fit the potential flow around owned particles to the current velocity. Not collective.
 
     The velocity of walls must be known, ghosts included: across them it is theirs. In a tank that turns, the velocity
-    in space is that of a potential.
+    in space is that of a potential, and of a rotation if the fluid has turned from the start.
     """
     p, d = flow.particles, flow.domain
     u = p.u_all
-    spin = flow.spin(flow.time) if flow.spin is not None else 0.0
+    spin = turning_rate(flow)
     if spin:
         turning = spin * np.stack([-p.x_all[:, 1], p.x_all[:, 0]], axis=1)
         u = u + turning
@@ -38,6 +38,11 @@ def find(flow: "Flow") -> Potential:
         gradient[:, 0, 1] += spin
         gradient[:, 1, 0] -= spin
     return Potential(beyond, gradient, square)
+
+
+def turning_rate(flow: "Flow") -> float:
+    """Return by how much [rad/s] the tank turns faster than the fluid does in the mean by its vorticity."""
+    return (flow.spin(flow.time) if flow.spin is not None else 0.0) - 0.5 * flow.vorticity
 
 
 class Irrotational(Regulariser):

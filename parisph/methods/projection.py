@@ -303,7 +303,8 @@ class Projection:
 
         rho (div F - tr(G^2)) with the force F and the velocity gradient G at inner particles, and at walls and the
         surface the mean of that. Without the body force in F, which parts know (Flow.pull), unless a part wants it
-        whole. Of a potential flow tr(G^2) is known everywhere; in a tank that turns with W it has G + W x.
+        whole. Of a potential flow tr(G^2) is known everywhere; in a
+        tank that turns with W it has G + W x, less half of the vorticity.
         """
         flow, d = self.flow, self.flow.domain
         p, fit = flow.particles, flow.potential
@@ -321,8 +322,7 @@ class Projection:
             curvature.continue_laplacian(p.laplacian_all, p.x_all, p.role_all, lengths.WALL * flow.spacing, d.indptr,
                                          d.indices, flow.axes)
         if fit is not None:
-            spin = flow.spin(flow.time) if flow.spin is not None else 0.0
-            p.laplacian -= flow.density * (fit.square - 2.0 * spin**2)
+            p.laplacian -= flow.density * (fit.square - 2.0 * potential.turning_rate(flow)**2)
 
     def _balance_walls(self, right, moved):
         """Make wall rows that are no normal derivative exact for water that moves with the wall.

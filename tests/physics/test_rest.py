@@ -147,3 +147,20 @@ def test_free_fall_of_a_drop():
     np.testing.assert_allclose(end["x"] - start, np.broadcast_to([0.0, -0.5 * G * s.time**2], start.shape), atol=1e-9)
     assert np.abs(end["p"]).max() < 1e-6
     s.destroy()
+
+
+@pytest.mark.parametrize("preset", ["violent", "gentle"])
+def test_water_under_a_force_with_a_divergence_rests(preset):
+    """Its surface is a parabola. What rows and gradients do not know of the pressure would lift it, by 5 % in a second.
+    """
+    rate = 2.0
+    bowl = f"{rate**2 / (2 * G)} * ((x-0.6)**2 - 0.12)"
+    case = Case(title="force", fluid=Fluid(Box(1.2, 0.4), DENSITY, elevation=bowl),
+                walls=Tank(1.2, 0.8), gravity=(f"{rate**2} * (x-0.6)", -G), end_time=1.0,
+                numerics=Numerics(spacing=0.1, preset=preset, jitter=0.3))
+    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation.solve_start()
+    for _ in range(20):
+        simulation.advance()
+    assert np.abs(simulation.particles.u).max() < 1e-4 * np.sqrt(G * 0.4)
+    simulation.destroy()

@@ -84,8 +84,8 @@ def test_the_gradient_is_exact_for_water_at_rest(dim, where, limit):
     pool = jittered(dim)
     p, pull = at_rest(pool)
     out = linear(pool, p)
-    curvature.gradient(out, p, np.zeros(pool.n), pull, pool.x, pool.role, where, RADIUS * pool.spacing, limit, limit,
-                       *pool.csr)
+    curvature.gradient(out, p, np.zeros(pool.n), pull, pool.x, pool.role, where, RADIUS * pool.spacing, 0, 0.05,
+                       limit, limit, *pool.csr)
     here = pool.role == where
     np.testing.assert_allclose(out[here], pull[here], atol=1e-9)
 
@@ -99,7 +99,7 @@ def test_the_gradient_is_exact_for_quadratics(dim, where):
         out = linear(pool, f)
         assert np.abs(out - grad)[here].max() > 1e-3 and np.all(out[~here] == linear(pool, f)[~here])
         curvature.gradient(out, f, np.full(pool.n, float(due)), no_pull(pool), pool.x, pool.role, where,
-                           RADIUS * pool.spacing, np.inf, np.inf, *pool.csr)
+                           RADIUS * pool.spacing, 0, 0.05, np.inf, np.inf, *pool.csr)
         np.testing.assert_allclose(out[here], grad[here], atol=1e-9)
 
 
@@ -115,7 +115,7 @@ def test_what_has_no_fit_stays():
     pool.role[:] = SURFACE
     out = np.full((3, 2), 7.0)
     curvature.gradient(out, pool.x[:, 0] ** 2, np.ones(3), no_pull(pool), pool.x, pool.role, SURFACE,
-                       RADIUS * pool.spacing, np.inf, np.inf, *pool.csr)
+                       RADIUS * pool.spacing, 0, 0.05, np.inf, np.inf, *pool.csr)
     assert np.all(out == 7.0)
 
 
