@@ -31,7 +31,6 @@ SPONGE = 1.5        # wavelengths: a wave comes back with less than a hundredth 
 ALONG = 12          # gauges in the middles of equal parts of the flume, for its mean level
 SETTLED = 3.0       # periods after the ramp and the front at group velocity, from when on waves are regular
 BODY, DRAFT = 2.0, 0.5    # of the heaving body: breadth and draft / d
-CORNER = {"collision_distance": 0.7, "restitution": 0.2}    # what the documentation asks for beside a flap
 
 
 def wave_of(kd: float, height: float) -> StreamFunction:
@@ -79,11 +78,10 @@ class Flume:
     def case(self, depth: float, places: np.ndarray, setting: Setting, end_time: float, preset: str = "gentle") -> Case:
         """Return the case with a depth [s] and gauges at places x (n,) [m], and `along` after them."""
         preset = setting.preset or preset
-        corner = CORNER if self.maker == "flap" and preset != "violent" else {}
         return Case(
             title="A flume", fluid=Fluid(StillWater(level=DEPTH), density=DENSITY), gravity=(0.0, -G),
             walls=(*self._walls(), *self.further), absorb=self._zones(),
-            numerics=Numerics(preset=preset, spacing=DEPTH / depth, time_step=setting.time_step(DEPTH, G), **corner),
+            numerics=Numerics(preset=preset, spacing=DEPTH / depth, time_step=setting.time_step(DEPTH, G)),
             probes=gauges([*places, *self.along]), end_time=end_time)
 
     def _walls(self):
