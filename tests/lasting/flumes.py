@@ -26,7 +26,7 @@ def long(values: dict[str, float], setting: Setting) -> Long:
         start = fronts(kd, places) * wave.period
         found = [by_period(record.time, eta, wave.period, begin) for eta, begin in zip(record.gauges.T, start)]
         return [*common(record, wave.period, periods), *_heights(found[0], wave, values["maker"]),
-                *_loss(found, values["depth"]), *level_lines(record, wave.period, wave.height)]
+                *_loss(found, values["depth"]), *level_lines(record, wave.period, wave.height, flume.level)]
     return Long(flume.case(values["depth"], places, setting, periods * wave.period), DEPTH, wave.period, measure)
 
 
