@@ -178,8 +178,8 @@ class Piston(Model):
 class Flap(Model):
     """An upright wall that turns about a `hinge` (x, y) [m] at its lower end, with the fluid on one side.
 
-    It makes a `wave`, by a motion of first order, or has a `motion`, a rotation about the hinge. The hinge lies on a
-    bed or on an obstacle. As of a Piston: `top`, and the side of the fluid.
+    It makes a `wave`, or has a `motion`, a rotation about the hinge. The hinge lies on a bed or on an obstacle. As of
+    a Piston: `top`, and the side of the fluid.
 
     Examples
     --------

@@ -26,7 +26,7 @@ def long(values: dict[str, float], setting: Setting) -> Long:
         start = fronts(kd, places) * wave.period
         found = [by_period(record.time, eta, wave.period, begin) for eta, begin in zip(record.gauges.T, start)]
         return [*common(record, wave.period, periods), *_heights(found[0], wave, values["maker"]),
-                *_loss(found, values["depth"]), *level_lines(record, wave.period, wave.height)]
+                *_loss(found, values["depth"]), *level_lines(record, wave.period, wave.height, flume.level)]
     return Long(flume.case(values["depth"], places, setting, periods * wave.period), DEPTH, wave.period, measure)
 
 
@@ -38,7 +38,7 @@ def _heights(found, wave, maker):
     due = by_period(t, wave.elevation(0.0, t), wave.period)
     target = np.median(found.first) if maker == "body" else due.first[0]
     heights, second = found.first / target, found.second[-LAST:].mean() / due.second[0]
-    bound = maker in ("piston", "zone")    # a flap of first order also makes free waves of twice the frequency
+    bound = maker != "body"    # which also makes free waves of twice the frequency
     return [Line("lowest height / target", heights.min(), 0.95, least=True),
             Line("highest height / target", heights.max(), 1.05),
             Line("second harmonic / theory", second),

@@ -19,7 +19,9 @@ from parisph import (
     load,
 )
 from parisph.case.motion import AnyMotion, AtRest, FlapStroke, PistonStroke, Tabulated
+from parisph.case.motion.second_order import second_harmonic
 from parisph.case.motion.wavemaker import flap_ratio, piston_ratio
+from parisph.case.waves import angular_frequency, wave_number
 
 H = 1e-5
 TIMES = tuple(np.linspace(0.0, 3.0, 16))
@@ -197,7 +199,7 @@ def test_regular_and_irregular_strokes():
     assert stroke * piston_ratio(wave.k, 0.25) == pytest.approx(0.02, rel=1e-4)
     # the piston pushes while the crest passes
     assert piston.law(3.0)[1] == pytest.approx(np.pi * stroke, rel=1e-4)
-    flap = FlapStroke(wave, centre=(0.0, 0.05))
+    flap = FlapStroke(wave, centre=(0.0, 0.05), second_order=False)
     turn = np.ptp([flap.law(value)[0] for value in t])
     assert turn * 0.2 * flap_ratio(wave.k, 0.25, 0.05) == pytest.approx(0.02, rel=1e-4)
     assert flap.velocity_at(np.array([[0.0, 0.25]]), 3.0)[0, 0] > 0.0
@@ -210,16 +212,44 @@ def test_regular_and_irregular_strokes():
     )
 
 
-def test_madsens_harmonic_in_shallow_water_is_that_of_the_wave():
-    """A long wave's piston moves with X' = c eta/(d + eta) at X: so do the first two harmonics, where k d is small."""
-    wave = Stokes(0.0002, 6.0, 0.25, order=2)
-    piston = PistonStroke(wave, ramp=0.0)
-    t = np.linspace(0.0, 6.0, 4001)[:-1]
-    x, u = np.array([piston.law(value)[:2] for value in t]).T
-    eta = wave.elevation(x - x.mean(), t)
-    wanted = wave.celerity * eta / (0.25 + eta)
-    second = [abs(np.mean(values * np.exp(-4j * np.pi * t / 6.0))) for values in (u, wanted)]
-    assert second[0] == pytest.approx(second[1], rel=0.1)
+@pytest.mark.parametrize(("kd", "ratio"), [(0.1, 1.0), (0.3, 1.005), (1.0, 3.57)])
+def test_the_second_harmonic_of_a_piston_is_madsens_in_long_waves_only(kd, ratio):
+    """Madsen (1971): height^2/(32 d) (3 cosh(kd)/sinh(kd)^3 - 2/piston_ratio) sin(2 w t), for X1 sin(w t)."""
+    omega, height = float(angular_frequency(kd, 1.0, 9.81)), 1e-3
+    found = second_harmonic(height, omega, 1.0, np.ones_like, 0.0, 9.81)
+    madsen = height**2 / 32.0 * (3.0 * np.cosh(kd) / np.sinh(kd) ** 3 - 2.0 / piston_ratio(kd, 1.0))
+    assert found.imag / madsen == pytest.approx(ratio, rel=5e-3) and abs(found.real) < 0.1 * found.imag
+
+
+@pytest.mark.parametrize("kd", [0.4, 1.0, 3.0])
+def test_the_second_harmonic_of_a_wall_that_bends_like_the_wave_is_that_of_stokes(kd):
+    """It makes no evanescent waves: what the bound wave asks of it is known, and is projected on the free wave."""
+    a, omega, count = 1e-3, float(angular_frequency(kd, 1.0, 9.81)), 4000
+    y, weights = np.polynomial.legendre.leggauss(80)
+    y, weights = 0.5 * (y + 1.0), 0.5 * weights
+    t = np.arange(count) / count * 2.0 * np.pi / omega
+    sine, cosine, twice = (f(n * omega * t)[:, None] for n, f in ((1, np.sin), (1, np.cos), (2, np.cos)))
+    shape, u = np.cosh(kd * y) / np.cosh(kd), a * omega * np.cosh(kd * y) / np.sinh(kd)
+    x, v = a / np.tanh(kd) * sine, -a * omega * np.sinh(kd * y) / np.sinh(kd) * sine
+    bound = 0.75 * a * a * omega * kd * np.cosh(2.0 * kd * y) / np.sinh(kd) ** 4 * twice
+    speed = bound + x * shape * kd * u * sine - v * x * kd * np.sinh(kd * y) / np.cosh(kd)
+    test = np.cosh(float(wave_number(2.0 * omega, 1.0, 9.81)) * y) * weights
+    rate = 2.0 * np.mean(speed @ test / (shape @ test) * np.exp(-2j * omega * t))
+    found = second_harmonic(2.0 * a, omega, 1.0, lambda y: np.cosh(kd * y) / np.cosh(kd), 0.0, 9.81)
+    assert found == pytest.approx(-rate / (2j * omega), rel=1e-9, abs=1e-12)    # X1 sin(w t): turned by a quarter
+
+
+def test_strokes_have_the_second_harmonic():
+    """Of a hinge far below the bed it is that of a piston; of another height it goes with the square."""
+    wave = Airy(0.02, 1.0, 0.25)
+    t = np.arange(64) / 64.0 + 2.0
+    second = [2.0 * np.mean([stroke.law(value)[0] for value in t] * np.exp(-4j * np.pi * t)) for stroke in (
+        PistonStroke(wave), FlapStroke(wave, centre=(0.0, -1e5)), PistonStroke(Airy(0.01, 1.0, 0.25)),
+        PistonStroke(wave, second_order=False))]
+    due = second_harmonic(0.02, 2.0 * np.pi, 0.25, np.ones_like, 0.0, 9.81)
+    assert second[0] == pytest.approx(-due, rel=1e-9), "for X1 sin(w t)"
+    assert -1e5 * second[1] == pytest.approx(second[0], rel=1e-3) and second[2] == pytest.approx(0.25 * second[0])
+    assert abs(second[3]) < 1e-15
 
 
 @pytest.mark.parametrize(
@@ -238,8 +268,9 @@ def test_madsens_harmonic_in_shallow_water_is_that_of_the_wave():
         (lambda: PistonStroke(LONG, ramp=1.0), "ramp = 1: is for regular and irregular waves"),
         (
             lambda: PistonStroke(StreamFunction(0.05, 4.0, 0.25)),
-            "Madsen's second order holds up to 26.3; use .* second_order=False",
+            "the second order holds up to 26.3; use .* PistonStroke with second_order=False",
         ),
+        (lambda: FlapStroke(StreamFunction(0.05, 4.0, 0.25)), "a FlapStroke with second_order=False"),
         (
             lambda: FlapStroke(Airy(0.02, 1.0, 0.25), centre=(0.0, 0.3)),
             "the hinge must be below the still surface at y = 0.25",

@@ -4,8 +4,7 @@ A solitary wave: Goring (1978), Tsunamis: the propagation of long waves onto a s
 piston moves with the mean velocity of the wave where it is, X' = c eta/(d + eta), here with the wave's own elevation.
 
 Regular and irregular waves: the linear transfer functions of Biesel and Suquet, as in Dean & Dalrymple (1991), Water
-wave mechanics, Sec. 6.2; and the second harmonic of Madsen (1971), On the generation of long waves, J. Geophys. Res.
-76(36).
+wave mechanics, Sec. 6.2. Regular waves get a second harmonic, see second_order.py.
 """
 
 from collections.abc import Callable
@@ -17,6 +16,7 @@ from pydantic import Field, model_validator
 
 from parisph.base.arrays import Floats
 from parisph.case.motion.rigid import SHARE, Centre, Rotation, Translation, evenly
+from parisph.case.motion.second_order import second_harmonic
 from parisph.case.motion.splines import Law, Quintic, product, rise
 from parisph.case.waves.airy import Airy
 from parisph.case.waves.jonswap import Jonswap, components_of
@@ -26,10 +26,11 @@ from parisph.case.waves.stream_function import StreamFunction
 from parisph.case.waves.wavefield import WaveField
 
 KNOTS = 600    # of the motion that makes a solitary wave
-LONGEST_MADSEN = 8.0 * np.pi**2 / 3.0    # height length^2/depth^3 up to which Madsen's theory holds
+LONGEST = 8.0 * np.pi**2 / 3.0    # height length^2/depth^3, above which a wave of second order has a second crest
 
 Ramp = Annotated[Optional[float], Field(ge=0, description="time [s] in which the motion grows; default one period")]
 WaveTrain = Union[Airy, Stokes, StreamFunction, Jonswap]
+Profile = tuple[Callable[[Floats], Floats], float]    # displacement at y above the bed, 1 at the surface; lowest y
 
 
 def piston_ratio(k: float, depth: float) -> float:
@@ -67,24 +68,32 @@ def _solitary(wave: SolitaryWave, tail: float) -> tuple[Quintic, float]:
     return Quintic((ahead - xi + moved) / c, moved, rate, second), float(ahead)
 
 
-def _harmonics(wave: WaveTrain, place: float, ratio: Callable[[float], float],
-               second: bool) -> tuple[Floats, Floats, Floats]:
-    """Return amplitude [m], angular frequency [rad/s] and phase of X = sum a sin(w t - phase), (n,) each.
-
-    place : [m], x of the wall at rest; ratio : height over stroke, as a function of k; second : also Madsen's term
-    """
+def _harmonics(stroke: "PistonStroke | FlapStroke") -> tuple[Floats, Floats, Floats]:
+    """Return amplitude [m], angular frequency [rad/s] and phase of X = sum a sin(w t - phase), (n,) each."""
+    wave = _train(stroke)
+    sign = -1.0 if wave.leftward else 1.0
     if isinstance(wave, Jonswap):
         a, w, k, phase = components_of(wave)
-        sign = -1.0 if wave.leftward else 1.0
-        return a / np.array([ratio(value) for value in k]), w, k * sign * place + phase
-    f, d, height = 2.0 * np.pi / wave.period, wave.depth, wave.height
-    m = ratio(wave.k)
-    start = wave.k * (-1.0 if wave.leftward else 1.0) * (place - wave.at)
-    if not second:
-        return np.array([0.5 * height / m]), np.array([f]), np.array([start])
-    kd = wave.k * d
-    more = height**2 / (32.0 * d) * (3.0 * np.cosh(kd) / np.sinh(kd) ** 3 - 2.0 / m)
-    return np.array([0.5 * height / m, more]), np.array([f, 2.0 * f]), np.array([start, 2.0 * start])
+        return a / np.array([stroke.ratio(value) for value in k]), w, k * sign * stroke.place + phase
+    first, f = 0.5 * wave.height / stroke.ratio(wave.k), 2.0 * np.pi / wave.period
+    start = wave.k * sign * (stroke.place - wave.at)
+    if not stroke.second_order:
+        return np.array([first]), np.array([f]), np.array([start])
+    shape, low = stroke.moved
+    second = second_harmonic(wave.height, f, wave.depth, shape, low, wave.g)
+    phases = np.array([start, 2.0 * start + 0.5 * np.pi - np.angle(second)])    # there X = X1 cos(w t - start - pi/2)
+    return np.array([first, abs(second)]), np.array([f, 2.0 * f]), phases
+
+
+def _check_length(wave: WaveTrain | SolitaryWave, words: str) -> None:
+    """Raise ValueError if a regular wave is too long for the second order. words : the record that can do without"""
+    if isinstance(wave, (Airy, Stokes, StreamFunction)):
+        ursell = wave.height * wave.length**2 / wave.depth**3
+        if ursell > LONGEST:
+            raise ValueError(
+                f"wave: height length^2/depth^3 = {ursell:.3g}, the second order holds up to {LONGEST:.3g}; "
+                f"use a shorter or lower wave, or as motion a {words} with second_order=False"
+            )
 
 
 def _train(stroke: "PistonStroke | FlapStroke") -> WaveTrain:
@@ -93,7 +102,7 @@ def _train(stroke: "PistonStroke | FlapStroke") -> WaveTrain:
 
 @lru_cache(maxsize=16)
 def _cached_harmonics(stroke: "PistonStroke | FlapStroke") -> tuple[Floats, Floats, Floats]:
-    return _harmonics(_train(stroke), stroke.place, stroke.ratio, stroke.second_order)
+    return _harmonics(stroke)
 
 
 def _sum(stroke: "PistonStroke | FlapStroke", t: float) -> Law:
@@ -123,7 +132,7 @@ class PistonStroke(Translation):
     wave : the wave; what it has as `at`, and its phases, are those of the scene. Only for a solitary wave, `at` is not
         used: the piston starts at t = 0, and `made` is the wave in the scene
     place : x [m] of the wall at rest
-    second_order : whether regular waves get Madsen's harmonic, which keeps free waves of twice the frequency away
+    second_order : whether regular waves get the second harmonic that keeps free waves of twice the frequency away
     ramp : [s] in which regular and irregular motion grows; default one period
     tail : elevation over height at the piston when the motion for a solitary wave starts
 
@@ -151,14 +160,8 @@ class PistonStroke(Translation):
                 raise ValueError(
                     f"ramp = {self.ramp:g}: is for regular and irregular waves; leave it out for a solitary wave"
                 )
-        elif self.second_order and isinstance(wave, (Airy, Stokes, StreamFunction)):
-            ursell = wave.height * wave.length**2 / wave.depth**3
-            if ursell > LONGEST_MADSEN:
-                raise ValueError(
-                    f"wave: height length^2/depth^3 = {ursell:.3g}, Madsen's second order holds up to "
-                    f"{LONGEST_MADSEN:.3g}; "
-                    "use a shorter or lower wave, or as motion a PistonStroke with second_order=False"
-                )
+        elif self.second_order:
+            _check_length(wave, "PistonStroke")
         return self
 
     @property
@@ -169,6 +172,11 @@ class PistonStroke(Translation):
     def ratio(self, k: float) -> float:
         """Return the height of waves over the stroke."""
         return piston_ratio(k, self.wave.depth)
+
+    @property
+    def moved(self) -> Profile:
+        """All of it moves alike."""
+        return np.ones_like, 0.0
 
     @property
     def made(self) -> WaveField:
@@ -212,9 +220,10 @@ class PistonStroke(Translation):
 
 
 class FlapStroke(Rotation):
-    """The motion of a hinged wall that makes a regular wave or a Jonswap, of first order.
+    """The motion of a hinged wall that makes a regular wave or a Jonswap.
 
-    wave : the wave; centre : the hinge (x, y) [m]; bed : height y of the bed [m]; ramp : as of a PistonStroke
+    wave : the wave; centre : the hinge (x, y) [m]; bed : height y of the bed [m]; ramp, second_order : as of a
+        PistonStroke
 
     Examples
     --------
@@ -228,13 +237,15 @@ class FlapStroke(Rotation):
     centre: Centre = (0.0, 0.0)
     bed: Annotated[float, Field(description="height y of the bed [m]")] = 0.0
     ramp: Ramp = None
-    second_order: Literal[False] = False
+    second_order: bool = True
 
     @model_validator(mode="after")
     def _hinge_is_under_water(self) -> "FlapStroke":
         top = self.bed + self.wave.depth
         if not self.centre[1] < top:
             raise ValueError(f"centre = {self.centre}: the hinge must be below the still surface at y = {top:g}")
+        if self.second_order:
+            _check_length(self.wave, "FlapStroke")
         return self
 
     @property
@@ -249,6 +260,12 @@ class FlapStroke(Rotation):
     def ratio(self, k: float) -> float:
         """Return the height of waves over the stroke at the still surface."""
         return flap_ratio(k, self.wave.depth, self.centre[1] - self.bed)
+
+    @property
+    def moved(self) -> Profile:
+        """It moves in proportion to the height above the hinge, from the bed on if the hinge is below it."""
+        hinge = self.centre[1] - self.bed
+        return lambda y: (y - hinge) / self._arm, max(hinge, 0.0)
 
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion: a displacement towards +x is a turn with the clock."""
