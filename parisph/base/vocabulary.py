@@ -15,7 +15,8 @@ WORDS: dict[str, list[str]] = {
     "stepping": ["midpoint", "corrected", "start", "predicted", "symplectic"],
     "force": ["body", "coriolis", "viscous", "viscous_morris", "absorb", "friction"],
     "regulariser": ["film", "filter", "irrotational", "collisions", "wall_guard", "projection", "parting", "shift",
-                    "keep_apart", "shift_even", "shift_tensile", "shift_xu", "shift_lind", "shift_pressure"],
+                    "keep_apart", "fill_voids", "shift_even", "shift_tensile", "shift_xu", "shift_lind",
+                    "shift_pressure"],
 }
 
 # What a scene may have that some forces are for.

@@ -16,7 +16,7 @@ USUAL: dict[str, Any] = {
 # wall passes it in the end.
 _GENTLE: dict[str, Any] = {
     **USUAL,
-    "regularisers": ("irrotational", "collisions", "wall_guard", "shift_even"),
+    "regularisers": ("irrotational", "collisions", "wall_guard", "fill_voids", "shift_even"),
     "cfl": 0.4,
     "fall": 0.0,
     "wave_step": 0.5,
@@ -26,13 +26,13 @@ _GENTLE: dict[str, Any] = {
     "volume_time": 10.0,
     "gamma": 0.0,
     "strain": 1.0,
-    "kappa": 0.0,
+    "kappa": 0.8,
     "kappa_strain": 56.0,
     # With half of these, surface particles crowd before a flap, and pairs of them end a run: H/d = .1, d/s = 16, in
     # period 26, with these none is closer than .56 s in 40. A standing wave loses the same (21 % in 50 periods).
     "shift": 0.4,
     "shift_strain": 56.0,
-    "filter": 0.1,
+    "filter": 0.33,
     "filter_strain": 0.0,
     "collision_distance": 0.7,
     "restitution": 0.2,
@@ -51,6 +51,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     # Breaking waves and impacts: a moving free surface, regularised particles.
     "violent": {
         **USUAL,
+        "regularisers": ("film", "filter", "irrotational", *WITHOUT_FILMS[1:]),
         "cfl": 0.8,
         "fall": 0.05,
         "wave_step": 0.0,
@@ -120,6 +121,7 @@ PRESETS: dict[str, dict[str, Any]] = {
 # it regular, and a vortex its energy. Nothing moves in a full tank that is only shaken but for what the solver leaves.
 # These replace the values of the violent preset there.
 CLOSED = {
+    "regularisers": USUAL["regularisers"],
     "surface_rule": "none",
     "residual_strain": 0.0,
     "kappa": 0.65,

@@ -12,9 +12,6 @@ from parisph.methods.parts import REGULARISERS, Regulariser
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-# sqrt(s/g) in which the filter has its full strength: damping is in proportion to time, whatever the step. Without it
-# small errors of the operators grow at a rate of .02 to .05 sqrt(g/s).
-FILTER_TIME = 0.3
 VISCOUS = 0.8   # part of it in viscous fluid, whose filter is one of roughness: more would add to its viscosity
 
 
@@ -46,13 +43,15 @@ def turning_rate(flow: "Flow") -> float:
 
 
 class Irrotational(Regulariser):
-    """Removes a part of what each velocity has beyond a potential flow, in proportion to time.
+    """Removes what each velocity has beyond a potential flow, at the rate filter sqrt(g/s); less in rapid flow.
+
+    Small errors of the operators grow at .02 to .05 sqrt(g/s) without it.
 
     Viscous fluid has vorticity, and keeps it: from its velocities goes what they have beyond a linear fit.
     """
 
-    name, cause, words, reach, strain = "irrotational", "filter", "irrotational filter", lengths.WALL, False
-    reads = ("filter",)
+    name, cause, words, reach = "irrotational", "filter", "irrotational filter", lengths.WALL
+    fields, reads = straining.FIELDS, ("filter",)
     needs_potential = True
 
     def wanted(self, numerics: Numerics) -> bool:
@@ -61,10 +60,10 @@ class Irrotational(Regulariser):
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         beyond = straining.beyond_fit(flow) if flow.potential is None else flow.potential.beyond
         rate = 1.0 / flow.wave_time if 0.0 < flow.wave_time < np.inf else flow.mean_strain    # without gravity
-        part = min(1.0, dt * rate / FILTER_TIME)
+        part = min(1.0, flow.numerics.filter * dt * rate)
         if flow.potential is None:
             part *= VISCOUS
-        return -part * flow.numerics.filter * beyond
+        return -part * (1.0 - flow.rapid)[:, None] * beyond
 
 
 REGULARISERS.register(Irrotational())
