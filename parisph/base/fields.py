@@ -122,6 +122,8 @@ FIELDS = {
               exchanged=False, written=False),
         Field("phi", "scalar", np.float64, "m^2", "potential of the position projection",
               exchanged=False, written=False),
+        Field("lack", "scalar", np.float64, "", "density error, of which only what voids lack counts in calm flow",
+              exchanged=False, migrates=False, written=False),
         Field("grad_alpha", "vector", np.float64, "1/m", "gradient of alpha", exchanged=False,
               migrates=False, written=False),
         Field("grad_u", "tensor", np.float64, "1/s", "velocity gradient, du_a/dx_b", exchanged=False, migrates=False,

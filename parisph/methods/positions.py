@@ -4,8 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parisph.base.fields import INNER
 from parisph.case.numerics import Numerics
-from parisph.kernels import movement, pairs, shifting, wetness
+from parisph.kernels import movement, pairs, shifting, strain, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, SURFACES, Limiter, Regulariser
 from parisph.parallel.sums import sums
@@ -15,9 +16,9 @@ if TYPE_CHECKING:
 
 SLACK = 1e3  # tolerance of the position solve over that of the pressure, at most one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
-# Density error below which calm fluid has a void. Beside walls, along which a wave strains the fluid but not the wall,
-# and where the divergence of waves is not exact, alpha errs by .01 to .02 in phase with the wave.
-VOID = 0.02
+# Mean density error around a particle below which calm fluid has a void. A wave has errors of .02 to .03 in phase with
+# it, beside walls, along which it strains the fluid but not the wall, and where its divergence is not exact.
+VOID = 0.035
 
 # Close pairs; lengths in spacings.
 TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
@@ -34,16 +35,16 @@ WATCHED = APART + 3.0 * SWEEP
 class PositionProjection(Regulariser):
     """Moves particles along -grad phi, lap phi = -kappa e, with the matrix of the pressure and the density error e.
 
-    In rapid flow e = alpha - 1, in calm flow only what voids lack (`voids`), in proportion to `Flow.rapid` in between:
-    in a wave alpha errs in phase with it, and moves that follow would feed it. Those of a strength that is not in
-    proportion to the strain, and full closed tanks, have the whole error.
+    In rapid flow e = alpha - 1, in calm flow only what voids lack, in proportion to `Flow.rapid` in between: in a wave
+    alpha errs in phase with it, and moves that follow would feed it. Those of a strength that is not in proportion to
+    the strain, and full closed tanks, have the whole error.
 
     Uses the lists and the matrix of the pressure solve: within half a step, neighbours move relative to each other by
     far less than a spacing.
     """
 
     name, cause, words, moves = "projection", "projection", "position projection", True
-    fields = (*straining.FIELDS, "alpha", "phi")
+    fields = (*straining.FIELDS, "alpha", "lack", "phi")
     reads = ("kappa", "kappa_strain")
 
     def wanted(self, numerics: Numerics) -> bool:
@@ -57,11 +58,11 @@ class PositionProjection(Regulariser):
         solve(flow, straining.strength(flow, n.kappa, n.kappa_strain) * error)
 
     def error(self, flow: "Flow") -> np.ndarray:
-        """Return the density error (n_owned,) that is removed. Not collective."""
+        """Return the density error (n_owned,) that is removed. Collective."""
         error = density_error(flow)
         if flow.closed or not flow.numerics.kappa_strain:
             return error
-        return flow.rapid * error + (1.0 - flow.rapid) * voids(error)
+        return flow.rapid * error + (1.0 - flow.rapid) * voids(flow, error)
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p = flow.particles
@@ -77,7 +78,7 @@ class VoidFilling(PositionProjection):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
-        error = voids(density_error(flow))
+        error = voids(flow, density_error(flow))
         if sums(p.comm, int(np.any(error)))[0]:
             solve(flow, straining.strength(flow, n.kappa, n.kappa_strain) * error)
 
@@ -85,9 +86,18 @@ class VoidFilling(PositionProjection):
         return np.zeros_like(flow.particles.x) if flow.position_solve is None else super().change(flow, dt)
 
 
-def voids(error: np.ndarray) -> np.ndarray:
-    """Return what the density error (n,) is below -VOID."""
-    return np.minimum(error + VOID, 0.0)
+def voids(flow: "Flow", error: np.ndarray) -> np.ndarray:
+    """Return what the mean of a density error (n_owned,) around each inner particle is below -VOID. Collective.
+
+    The mean, because disorder makes the error too large here and too small there.
+    """
+    p, d = flow.particles, flow.domain
+    p.lack[:] = error
+    d.update("lack")
+    mean = np.empty(p.n_owned)
+    strain.mean_over_fluid(mean, p.lack_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr, d.indices,
+                           flow.axes)
+    return np.where(p.role == INNER, np.minimum(mean + VOID, 0.0), 0.0)
 
 
 def solve(flow: "Flow", error: np.ndarray) -> None:

@@ -43,7 +43,8 @@ def turning_rate(flow: "Flow") -> float:
 
 
 class Irrotational(Regulariser):
-    """Removes what each velocity has beyond a potential flow, at the rate filter sqrt(g/s); less in rapid flow.
+    """Removes what each velocity has beyond a potential flow, at the rate filter sqrt(a/s), with the acceleration
+    a by pressure; less in rapid flow.
 
     Small errors of the operators grow at .02 to .05 sqrt(g/s) without it.
 
@@ -59,11 +60,10 @@ class Irrotational(Regulariser):
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         beyond = straining.beyond_fit(flow) if flow.potential is None else flow.potential.beyond
-        rate = 1.0 / flow.wave_time if 0.0 < flow.wave_time < np.inf else flow.mean_strain    # without gravity
-        part = min(1.0, flow.numerics.filter * dt * rate)
+        part = np.minimum(1.0, flow.numerics.filter * dt * np.sqrt(flow.by_pressure / flow.spacing))
         if flow.potential is None:
             part *= VISCOUS
-        return -part * (1.0 - flow.rapid)[:, None] * beyond
+        return -(part * (1.0 - flow.rapid))[:, None] * beyond
 
 
 REGULARISERS.register(Irrotational())
