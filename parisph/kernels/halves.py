@@ -17,15 +17,18 @@ from parisph.kernels.near import dot, room_for
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 
 BEFORE = 1.5    # spacings from a wall within which fluid stands for its half cell there
+# The same where fluid is pressed together along the wall, and how many half cells there are then.
+FAR_BEFORE, PRESSED = 2.0, 2.0
 
 
 @kernel
 def wall_share(share: np.ndarray, x: np.ndarray, kind: np.ndarray, cells: np.ndarray, normal: np.ndarray,
-               spacing: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+               spacing: float, most: float, before: float, indptr: np.ndarray, indices: np.ndarray,
+               axes: tuple[int, ...]) -> None:
     """Write the part of the half cells at owned wall particles that fluid in front of them stands for, 1 for fluid.
 
-    share_i = min(1, sum_j (1 - t_ij/s) b_j), b_j = min(1, max(0, 2 (cells_j - 1))), over the fluid closer than
-    `BEFORE` to the wall, with the distance t_ij < s along the wall.
+    share_i = min(most, sum_j (1 - t_ij/s) b_j), b_j = min(1, max(0, 2 (cells_j - 1))), over the fluid closer than
+    `before` [spacings] to the wall, with the distance t_ij < s along the wall.
 
     share : (n_owned,) output; cells : (n_all,), for how many of its own a particle stands
     """
@@ -43,9 +46,9 @@ def wall_share(share: np.ndarray, x: np.ndarray, kind: np.ndarray, cells: np.nda
             for a in range(dim):
                 r2 += (x[j, a] - x[i, a]) ** 2
             along = math.sqrt(max(r2 - away * away, 0.0)) / spacing
-            if 0.0 < away < BEFORE * spacing and along < 1.0:
+            if 0.0 < away < before * spacing and along < 1.0:
                 total += (1.0 - along) * min(max(2.0 * (cells[j] - 1.0), 0.0), 1.0)
-        share[i] = min(total, 1.0)
+        share[i] = min(total, most)
 
 
 @kernel

@@ -58,7 +58,7 @@ class Boundary(ABC):
         (n_owned, dim) [1/m], 0 for walls."""
 
     @abstractmethod
-    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
+    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow") -> None:
         """Add what half cells at walls for which no fluid stands (field share) contribute.
 
         ratio : (n_owned,); gradient : (n_owned, dim) [1/m]; both hold 0

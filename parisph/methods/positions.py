@@ -6,7 +6,7 @@ import numpy as np
 
 from parisph.base.fields import INNER
 from parisph.case.numerics import Numerics
-from parisph.kernels import movement, pairs, shifting, strain, wetness
+from parisph.kernels import halves, movement, pairs, shifting, strain, wetness
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, SURFACES, Limiter, Regulariser
 from parisph.parallel.sums import sums
@@ -18,7 +18,7 @@ SLACK = 1e3  # tolerance of the position solve over that of the pressure, at mos
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
 # Mean density error around a particle below which calm fluid has a void. A wave has errors of .02 to .03 in phase with
 # it, beside walls, along which it strains the fluid but not the wall, and where its divergence is not exact.
-VOID = 0.035
+VOID = 0.025
 
 # Close pairs; lengths in spacings.
 TURN_WITHIN, TURN = 0.7, 0.05   # pairs of inner particles that turn, and by how much at the full strength of the shift
@@ -62,7 +62,7 @@ class PositionProjection(Regulariser):
         error = density_error(flow)
         if flow.closed or not flow.numerics.kappa_strain:
             return error
-        return flow.rapid * error + (1.0 - flow.rapid) * voids(flow, error)
+        return flow.rapid * error + (1.0 - flow.rapid) * voids(flow)
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p = flow.particles
@@ -78,7 +78,8 @@ class VoidFilling(PositionProjection):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, n = flow.particles, flow.numerics
-        error = voids(flow, density_error(flow))
+        concentration(flow)
+        error = voids(flow)
         if sums(p.comm, int(np.any(error)))[0]:
             solve(flow, straining.strength(flow, n.kappa, n.kappa_strain) * error)
 
@@ -86,13 +87,22 @@ class VoidFilling(PositionProjection):
         return np.zeros_like(flow.particles.x) if flow.position_solve is None else super().change(flow, dt)
 
 
-def voids(flow: "Flow", error: np.ndarray) -> np.ndarray:
-    """Return what the mean of a density error (n_owned,) around each inner particle is below -VOID. Collective.
+def voids(flow: "Flow") -> np.ndarray:
+    """Return what the mean density error around each inner particle is below -VOID: (n_owned,). Collective.
 
-    The mean, because disorder makes the error too large here and too small there.
+    The mean, because disorder makes the error too large here and too small there. Fluid that is pressed together along
+    a wall stands for more of its particles, and such that is stretched for less.
     """
     p, d = flow.particles, flow.domain
-    p.lack[:] = error
+    error = p.alpha.copy()
+    if "share" in p.fields:
+        halves.wall_share(p.lack, p.x_all, p.kind_all, flow.cells, p.normal_all, flow.spacing, halves.PRESSED,
+                          halves.FAR_BEFORE, d.indptr, d.indices, flow.axes)
+        d.update("lack")
+        more = np.zeros_like(error)
+        flow.walls.surplus(more, np.zeros_like(p.x), p.lack_all, flow)
+        error -= more
+    p.lack[:] = compression(flow, error, flow.doubt)
     d.update("lack")
     mean = np.empty(p.n_owned)
     strain.mean_over_fluid(mean, p.lack_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr, d.indices,
@@ -224,7 +234,7 @@ def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
     if "surplus" not in flow.found:
         ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
         if "share" in p.fields:
-            flow.walls.surplus(ratio, gradient, flow)
+            flow.walls.surplus(ratio, gradient, p.share_all, flow)
         flow.found["surplus"] = ratio, gradient
     return flow.found["surplus"]
 

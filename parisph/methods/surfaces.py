@@ -30,7 +30,7 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     wetness.closing_walls(p.closing_all, p.role_all, p.x_all, p.u_all, flow.force, p.kind_all, p.normal_all,
                           flow.spacing, dt, d.indptr, d.indices, flow.axes)
     if "share" in p.fields:
-        halves.wall_share(p.share, p.x_all, p.kind_all, flow.cells, p.normal_all, flow.spacing,
+        halves.wall_share(p.share, p.x_all, p.kind_all, flow.cells, p.normal_all, flow.spacing, 1.0, halves.BEFORE,
                           d.indptr, d.indices, flow.axes)
     also = flow.walls.cover(flow)
     d.update(*(name for name in ("closing", "share") if name in p.fields), *also)

@@ -55,10 +55,10 @@ class WallImages(Boundary):
         halves.add_parts(alpha, gradient, beside, p.x_all, flow.seen(least), more, p.corner_all, p.normal_all, h,
                          flow.full, d.indptr, d.indices, flow.axes)
 
-    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
+    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow") -> None:
         p = flow.particles
         beside, *walls = self._beside(flow)
-        halves.add_parts(ratio, gradient, beside, p.x_all, flow.seen(FREE), 1.0 - p.share_all, p.corner_all,
+        halves.add_parts(ratio, gradient, beside, p.x_all, flow.seen(FREE), 1.0 - share, p.corner_all,
                          p.normal_all, lengths.DENSITY * flow.spacing, flow.full, *walls, flow.axes)
 
     def keep_off(self, move: np.ndarray, flow: "Flow") -> None:

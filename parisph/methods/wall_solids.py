@@ -82,11 +82,11 @@ class WallSolids(Boundary):
         kernel(out, p.x_all, p.kind_all, p.weight_all * counted, p.area_all * counted[:, None], e.corners,
                e.mean_of_nodes(counted), *self.table, e.indptr, e.indices, d.indptr, d.indices, flow.axes)
 
-    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, flow: "Flow") -> None:
+    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow") -> None:
         p, d, e = flow.particles, flow.domain, self.elements
         counted = self.counted(flow, wetness.FREE)
         weight, area = p.weight_all * counted, p.area_all * counted[:, None]
-        filled, lean = density.node_terms(weight, area, p.share_all)
+        filled, lean = density.node_terms(weight, area, share)
         density.node_sums(ratio, gradient, p.x_all, p.kind_all, weight - filled, area - lean, self.table.values,
                           self.table.h, self.table.full, e.indptr, d.indptr, d.indices, flow.axes)
 
