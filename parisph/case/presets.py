@@ -32,7 +32,7 @@ _GENTLE: dict[str, Any] = {
     # period 26, with these none is closer than .56 s in 40. A standing wave loses the same (21 % in 50 periods).
     "shift": 0.4,
     "shift_strain": 56.0,
-    "filter": 0.33,
+    "filter": 0.5,
     "filter_strain": 0.0,
     "collision_distance": 0.7,
     "restitution": 0.2,

@@ -59,8 +59,9 @@ class Boundary(ABC):
 
     @abstractmethod
     def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow") -> None:
-        """Add what half cells at walls for which no fluid stands (field share) contribute.
+        """Add what half cells at walls for which no fluid stands contribute.
 
+        share : (n_all,), for which part of its half cell fluid stands (halves.wall_share)
         ratio : (n_owned,); gradient : (n_owned, dim) [1/m]; both hold 0
         """
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 SLACK = 1e3  # tolerance of the position solve over that of the pressure, at most one in a thousand of a small move
 CAP = 0.1    # longest move of the position projection and of the shift, in spacings
-# Mean density error around a particle below which calm fluid has a void. A wave has errors of .02 to .03 in phase with
-# it, beside walls, along which it strains the fluid but not the wall, and where its divergence is not exact.
+# Mean density error around a particle below which calm fluid has a void. Waves have errors of up to .023 in phase with
+# them, where their divergence is not exact (a = .6 d, d/s = 10; .017 with a = .05 d), and disorder of .4 has .02.
 VOID = 0.025
 
 # Close pairs; lengths in spacings.
@@ -62,7 +62,8 @@ class PositionProjection(Regulariser):
         error = density_error(flow)
         if flow.closed or not flow.numerics.kappa_strain:
             return error
-        return flow.rapid * error + (1.0 - flow.rapid) * voids(flow)
+        rapid = 2.0 * flow.rapid / (1.0 + flow.rapid)    # half where the strain rate is RAPID/sqrt(2) sqrt(a/s)
+        return rapid * error + (1.0 - rapid) * voids(flow)
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p = flow.particles
