@@ -23,6 +23,19 @@ def test_quick_selection(plan):
     assert found.ended_well and missed <= NOT_YET.get(plan.name, set()), text([found])
 
 
+@pytest.mark.parametrize("name, setting, needed", [
+    # in phase with the wave, moves that keep the density would feed it: 1.5 times the energy after ten periods
+    ("standing-kd3.14-amplitude0.05-depth10-jitter0", Setting(preset="violent", periods=10.0),
+     {"energy in motion, highest"}),
+    # voids behind the edges of a sill would lift the level by .05 of the height
+    ("obstacles-submerged-height0.1-kd1-depth10", Setting(periods=10.0), {"level, largest size"}),
+])
+def test_moves_that_keep_the_volume_feed_no_wave_and_leave_no_voids(name, setting, needed):
+    found = outcome(parts.plans([name], {}, setting)[0])
+    judged = {line.what: line.met for line in found.lines}
+    assert found.ended_well and all(judged[what] for what in needed), text([found])
+
+
 def test_harmonics_of_each_period():
     """Of a signal that decays, beside an offset and a second harmonic, sampled unevenly."""
     t = np.sort(np.random.default_rng(1).uniform(0.0, 20.0, 800))    # not quite twenty periods

@@ -17,11 +17,11 @@ def filled(dim, **how):
     return tank((9, 9) if dim == 2 else (7, 7, 7), **how)
 
 
-def shares(pool, cells):
+def shares(pool, cells, most=1.0, before=halves.BEFORE):
     """Return the shares if each fluid particle stands for so many cells of the lattice: a number, or (n,)."""
     out = np.full(pool.n, np.nan)
     cells = np.where(pool.fluid, cells, 0.0)
-    halves.wall_share(out, pool.x, pool.kind, cells, pool.normal, pool.spacing, *pool.csr)
+    halves.wall_share(out, pool.x, pool.kind, cells, pool.normal, pool.spacing, most, before, *pool.csr)
     assert np.all(out[pool.fluid] == 1.0)
     return out
 
@@ -97,3 +97,18 @@ def test_parts_of_fluid_without_walls_are_the_same_sum(dim):
     assert len(inside) and np.abs(due[0][inside]).min() > 0.0 and not found[0][walls[0]].any()
     for one, other in zip(found, due):
         np.testing.assert_allclose(one[inside], other[inside], atol=1e-12)
+
+
+@dims
+def test_fluid_that_is_pressed_together_along_a_wall_stands_for_more_of_its_particles(dim):
+    """Strained along one axis by 0.8 and across the wall by 1/0.8: there are 1/0.8 half cells at each wall particle."""
+    pool = filled(dim)
+    middle = pool.x[pool.fluid].mean(axis=0)
+    fluid = pool.fluid
+    pool.x[fluid, 0] = middle[0] + 0.8 * (pool.x[fluid, 0] - middle[0])
+    pool.x[fluid, 1] = pool.x[fluid, 1] / 0.8
+    low = (pool.kind == WALL) & (pool.corner == 0) & (pool.normal[:, 1] > 0.5)
+    near = low & (np.abs(pool.x[:, 0] - middle[0]) < 1.5 * pool.spacing)
+    cells = np.where(pool.x[:, 1] < 1.5 * pool.spacing, 1.5, 1.0)
+    found = shares(pool, cells, halves.PRESSED, halves.FAR_BEFORE)
+    assert found[near].mean() == pytest.approx(1.25, abs=0.06)
