@@ -155,7 +155,7 @@ class StillTank:
             middle = middle + share(dt, self.flow.wave_time) * dt**2 * (2.0 * last - before)
         pressure = surface @ (GRAVITY * middle) + unit @ (self.divergence @ u / dt)
         acceleration = -self.gradient @ pressure
-        filtered = self.numerics.filter * min(1.0, dt / (potential.FILTER_TIME * self.flow.wave_time))
+        filtered = min(1.0, self.numerics.filter * dt / self.flow.wave_time)
         after = u + dt * acceleration - filtered * self.beyond @ u
         return np.vstack([eta + 0.5 * dt * (u + after)[self.rise], after, acceleration[self.rise], last])
 

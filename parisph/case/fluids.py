@@ -13,7 +13,7 @@ from parisph.case.model import Model
 from parisph.case.shapes import Box, Disc, Polygon, Shape
 from parisph.case.waves import AnyWave
 
-NEAR = 1e-4        # part of a length, over which differences are taken
+NEAR = 0.5         # spacings over which differences are taken to both sides: a jump has the vorticity of its spacing
 ROUNDING = 1e-6    # part of a velocity: a smaller change over a length is none
 
 Number = Union[float, str]  # a number, or an expression of position

@@ -46,8 +46,8 @@ class Numerics(Model):
     strain : weight of the strain source, which conserves volume in a finite step; 0 or 1
     kappa, shift : greatest weights of the position projection and of the Fick shift
     smagorinsky : C_s of Smagorinsky's eddy viscosity (C_s s)^2 sqrt(2 S:S), 0 for none
-    filter : greatest fraction of the velocity's roughness that is removed in a step, and the rate over sqrt(a/s) at which
-        what is beyond a potential flow is (a: acceleration by pressure)
+    filter : greatest fraction of the velocity's roughness that is removed in a step, and the rate over sqrt(a/s) at
+        which what is beyond a potential flow is, with the acceleration a by pressure
     kappa_strain, shift_strain, filter_strain : these weights in proportion to the strain of a step, dt sqrt(2 S:S), up
         to the greatest; 0 for the greatest in every step
     collision_distance, wall_guard : [s]; restitution : of pair collisions; 0 switches them off

@@ -92,7 +92,8 @@ class Conservation:
         volume = (Volume(name="volume"),) if case.dim == 2 else ()
         self._volume = instruments.build(case.model_copy(update={"probes": volume}), simulation.comm)
         self.driven, self._at_rest, self._lowest = case.driven, _rest(case, self._scene), _lowest(self._scene)
-        self._by_surface = (case.dim == 2 and "shift_even" in (simulation.numerics.regularisers or ())
+        self._by_surface = (case.dim == 2 and not case.closed and bool(np.any(self._scene.gravity))
+                            and "shift_even" in (simulation.numerics.regularisers or ())
                             and np.allclose(np.array(case.fluid_bounds)[:, 0],
                                             (self._scene.lower[0], self._scene.upper[0])))
         state, start = state or {}, start or {}

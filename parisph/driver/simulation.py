@@ -39,6 +39,7 @@ from parisph.watch.sampling import Scene
 # wider halo would be too many
 SKIN = {2: 2.0, 3: 1.0}
 LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebuilt
+SAME_VORTICITY = 1e-6    # part of the largest by which vorticities of a fluid that rotates as a whole differ, at most
 SETTLE = 10.0     # time that weakly compressible water at rest settles before the start, over that of a fall
 SHORTEST = 1e-5   # of the stable step of the case: a run that needs a shorter one has diverged
 
@@ -381,16 +382,17 @@ def _budget(case: Case, parts: Parts | CompressibleParts) -> Budget | None:
 
 
 def _vorticity(case: Case, arrays: Mapping[str, Array], comm: MPI.Comm) -> tuple[float, tuple[str, ...]]:
-    """Return the mean vorticity [1/s] that the fluid carries, and the field of it if there is any. Collective.
+    """Return the vorticity [1/s] that all fluid carries, and the field of it if there is any. Collective.
 
-    Viscous fluid has none that it keeps.
+    The vorticity is 0 unless all fluid has the same. Viscous fluid, and such with eddies, has none that it keeps.
     """
-    if case.viscosity or "swirl" not in arrays:
+    if case.viscosity or case.numerics.smagorinsky or "swirl" not in arrays:
         return 0.0, ()
-    fluid = arrays["kind"] == FLUID
-    swirl, volume = arrays["swirl"][fluid], arrays["volume"][fluid]
-    total, squares, room = comm.allreduce(np.array([volume @ swirl, volume @ swirl**2, volume.sum()]))
-    return (float(total / room), ("swirl",)) if squares else (0.0, ())
+    swirl = arrays["swirl"][arrays["kind"] == FLUID]
+    found = comm.allgather((swirl.min(initial=np.inf), swirl.max(initial=-np.inf)))
+    low, high = min(one for one, _ in found), max(one for _, one in found)
+    same = high - low < SAME_VORTICITY * max(abs(low), abs(high))
+    return (0.5 * (low + high) if same else 0.0, ("swirl",) if max(abs(low), abs(high)) > 0.0 else ())
 
 
 def _arrays(case: Case, comm: MPI.Comm) -> dict[str, Array]:

@@ -33,8 +33,8 @@ class Flow:
     absorb : callable (x (n, dim), t) -> 1/tau (n,) [1/s] and u_t/tau (n, dim) [m/s^2] of zones (case.absorb), or None
     friction : case.friction.Friction, or None
     wave_time : sqrt(s/g), the time scale of the shortest waves on the lattice [s]
-    vorticity : of the fluid in the room at the start, in the mean [1/s]; that of each particle is its field swirl,
-        which scenes without any do not have
+    vorticity : of the fluid in the room at the start, if all has the same, else 0 [1/s]; that of each particle is its
+        field swirl, which scenes without any do not have
     budget : measures the energy that the fluid gains by each part of a step, or None
 
     Attributes
@@ -99,6 +99,11 @@ class Flow:
         self.position_solve: Any = None
 
     @property
+    def viscous(self) -> bool:
+        """Whether the fluid has any viscosity, of its own or of eddies."""
+        return bool(self.viscosity or self.numerics.smagorinsky)
+
+    @property
     def pull(self) -> np.ndarray:
         """The body force per volume (n_all, dim) [Pa/m], (0, dim) where it is uniform or the Laplacian holds it too."""
         force = self.body_force
@@ -118,7 +123,7 @@ class Flow:
     @property
     def bent_without_strain(self) -> bool:
         """Whether `outer_pull` or `without_strain` bends the pressure, the same on all ranks."""
-        turns = self.viscosity > 0.0 and self.spin is not None
+        turns = self.viscous and self.spin is not None
         return turns or "swirl" in self.particles.fields or len(self.outer_pull) > 0
 
     @property
@@ -166,7 +171,7 @@ class Flow:
         set in rotation, this is unknown and taken as 0.
         """
         p = self.particles
-        if self.viscosity:
+        if self.viscous:
             return np.zeros_like(p.u)
         shear = self.walls.shear(self)
         turn = 2.0 * self._turn - self.swirl()[:p.n_owned]
@@ -179,7 +184,7 @@ class Flow:
         beside them. Viscous fluid is taken to turn with its tank. Not collective."""
         p, d = self.particles, self.domain
         if "swirl" not in p.fields:
-            return np.full(p.n_all, 2.0 * self._turn if self.viscosity else 0.0)
+            return np.full(p.n_all, 2.0 * self._turn if self.viscous else 0.0)
         gradient.mean_beside_walls(p.swirl_all, p.x_all, p.kind_all, lengths.WALL * self.spacing, d.indptr, d.indices,
                                    self.axes)
         return p.swirl_all

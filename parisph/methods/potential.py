@@ -12,7 +12,7 @@ from parisph.methods.parts import REGULARISERS, Regulariser
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-VISCOUS = 0.8   # part of it in viscous fluid, whose filter is one of roughness: more would add to its viscosity
+VISCOUS = 0.5   # part of the rate in viscous fluid, whose filter is one of roughness: more would add to its viscosity
 
 
 def find(flow: "Flow") -> Potential:
@@ -48,7 +48,8 @@ class Irrotational(Regulariser):
 
     Small errors of the operators grow at .02 to .05 sqrt(g/s) without it.
 
-    Viscous fluid has vorticity, and keeps it: from its velocities goes what they have beyond a linear fit.
+    Viscous fluid has vorticity, and keeps it: from its velocities goes what they have beyond a linear fit, unless a
+    filter in proportion to the strain (`filter_strain`) does that.
     """
 
     name, cause, words, reach = "irrotational", "filter", "irrotational filter", lengths.WALL
@@ -59,6 +60,8 @@ class Irrotational(Regulariser):
         return numerics.filter > 0.0
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
+        if flow.potential is None and flow.numerics.filter_strain:
+            return np.zeros_like(flow.particles.u)
         beyond = straining.beyond_fit(flow) if flow.potential is None else flow.potential.beyond
         part = np.minimum(1.0, flow.numerics.filter * dt * np.sqrt(flow.by_pressure / flow.spacing))
         if flow.potential is None:

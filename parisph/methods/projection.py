@@ -265,7 +265,7 @@ class Projection:
     def _find_potential(self):
         """Fit a potential flow to the velocity, if any part needs it and the fluid has no viscosity."""
         flow = self.flow
-        needed = any(part.needs_potential for part in self.parts.velocity_regularisers) and not flow.viscosity
+        needed = any(part.needs_potential for part in self.parts.velocity_regularisers) and not flow.viscous
         flow.potential = potential.find(flow) if needed else None
 
     def _assemble(self, dt):

@@ -25,13 +25,14 @@ FIELDS = ("grad_u", "strain_rate")
 def begin(flow: "Flow", fit: bool = False) -> None:
     """Write the fields grad_u and strain_rate, and name them in flow.stale. Collective.
 
-    Of a potential flow they are known: that of the start of the step.
+    Of a potential flow they are known, that of the start of the step. Where the fit is wanted too, the rate is the
+    smaller one of both: a rotation is no potential flow, and has strain there.
 
     fit : whether flow.beyond_fit is wanted, which the same pass finds
     """
     p, d = flow.particles, flow.domain
     flow.stale.update(FIELDS)
-    if flow.potential is not None:
+    if flow.potential is not None and not fit:
         p.grad_u[:], flow.beyond_fit = flow.potential.gradient, None
         np.sqrt(2.0 * flow.potential.square, out=p.strain_rate)
         return
@@ -39,6 +40,8 @@ def begin(flow: "Flow", fit: bool = False) -> None:
     found = np.empty((p.n_owned if fit else 0, p.dim))
     strain.velocity_gradient(p.grad_u, p.strain_rate, found, p.u_all, p.x_all, p.kind_all, p.role_all,
                              lengths.MLS * flow.spacing, SPAN, d.indptr, d.indices, flow.axes)
+    if flow.potential is not None:
+        np.minimum(p.strain_rate, np.sqrt(2.0 * flow.potential.square), out=p.strain_rate)
     flow.beyond_fit = found if fit else None
 
 
@@ -67,7 +70,7 @@ def finish(flow: "Flow", dt: float) -> None:
     p, d = flow.particles, flow.domain
     flow.fresh(*FIELDS)
     out = p.strain_rate
-    if flow.potential is None:    # whose fit is a mean itself
+    if flow.potential is None or flow.beyond_fit is not None:    # else its fit is a mean itself
         out = np.empty(p.n_owned)
         strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr,
                                d.indices, flow.axes)

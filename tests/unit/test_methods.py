@@ -185,7 +185,7 @@ def test_position_projection_spreads_what_is_too_dense():
     assembled(simulation, np.zeros_like(p.x_all), 0.001)
     before = p.alpha.copy()
     simulation.method.start(0.0)
-    flow.strained = np.ones(p.n_owned)
+    flow.strained, flow.rapid = np.ones((2, p.n_owned))
     regularising.prepare(flow, parts.position_regularisers, 0.001)
     regularising.change(flow, parts.position_regularisers, 0.001)
     simulation.domain.refresh()
