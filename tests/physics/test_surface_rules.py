@@ -8,6 +8,7 @@ from parisph import CaseError, driver
 from parisph.base.errors import ParisphError
 from parisph.base.fields import FLUID, SURFACE
 from parisph.base.vocabulary import known
+from parisph.case.presets import WITHOUT_FILMS
 from parisph.driver import Simulation, preview
 from parisph.methods import catalogue
 from parisph.methods.parts import SURFACES
@@ -64,6 +65,8 @@ def test_dam_break(rule, tmp_path):
     drifts, volumes = [], []
     for seed in STARTS.get(rule, (1,)):
         case = scene("dam_break", spacing=0.05, end_time=2.5, surface_rule=rule, jitter=0.2, seed=seed)
+        if rule == "density":    # with the filter of calm flow, three of these five starts gain energy
+            case = case.changed(**{"numerics.regularisers": ("film", *WITHOUT_FILMS)})
         found = driver.run(case, MPI.COMM_SELF, tmp_path / f"run{seed}", progress=False)
         assert found["status"].startswith("completed") and found["time"] == pytest.approx(case.end_time)
         volumes.append(max(abs(found["volume_range"][side]) for side in ("low", "high")))
