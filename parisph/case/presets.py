@@ -29,7 +29,7 @@ _GENTLE: dict[str, Any] = {
     "kappa": 0.8,
     "kappa_strain": 56.0,
     # With half of these, surface particles crowd before a flap, and pairs of them end a run: H/d = .1, d/s = 16, in
-    # period 26, with these none is closer than .56 s in 40. A standing wave loses the same (21 % in 50 periods).
+    # period 26, with these none is closer than .56 s in 40. A standing wave loses no more by it.
     "shift": 0.4,
     "shift_strain": 56.0,
     "filter": 0.5,

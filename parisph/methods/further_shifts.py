@@ -118,7 +118,7 @@ class PressureShift(Shift):
     particle."""
 
     name, source, words = "shift_pressure", "Sriram and Ma 2012, as in Z14 Sec 2.2", "shift by pressure"
-    reach = lengths.MLS
+    reach, reads = lengths.MLS, ("shift",)
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:
         return self.fields

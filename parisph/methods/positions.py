@@ -95,7 +95,7 @@ def voids(flow: "Flow") -> np.ndarray:
     a wall stands for more of its particles, and such that is stretched for less.
     """
     p, d = flow.particles, flow.domain
-    error = p.alpha.copy()
+    error = p.alpha.copy()    # less the surplus at walls; their shares are sent in the field of the error
     if "share" in p.fields:
         halves.wall_share(p.lack, p.x_all, p.kind_all, flow.cells, p.normal_all, flow.spacing, halves.PRESSED,
                           halves.FAR_BEFORE, d.indptr, d.indices, flow.axes)

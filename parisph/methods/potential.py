@@ -38,7 +38,7 @@ def find(flow: "Flow") -> Potential:
 
 
 def turning_rate(flow: "Flow") -> float:
-    """Return by how much [rad/s] the tank turns faster than the fluid does in the mean by its vorticity."""
+    """Return by how much [rad/s] the tank turns faster than the fluid does by `Flow.vorticity`."""
     return (flow.spin(flow.time) if flow.spin is not None else 0.0) - 0.5 * flow.vorticity
 
 

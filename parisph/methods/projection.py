@@ -303,8 +303,8 @@ class Projection:
 
         rho (div F - tr(G^2)) with the force F and the velocity gradient G at inner particles, and at walls and the
         surface the mean of that. Without the body force in F, which parts know (Flow.pull), unless a part wants it
-        whole. Of a potential flow tr(G^2) is known everywhere; in a
-        tank that turns with W it has G + W x, less half of the vorticity.
+        whole. Of a potential flow tr(G^2) is known everywhere; in a tank that turns with W it has G + W x, less half of
+        the vorticity that all fluid carries.
         """
         flow, d = self.flow, self.flow.domain
         p, fit = flow.particles, flow.potential
