@@ -13,6 +13,7 @@ from parisph.kernels.jit import axes_of
 from parisph.kernels.potential_fit import Potential
 from parisph.methods import lengths
 from parisph.methods.budget import Budget, NoBudget
+from parisph.methods.last_waves import LastWaves
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.pressure.rows import Cloud
@@ -51,7 +52,7 @@ class Flow:
         0 before the first
     mean_strain : sqrt(2 S:S) of fluid in the last step, in the mean on all ranks [1/s]; 0 before the first, and in a
         method that measures no strain
-    top_strain : the largest of it in the last waves (methods.straining.remember_strain)
+    last_waves : the largest of it in the last waves
     strained, doubt, rapid : (n_owned,) or None, and whole, of methods.straining in this step
     beyond_fit : (n_owned, dim) [m/s] of kernels.strain.velocity_gradient, if straining.begin has found it, else None
     potential : methods.potential of the velocity at the start of the step, None if no part needs it
@@ -87,7 +88,8 @@ class Flow:
         self.beyond_fit: np.ndarray | None = None
         self.potential: Potential | None = None
         self.accelerations = 0.0, 0.0
-        self.mean_acceleration = self.mean_strain = self.top_strain = self.top_speed = 0.0
+        self.mean_acceleration = self.mean_strain = self.top_speed = 0.0
+        self.last_waves = LastWaves()
         self.whole = 1.0
         self.collisions = 0
         self.stale: set[str] = set()

@@ -186,7 +186,7 @@ class Projection:
     def strain_rate(self) -> float:
         """Mean rate at which fluid was strained in the last step, on all ranks, sqrt(2 S:S) [1/s]; in waves whose step
         it limits, the largest of the last waves."""
-        return self.flow.top_strain if self.flow.numerics.wave_step else self.flow.mean_strain
+        return self.flow.last_waves.largest if self.flow.numerics.wave_step else self.flow.mean_strain
 
     @property
     def columns(self) -> dict[str, str]:
@@ -197,7 +197,7 @@ class Projection:
         """Return what a checkpoint needs beside the particles. Not collective."""
         largest, mean = self.flow.accelerations
         return {"acceleration": largest, "rms_acceleration": mean, "mean_acceleration": self.flow.mean_acceleration,
-                "mean_strain": self.flow.mean_strain, "top_strain": self.flow.top_strain,
+                "mean_strain": self.flow.mean_strain, "last_waves": self.flow.last_waves.state(),
                 "pressure_times": self.guesses.times,
                 "acceleration_times": self.earlier_accelerations.times}
 
@@ -206,7 +206,7 @@ class Projection:
         self.flow.accelerations = state.get("acceleration", 0.0), state.get("rms_acceleration", 0.0)
         self.flow.mean_acceleration = state.get("mean_acceleration", 0.0)
         self.flow.mean_strain = state.get("mean_strain", 0.0)
-        self.flow.top_strain = state.get("top_strain", 0.0)
+        self.flow.last_waves.resume(state.get("last_waves", self.flow.last_waves.state()))
         self.guesses.times = list(state.get("pressure_times", ()))
         if self.stepping.corrected:
             self.earlier_accelerations.times = list(state.get("acceleration_times", ()))
@@ -478,7 +478,7 @@ class Projection:
         squares, count, surface, roots, particles, strain, collisions = sums
         flow.mean_strain = float(strain / max(particles, 1.0)) / dt
         acceleration = float(roots / max(particles, 1.0)) ** 2
-        straining.remember_strain(flow, dt)
+        flow.last_waves.take(flow.mean_strain, dt, flow.wave_time)
         straining.remember(flow, acceleration, dt)
         self.pressure_window = self._window(acceleration)
         again = {} if second is None else {"position_iterations": second.iterations,

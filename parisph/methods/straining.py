@@ -16,7 +16,6 @@ DOUBT = 0.02  # density error near the surface that is no more than disorder in 
 RAPID = 0.15  # rate of strain, over sqrt(a/s), at which the doubt is half of that, and flow half rapid
 REST = 0.005  # rate of strain, over sqrt(a/s), below which fluid is as good as at rest
 MEMORY = 20.0  # time in which the mean acceleration is forgotten, over sqrt(s/a): longer than an impact
-WAVES = 100.0  # time in which the largest mean strain is forgotten, over sqrt(s/g): several waves of twenty spacings
 WHOLE = 0.02  # length of a step, over sqrt(s/a), in which regularisation may have its full strength
 
 FIELDS = ("grad_u", "strain_rate")
@@ -103,15 +102,6 @@ def remember(flow: "Flow", acceleration: float, dt: float) -> None:
     if acceleration > 0.0:
         left = 1.0 - min(1.0, dt / (MEMORY * np.sqrt(flow.spacing / acceleration)))
         flow.mean_acceleration = max(acceleration, left * flow.mean_acceleration)
-
-
-def remember_strain(flow: "Flow", dt: float) -> None:
-    """Take the mean strain rate of a step of dt [s] into the largest of the last waves. Not collective.
-
-    Without gravity there are no waves to remember.
-    """
-    left = max(0.0, 1.0 - dt / (WAVES * flow.wave_time)) if 0.0 < flow.wave_time < np.inf else 0.0
-    flow.top_strain = max(flow.mean_strain, left * flow.top_strain)
 
 
 def strength(flow: "Flow", most: float, per_strain: float) -> np.ndarray:

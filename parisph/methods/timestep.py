@@ -28,7 +28,7 @@ STRAIN = 0.015
 # The same in waves, by the largest of the last waves: the mean level drifts in proportion to it. A standing wave with
 # a = .05 d, kd = pi and d/s = 10 rises by 3 % of a in 60 periods with it, by 8 % with twice the step.
 WAVE_STRAIN = 0.007
-WAVE_MOVE = 0.02    # spacings the fastest particle may move whatever the strain: a rough moment is no end of the run
+WAVE_LEAST = 0.1    # of the longest step of waves, whatever the strain: a rough moment is no end of the run
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
@@ -46,9 +46,10 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     a dam break, half the step while the water hits the wall is worth as much as half the step all the time. Where
     `fall` is not 0, no step strains the fluid by more than STRAIN in the mean. In waves a step is at most `wave_step`
     sqrt(s/g), and strains the fluid by WAVE_STRAIN at most: the same step all the time, since steps that change within
-    a period feed or damp the wave. Neither impact nor strain makes it
-    shorter than the fastest particle takes for LEAST_MOVE spacings. A step is at most a tenth longer than the
-    last one, so that a single calm step during an impact does not undo the reduction. Infinite if nothing limits it.
+    a period feed or damp the wave. In violent flow neither impact nor strain makes it shorter than the fastest
+    particle takes for LEAST_MOVE spacings, in waves strain makes it no shorter than WAVE_LEAST of the longest. A step
+    is at most a tenth longer than the last one, so that a single calm step during an impact does not undo the
+    reduction. Infinite if nothing limits it.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     if fastest > 0.0:
         violent = max(violent, LEAST_MOVE * numerics.spacing / fastest)
     dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * largest, gravity)), violent,
-             _of_waves(numerics, gravity, strain_rate, fastest))
+             _of_waves(numerics, gravity, strain_rate))
     if numerics.max_time_step is not None:
         dt = min(dt, numerics.max_time_step)
     if previous is not None:
@@ -110,7 +111,7 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
     mine = np.array([inverse, a.max(initial=0.0), force_at(0.0)])
     comm.Allreduce(MPI.IN_PLACE, mine, op=MPI.MAX)
     inverse, strongest, force = mine
-    dt = min(dt, _accurate(numerics, min(BRISK * strongest, force)), _of_waves(numerics, force, 0.0, 0.0))
+    dt = min(dt, _accurate(numerics, min(BRISK * strongest, force)), _of_waves(numerics, force, 0.0))
     if inverse > 0.0:
         dt = min(dt, 1.0 / float(inverse))
     if dt == np.inf:
@@ -162,13 +163,13 @@ def _accurate(numerics, acceleration):
     return numerics.fall * np.sqrt(numerics.spacing / acceleration)
 
 
-def _of_waves(numerics, gravity, strain_rate, fastest):
+def _of_waves(numerics, gravity, strain_rate):
     """Return the longest step [s] of waves; infinite without `wave_step`."""
     if not numerics.wave_step:
         return np.inf
     by_gravity = numerics.wave_step * np.sqrt(numerics.spacing / gravity) if gravity > 0.0 else np.inf
     by_strain = WAVE_STRAIN / strain_rate if strain_rate > 0.0 else np.inf
-    return min(by_gravity, max(by_strain, WAVE_MOVE * numerics.spacing / fastest) if fastest > 0.0 else by_strain)
+    return min(by_gravity, max(by_strain, WAVE_LEAST * by_gravity) if gravity > 0.0 else by_strain)
 
 
 def _fastest(particles):

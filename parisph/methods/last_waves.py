@@ -1,0 +1,49 @@
+"""What is remembered of the last waves, so that steps do not change within a wave."""
+
+import numpy as np
+
+WAVES = 100.0    # a span of time over sqrt(s/g): several waves of twenty spacings
+
+
+class LastWaves:
+    """The largest mean strain rate of the last waves [1/s]: the same all the time in a wave that lasts.
+
+    It is the largest of a span of time and of the span before it. A largest value that fades would rise at each crest:
+    steps in proportion to it would change with the wave, which feeds it. A standing wave with a = .05 d, kd = 1 and
+    d/s = 10 gained 2.6 % of its energy in 100 periods.
+
+    Attributes
+    ----------
+    values : largest values of the span that goes on, and of the one before [1/s]
+    age : of the span that goes on [s]
+    """
+
+    def __init__(self) -> None:
+        self.values, self.age = [0.0, 0.0], 0.0
+
+    @property
+    def largest(self) -> float:
+        """Largest value of both spans [1/s]."""
+        return max(self.values)
+
+    def take(self, rate: float, dt: float, wave_time: float) -> None:
+        """Take the rate [1/s] of a step of dt [s] in.
+
+        wave_time : sqrt(s/g) [s]; without gravity there are no waves to remember
+        """
+        span = WAVES * wave_time
+        if not 0.0 < span < np.inf:
+            self.values = [rate, 0.0]
+            return
+        self.age += dt
+        if self.age > span:
+            self.values, self.age = [0.0, self.values[0]], 0.0
+        self.values[0] = max(self.values[0], rate)
+
+    def state(self) -> list[float]:
+        """Return what a checkpoint needs."""
+        return [*self.values, self.age]
+
+    def resume(self, state: list[float]) -> None:
+        """Continue from the state in a checkpoint."""
+        *self.values, self.age = state
