@@ -128,6 +128,12 @@ def assemble(work: np.ndarray, right: np.ndarray, b: np.ndarray, w: np.ndarray, 
     b : polynomials up to degree 3, and data in the row after them, with whole LANES of columns, and of rows
     w : (1, columns) weights
     """
+    if m == 0:
+        for r in range(n):
+            right[r] = 0.0
+            for c in range(r + 1):
+                work[r, c] = 0.0
+        return
     last, columns = terms(3, axes), (m + LANES - 1) // LANES * LANES
     for k in range(m, columns):
         w[0, k] = 0.0

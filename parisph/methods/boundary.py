@@ -58,11 +58,13 @@ class Boundary(ABC):
         (n_owned, dim) [1/m], 0 for walls."""
 
     @abstractmethod
-    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow") -> None:
+    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow",
+                further: np.ndarray | None = None, other: np.ndarray | None = None) -> None:
         """Add what half cells at walls for which no fluid stands contribute.
 
         share : (n_all,), for which part of its half cell fluid stands (halves.wall_share)
         ratio : (n_owned,); gradient : (n_owned, dim) [1/m]; both hold 0
+        further : (n_owned,), holds 0, the ratio with `other` (n_all,) shares, or both None
         """
 
     @abstractmethod

@@ -80,6 +80,7 @@ class Flow:
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
         self.force = self.body_force = self.absorbed = np.zeros((0, particles.dim))
         self.varies, self.bends = False, True
+        self._uneven = self.body_force, False
         self.by_pressure = np.zeros(particles.n_owned)
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None
@@ -106,8 +107,16 @@ class Flow:
     @property
     def pull(self) -> np.ndarray:
         """The body force per volume (n_all, dim) [Pa/m], (0, dim) where it is uniform or the Laplacian holds it too."""
-        force = self.body_force
-        return self.density * force if self.bends and np.any(force != force[:1]) else force[:0]
+        return self.density * self.body_force if self.bends and self.uneven else self.body_force[:0]
+
+    @property
+    def uneven(self) -> bool:
+        """Whether the body force varies among the particles of this rank. Once it is asked for, it stays as it is."""
+        force, (looked_at, found) = self.body_force, self._uneven
+        if looked_at is not force:
+            found = bool(np.any(force != force[:1]))
+            self._uneven = force, found
+        return found
 
     @property
     def outer_pull(self) -> np.ndarray:

@@ -29,8 +29,8 @@ def shares(pool, cells, most=1.0, before=halves.BEFORE):
 def extra(pool, share):
     h = H * pool.spacing
     ratio, gradient = np.zeros(pool.n), np.zeros((pool.n, pool.dim))
-    halves.add_parts(ratio, gradient, pool.beside, pool.x, pool.kind, 1.0 - share, pool.corner, pool.normal, h,
-                   surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
+    halves.add_parts(ratio, gradient, np.empty(0), pool.beside, pool.x, pool.kind, 1.0 - share, np.empty(0),
+                     pool.corner, pool.normal, h, surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
     return ratio, gradient
 
 
@@ -90,7 +90,8 @@ def test_parts_of_fluid_without_walls_are_the_same_sum(dim):
     part, h = np.where(pool.fluid, np.random.default_rng(1).uniform(-0.3, 0.3, pool.n), 0.0), H * pool.spacing
     full, fluid = surface.lattice_sum(pool.spacing, h, pool.axes), np.flatnonzero(pool.fluid)
     due, found = ((np.zeros(pool.n), np.zeros((pool.n, pool.dim))) for _ in range(2))
-    halves.add_parts(*due, fluid, pool.x, pool.kind, part, pool.corner, pool.normal, h, full, *pool.csr)
+    halves.add_parts(*due, np.empty(0), fluid, pool.x, pool.kind, part, np.empty(0), pool.corner, pool.normal, h,
+                     full, *pool.csr)
     walls = beside_walls(pool.kind, pool.indptr, pool.indices)
     halves.add_parts_inside(*found, pool.x, pool.kind, part, h, full, walls[1], *pool.csr)
     inside = np.setdiff1d(fluid, walls[0])
