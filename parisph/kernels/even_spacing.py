@@ -40,7 +40,7 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
         push[:] = 0.0
         for a in range(dim):
             size += across[i, a] ** 2
-        for k in range(indptr[i], indptr[i + 1]):
+        for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
             j = np.uint32(indices[k])
             r2 = 0.0
             for a in range(dim):

@@ -177,7 +177,7 @@ def divergence(div: np.ndarray, u: np.ndarray, role: np.ndarray, count: np.ndarr
             continue
         total, ux, uy = 0.0, u[i, 0], u[i, 1]
         uz = u[i, 2] if len(axes) == 3 else 0.0
-        for k in range(indptr[i], indptr[i] + count[i]):
+        for k in range(np.uint32(indptr[i]), np.uint32(indptr[i] + count[i])):
             j = np.uint32(columns[k])
             total += flux[k, 0] * (u[j, 0] - ux) + flux[k, 1] * (u[j, 1] - uy)
             if len(axes) == 3:
@@ -206,7 +206,7 @@ def gradient_invariants(square: np.ndarray, rate: np.ndarray, div: np.ndarray, u
             continue
         # named scalars, which stay in registers
         xx, xy, yx, yy, xz, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for k in range(indptr[i], indptr[i] + count[i]):
+        for k in range(np.uint32(indptr[i]), np.uint32(indptr[i] + count[i])):
             j = np.uint32(columns[k])
             fx, fy, dx, dy = flux[k, 0], flux[k, 1], u[j, 0] - u[i, 0], u[j, 1] - u[i, 1]
             xx += fx * dx
