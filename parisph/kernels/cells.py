@@ -157,7 +157,7 @@ def _ordered(indptr, indices):
     n = len(indptr) - 1
     found, fill = np.empty_like(indices), indptr[:-1].copy()
     for i in range(n):
-        for k in range(indptr[i], indptr[i + 1]):
+        for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
             j = np.uint32(indices[k])
             if j < n:
                 place = np.uint32(fill[j])

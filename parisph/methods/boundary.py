@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 
 from parisph.case.friction import Friction
-from parisph.kernels import wetness
+from parisph.kernels import movement, wetness
 from parisph.kernels.moving_mirrors import Solids, no_solids
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ class Boundary(ABC):
         None stands for 0. Of the pressure, along is rho times the force, and walls that move have less of it.
         """
         p = flow.particles
-        return np.zeros(len(p.x_all)) if along is None else np.einsum("ia,ia->i", p.normal_all, along)
+        return np.zeros(len(p.x_all)) if along is None else movement.along(p.normal_all, along)
 
     def mend_gradient(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
                       form: tuple[float, int, float]) -> None:

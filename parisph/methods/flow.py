@@ -114,7 +114,7 @@ class Flow:
         """Whether the body force varies among the particles of this rank. Once it is asked for, it stays as it is."""
         force, (looked_at, found) = self.body_force, self._uneven
         if looked_at is not force:
-            found = bool(np.any(force != force[:1]))
+            found = force.strides[0] != 0 and bool(np.any(force != force[:1]))    # one row for all is the usual force
             self._uneven = force, found
         return found
 
@@ -184,8 +184,9 @@ class Flow:
             return np.zeros_like(p.u)
         shear = self.walls.shear(self)
         turn = 2.0 * self._turn - self.swirl()[:p.n_owned]
-        if np.any(turn):
-            shear += turn[:, None] * np.stack([p.normal[:, 1], -p.normal[:, 0]], axis=1)
+        if np.any(turn):    # numpy is slow along a short last axis
+            shear[:, 0] += turn * p.normal[:, 1]
+            shear[:, 1] -= turn * p.normal[:, 0]
         return shear
 
     def swirl(self) -> np.ndarray:
