@@ -85,6 +85,21 @@ def test_walls_with_their_whole_share_add_no_surplus(dim):
 
 
 @dims
+def test_one_pass_gives_the_surplus_of_two_shares(dim):
+    pool, rng = filled(dim, jitter=0.5), np.random.default_rng(2)
+    parts = [np.where(pool.fluid, 0.0, rng.uniform(-1.0, 0.5, pool.n)) for _ in range(2)]
+    parts[0][::3] = 0.0    # where the second one is not
+    h = H * pool.spacing
+    ratio, gradient, further = np.zeros(pool.n), np.zeros((pool.n, dim)), np.zeros(pool.n)
+    halves.add_parts(ratio, gradient, further, pool.beside, pool.x, pool.kind, parts[0], parts[1], pool.corner,
+                     pool.normal, h, surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
+    one, other = (extra(pool, 1.0 - part) for part in parts)
+    assert other[0].any()
+    for found, due in ((ratio, one[0]), (gradient, one[1]), (further, other[0])):
+        np.testing.assert_allclose(found, due, atol=1e-12)
+
+
+@dims
 def test_parts_of_fluid_without_walls_are_the_same_sum(dim):
     pool = filled(dim, jitter=0.5)
     part, h = np.where(pool.fluid, np.random.default_rng(1).uniform(-0.3, 0.3, pool.n), 0.0), H * pool.spacing
