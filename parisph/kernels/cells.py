@@ -114,7 +114,7 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
     place = x[member]  # sorted by cell, so that consecutive members are consecutive in memory
     indptr = np.zeros(n_owned + 1, np.int32)
     indices = np.empty(24 * n_owned + 256, np.int32)
-    n = 0
+    n = np.uint32(0)    # unsigned, so that numba adds no test for a negative index: a third less time
     for i in range(n_owned):
         k_last = min(max(int((x[i, dim - 1] - lower[dim - 1]) / size), 0), last - 1)
         lo, hi = max(k_last - 1, 0), min(k_last + 1, last - 1)
@@ -133,13 +133,13 @@ def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
             first, stop = start[row * last + lo], start[row * last + hi + 1]
             if n + stop - first > len(indices):
                 indices = _enlarged(indices, n, 2 * len(indices) + stop - first)
-            for m in range(first, stop):
+            for m in range(np.uint32(first), np.uint32(stop)):
                 dx, dy = place[m, 0] - cx, place[m, 1] - cy
                 d2 = dx * dx + dy * dy
                 if dim == 3:
                     d2 += (place[m, 2] - cz) ** 2
-                indices[n] = member[m]
-                n += (d2 < r2) & (member[m] != i)
+                indices[n] = member[m]    # overwritten by the next one if it is no neighbour
+                n += np.uint32((d2 < r2) & (member[m] != i))
         indptr[i + 1] = n
     return indptr, indices[:n]
 
@@ -157,7 +157,7 @@ def _ordered(indptr, indices):
     n = len(indptr) - 1
     found, fill = np.empty_like(indices), indptr[:-1].copy()
     for i in range(n):
-        for k in range(indptr[i], indptr[i + 1]):
+        for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
             j = np.uint32(indices[k])
             if j < n:
                 place = np.uint32(fill[j])

@@ -25,13 +25,16 @@ def fill_basis(basis: np.ndarray, m: int, axes: tuple[int, ...]) -> None:
 def weigh(moments: np.ndarray, w: np.ndarray, basis: np.ndarray, at: np.ndarray, m: int, axes: tuple[int, ...]) -> None:
     """Compute the weights of the neighbours about each point of the circle, and sum their moments.
 
+    The particle in the centre counts as well: it needs no column, because all its moments but the first are 0.
+
     Second moments follow from those of the harmonic polynomials and of r^2. The sums are named
     scalars, which stay in registers; sums in an array would not.
     """
     dim = len(axes)
     for q in range(len(w)):
         px, py = at[0, q], at[1, q]
-        s0, sx, sy, sz, sd, se, sxy, sxz, syz, sr = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        sx, sy, sz, sd, se, sxy, sxz, syz, sr = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        s0 = quartic_weight(px * px + py * py + (at[2, q] ** 2 if dim == 3 else 0.0), 1.0)
         for k in range(m):
             r2 = (basis[0, k] - px) ** 2 + (basis[1, k] - py) ** 2
             if dim == 3:

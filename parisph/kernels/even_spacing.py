@@ -30,7 +30,7 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
     across : (n_owned, dim), any length, the direction across the surface; known : (n_all,) bool, walls with one normal
     strength : (n_owned,), part of a displacement of one particle on the lattice that is undone
     """
-    dim = len(axes)
+    dim, reach2 = len(axes), (REACH * spacing) ** 2
     push = np.empty(dim)
     for i in range(len(indptr) - 1):
         move[i, :] = 0.0
@@ -40,21 +40,21 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
         push[:] = 0.0
         for a in range(dim):
             size += across[i, a] ** 2
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            r2, away, above = 0.0, 0.0, 0.0
+        for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
+            j = np.uint32(indices[k])
+            r2 = 0.0
             for a in range(dim):
-                d = x[i, a] - x[j, a]
-                r2 += d * d
-                away += normal[j, a] * d
-                above += across[i, a] * d
+                r2 += (x[i, a] - x[j, a]) ** 2
             if kind[j] == FLUID:
-                if not on or role[j] == SURFACE:
+                if r2 < reach2 and (not on or role[j] == SURFACE):
                     f = _push(r2, spacing)
                     for a in range(dim):
                         push[a] += f * (x[i, a] - x[j, a])
             elif known[j]:
-                share = 1.0
+                share, away, above = 1.0, 0.0, 0.0
+                for a in range(dim):
+                    away += normal[j, a] * (x[i, a] - x[j, a])
+                    above += across[i, a] * (x[i, a] - x[j, a])
                 if on:
                     above2 = above * above / size
                     r2 -= above2

@@ -41,14 +41,11 @@ def flux_rows(count: np.ndarray, columns: np.ndarray, flux: np.ndarray, div: np.
             continue
         first = indptr[i]
         n = gather_within(basis, columns, first, i, x, role, radius, circle + radius, indptr, indices, axes)
-        for a in range(dim):
-            basis[a, n] = 0.0  # the particle itself comes last
-        m = fill_up(basis, n + 1, axes)
+        m = fill_up(basis, n, axes)
         fill_basis(basis, m, axes)
         weigh(moments, w, basis, at, m, axes)
         spanned = linear_fit(fit, moments, at, points, axes) == points
         sum_over_points(mean, fit, w, basis, unit, m, axes)
-        mean[0, n] = 0.0
         sound = spanned and _surrounded(mean, basis, m, circle / radius, points)
         count[i] = n
         _finish(i, first, n, dim / (circle * points) if sound else 0.0, mean, columns, flux, div, u, axes)

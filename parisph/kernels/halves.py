@@ -52,9 +52,9 @@ def wall_share(share: np.ndarray, x: np.ndarray, kind: np.ndarray, cells: np.nda
 
 
 @kernel
-def add_parts(ratio: np.ndarray, gradient: np.ndarray, own: np.ndarray, x: np.ndarray, kind: np.ndarray,
-              part: np.ndarray, corner: np.ndarray, normal: np.ndarray, h: float, full: float, indptr: np.ndarray,
-              indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def add_parts(ratio: np.ndarray, gradient: np.ndarray, further: np.ndarray, own: np.ndarray, x: np.ndarray,
+              kind: np.ndarray, part: np.ndarray, other: np.ndarray, corner: np.ndarray, normal: np.ndarray, h: float,
+              full: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
     """Add to the density ratio, and to its gradient, what comes from a part of each particle.
 
     ratio_i = sum_j part_j W_ij / sum W over i itself, its neighbours, and the mirror images of these
@@ -63,18 +63,21 @@ def add_parts(ratio: np.ndarray, gradient: np.ndarray, own: np.ndarray, x: np.nd
 
     ratio : (n_owned,), gradient : (n_owned, dim) [1/m]; own : of these, the fluid to look at
     kind : (n_all,), ABSENT for particles that are no neighbours; part : (n_all,), negative where something is missing
+    further : (n_owned,), the ratio of `other` (n_all,) parts; both without rows if there are none
     indptr, indices : the lists of all neighbours; for parts of walls alone, also those of `mirrors.beside_walls`
     """
     dim = len(axes)
     member, image = np.empty(dim, np.int64), np.empty(dim)
     for i in own:
-        if not _any_part(i, kind, part, indptr, indices):
+        if not (_any_part(i, kind, part, indptr, indices)
+                or (len(other) > 0 and _any_part(i, kind, other, indptr, indices))):
             continue
         planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
         for subset in range(1 << planes):
             for k in range(indptr[i] - 1, indptr[i + 1]):
                 j = i if k < indptr[i] else indices[k]
-                if part[j] == 0.0 or kind[j] == ABSENT:
+                one, two = part[j], other[j] if len(other) > 0 else 0.0
+                if (one == 0.0 and two == 0.0) or kind[j] == ABSENT:
                     continue
                 if subset:
                     if not casts_image(j, subset, member, x, kind, normal, 0.1 * h, axes):
@@ -83,7 +86,7 @@ def add_parts(ratio: np.ndarray, gradient: np.ndarray, own: np.ndarray, x: np.nd
                 else:
                     for a in range(dim):
                         image[a] = x[j, a]
-                _add(ratio, gradient, i, image, x, part[j] / full, h, axes)
+                _add(ratio, gradient, further, i, image, x, one / full, two / full, h, axes)
 
 
 @kernel
@@ -130,12 +133,15 @@ def _any_part(i, kind, part, indptr, indices):
 
 
 @inlined
-def _add(ratio, gradient, i, place, x, weight, h, axes):
+def _add(ratio, gradient, further, i, place, x, weight, other, h, axes):
     """Add a neighbour at a place to the sums of particle i."""
     dim, r2 = len(axes), 0.0
     for a in range(dim):
         r2 += (place[a] - x[i, a]) ** 2
-    ratio[i] += weight * cubic_spline(math.sqrt(r2), h, dim)
+    here = cubic_spline(math.sqrt(r2), h, dim)
+    ratio[i] += weight * here
+    if len(further) > 0:
+        further[i] += other * here
     slope = weight * cubic_spline_slope(math.sqrt(r2), h, dim)
     for a in range(dim):
         gradient[i, a] -= slope * (place[a] - x[i, a])

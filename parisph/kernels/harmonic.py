@@ -100,9 +100,9 @@ def add_slopes(b: np.ndarray, w: np.ndarray, m: int, i: int, slope: np.ndarray, 
     m : columns that there are; lap : what slopes grow by with the distance [1/m]; unit : of lengths [m]
     scale : of data; others : as of harmonic_gradient
     """
-    radius2, z, r = radius * radius, 0.0, 0.0
-    for k in range(indptr[i] - 1, indptr[i + 1]):
-        j = np.uint32(i if k < indptr[i] else indices[k])
+    radius2, z, r, first = radius * radius, 0.0, 0.0, np.uint32(indptr[i])
+    for k in range(first, np.uint32(indptr[i + 1]) + np.uint32(1)):
+        j = np.uint32(i if k == first else indices[np.uint32(k - 1)])
         if not known[j]:
             continue
         dx, dy, p, q = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], normal[j, 0], normal[j, 1]
@@ -128,6 +128,12 @@ def assemble(work: np.ndarray, right: np.ndarray, b: np.ndarray, w: np.ndarray, 
     b : polynomials up to degree 3, and data in the row after them, with whole LANES of columns, and of rows
     w : (1, columns) weights
     """
+    if m == 0:
+        for r in range(n):
+            right[r] = 0.0
+            for c in range(r + 1):
+                work[r, c] = 0.0
+        return
     last, columns = terms(3, axes), (m + LANES - 1) // LANES * LANES
     for k in range(m, columns):
         w[0, k] = 0.0

@@ -27,9 +27,12 @@ def beside_walls(kind: np.ndarray, indptr: np.ndarray,
     start, walls, m = np.zeros(len(indptr), np.int32), np.empty(len(indices), np.int32), 0
     for i in range(len(indptr) - 1):
         if kind[i] == FLUID:
-            for k in range(indptr[i], indptr[i + 1]):
-                walls[m] = indices[k]    # overwritten by the next one if it is fluid
-                m += kind[indices[k]] == WALL
+            at = np.uint32(m)    # unsigned, as in `near.gather`
+            for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
+                j = np.uint32(indices[k])
+                walls[at] = j    # overwritten by the next one if it is fluid
+                at += np.uint32(kind[j] == WALL)
+            m = np.int64(at)
         start[i + 1] = m
         found[n] = i
         n += m > start[i]
@@ -166,16 +169,18 @@ def gather_around(near: np.ndarray, walls: np.ndarray, member: np.ndarray, image
     walls : int32, of the length from `near.room_for`, member : (dim,) int64, image : (dim,) scratch
     Returns the number of columns in use, including the padding with points without weight.
     """
-    dim, n, w, scale, cx, cy = len(axes), 0, 0, 1.0 / h, x[i, 0], x[i, 1]
+    dim, scale, cx, cy = len(axes), 1.0 / h, x[i, 0], x[i, 1]
     cz = x[i, 2] if dim == 3 else 0.0
-    for k in range(indptr[i], indptr[i + 1]):
+    to, wall = np.uint32(0), np.uint32(0)    # unsigned, as in `near.gather`
+    for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
         j = np.uint32(indices[k])
-        near[0, n], near[1, n] = (x[j, 0] - cx) * scale, (x[j, 1] - cy) * scale    # overwritten if j does not count
+        near[0, to], near[1, to] = (x[j, 0] - cx) * scale, (x[j, 1] - cy) * scale    # overwritten if j does not count
         if dim == 3:
-            near[2, n] = (x[j, 2] - cz) * scale
-        n += kind[j] != ABSENT
-        walls[w] = j
-        w += kind[j] == WALL
+            near[2, to] = (x[j, 2] - cz) * scale
+        to += np.uint32(kind[j] != ABSENT)
+        walls[wall] = j
+        wall += np.uint32(kind[j] == WALL)
+    n, w = np.int64(to), np.int64(wall)
     if w > 0:
         planes = _planes_among(member, i, x, kind, corner, normal, 0, w, walls, axes)
         if planes == 1:

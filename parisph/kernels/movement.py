@@ -42,6 +42,17 @@ def carry(u: np.ndarray, grad_u: np.ndarray, move: np.ndarray) -> None:
 
 
 @kernel
+def along(direction: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """Return the component of vectors f (n, dim) in the directions (n, dim) of their particles: (n,)."""
+    out, three = np.empty(len(f)), f.shape[1] == 3
+    for i in range(len(f)):
+        out[i] = direction[i, 0] * f[i, 0] + direction[i, 1] * f[i, 1]
+        if three:
+            out[i] += direction[i, 2] * f[i, 2]
+    return out
+
+
+@kernel
 def accelerate(u: np.ndarray, acceleration: np.ndarray, by_pressure: np.ndarray, grad: np.ndarray, force: np.ndarray,
                density: float, dt: float, kind: np.ndarray) -> None:
     """Add dt times the acceleration f - grad/rho to the velocities of fluid, and write it for all particles.

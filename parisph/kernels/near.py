@@ -14,7 +14,7 @@ from parisph.kernels.jit import inlined, subkernel
 from parisph.kernels.roles import outside
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope, quartic_weight
 
-LANES = 4
+LANES = 8    # two vectors: with 4, a loop that takes two at a time leaves a slow rest (5 % of rows and densities)
 FAR = 8.0  # in units of the radius of the weight
 
 # Weights of least squares that are not the quartic weight over a power of r: the cubic spline W whose
@@ -44,37 +44,38 @@ def gather(near: np.ndarray, member: np.ndarray, first: int, i: int, x: np.ndarr
     near : (dim, columns from `room_for`); member : int32, their numbers, from `first` on
     Returns the number of neighbours.
     """
-    n, scale, cx, cy = 0, 1.0 / radius, x[i, 0], x[i, 1]
+    # all indices are unsigned, so that numba adds no test for negative ones
+    n, start, scale, cx, cy = np.uint32(0), np.uint32(first), 1.0 / radius, x[i, 0], x[i, 1]
     cz = x[i, 2] if len(axes) == 3 else 0.0
-    for k in range(indptr[i], indptr[i + 1]):
-        j = np.uint32(indices[k])  # unsigned, so that numba adds no test for a negative index
-        member[first + n] = j  # overwritten by the next one if j is not used
+    for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
+        j = np.uint32(indices[k])
+        member[np.uint32(start + n)] = j  # overwritten by the next one if j is not used
         near[0, n], near[1, n] = (x[j, 0] - cx) * scale, (x[j, 1] - cy) * scale
         if len(axes) == 3:
             near[2, n] = (x[j, 2] - cz) * scale
-        n += not outside(role[j])
-    return n
+        n += np.uint32(not outside(role[j]))
+    return np.int64(n)
 
 
 @inlined
 def gather_within(near: np.ndarray, member: np.ndarray, first: int, i: int, x: np.ndarray, role: np.ndarray,
                   radius: float, reach: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> int:
     """Write the neighbours as `gather` does, but only those nearer than the reach: lists may reach farther."""
-    n, scale, cx, cy = 0, 1.0 / radius, x[i, 0], x[i, 1]
+    n, start, scale, cx, cy = np.uint32(0), np.uint32(first), 1.0 / radius, x[i, 0], x[i, 1]
     cz = x[i, 2] if len(axes) == 3 else 0.0
     limit2 = reach * reach
-    for k in range(indptr[i], indptr[i + 1]):
+    for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
         j = np.uint32(indices[k])
         dx, dy = x[j, 0] - cx, x[j, 1] - cy
         r2 = dx * dx + dy * dy
-        member[first + n] = j
+        member[np.uint32(start + n)] = j
         near[0, n], near[1, n] = dx * scale, dy * scale
         if len(axes) == 3:
             dz = x[j, 2] - cz
             r2 += dz * dz
             near[2, n] = dz * scale
-        n += (not outside(role[j])) & (r2 < limit2)
-    return n
+        n += np.uint32((not outside(role[j])) & (r2 < limit2))
+    return np.int64(n)
 
 
 @inlined

@@ -46,13 +46,13 @@ def close_pairs(x: np.ndarray, kind: np.ndarray, distance: float, indptr: np.nda
     As CSR, in the order of the lists: indptr (n_owned + 1,) int32, indices int32. What only concerns close pairs looks
     at these, which are few, in place of all neighbours.
     """
-    n, close, distance2 = 0, np.empty(len(indices), np.int32), distance * distance
+    n, close, distance2 = np.uint32(0), np.empty(len(indices), np.int32), distance * distance
     start = np.zeros(len(indptr), np.int32)
     for i in range(len(indptr) - 1):
         if kind[i] == FLUID:
             cx, cy = x[i, 0], x[i, 1]
             cz = x[i, 2] if len(axes) == 3 else 0.0
-            for k in range(indptr[i], indptr[i + 1]):
+            for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
                 j = np.uint32(indices[k])
                 dx, dy = x[j, 0] - cx, x[j, 1] - cy
                 r2 = dx * dx + dy * dy
@@ -60,7 +60,7 @@ def close_pairs(x: np.ndarray, kind: np.ndarray, distance: float, indptr: np.nda
                     r2 += (x[j, 2] - cz) ** 2
                 if (r2 < distance2) & (0.0 < r2) & (kind[j] == FLUID):    # few are, which a processor foresees
                     close[n] = j
-                    n += 1
+                    n += np.uint32(1)
         start[i + 1] = n
     return start, close[:n].copy()
 

@@ -67,19 +67,27 @@ def fit_potential(beyond: np.ndarray, gradient: np.ndarray, square: np.ndarray, 
             n += 1
         m = fill_up(near, n, axes)
         harmonic.weigh(weight, near, m, axes)
-        for a in range(dim):
-            for k in range(m):
-                v[a, k] = u[np.uint32(member[k]), a] if k < n else 0.0
+        for k in range(n):
+            j = np.uint32(member[k])
+            for a in range(dim):
+                v[a, k] = u[j, a]
+        for k in range(n, m):
+            for a in range(dim):
+                v[a, k] = 0.0
         first = _add_columns(b, w, weight, near, v, m, axes) if dim == 3 else 0
         last = harmonic.add_slopes(b, w, first, i, across, known, 0.0, unit, 1.0, radius, x, normal, indptr, indices,
                                    axes)
         data, sound = dim * n + last - first, False
-        for count in (size, less):
-            if data > count and not sound:
-                harmonic.assemble(work, right, b, w, last, count, axes)
-                if dim == 2:
-                    _add_moments(work, right, weight, near, v, m)
-                sound = harmonic.solve(right, work, moment, rest, inverse, count, less, np.inf, axes)
+        if data > size:
+            harmonic.assemble(work, right, b, w, last, size, axes)
+            if dim == 2:
+                _add_moments(work, right, weight, near, v, m)
+            sound = harmonic.solve(right, work, moment, rest, inverse, size, less, np.inf, axes)
+        if data > less and not sound:    # not in a loop: of a number that is known the code is faster
+            harmonic.assemble(work, right, b, w, last, less, axes)
+            if dim == 2:
+                _add_moments(work, right, weight, near, v, m)
+            sound = harmonic.solve(right, work, moment, rest, inverse, less, less, np.inf, axes)
         if sound:
             square[i] = _curve(gradient, i, right, unit, axes)
             for a in range(dim if kind[i] == FLUID else 0):

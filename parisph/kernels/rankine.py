@@ -74,14 +74,11 @@ def rankine_rows(count: np.ndarray, columns: np.ndarray, values: np.ndarray, mea
             continue
         first = indptr[i]
         n = gather(basis, columns, first, i, x, role, radius, indptr, indices, axes)
-        for a in range(dim):
-            basis[a, n] = 0.0  # the particle itself comes last
-        m = fill_up(basis, n + 1, axes)
+        m = fill_up(basis, n, axes)
         fill_basis(basis, m, axes)
         weigh(moments, w, basis, at, m, axes)
         spanned = linear_fit(fit, moments, at, points, axes) == points
         sum_over_points(mean, fit, w, basis, unit, m, axes)
-        mean[0, n] = 0.0
         if normalised and n > size:
             _make_isotropic(mean, basis, w, m, matrix, right, axes)
         count[i] = n
@@ -148,14 +145,19 @@ def _finish(i, first, n, m, spanned, mean, basis, columns, values, measure, flux
     if spanned and total > 0.05 and spread > 0.1 * circle * circle and lowest > -UNSOUND * points * total:
         measure[i] = (spread if normalised else circle * circle) / (2.0 * dim * total)
         scale, outflow = 1.0 / (points * total), dim / (circle * points)
-        change = 0.0
+        change, ux, uy = 0.0, u[i, 0], u[i, 1]
+        uz = u[i, 2] if dim == 3 else 0.0
         for k in range(n):
-            j = columns[first + k]
-            values[first + k] = mean[0, k] * scale
-            for a in range(dim):
-                f = mean[a + 1, k] * outflow
-                flux[first + k, a] = f
-                change += f * (u[j, a] - u[i, a])
+            t = np.uint32(first + k)    # unsigned, as in `near.gather`
+            j = np.uint32(columns[t])
+            values[t] = mean[0, k] * scale
+            fx, fy = mean[1, k] * outflow, mean[2, k] * outflow
+            flux[t, 0], flux[t, 1] = fx, fy
+            change += fx * (u[j, 0] - ux) + fy * (u[j, 1] - uy)
+            if dim == 3:
+                fz = mean[3, k] * outflow
+                flux[t, 2] = fz
+                change += fz * (u[j, 2] - uz)
         div[i] = change
     else:
         measure[i] = 0.0
@@ -175,7 +177,7 @@ def divergence(div: np.ndarray, u: np.ndarray, role: np.ndarray, count: np.ndarr
             continue
         total, ux, uy = 0.0, u[i, 0], u[i, 1]
         uz = u[i, 2] if len(axes) == 3 else 0.0
-        for k in range(indptr[i], indptr[i] + count[i]):
+        for k in range(np.uint32(indptr[i]), np.uint32(indptr[i] + count[i])):
             j = np.uint32(columns[k])
             total += flux[k, 0] * (u[j, 0] - ux) + flux[k, 1] * (u[j, 1] - uy)
             if len(axes) == 3:
@@ -204,7 +206,7 @@ def gradient_invariants(square: np.ndarray, rate: np.ndarray, div: np.ndarray, u
             continue
         # named scalars, which stay in registers
         xx, xy, yx, yy, xz, yz, zx, zy, zz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        for k in range(indptr[i], indptr[i] + count[i]):
+        for k in range(np.uint32(indptr[i]), np.uint32(indptr[i] + count[i])):
             j = np.uint32(columns[k])
             fx, fy, dx, dy = flux[k, 0], flux[k, 1], u[j, 0] - u[i, 0], u[j, 1] - u[i, 1]
             xx += fx * dx

@@ -84,7 +84,7 @@ def _any(marked, i, indptr, indices):
     """Return whether any neighbour in the list of i is marked. Most particles have none; a loop without branches tells
     in a third of the time."""
     found = False
-    for k in range(indptr[i], indptr[i + 1]):
+    for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
         found |= marked[np.uint32(indices[k])]
     return found
 

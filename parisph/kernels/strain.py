@@ -111,7 +111,7 @@ def mean_over_fluid(out: np.ndarray, f: np.ndarray, x: np.ndarray, kind: np.ndar
             continue
         total, n, cx, cy = f[i], 1.0, x[i, 0], x[i, 1]
         cz = x[i, 2] if len(axes) == 3 else 0.0
-        for k in range(indptr[i], indptr[i + 1]):
+        for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
             j = np.uint32(indices[k])
             dx, dy = x[j, 0] - cx, x[j, 1] - cy
             r2 = dx * dx + dy * dy

@@ -149,7 +149,7 @@ def _bound_of_gap(i, x, kind, radius2, indptr, indices):
     branches, because the sector of a neighbour cannot be predicted.
     """
     n, occupied, cx, cy = 0, 0, x[i, 0], x[i, 1]
-    for k in range(indptr[i], indptr[i + 1]):
+    for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
         j = np.uint32(indices[k])
         dx, dy = x[j, 0] - cx, x[j, 1] - cy
         r2 = dx * dx + dy * dy

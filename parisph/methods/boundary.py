@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 
 from parisph.case.friction import Friction
-from parisph.kernels import wetness
+from parisph.kernels import movement, wetness
 from parisph.kernels.moving_mirrors import Solids, no_solids
 
 if TYPE_CHECKING:
@@ -58,11 +58,13 @@ class Boundary(ABC):
         (n_owned, dim) [1/m], 0 for walls."""
 
     @abstractmethod
-    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow") -> None:
+    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow",
+                further: np.ndarray | None = None, other: np.ndarray | None = None) -> None:
         """Add what half cells at walls for which no fluid stands contribute.
 
         share : (n_all,), for which part of its half cell fluid stands (halves.wall_share)
         ratio : (n_owned,); gradient : (n_owned, dim) [1/m]; both hold 0
+        further : (n_owned,), holds 0, the ratio with `other` (n_all,) shares, or both None
         """
 
     @abstractmethod
@@ -127,7 +129,7 @@ class Boundary(ABC):
         None stands for 0. Of the pressure, along is rho times the force, and walls that move have less of it.
         """
         p = flow.particles
-        return np.zeros(len(p.x_all)) if along is None else np.einsum("ia,ia->i", p.normal_all, along)
+        return np.zeros(len(p.x_all)) if along is None else movement.along(p.normal_all, along)
 
     def mend_gradient(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
                       form: tuple[float, int, float]) -> None:

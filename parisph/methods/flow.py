@@ -81,6 +81,7 @@ class Flow:
         self.full = surface.lattice_sum(self.spacing, lengths.DENSITY * self.spacing, self.axes)
         self.force = self.body_force = self.absorbed = np.zeros((0, particles.dim))
         self.varies, self.bends = False, True
+        self._uneven = self.body_force, False
         self.by_pressure = np.zeros(particles.n_owned)
         self.strained: np.ndarray | None = None
         self.doubt: np.ndarray | None = None
@@ -108,8 +109,16 @@ class Flow:
     @property
     def pull(self) -> np.ndarray:
         """The body force per volume (n_all, dim) [Pa/m], (0, dim) where it is uniform or the Laplacian holds it too."""
-        force = self.body_force
-        return self.density * force if self.bends and np.any(force != force[:1]) else force[:0]
+        return self.density * self.body_force if self.bends and self.uneven else self.body_force[:0]
+
+    @property
+    def uneven(self) -> bool:
+        """Whether the body force varies among the particles of this rank. Once it is asked for, it stays as it is."""
+        force, (looked_at, found) = self.body_force, self._uneven
+        if looked_at is not force:
+            found = force.strides[0] != 0 and bool(np.any(force != force[:1]))    # one row for all is the usual force
+            self._uneven = force, found
+        return found
 
     @property
     def outer_pull(self) -> np.ndarray:
@@ -177,8 +186,9 @@ class Flow:
             return np.zeros_like(p.u)
         shear = self.walls.shear(self)
         turn = 2.0 * self._turn - self.swirl()[:p.n_owned]
-        if np.any(turn):
-            shear += turn[:, None] * np.stack([p.normal[:, 1], -p.normal[:, 0]], axis=1)
+        if np.any(turn):    # numpy is slow along a short last axis
+            shear[:, 0] += turn * p.normal[:, 1]
+            shear[:, 1] -= turn * p.normal[:, 0]
         return shear
 
     def swirl(self) -> np.ndarray:

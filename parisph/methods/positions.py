@@ -59,9 +59,10 @@ class PositionProjection(Regulariser):
 
     def error(self, flow: "Flow") -> np.ndarray:
         """Return the density error (n_owned,) that is removed. Collective."""
-        error = density_error(flow)
         if flow.closed or not flow.numerics.kappa_strain:
-            return error
+            return density_error(flow)
+        share_of_pressed(flow)
+        error = density_error(flow)
         rapid = 2.0 * flow.rapid / (1.0 + flow.rapid)    # half where the strain rate is RAPID/sqrt(2) sqrt(a/s)
         return rapid * error + (1.0 - rapid) * voids(flow)
 
@@ -95,20 +96,32 @@ def voids(flow: "Flow") -> np.ndarray:
     a wall stands for more of its particles, and such that is stretched for less.
     """
     p, d = flow.particles, flow.domain
-    error = p.alpha.copy()    # less the surplus at walls; their shares are sent in the field of the error
+    error = p.alpha.copy()    # less the surplus at walls
     if "share" in p.fields:
-        halves.wall_share(p.lack, p.x_all, p.kind_all, flow.cells, p.normal_all, flow.spacing, halves.PRESSED,
-                          halves.FAR_BEFORE, d.indptr, d.indices, flow.axes)
-        d.update("lack")
-        more = np.zeros_like(error)
-        flow.walls.surplus(more, np.zeros_like(p.x), p.lack_all, flow)
-        error -= more
+        if "pressed" not in flow.found:    # which `surplus` finds as well
+            share_of_pressed(flow)
+            flow.found["pressed"] = np.zeros_like(error)
+            flow.walls.surplus(flow.found["pressed"], np.zeros_like(p.x), p.lack_all, flow)
+        error -= flow.found["pressed"]
     p.lack[:] = compression(flow, error, flow.doubt)
     d.update("lack")
+    if not np.any(p.lack_all < -VOID):    # nor is any mean
+        return np.zeros(p.n_owned)
     mean = np.empty(p.n_owned)
     strain.mean_over_fluid(mean, p.lack_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr, d.indices,
                            flow.axes)
     return np.where(p.role == INNER, np.minimum(mean + VOID, 0.0), 0.0)
+
+
+def share_of_pressed(flow: "Flow") -> None:
+    """Write the shares of half cells where fluid is pressed together along walls to the field lack. Collective."""
+    p, d = flow.particles, flow.domain
+    if "share" not in p.fields:
+        return
+    halves.wall_share(p.lack, p.x_all, p.kind_all, flow.cells, p.normal_all, flow.spacing, halves.PRESSED,
+                      halves.FAR_BEFORE, d.indptr, d.indices, flow.axes)
+    d.update("lack")
+    flow.found["shares"] = p.lack_all
 
 
 def solve(flow: "Flow", error: np.ndarray) -> None:
@@ -227,15 +240,19 @@ def concentration(flow: "Flow") -> None:
 def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
     """Return what half cells at walls for which no fluid stands add to alpha and to its gradient.
 
-    Computed once in a preparation.
+    Computed once in a preparation, in one pass with what they add by `share_of_pressed`, if that is known.
 
     alpha : (n_owned,); gradient : (n_owned, dim)
     """
     p = flow.particles
     if "surplus" not in flow.found:
         ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
+        shares = flow.found.get("shares")
+        pressed = None if shares is None else np.zeros(p.n_owned)
         if "share" in p.fields:
-            flow.walls.surplus(ratio, gradient, p.share_all, flow)
+            flow.walls.surplus(ratio, gradient, p.share_all, flow, pressed, shares)
+        if pressed is not None:
+            flow.found["pressed"] = pressed
         flow.found["surplus"] = ratio, gradient
     return flow.found["surplus"]
 

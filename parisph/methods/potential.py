@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parisph.case.numerics import Numerics
+from parisph.kernels import movement
 from parisph.kernels.potential_fit import Potential, fit_potential
 from parisph.methods import lengths, straining
 from parisph.methods.parts import REGULARISERS, Regulariser
@@ -29,7 +30,7 @@ def find(flow: "Flow") -> Potential:
         u = u + turning
     beyond, gradient, square = np.empty_like(p.u), np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned)
     fit_potential(beyond, gradient, square, u, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
-                  p.normal_all, np.einsum("ia,ia->i", p.normal_all, u), lengths.WALL * flow.spacing, d.indptr,
+                  p.normal_all, movement.along(p.normal_all, u), lengths.WALL * flow.spacing, d.indptr,
                   d.indices, flow.axes)
     if spin:
         gradient[:, 0, 1] += spin
@@ -66,7 +67,11 @@ class Irrotational(Regulariser):
         part = np.minimum(1.0, flow.numerics.filter * dt * np.sqrt(flow.by_pressure / flow.spacing))
         if flow.potential is None:
             part *= VISCOUS
-        return -(part * (1.0 - flow.rapid))[:, None] * beyond
+        part *= flow.rapid - 1.0
+        out = np.empty_like(beyond)
+        for axis in range(out.shape[1]):    # numpy is slow along a short last axis
+            np.multiply(part, beyond[:, axis], out=out[:, axis])
+        return out
 
 
 REGULARISERS.register(Irrotational())

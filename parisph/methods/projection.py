@@ -51,6 +51,7 @@ class Projection:
         self.guesses = Guesses(self.stepping.corrected)
         self.earlier_accelerations = Accelerations()
         self.pressure_window: float | None = 0.0
+        self._shear = np.empty((0, flow.particles.dim))
         self.rows = PressureRows(flow.particles.dim, parts.laplacian, parts.divergence, parts.wall_rows,
                                  n.surface_offset, lengths.MLS)
         self.solver = PressureSolver(flow.particles.comm, petsc_options, n.rtol, closed=flow.closed)
@@ -240,9 +241,8 @@ class Projection:
         for force in self.parts.forces:
             force.add(flow.force, flow, time)
         if self._whole:
-            varies = bool(np.any(flow.body_force != flow.body_force[:1]))
             comm = flow.particles.comm
-            flow.varies = varies if comm.size == 1 else comm.allreduce(varies, op=MPI.LOR)
+            flow.varies = flow.uneven if comm.size == 1 else comm.allreduce(flow.uneven, op=MPI.LOR)
 
     @property
     def _whole(self):
@@ -250,14 +250,19 @@ class Projection:
         return self.parts.gradient.whole or self.parts.surface_gradient.whole
 
     def _wall_velocity(self, later=0.0):
-        """Write the velocity of walls, a time [s] after the start of the step."""
+        """Write the velocity of walls, a time [s] after the start of the step.
+
+        Their shear is that of the first call in a step: nothing has moved since.
+        """
         p, d, flow = self.flow.particles, self.flow.domain, self.flow
+        if not later:
+            self._shear = flow.wall_shear()
         own = p.wall_u if "wall_u" in p.fields else np.zeros_like(p.u)
         moved = flow.walls.acceleration(flow) if later else None
         if moved is not None:
             own = own + later * moved
         gradients.wall_velocity(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, own,
-                                flow.wall_shear(), lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+                                self._shear, lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
         if "no_slip" in p.fields:
             sticky = (p.kind == WALL) & (p.no_slip == 1)
             p.u[sticky] = own[sticky]

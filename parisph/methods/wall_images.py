@@ -52,14 +52,18 @@ class WallImages(Boundary):
         more, h = p.weight_all - 1.0, lengths.DENSITY * flow.spacing
         halves.add_parts_inside(alpha, gradient, p.x_all, p.kind_all, more, h, flow.full, walls, d.indptr, d.indices,
                                 flow.axes)
-        halves.add_parts(alpha, gradient, beside, p.x_all, flow.seen(least), more, p.corner_all, p.normal_all, h,
-                         flow.full, d.indptr, d.indices, flow.axes)
+        none = np.empty(0)
+        halves.add_parts(alpha, gradient, none, beside, p.x_all, flow.seen(least), more, none, p.corner_all,
+                         p.normal_all, h, flow.full, d.indptr, d.indices, flow.axes)
 
-    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow") -> None:
+    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow",
+                further: np.ndarray | None = None, other: np.ndarray | None = None) -> None:
         p = flow.particles
         beside, *walls = self._beside(flow)
-        halves.add_parts(ratio, gradient, beside, p.x_all, flow.seen(FREE), 1.0 - share, p.corner_all,
-                         p.normal_all, lengths.DENSITY * flow.spacing, flow.full, *walls, flow.axes)
+        none = np.empty(0)
+        halves.add_parts(ratio, gradient, none if further is None else further, beside, p.x_all, flow.seen(FREE),
+                         1.0 - share, none if other is None else 1.0 - other, p.corner_all, p.normal_all,
+                         lengths.DENSITY * flow.spacing, flow.full, *walls, flow.axes)
 
     def keep_off(self, move: np.ndarray, flow: "Flow") -> None:
         p = flow.particles

@@ -82,7 +82,10 @@ class WallSolids(Boundary):
         kernel(out, p.x_all, p.kind_all, p.weight_all * counted, p.area_all * counted[:, None], e.corners,
                e.mean_of_nodes(counted), *self.table, e.indptr, e.indices, d.indptr, d.indices, flow.axes)
 
-    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow") -> None:
+    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow",
+                further: np.ndarray | None = None, other: np.ndarray | None = None) -> None:
+        if further is not None and other is not None:
+            self.surplus(further, np.zeros_like(gradient), other, flow)
         p, d, e = flow.particles, flow.domain, self.elements
         counted = self.counted(flow, wetness.FREE)
         weight, area = p.weight_all * counted, p.area_all * counted[:, None]

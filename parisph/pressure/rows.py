@@ -201,14 +201,14 @@ def compress(n: int, count: np.ndarray, columns: np.ndarray, values: np.ndarray,
     out_columns = np.empty(entries, np.int32)
     out_values = np.empty(entries)
     anchored = np.zeros(n, np.bool_)
-    m = 0
+    m = np.uint32(0)    # unsigned, as in kernels.near.gather
     indptr[0] = 0
     for i in range(n):
         own, placed = global_rows[i], False
         if role[i] == INNER or role[i] == WET or (role[i] == SURFACE and solved):
             anchored[i] = role[i] == SURFACE
-            for k in range(start[i], start[i] + count[i]):
-                j = columns[k]
+            for k in range(np.uint32(start[i]), np.uint32(start[i] + count[i])):
+                j = np.uint32(columns[k])
                 if values[k] == 0.0:
                     continue
                 if role[j] == SURFACE:
@@ -216,16 +216,16 @@ def compress(n: int, count: np.ndarray, columns: np.ndarray, values: np.ndarray,
                 if role[j] == INNER or role[j] == WET or (role[j] == SURFACE and solved):
                     if not placed and global_rows[j] > own:    # so that a row in order stays so
                         out_columns[m], out_values[m] = own, 1.0
-                        m, placed = m + 1, True
+                        m, placed = np.uint32(m + 1), True
                     out_columns[m] = global_rows[j]
                     out_values[m] = -values[k]
-                    m += 1
+                    m += np.uint32(1)
                 else:
                     anchored[i] = True
         else:
             anchored[i] = True
         if not placed:
             out_columns[m], out_values[m] = own, 1.0
-            m += 1
+            m += np.uint32(1)
         indptr[i + 1] = m
     return indptr, out_columns[:m], out_values[:m], anchored

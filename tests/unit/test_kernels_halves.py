@@ -29,8 +29,8 @@ def shares(pool, cells, most=1.0, before=halves.BEFORE):
 def extra(pool, share):
     h = H * pool.spacing
     ratio, gradient = np.zeros(pool.n), np.zeros((pool.n, pool.dim))
-    halves.add_parts(ratio, gradient, pool.beside, pool.x, pool.kind, 1.0 - share, pool.corner, pool.normal, h,
-                   surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
+    halves.add_parts(ratio, gradient, np.empty(0), pool.beside, pool.x, pool.kind, 1.0 - share, np.empty(0),
+                     pool.corner, pool.normal, h, surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
     return ratio, gradient
 
 
@@ -85,12 +85,28 @@ def test_walls_with_their_whole_share_add_no_surplus(dim):
 
 
 @dims
+def test_one_pass_gives_the_surplus_of_two_shares(dim):
+    pool, rng = filled(dim, jitter=0.5), np.random.default_rng(2)
+    parts = [np.where(pool.fluid, 0.0, rng.uniform(-1.0, 0.5, pool.n)) for _ in range(2)]
+    parts[0][::3] = 0.0    # where the second one is not
+    h = H * pool.spacing
+    ratio, gradient, further = np.zeros(pool.n), np.zeros((pool.n, dim)), np.zeros(pool.n)
+    halves.add_parts(ratio, gradient, further, pool.beside, pool.x, pool.kind, parts[0], parts[1], pool.corner,
+                     pool.normal, h, surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
+    one, other = (extra(pool, 1.0 - part) for part in parts)
+    assert other[0].any()
+    for found, due in ((ratio, one[0]), (gradient, one[1]), (further, other[0])):
+        np.testing.assert_allclose(found, due, atol=1e-12)
+
+
+@dims
 def test_parts_of_fluid_without_walls_are_the_same_sum(dim):
     pool = filled(dim, jitter=0.5)
     part, h = np.where(pool.fluid, np.random.default_rng(1).uniform(-0.3, 0.3, pool.n), 0.0), H * pool.spacing
     full, fluid = surface.lattice_sum(pool.spacing, h, pool.axes), np.flatnonzero(pool.fluid)
     due, found = ((np.zeros(pool.n), np.zeros((pool.n, pool.dim))) for _ in range(2))
-    halves.add_parts(*due, fluid, pool.x, pool.kind, part, pool.corner, pool.normal, h, full, *pool.csr)
+    halves.add_parts(*due, np.empty(0), fluid, pool.x, pool.kind, part, np.empty(0), pool.corner, pool.normal, h,
+                     full, *pool.csr)
     walls = beside_walls(pool.kind, pool.indptr, pool.indices)
     halves.add_parts_inside(*found, pool.x, pool.kind, part, h, full, walls[1], *pool.csr)
     inside = np.setdiff1d(fluid, walls[0])
