@@ -15,6 +15,7 @@ from parisph.case.waves import AnyWave
 
 NEAR = 0.5         # spacings over which differences are taken to both sides: a jump has the vorticity of its spacing
 ROUNDING = 1e-6    # part of a velocity: a smaller change over a length is none
+LEFT = 0.1         # part of a vorticity that finer differences must leave of it: else it is their error
 
 Number = Union[float, str]  # a number, or an expression of position
 
@@ -98,18 +99,25 @@ class Fluid(Model):
         length : [m], over which the velocity varies little
 
         By central differences. Where a velocity is not known beside a point, it counts as 0, and so does what may be an
-        error of rounding.
+        error of rounding or of the differences: what those over half the length, extrapolated, leave of it.
         """
         if self.wave is not None:
             return np.zeros(len(x))
-        h, found = NEAR * length, np.zeros(len(x))
+        found = self._curl(x, NEAR * length)
+        finer = (4.0 * self._curl(x, 0.5 * NEAR * length) - found) / 3.0
         top = np.abs(self.start_velocity(x)).max(initial=0.0)
+        known = (np.isfinite(found) & (np.abs(found) * length > ROUNDING * top)
+                 & ~(np.abs(finer) < LEFT * np.abs(found)))
+        return np.where(known, found, 0.0)
+
+    def _curl(self, x: Floats, h: float) -> Floats:
+        """Return dv/dx - du/dy (n,) [1/s] of the velocity at the start by central differences over 2 h [m]."""
+        found = np.zeros(len(x))
         for along, component, sign in ((0, 1, 1.0), (1, 0, -1.0)):
             step = h * np.eye(2)[along]
             change = self.start_velocity(x + step) - self.start_velocity(x - step)
             found += sign * change[:, component] / (2.0 * h)
-        known = np.isfinite(found) & (np.abs(found) * length > ROUNDING * top)
-        return np.where(known, found, 0.0)
+        return found
 
     @model_validator(mode="after")
     def _wave_fits(self) -> "Fluid":
