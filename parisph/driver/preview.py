@@ -9,7 +9,7 @@ import numpy as np
 from parisph.base import memory, vocabulary
 from parisph.case import scales, size
 from parisph.case.bodies import motion_of
-from parisph.case.checks import sound_speed, stable_time_step
+from parisph.case.checks import flow_length, sound_speed, stable_time_step
 from parisph.case.methods import METHODS
 from parisph.case.motion import AtRest
 from parisph.case.numerics import WORDS, Numerics
@@ -164,7 +164,7 @@ def estimated_steps(case: Case, numerics: Numerics, expected: scales.Scales) -> 
     brisk = np.minimum(BRISK * expected.accelerations, expected.force or IMPACT / 3.0 * expected.accelerations)
     rates = [expected.speeds / move, np.full(len(expected.times), 1.0 / longest)]
     if numerics.fall:
-        rates.append(np.sqrt(brisk / numerics.spacing) / numerics.fall)
+        rates.append(np.sqrt(brisk / flow_length(case)) / numerics.fall)
     return math.ceil(case.end_time * float(np.mean(np.max(rates, axis=0))))
 
 

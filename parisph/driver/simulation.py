@@ -13,7 +13,7 @@ from parisph.base.arrays import Array, Floats, sizes
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
 from parisph.case import scales
-from parisph.case.checks import sound_speed, stable_time_step, wave_time
+from parisph.case.checks import flow_length, sound_speed, stable_time_step, wave_time
 from parisph.case.schema import Case
 from parisph.driver import astray, room, solid_walls, warmup
 from parisph.driver.phases import PhaseTimers
@@ -137,6 +137,7 @@ class Simulation:
         if start is not None:
             self.method.resume(start.state)
         self.bad_force: float | None = None
+        self._length = flow_length(case)
         self._same_force, self._constant_force = case.same_force_everywhere, case.constant_force
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
@@ -266,7 +267,7 @@ class Simulation:
     def _limit(self) -> float:
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
         dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt, self._shortest,
-                       self.method.accelerations, self.method.strain_rate)
+                       self.method.accelerations, self.method.strain_rate, self._length)
         dt = min(dt, self.method.longest_step())
         if self.numerics.time_step is not None:
             return dt
@@ -283,7 +284,8 @@ class Simulation:
 
         def force_at(after: float) -> float:
             return _largest(self.case.body_force(fluid, self.time + after))
-        return first_step(self.comm, p, self.numerics, self.method.acceleration(self.time), dt, force_at)
+        return first_step(self.comm, p, self.numerics, self.method.acceleration(self.time), dt, force_at,
+                          self._length)
 
     def _target(self, until: float | None) -> float:
         """Return the time [s] that steps must meet next, infinity if there is none.

@@ -36,20 +36,20 @@ TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do
 
 def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity: float, previous: float | None = None,
               shortest: float = 0.0, accelerations: tuple[float, float] = (0.0, 0.0),
-              strain_rate: float = 0.0) -> float:
+              strain_rate: float = 0.0, length: float | None = None) -> float:
     """Return the time step [s]: fixed, or limited by velocity, acceleration and body force. Collective.
 
-    No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor
-    from rest (g dt^2/2). Nor is a step longer than `numerics.fall` sqrt(s/a). In waves and in water that is set in
-    motion, a is 1.5 times the largest acceleration, at most that of the body force: a longer step costs accuracy long
-    before it moves a particle far. In an impact a is 1.25 times the root of the mean square, which then is larger: in
-    a dam break, half the step while the water hits the wall is worth as much as half the step all the time. Where
-    `fall` is not 0, no step strains the fluid by more than STRAIN in the mean. In waves a step is at most `wave_step`
-    sqrt(s/g), and strains the fluid by WAVE_STRAIN at most: the same step all the time, since steps that change within
-    a period feed or damp the wave. In violent flow neither impact nor strain makes it shorter than the fastest
-    particle takes for LEAST_MOVE spacings, in waves strain makes it no shorter than WAVE_LEAST of the longest. A step
-    is at most a tenth longer than the last one, so that a single calm step during an impact does not undo the
-    reduction. Infinite if nothing limits it.
+    No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor from rest (g
+    dt^2/2). Nor is a step longer than `numerics.fall` sqrt(l/a), with the length l that the time scale of the flow
+    comes from. In waves and in water that is set in motion, a is 1.5 times the largest acceleration, at most that of
+    the body force: a longer step costs accuracy long before it moves a particle far. In an impact a is 1.25 times the
+    root of the mean square, which then is larger: in a dam break, half the step while the water hits the wall is worth
+    as much as half the step all the time. Where `fall` is not 0, no step strains the fluid by more than STRAIN in the
+    mean. In waves a step is at most `wave_step` sqrt(s/g), and strains the fluid by WAVE_STRAIN at most: the same step
+    all the time, since steps that change within a period feed or damp the wave. In violent flow neither impact nor
+    strain makes it shorter than the fastest particle takes for LEAST_MOVE spacings, in waves strain makes it no shorter
+    than WAVE_LEAST of the longest. A step is at most a tenth longer than the last one, so that a single calm step
+    during an impact does not undo the reduction. Infinite if nothing limits it.
 
     Parameters
     ----------
@@ -59,6 +59,7 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     accelerations : of fluid in the last step, on all ranks [m/s^2]: the largest, and the root of their mean square
     strain_rate : of fluid in the last step, sqrt(2 S:S) in the mean on all ranks [1/s]; with `wave_step` the largest
         of the last waves
+    length : l [m], see case.checks.flow_length; None for the spacing
 
     Raises
     ------
@@ -75,12 +76,12 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
         raise SolverDiverged(f"a particle has reached {fastest:.3g} m/s, for which the time step would have to "
                              f"be {dt:.3g} s: the flow is far too fast for this scene")
     largest, mean = accelerations
-    violent = _accurate(numerics, IMPACT * mean)
+    violent = _accurate(numerics, IMPACT * mean, length)
     if numerics.fall and strain_rate > 0.0:
         violent = min(violent, STRAIN / strain_rate)
     if fastest > 0.0:
         violent = max(violent, LEAST_MOVE * numerics.spacing / fastest)
-    dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * largest, gravity)), violent,
+    dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * largest, gravity), length), violent,
              _of_waves(numerics, gravity, strain_rate))
     if numerics.max_time_step is not None:
         dt = min(dt, numerics.max_time_step)
@@ -90,7 +91,7 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
 
 
 def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceleration: np.ndarray, dt: float,
-               force_at: Callable[[float], float]) -> float:
+               force_at: Callable[[float], float], length: float | None = None) -> float:
     """Return the first step of an adaptive run: `dt` [s], shortened. Collective.
 
     The velocity of fluid that is released is zero, so the first step is limited by the acceleration,
@@ -104,6 +105,7 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
     ----------
     acceleration : (n_owned, dim) at the start [m/s^2]
     force_at : function of a time after the start [s], the largest body force on this rank's fluid then [m/s^2]
+    length : as of `next_step`
     """
     move, fluid = _longest_move(numerics), particles.kind == FLUID
     u, a = (sizes(v[fluid]) for v in (particles.u, acceleration))
@@ -111,7 +113,7 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
     mine = np.array([inverse, a.max(initial=0.0), force_at(0.0)])
     comm.Allreduce(MPI.IN_PLACE, mine, op=MPI.MAX)
     inverse, strongest, force = mine
-    dt = min(dt, _accurate(numerics, min(BRISK * strongest, force)), _of_waves(numerics, force, 0.0))
+    dt = min(dt, _accurate(numerics, min(BRISK * strongest, force), length), _of_waves(numerics, force, 0.0))
     if inverse > 0.0:
         dt = min(dt, 1.0 / float(inverse))
     if dt == np.inf:
@@ -156,11 +158,11 @@ def _fall(move, gravity):
     return np.sqrt(2.0 * move / gravity) if gravity > 0.0 else np.inf
 
 
-def _accurate(numerics, acceleration):
+def _accurate(numerics, acceleration, length):
     """Return the longest step [s] of which the scheme's error in time is small; infinite without acceleration."""
     if not (numerics.fall and acceleration > 0.0):
         return np.inf
-    return numerics.fall * np.sqrt(numerics.spacing / acceleration)
+    return numerics.fall * np.sqrt((length or numerics.spacing) / acceleration)
 
 
 def _of_waves(numerics, gravity, strain_rate):

@@ -8,6 +8,7 @@ from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, Simulation, Tank
 from parisph.base.fields import FLUID
+from parisph.case.checks import flow_length
 from parisph.methods import timestep
 from tests.scenes import scene
 
@@ -51,6 +52,17 @@ def test_an_impact_has_shorter_steps():
     s.particles.u[s.particles.kind == FLUID] = (-2.0, 0.0)
     assert step(1e4 * G) == pytest.approx(timestep.LEAST_MOVE * SPACING / 2.0)
     s.destroy()
+
+
+def test_a_flow_of_many_fine_particles_sets_its_own_time_scale():
+    """Forty spacings of its smallest extent are enough for that; coarser particles need shorter steps."""
+    assert flow_length(column()) == SPACING
+    assert flow_length(column().changed(**{"numerics.spacing": 0.005})) == pytest.approx(0.5 / 40.0)
+    s = Simulation(column(), MPI.COMM_SELF)
+    found = [timestep.next_step(s.comm, s.particles, s.numerics, G, accelerations=(G, 0.5 * G), length=length)
+             for length in (None, SPACING, 4.0 * SPACING)]
+    s.destroy()
+    assert found[0] == found[1] == pytest.approx(0.5 * found[2])
 
 
 def test_the_mean_acceleration_is_that_of_all_fluid():
