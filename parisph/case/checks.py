@@ -35,7 +35,7 @@ STEADY = 0.3        # spacings that the fastest violent fluid should move in a f
 # spacings of thickness from which on the flow sets the time scale, and no longer its particles: the dam break at
 # H/s = 80 has errors of P2 of .041 and .064 (Basilisk, interFoam; three starts) with it and .990 of its energy at
 # t* = 2; .046, .054 and .989 without. It takes .73 of the steps
-FINE = 40.0
+FINE = 20.0
 LOOKS = 33          # times at which the body force is tried out
 MOST_STEPS = 1e8    # of a run: far beyond what any machine computes in a year
 MOST_FILES = 1e6    # of one kind that a run writes

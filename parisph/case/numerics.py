@@ -29,7 +29,7 @@ class Numerics(Model):
     spacing : particle spacing s [m]
     method, preset : names, see METHODS and PRESETS
     time_step : fixed time step [s]; None for one that adapts to `cfl` (largest move in a step, in s) and to
-        `fall` (over sqrt(l/a), with s for l or the fortieth part of the fluid's thickness if that is more, and with
+        `fall` (over sqrt(l/a), with s for l or the twentieth part of the fluid's thickness if that is more, and with
         1.5 times the largest acceleration of the fluid for a, at most the body force, or 1.25 times the root of its
         mean square if that is more; and where it is not 0, a step strains the fluid by no
         more than 1.5 % in the mean; these two make it no shorter than the fastest fluid takes for a tenth of a
@@ -84,7 +84,7 @@ class Numerics(Model):
     fall: Optional[float] = Field(
         None, ge=0, le=2,
         description="largest adaptive step of moving fluid over sqrt(length/acceleration), 0 for no limit; the length "
-                    "is the spacing, or 1/40 of the thickness of the fluid")
+                    "is the spacing, or 1/20 of the thickness of the fluid")
     wave_step: Optional[float] = Field(
         None, ge=0, le=2, description="largest adaptive step of waves over sqrt(spacing/g), 0 for no limit")
     max_time_step: Optional[float] = Field(None, gt=0, description="upper limit of an adaptive step [s]")

@@ -55,9 +55,9 @@ def test_an_impact_has_shorter_steps():
 
 
 def test_a_flow_of_many_fine_particles_sets_its_own_time_scale():
-    """Forty spacings of its smallest extent are enough for that; coarser particles need shorter steps."""
+    """Twenty spacings of its smallest extent are enough for that; coarser particles need shorter steps."""
     assert flow_length(column()) == SPACING
-    assert flow_length(column().changed(**{"numerics.spacing": 0.005})) == pytest.approx(0.5 / 40.0)
+    assert flow_length(column().changed(**{"numerics.spacing": 0.005})) == pytest.approx(0.5 / 20.0)
     s = Simulation(column(), MPI.COMM_SELF)
     found = [timestep.next_step(s.comm, s.particles, s.numerics, G, accelerations=(G, 0.5 * G), length=length)
              for length in (None, SPACING, 4.0 * SPACING)]
