@@ -25,8 +25,7 @@ def begin(flow: "Flow", fit: bool = False) -> None:
     """Write the fields grad_u and strain_rate, and name them in flow.stale. Collective.
 
     Of a potential flow they are known, that of the start of the step. Where the fit is wanted too, the rate is the
-    smaller one of both: a rotation is no potential flow, and has strain there. A thin sheet has no potential, and the
-    strain of its fit alone.
+    smaller one of both: a rotation is no potential flow, and has strain there.
 
     fit : whether flow.beyond_fit is wanted, which the same pass finds
     """
@@ -41,8 +40,7 @@ def begin(flow: "Flow", fit: bool = False) -> None:
     strain.velocity_gradient(p.grad_u, p.strain_rate, found, p.u_all, p.x_all, p.kind_all, p.role_all,
                              lengths.MLS * flow.spacing, SPAN, d.indptr, d.indices, flow.axes)
     if flow.potential is not None:
-        square = flow.potential.square
-        np.minimum(p.strain_rate, np.sqrt(2.0 * square), out=p.strain_rate, where=square > 0.0)
+        np.minimum(p.strain_rate, np.sqrt(2.0 * flow.potential.square), out=p.strain_rate)
     flow.beyond_fit = found if fit else None
 
 
