@@ -21,7 +21,7 @@ from parisph.case.methods import METHODS
 from parisph.case.motion import SHARE, Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
-from parisph.case.shapes import Box, Tank
+from parisph.case.shapes import Box, Disc, Tank
 from parisph.case.values import LARGEST
 from parisph.case.waves import AnyWave
 
@@ -32,8 +32,8 @@ LEAST = 4       # particles in a body of fluid
 FAR = 1e9       # spacings from the origin at which float64 still tells places apart well
 SAMPLES = 9     # points along each edge at which an expression is tried out
 STEADY = 0.3        # spacings that the fastest violent fluid should move in a fixed step
-# spacings of thickness from which on the flow sets the time scale, and no longer its particles: the dam break at
-# H/s = 80 has errors of P2 of .041 and .064 (Basilisk, interFoam; three starts) with it and .990 of its energy at
+# spacings of thickness from which on the flow sets the time scale, and not its particles: the dam break at H/s = 80
+# has errors of P2 of .040 and .063 (Basilisk, interFoam; means of three starts) with it and .990 of its energy at
 # t* = 2; .046, .054 and .989 without. It takes .73 of the steps
 FINE = 20.0
 LOOKS = 33          # times at which the body force is tried out
@@ -466,6 +466,7 @@ def wave_time(case: Scene) -> float:
 
 def flow_length(case: Scene) -> float:
     """Return the length l [m] of which sqrt(l/a) is the time scale of violent flow: the spacing, or the FINE-th part of
-    the smallest extent of any body of fluid at the start."""
+    the smallest extent of any body of fluid at the start, if all are boxes, discs or still water, without holes."""
+    whole = all(isinstance(fluid.shape, (Box, Disc, StillWater)) and not fluid.holes for fluid in case.fluids)
     thickness = min(float(np.min(high - low)) for low, high in map(case.bounds_of, case.fluids))
-    return max(case.numerics.spacing, thickness / FINE)
+    return max(case.numerics.spacing, thickness / FINE if whole else 0.0)

@@ -14,7 +14,7 @@ from parisph.case.shapes import Box, Disc, Polygon, Shape
 from parisph.case.waves import AnyWave
 
 NEAR = 0.5         # spacings over which differences are taken to both sides: a jump has the vorticity of its spacing
-ROUNDING = 1e-6    # part of a velocity: a smaller change over a length is none
+ROUNDING = 1e-4    # part of a velocity: a smaller change over a length is none
 LEFT = 0.1         # part of a vorticity that finer differences must leave of it: else it is their error
 
 Number = Union[float, str]  # a number, or an expression of position

@@ -267,7 +267,7 @@ class Simulation:
     def _limit(self) -> float:
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
         dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt, self._shortest,
-                       self.method.accelerations, self.method.strain_rate, self._length)
+                       self.method.accelerations, self.method.strain_rate, self._length, self.method.flow.wave_time)
         dt = min(dt, self.method.longest_step())
         if self.numerics.time_step is not None:
             return dt

@@ -113,7 +113,7 @@ class Flow:
 
     @property
     def uneven(self) -> bool:
-        """Whether the body force varies among the particles of this rank. Once it is asked for, it stays as it is."""
+        """Whether the body force varies among the particles of this rank. The array must not be changed afterwards."""
         force, (looked_at, found) = self.body_force, self._uneven
         if looked_at is not force:
             found = force.strides[0] != 0 and bool(np.any(force != force[:1]))    # one row for all is the usual force

@@ -8,9 +8,9 @@ WAVES = 100.0    # a span of time over sqrt(s/g): several waves of twenty spacin
 class LastWaves:
     """The largest mean strain rate of the last waves [1/s]: the same all the time in a wave that lasts.
 
-    It is the largest of a span of time and of the span before it. A largest value that fades would rise at each crest:
-    steps in proportion to it would change with the wave, which feeds it. A standing wave with a = .05 d, kd = 1 and
-    d/s = 10 gained 2.6 % of its energy in 100 periods.
+    It is the larger maximum of the present span of time and of the one before. A largest value that fades would rise
+    at each crest: steps in proportion to it would change with the wave, which feeds it. A standing wave with a = .05 d,
+    kd = 1 and d/s = 10 gained 2.6 % of its energy in 100 periods.
 
     Attributes
     ----------

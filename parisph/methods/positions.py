@@ -44,7 +44,7 @@ class PositionProjection(Regulariser):
     """
 
     name, cause, words, moves = "projection", "projection", "position projection", True
-    fields = (*straining.FIELDS, "alpha", "lack", "phi")
+    fields = (*straining.FIELDS, "alpha", "lack", "hollow", "phi")
     reads = ("kappa", "kappa_strain")
 
     def wanted(self, numerics: Numerics) -> bool:
@@ -74,7 +74,11 @@ class PositionProjection(Regulariser):
 
 
 class VoidFilling(PositionProjection):
-    """The same for waves, in which only voids count: such as particles leave that go to and fro around an edge."""
+    """The same for waves, in which only voids count: such as particles leave that go to and fro around an edge.
+
+    Not where cells of the start differ from those of the lattice by more than VOID: there `shift_even` makes distances
+    even and not volumes, and what it leaves is no void.
+    """
 
     name, words = "fill_voids", "filling of voids"
 
@@ -82,6 +86,8 @@ class VoidFilling(PositionProjection):
         p, n = flow.particles, flow.numerics
         concentration(flow)
         error = voids(flow)
+        if "weight" in p.fields:
+            error[np.abs(p.weight - 1.0) > VOID] = 0.0
         if sums(p.comm, int(np.any(error)))[0]:
             solve(flow, straining.strength(flow, n.kappa, n.kappa_strain) * error)
 
@@ -92,8 +98,9 @@ class VoidFilling(PositionProjection):
 def voids(flow: "Flow") -> np.ndarray:
     """Return what the mean density error around each inner particle is below -VOID: (n_owned,). Collective.
 
-    The mean, because disorder makes the error too large here and too small there. Fluid that is pressed together along
-    a wall stands for more of its particles, and such that is stretched for less.
+    The mean, because disorder makes the error too large here and too small there. What the disorder of the start leaves
+    of it is no void: it is what the particles stand for. Fluid that is pressed together along a wall stands for more of
+    its particles, and such that is stretched for less.
     """
     p, d = flow.particles, flow.domain
     error = p.alpha.copy()    # less the surplus at walls
@@ -103,14 +110,16 @@ def voids(flow: "Flow") -> np.ndarray:
             flow.found["pressed"] = np.zeros_like(error)
             flow.walls.surplus(flow.found["pressed"], np.zeros_like(p.x), p.lack_all, flow)
         error -= flow.found["pressed"]
+    flow.found.pop("shares", None)    # which are in the field that is written now
     p.lack[:] = compression(flow, error, flow.doubt)
     d.update("lack")
-    if not np.any(p.lack_all < -VOID):    # nor is any mean
-        return np.zeros(p.n_owned)
-    mean = np.empty(p.n_owned)
-    strain.mean_over_fluid(mean, p.lack_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr, d.indices,
-                           flow.axes)
-    return np.where(p.role == INNER, np.minimum(mean + VOID, 0.0), 0.0)
+    found = np.zeros(p.n_owned)
+    if np.any(p.lack_all < -VOID):    # else no mean is
+        strain.mean_over_fluid(found, p.lack_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr, d.indices,
+                               flow.axes)
+        found = np.where(p.role == INNER, np.minimum(found + VOID, 0.0), 0.0)
+    np.copyto(p.hollow, found, where=np.isnan(p.hollow))
+    return np.minimum(found - p.hollow, 0.0)
 
 
 def share_of_pressed(flow: "Flow") -> None:

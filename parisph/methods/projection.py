@@ -252,7 +252,7 @@ class Projection:
     def _wall_velocity(self, later=0.0):
         """Write the velocity of walls, a time [s] after the start of the step.
 
-        Their shear is that of the first call in a step: nothing has moved since.
+        Their shear is that of the first call in a step: until `_move`, places, normals and turns stay.
         """
         p, d, flow = self.flow.particles, self.flow.domain, self.flow
         if not later:

@@ -29,6 +29,7 @@ STRAIN = 0.015
 # a = .05 d, kd = pi and d/s = 10 rises by 3 % of a in 60 periods with it, by 8 % with twice the step.
 WAVE_STRAIN = 0.007
 WAVE_LEAST = 0.1    # of the longest step of waves, whatever the strain: a rough moment is no end of the run
+WAVE_MOVE = 0.02    # spacings that the fastest particle may move, instead of that where no force makes waves
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
@@ -36,7 +37,7 @@ TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do
 
 def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity: float, previous: float | None = None,
               shortest: float = 0.0, accelerations: tuple[float, float] = (0.0, 0.0),
-              strain_rate: float = 0.0, length: float | None = None) -> float:
+              strain_rate: float = 0.0, length: float | None = None, wave_time: float = np.inf) -> float:
     """Return the time step [s]: fixed, or limited by velocity, acceleration and body force. Collective.
 
     No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor from rest (g
@@ -47,7 +48,7 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     as much as half the step all the time. Where `fall` is not 0, no step strains the fluid by more than STRAIN in the
     mean. In waves a step is at most `wave_step` sqrt(s/g), and strains the fluid by WAVE_STRAIN at most: the same step
     all the time, since steps that change within a period feed or damp the wave. In violent flow neither impact nor
-    strain makes it shorter than the fastest particle takes for LEAST_MOVE spacings, in waves strain makes it no shorter
+    strain makes it shorter than the fastest particle takes for LEAST_MOVE spacings. In waves strain makes it no shorter
     than WAVE_LEAST of the longest. A step is at most a tenth longer than the last one, so that a single calm step
     during an impact does not undo the reduction. Infinite if nothing limits it.
 
@@ -60,6 +61,7 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     strain_rate : of fluid in the last step, sqrt(2 S:S) in the mean on all ranks [1/s]; with `wave_step` the largest
         of the last waves
     length : l [m], see case.checks.flow_length; None for the spacing
+    wave_time : of the shortest waves [s], see case.checks.wave_time; infinite without any
 
     Raises
     ------
@@ -82,7 +84,7 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     if fastest > 0.0:
         violent = max(violent, LEAST_MOVE * numerics.spacing / fastest)
     dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * largest, gravity), length), violent,
-             _of_waves(numerics, gravity, strain_rate))
+             _of_waves(numerics, gravity, strain_rate, fastest, wave_time))
     if numerics.max_time_step is not None:
         dt = min(dt, numerics.max_time_step)
     if previous is not None:
@@ -113,7 +115,7 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
     mine = np.array([inverse, a.max(initial=0.0), force_at(0.0)])
     comm.Allreduce(MPI.IN_PLACE, mine, op=MPI.MAX)
     inverse, strongest, force = mine
-    dt = min(dt, _accurate(numerics, min(BRISK * strongest, force), length), _of_waves(numerics, force, 0.0))
+    dt = min(dt, _accurate(numerics, min(BRISK * strongest, force), length), _of_waves(numerics, force))
     if inverse > 0.0:
         dt = min(dt, 1.0 / float(inverse))
     if dt == np.inf:
@@ -165,13 +167,18 @@ def _accurate(numerics, acceleration, length):
     return numerics.fall * np.sqrt((length or numerics.spacing) / acceleration)
 
 
-def _of_waves(numerics, gravity, strain_rate):
+def _of_waves(numerics, gravity, strain_rate=0.0, fastest=0.0, wave_time=np.inf):
     """Return the longest step [s] of waves; infinite without `wave_step`."""
     if not numerics.wave_step:
         return np.inf
     by_gravity = numerics.wave_step * np.sqrt(numerics.spacing / gravity) if gravity > 0.0 else np.inf
-    by_strain = WAVE_STRAIN / strain_rate if strain_rate > 0.0 else np.inf
-    return min(by_gravity, max(by_strain, WAVE_LEAST * by_gravity) if gravity > 0.0 else by_strain)
+    if strain_rate == 0.0:
+        return by_gravity
+    if wave_time < np.inf:
+        least = WAVE_LEAST * numerics.wave_step * wave_time
+    else:
+        least = WAVE_MOVE * numerics.spacing / fastest if fastest > 0.0 else 0.0
+    return min(by_gravity, max(WAVE_STRAIN / strain_rate, least))
 
 
 def _fastest(particles):

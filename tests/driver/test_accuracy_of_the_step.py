@@ -58,6 +58,8 @@ def test_a_flow_of_many_fine_particles_sets_its_own_time_scale():
     """Twenty spacings of its smallest extent are enough for that; coarser particles need shorter steps."""
     assert flow_length(column()) == SPACING
     assert flow_length(column().changed(**{"numerics.spacing": 0.005})) == pytest.approx(0.5 / 20.0)
+    fine = column().changed(**{"fluid.shape": Box(width=0.5, height=0.5), "numerics.spacing": 0.0125})
+    assert largest(fine, 30) == pytest.approx(0.05 * sqrt(0.025 / G))
     s = Simulation(column(), MPI.COMM_SELF)
     found = [timestep.next_step(s.comm, s.particles, s.numerics, G, accelerations=(G, 0.5 * G), length=length)
              for length in (None, SPACING, 4.0 * SPACING)]
