@@ -249,7 +249,7 @@ def concentration(flow: "Flow") -> None:
 def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
     """Return what half cells at walls for which no fluid stands add to alpha and to its gradient.
 
-    Computed once in a preparation, in one pass with what they add by `share_of_pressed`, if that is known.
+    Computed once in a preparation, together with what they add by `share_of_pressed`, if that is known.
 
     alpha : (n_owned,); gradient : (n_owned, dim)
     """
