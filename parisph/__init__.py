@@ -20,7 +20,7 @@ _PUBLIC = {
     **{
         name: "parisph.base.errors"
         for name in ("ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted",
-                     "MissingLibrary")
+                     "MissingLibrary", "BadEnvironment")
     },
     **{name: "parisph.driver" for name in ("run", "restart", "Simulation")},
     "open_run": "parisph.io.reader",

@@ -1,5 +1,6 @@
 """The names of parisph/__init__.py for type checkers, which do not see what is loaded when asked for."""
 
+from parisph.base.errors import BadEnvironment as BadEnvironment
 from parisph.base.errors import CaseError as CaseError
 from parisph.base.errors import Interrupted as Interrupted
 from parisph.base.errors import MissingLibrary as MissingLibrary

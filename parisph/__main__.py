@@ -4,16 +4,18 @@ import atexit
 import gc
 import os
 import sys
+import time
 import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 
-from parisph.base import environment, garbage, output
-from parisph.base.errors import ParisphError, StoreError, exit_code, unforeseen
+from parisph.base import environment, garbage, output, surroundings
+from parisph.base.errors import BadEnvironment, ParisphError, StoreError, exit_code, unforeseen
 from parisph.base.signals import Signals
 from parisph.base.text import clipped, of_error, plain_lines
 
 STOPPABLE = ("run", "restart")    # the verbs that a signal stops properly
+LATER = 0.3        # [s] in which the launcher ends a rank if rank 0 has the same fault, and has told it
 WIDEST = 380       # characters of a line of a message
 
 
@@ -25,13 +27,14 @@ def main(words: Sequence[str] | None = None) -> int:
     if own:
         atexit.register(gc.freeze)    # no search for garbage at exit, which costs .3 s
     with ExitStack() as stack:
-        if words and words[0] in STOPPABLE:
-            signals = stack.enter_context(_signals())
-            if own:
-                stack.pop_all()    # they stay in force until the interpreter ends,
-                atexit.register(signals.ignore)    # which would die of one more, with another exit code
-                garbage.put_off()
         try:
+            surroundings.check()
+            if words and words[0] in STOPPABLE:
+                signals = stack.enter_context(_signals())
+                if own:
+                    stack.pop_all()    # they stay in force until the interpreter ends,
+                    atexit.register(signals.ignore)    # which would die of one more, with another exit code
+                    garbage.put_off()
             from parisph import cli
 
             code = cli.execute(words)
@@ -42,6 +45,8 @@ def main(words: Sequence[str] | None = None) -> int:
                 raise
             if isinstance(error, BrokenPipeError) and environment.launched()[1] == 1:
                 return 0
+            if not isinstance(error, ParisphError) or unforeseen(error):
+                error = surroundings.explained(error) or error
             if output.is_unwritable(error):
                 error = StoreError(f"cannot write the output: {error.strerror}; "
                                    "send it elsewhere (files of a run are not affected)")
@@ -67,10 +72,12 @@ def _fail(error, words):
     traceback and ends all ranks.
     """
     meant = isinstance(error, (ParisphError, KeyboardInterrupt)) and not unforeseen(error)
-    first = environment.launched()[0] == 0
+    first, comm = environment.is_first(), _running_world()
     if first or not meant:
         _say(error, trace=not meant or "--debug" in words)
-    comm = _running_world()
+    elif isinstance(error, BadEnvironment) and comm is None:
+        time.sleep(LATER)
+        _say(error, trace=False)
     if comm is not None:
         from parisph.parallel.guard import all_come
 

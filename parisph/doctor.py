@@ -1,4 +1,4 @@
-"""Check whether parisph can run on this machine: library versions, and a real solve on two ranks.
+"""Check whether parisph can run on this machine: library versions, compiled kernels, and a real solve on two ranks.
 
 Each library is loaded in a separate process with a time limit, so that one that hangs or crashes is
 reported like any other problem.
@@ -6,17 +6,20 @@ reported like any other problem.
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from importlib import util
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from parisph.base import environment, launch
+from parisph.base import environment, launch, libraries, surroundings
 from parisph.base.errors import ParisphError
+from parisph.base.memory import amount
 
 if TYPE_CHECKING:
     from mpi4py import MPI
@@ -25,24 +28,36 @@ LIMIT = 60.0              # [s] for each process
 EXACT = 1e-6              # largest relative error of the trial solve, whose tolerance is 1e-10
 OLDEST_PETSC = (3, 18)
 
+NOT_ON_A_LAPTOP = ("MPI", "PETSc", "HDF5")    # which may do without
+
 PACKAGES = "run_scripts/setup installs it on Debian; on a cluster load its module"
 
 
 @dataclass(frozen=True)
 class Finding:
-    """The result of one check; `remedy` says what to do if it is not ok."""
+    """The result of one check; `remedy` says what to do if it is not ok.
+
+    absent : whether a library is not installed, which is no problem where parisph can do without
+    """
 
     name: str
     ok: bool
     detail: str
     remedy: str = ""
+    absent: bool = False
 
 
 def examine() -> list[Finding]:
     """Return the list of Findings about this machine. Not collective: starts its own ranks."""
     findings = [Finding("python", True, f"{sys.version.split()[0]}, {sys.executable}")]
-    findings += [_library(*entry) for entry in _LIBRARIES]
+    findings += _of_numpy([finding for entry in _LIBRARIES for finding in _library(*entry)])
     launcher = shutil.which("mpirun") or shutil.which("mpiexec")
+    if _cannot_run(findings):
+        findings = [replace(finding, ok=finding.ok or (finding.absent and finding.name in NOT_ON_A_LAPTOP))
+                    for finding in findings]
+        if not _is_there("matplotlib"):
+            findings.append(Finding("matplotlib", True, "not installed", absent=True))
+        return findings
     if launcher is None:
         return findings + [Finding("mpirun", False, "not on PATH", PACKAGES)]
     findings.append(Finding("mpirun", True, launcher))
@@ -55,12 +70,40 @@ def report(findings: Sequence[Finding]) -> str:
     """Return the findings as text, one per line, each problem with its remedy."""
     lines = []
     for finding in findings:
-        lines.append(f"{'ok' if finding.ok else 'PROBLEM':<8}{finding.name:<11}{finding.detail}")
+        state = "PROBLEM" if not finding.ok else "-" if finding.absent else "ok"
+        lines.append(f"{state:<8}{finding.name:<11}{finding.detail}")
         if finding.remedy and not finding.ok:
             lines.append(f"{'':<8}{'remedy:':<11}{finding.remedy}")
     problems = sum(not finding.ok for finding in findings)
-    lines.append("parisph can run here." if not problems else f"{problems} problem{'s' * (problems > 1)} found.")
+    if problems:
+        lines.append(f"{problems} problem{'s' * (problems > 1)} found.")
+    else:
+        lines.append(_without_mpi(findings) if _cannot_run(findings) else "parisph can run here.")
     return "\n".join(lines)
+
+
+def _cannot_run(findings):
+    """Return whether neither MPI nor PETSc is installed, as on a laptop that is to look at runs."""
+    return {"MPI", "PETSc"} <= {finding.name for finding in findings if finding.absent}
+
+
+def _without_mpi(findings):
+    """Return what parisph can do without MPI, and what it needs for the rest."""
+    absent = {finding.name for finding in findings if finding.absent}
+    look, rest = ("info", "compare"), ("plot", "movie", "report")
+    works = ["check", *(look if "HDF5" not in absent else ()), *(rest if not {"HDF5", "matplotlib"} & absent else ())]
+    lines = [f"This machine has no MPI and no PETSc: {', '.join(works)} work here; run, restart and study do not."]
+    if {"HDF5", "matplotlib"} & absent:
+        lines.append("To look at runs: pip install 'parisph[look]'")
+    lines.append(f"To run cases: {libraries.SETUP}")
+    return "\n".join(lines)
+
+
+def _is_there(name):
+    try:
+        return util.find_spec(name) is not None
+    except ImportError:
+        return False
 
 
 def trial(comm: "MPI.Comm") -> dict[str, Any]:
@@ -86,10 +129,11 @@ def _ask_numpy():
 
 
 def _ask_numba():
-    from parisph.kernels import selfcheck
+    from parisph.kernels import jit, kept, selfcheck
     from parisph.kernels.processor import numba
 
-    return {"version": numba.__version__, "works": selfcheck.stores_hold()}
+    found = kept.state(jit.FOLDERS)
+    return {"version": numba.__version__, "works": selfcheck.stores_hold(), **found}
 
 
 def _ask_mpi():
@@ -101,6 +145,8 @@ def _ask_mpi():
 
 
 def _ask_petsc():
+    import petsc4py  # noqa: F401  first: without it, it is this that is missing
+
     from parisph.pressure import trial as pressure
 
     return pressure.versions()
@@ -115,7 +161,7 @@ def _ask_hdf5():
 _QUESTIONS = {"numpy": _ask_numpy, "numba": _ask_numba, "MPI": _ask_mpi, "PETSc": _ask_petsc, "HDF5": _ask_hdf5}
 
 
-# ---- the answers are judged here: answer -> (ok, detail, remedy)
+# ---- the answers are judged here: answer -> (ok, detail, remedy), each for a Finding
 
 def _judge_numpy(answer):
     return True, answer["version"], ""
@@ -124,6 +170,19 @@ def _judge_numpy(answer):
 def _judge_numba(answer):
     return answer["works"], answer["version"] + ("" if answer["works"] else ", makes wrong machine code"), (
         "unset NUMBA_CPU_FEATURES and NUMBA_CPU_NAME, or install another release of numba")
+
+
+def _judge_kernels(answer):
+    """Judge the cache of compiled kernels, of which numba's answer tells."""
+    count, damaged, write = answer["kernels"], len(answer["damaged"]), answer["write"]
+    detail = f"{count} compiled, {amount(answer['bytes'])}" if count else "none compiled yet"
+    if damaged:
+        detail += f"; {damaged} damaged, which the next run compiles again ({answer['damaged'][0]})"
+    if write is None:
+        places = f" in {' and '.join(answer['read'])}" if count else ""
+        return count > 0, f"{detail}{places}; no folder for further ones can be written", (
+            "set NUMBA_CACHE_DIR to a folder that you can write: else every run compiles for a minute")
+    return True, f"{detail}, in {write}" if count else f"{detail}; the first run does, for a minute, into {write}", ""
 
 
 def _judge_mpi(answer):
@@ -145,22 +204,44 @@ def _judge_hdf5(answer):
     return True, f"{answer['version']}, {kind}; h5py {answer['h5py']}", ""
 
 
+# (name, module in Python, {what a Finding is about: judge}, remedy if it cannot be loaded)
 _LIBRARIES = (
-    ("numpy", _judge_numpy, "pip install numpy"),
-    ("numba", _judge_numba, "pip install numba, in a release that supports this numpy"),
-    ("MPI", _judge_mpi, PACKAGES),
-    ("PETSc", _judge_petsc, PACKAGES),
-    ("HDF5", _judge_hdf5, PACKAGES),
+    ("numpy", "numpy", {"numpy": _judge_numpy}, "pip install numpy"),
+    ("numba", "numba", {"numba": _judge_numba, "kernels": _judge_kernels},
+     "pip install numba, in a release that supports this numpy"),
+    ("MPI", "mpi4py", {"MPI": _judge_mpi}, PACKAGES),
+    ("PETSc", "petsc4py", {"PETSc": _judge_petsc}, PACKAGES),
+    ("HDF5", "h5py", {"HDF5": _judge_hdf5}, PACKAGES),
 )
 
 
-def _library(name, judge, if_missing):
-    """Return the Finding about one library."""
+def _library(name, module, judges, if_missing):
+    """Return the Findings about one library."""
     try:
         answer = _run([sys.executable, "-m", "parisph.doctor", name])
     except ParisphError as error:
-        return Finding(name, False, str(error), if_missing)
-    return Finding(name, *judge(answer))
+        if re.search(rf"ModuleNotFoundError: No module named '{module}\b", str(error)):
+            return [Finding(name, False, f"not installed ({module})", if_missing, absent=True)]
+        return [Finding(name, False, str(error), if_missing)]
+    return [Finding(about, *judge(answer)) for about, judge in judges.items()]
+
+
+def _of_numpy(findings):
+    """Return the findings, with those of libraries that were compiled for another numpy turned into one about it."""
+    unfit = [finding.name for finding in findings if not finding.ok and surroundings.is_another_numpy(finding.detail)]
+    if not unfit:
+        return findings
+    remedy = surroundings.numpy_remedy()
+    found = []
+    for finding in findings:
+        if finding.name == "numpy":
+            due = surroundings.numpy_due(" ({})")
+            detail = f"{finding.detail} is not the numpy{due} that {' and '.join(unfit)} were compiled for"
+            finding = Finding("numpy", False, detail, remedy)
+        elif finding.name in unfit:
+            finding = Finding(finding.name, False, "cannot be loaded with this numpy", f"as for numpy: {remedy}")
+        found.append(finding)
+    return found
 
 
 def _two_ranks(launcher):

@@ -22,7 +22,7 @@ class _Parser(argparse.ArgumentParser):
         raise CaseError(f"{clipped(plain(message), 300)}\n{self.format_usage().strip()}")
 
     def _print_message(self, message, file=None):
-        if environment.launched()[0] == 0:
+        if environment.is_first():
             super()._print_message(message, file)
 
 

@@ -4,8 +4,13 @@ Nothing here imports MPI or numpy: it runs before both.
 """
 
 import os
+import tempfile
 from collections.abc import Mapping, MutableMapping
+from contextlib import suppress
 from pathlib import Path
+
+from parisph.base.errors import BadEnvironment
+from parisph.base.text import shown
 
 # One thread per rank: the ranks use all cores, and more threads would compete with them.
 THREADS = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -42,32 +47,84 @@ def prepare(environ: MutableMapping[str, str] = os.environ) -> None:
     """Set the variables that numpy, numba, BLAS, h5py and MPI read when they load.
 
     Changes `environ` in place: one thread per rank, Debian's h5py in its parallel build, which is
-    otherwise used only under mpirun, and without a launcher, MPI without a daemon. Values that the
-    user has set stay.
+    otherwise used only under mpirun, and without a launcher, MPI without a daemon and with folders that it can use.
+    Values that the user has set stay; an empty value is none.
     """
     _prepare_any(environ)
-    if launched(environ)[1] == 1:
-        for name, value in ALONE.items():
-            environ.setdefault(name, value)
+    with suppress(BadEnvironment):    # see `surroundings.check`
+        if launched(environ)[1] == 1:
+            for name, value in ALONE.items():
+                environ.setdefault(name, value)
+            _find_folders(environ)
 
 
 def _prepare_any(environ: MutableMapping[str, str]) -> None:
     for name in THREADS:
-        environ.setdefault(name, "1")
+        if not environ.get(name):
+            environ[name] = "1"
     environ.setdefault("H5PY_ALWAYS_USE_MPI", "1")
 
 
+def _find_folders(environ: MutableMapping[str, str]) -> None:
+    """Let MPI use the folder for temporary files that Python uses, where it would take one that cannot be written.
+
+    It also needs a home, which a user that is none of the machine's has not, as in a container.
+    """
+    with suppress(OSError):    # there is no such folder
+        folder = tempfile.gettempdir()
+        if folder != os.path.abspath(environ.get("TMPDIR") or "/tmp"):
+            environ["TMPDIR"] = folder
+        if not environ.get("HOME") and _home(environ) is None:
+            environ["HOME"] = folder
+
+
+def _home(environ: Mapping[str, str]) -> Path | None:
+    if "HOME" in environ:
+        return Path(environ["HOME"]) if environ["HOME"] else None
+    try:
+        return Path.home()
+    except RuntimeError:    # this user is none of the machine's
+        return None
+
+
 def cache_folder(environ: Mapping[str, str] = os.environ) -> Path:
-    """Return the folder for files that can be made again: XDG_CACHE_HOME/parisph, or ~/.cache/parisph."""
-    return Path(environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()) / "parisph"
+    """Return the folder for files that can be made again: XDG_CACHE_HOME/parisph, or ~/.cache/parisph.
+
+    Raises OSError where there is no home folder.
+    """
+    given = environ.get("XDG_CACHE_HOME", "")
+    if os.path.isabs(given):    # else it is to be ignored, says its definition
+        return Path(given) / "parisph"
+    home = _home(environ)
+    if home is None:
+        raise FileNotFoundError("there is no home folder")
+    return home / ".cache" / "parisph"
 
 
 def launched(environ: Mapping[str, str] = os.environ) -> tuple[int, int]:
-    """Return (rank, size) as set by the launcher of this process; (0, 1) without a launcher."""
-    for rank, size in _LAUNCHERS:
-        if rank in environ and size in environ:
-            return int(environ[rank]), int(environ[size])
+    """Return (rank, size) as set by the launcher of this process; (0, 1) without a launcher.
+
+    Raises BadEnvironment: they are not those of a launcher.
+    """
+    for names in _LAUNCHERS:
+        rank, size = (environ.get(name, "") for name in names)
+        if not rank or not size:
+            continue
+        if rank.isdecimal() and size.isdecimal() and int(rank) < int(size):
+            return int(rank), int(size)
+        raise BadEnvironment(
+            f"the environment has {names[0]} = {shown(rank)} and {names[1]} = {shown(size)}, which must be the number "
+            "of this process, from 0, and how many there are. mpirun or srun sets both: start parisph with it, or "
+            f"unset {' '.join(names)}")
     return 0, 1
+
+
+def is_first(environ: Mapping[str, str] = os.environ) -> bool:
+    """Return whether this process is the first rank, or the only one, as far as its launcher says."""
+    try:
+        return launched(environ)[0] == 0
+    except BadEnvironment:
+        return True
 
 
 def for_launching(environ: Mapping[str, str] = os.environ) -> dict[str, str]:

@@ -32,6 +32,10 @@ class MissingLibrary(ParisphError, ImportError):
     """An optional library is needed here and cannot be imported."""
 
 
+class BadEnvironment(ParisphError):
+    """This machine, or the environment of this process, does not let parisph work: no fault of a case."""
+
+
 class Interrupted(ParisphError):
     """The run was asked to stop and did so between two steps."""
 

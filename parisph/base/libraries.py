@@ -8,15 +8,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 
+from parisph.base import surroundings
 from parisph.base.errors import MissingLibrary
 
 ENGINE = ("mpi4py.MPI", "petsc4py", "h5py")    # what a run needs
 
-_SETUP = ("run_scripts/setup in a clone of parisph (on Debian, or on a cluster with its modules loaded), "
+SETUP = ("run_scripts/setup in a clone of parisph (on Debian, or on a cluster with its modules loaded), "
           "or conda install -c conda-forge mpi4py petsc4py h5py")
 _REMEDIES = {
-    ENGINE: f"to run cases, use {_SETUP}",
-    ("h5py",): f"to look at runs, pip install 'parisph[look]'; to run cases too, use {_SETUP}",
+    ENGINE: f"to run cases, use {SETUP}",
+    ("h5py",): f"to look at runs, pip install 'parisph[look]'; to run cases too, use {SETUP}",
     ("matplotlib",): "to make pictures, pip install 'parisph[plot]'",
     ("shtab",): "to complete commands in a shell, pip install shtab",
 }
@@ -50,17 +51,21 @@ def require(*names: str) -> None:
     Raises
     ------
     MissingLibrary : says in one line which ones cannot be imported, and how to install them
+    BadEnvironment : they are there, and the machine or the environment does not let them be loaded
     """
     absent, broken = [], []
     for name in names:
         library = name.partition(".")[0]
         try:
             _import(name)
-        except (ImportError, RuntimeError) as error:    # RuntimeError: mpi4py finds no MPI library
+        except Exception as error:    # RuntimeError: mpi4py finds no MPI library; ValueError: another numpy
+            fault = surroundings.explained(error)
+            if fault is not None:
+                raise fault from error
             if isinstance(error, ModuleNotFoundError) and (error.name or library).partition(".")[0] == library:
                 absent.append(library)
             else:
-                broken.append(f"{library} cannot be loaded ({str(error).splitlines()[0]})")
+                broken.append(f"{library} cannot be loaded ({(str(error) or type(error).__name__).splitlines()[0]})")
     if absent:
         broken.insert(0, f"{' and '.join(absent)} {'are' if len(absent) > 1 else 'is'} not installed")
     if broken:

@@ -1,6 +1,7 @@
 """Run Python files of the user, such as case and study files. What goes wrong in them names file and line."""
 
 import sys
+import sysconfig
 import traceback
 import types
 from collections.abc import Callable, Iterator
@@ -8,14 +9,15 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TypeVar
 
-from parisph.base import paths, reading
-from parisph.base.errors import CaseError
+from parisph.base import paths, reading, surroundings
+from parisph.base.errors import BadEnvironment, CaseError
 from parisph.base.paths import AnyPath
 from parisph.base.text import class_name, clipped, named, of_error, plain
 from parisph.case.faults import first_lines
 
 Result = TypeVar("Result")
 
+_PACKAGE = Path(__file__).resolve().parent.parent
 LONGEST = 400    # characters of a line of a message
 
 
@@ -58,13 +60,17 @@ def module_of(file: Path, path: AnyPath, name: str) -> types.ModuleType:
 def users_code(action: Callable[[], Result], file: Path, path: AnyPath) -> Result:
     """Return action(), which runs code of a file of the user.
 
-    Raises CaseError that says where it failed, except for Ctrl-C.
+    Raises CaseError that says where it failed, except for Ctrl-C, and BadEnvironment if not the file is at fault, but
+    the machine or an installed library.
     """
     try:
         return action()
     except KeyboardInterrupt:
         raise
     except BaseException as error:
+        fault = surroundings.explained(error) or _of_a_library(error, file, path)
+        if fault is not None:
+            raise fault from error
         raise CaseError(f"{_where(error, file, path)}: {what(error)}") from error
 
 
@@ -74,6 +80,27 @@ def _where(error: BaseException, file: Path, path: AnyPath) -> str:
         return f"{named(path)}, line {error.lineno}"
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
     return f"{named(path)}, line {lines[-1]}" if lines else named(path)
+
+
+def _of_a_library(error: BaseException, file: Path, path: AnyPath) -> BadEnvironment | None:
+    """Return what to say of an import of an installed library that fails inside it; None of any other error."""
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [place for place, frame in enumerate(frames) if frame.filename == str(file)]
+    beyond = frames[own[-1] + 1:] if own else []
+    inside = [frame for frame in beyond if not frame.filename.startswith("<frozen ")]
+    importing = any(frame.name == "<module>" or frame.filename.startswith("<frozen importlib") for frame in beyond)
+    if not importing or not inside or not _installed(inside[0].filename):
+        return None
+    where = f"{named(inside[-1].filename)}, line {inside[-1].lineno}"
+    return BadEnvironment(f"{named(path)} imports what cannot be loaded here: {what(error)} ({where}). The "
+                          "installation is at fault, and not this file: parisph doctor says what is wrong")
+
+
+def _installed(file: str) -> bool:
+    """Return whether a file is one of parisph, of another installed library, or of Python."""
+    path = Path(file)
+    return (bool({"site-packages", "dist-packages"} & set(path.parts)) or path.is_relative_to(_PACKAGE)
+            or path.is_relative_to(sysconfig.get_path("stdlib")))
 
 
 def what(error: BaseException) -> str:

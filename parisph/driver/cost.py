@@ -91,13 +91,13 @@ class Clock:
             return
         run = {"processor": _processor(), "method": numerics.method, "projection": _projects(numerics),
                "particles": particles, "seconds": seconds / self._steps * ranks}
-        path = _file()
         try:
+            path = _file()
             path.parent.mkdir(parents=True, exist_ok=True)
             own = path.with_name(f"{path.name}.{os.getpid()}")    # two runs may end at once
             own.write_text(json.dumps([*_runs(), run][-KEPT:]), encoding="utf-8")
             own.replace(path)
-        except (OSError, RuntimeError):    # RuntimeError: there is no home
+        except OSError:    # also: there is no home
             pass
 
 
@@ -122,7 +122,7 @@ def _runs() -> list[dict[str, Any]]:
         runs = json.loads(_file().read_text(encoding="utf-8"))
         return [run for run in runs if run["seconds"] > 0.0 and run["particles"] > 0
                 and {"processor", "method", "projection"} <= run.keys()]
-    except (OSError, RuntimeError, ValueError, TypeError, KeyError, AttributeError):
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return []
 
 

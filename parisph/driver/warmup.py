@@ -3,7 +3,6 @@
 import hashlib
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
@@ -38,11 +37,12 @@ def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], cas
     if comm.rank == 0:
         try:
             scene = small(case, numerics)
-            mark = mark_of(scene)
-            if not mark.exists():
+            name = mark_of(scene)
+            if jit.FOLDERS.first(name) is None:
                 _step(make(scene, MPI.COMM_SELF))
-                with suppress(OSError):    # a full disk: the next run does it again
-                    mark.touch()
+                if jit.FOLDERS.write is not None:
+                    with suppress(OSError):    # a full disk: the next run does it again
+                        (jit.FOLDERS.write / name).touch()
         except ParisphError:
             pass    # whatever is wrong with the small scene, the real one will report it on all ranks
         except Exception as error:
@@ -51,13 +51,13 @@ def on_one_rank_first(comm: MPI.Comm, make: Callable[[Case, MPI.Comm], Any], cas
     agree(comm, problem)
 
 
-def mark_of(scene: Case) -> Path:
-    """Return the file, beside the compiled kernels, that says that those of a small scene are there.
+def mark_of(scene: Case) -> str:
+    """Return the name of the file, beside the compiled kernels, that says that those of a small scene are there.
 
     It is another one for each processor and each release of numba, as the kernels are. Not collective.
     """
     key = (scene.model_dump_json(), *processor.identity())
-    return Path(jit.FOLDER) / f"ready-{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}"
+    return f"ready-{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}"
 
 
 def small(case: Case, numerics: Numerics) -> Case:

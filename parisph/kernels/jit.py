@@ -1,11 +1,10 @@
 """Compilation of kernels, and the compile-time axes that make one source work in 2D and 3D."""
 
-import gc
 from collections.abc import Callable
 from functools import cached_property, update_wrapper
 from typing import Any
 
-from parisph.kernels import cache, processor
+from parisph.kernels import cache, compiling, kept, processor
 from parisph.kernels.processor import numba
 
 if processor.internals_are_known():
@@ -20,46 +19,38 @@ processor.leave_out_avx512()
 _OPTIONS = dict(error_model="numpy", fastmath={"contract", "arcp", "nsz", "reassoc"}, no_cfunc_wrapper=True)
 
 
-FOLDER = cache.folder(int(numba.config.OPT))
+FOLDERS = cache.folders(int(numba.config.OPT))
+COMPILATION = compiling.Compilation()
+numba.core.event.register("numba:compile", COMPILATION)
 
 
 def _compiler(cached=False, **options):
-    """Return a decorator like numba.njit(**options), with the cache in parisph's folder."""
+    """Return a decorator like numba.njit(**options), with the cache in parisph's folders."""
     def decorate(function):
         made = numba.njit(**options)(function)
-        if cached:
-            # numba reads the setting when it makes the cache; other code in this process keeps its own
-            before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, FOLDER
-            try:
-                if processor.internals_are_known():
-                    made._cache = loading.KernelCache(function)
-                else:
-                    made.enable_caching()
-            finally:
-                numba.config.CACHE_DIR = before
+        if cached and not numba.config.DISABLE_JIT:
+            files = kept.Kept(function, FOLDERS)
+            if processor.internals_are_known():
+                made._cache = loading.KernelCache(function, files)
+            else:
+                _cache_of_numba(made, files)
         return made
     return decorate
 
 
-class _WithoutCollection(numba.core.event.Listener):
-    """Stops Python's garbage collection while numba compiles: it takes a sixth of that time and finds little."""
+def _cache_of_numba(made, files):
+    """Let a kernel have the cache of a numba whose internals are not known, with our files if it has any."""
+    if files.folders.write is None:
+        return
+    # numba reads the setting when it makes the cache; other code in this process keeps its own
+    before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(files.folders.write)
+    try:
+        made.enable_caching()
+    finally:
+        numba.config.CACHE_DIR = before
+    if hasattr(made._cache, "_cache_file"):
+        made._cache._cache_file = files
 
-    def __init__(self) -> None:
-        self._depth, self._before = 0, False
-
-    def on_start(self, event: numba.core.event.Event) -> None:
-        if self._depth == 0:
-            self._before = gc.isenabled()
-            gc.disable()
-        self._depth += 1
-
-    def on_end(self, event: numba.core.event.Event) -> None:
-        self._depth -= 1
-        if self._depth == 0 and self._before:
-            gc.enable()
-
-
-numba.core.event.register("numba:compile", _WithoutCollection())
 
 kernel = _compiler(cached=True, **_OPTIONS)
 

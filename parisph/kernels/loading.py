@@ -4,12 +4,13 @@ Otherwise a run that finds all its kernels compiled spends a third of its start 
 numba: `jit` imports it for the releases of `processor.INTERNALS` only.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import llvmlite.binding as llvm
 
+from parisph.kernels.kept import Kept
 from parisph.kernels.processor import numba
 
 
@@ -36,7 +37,15 @@ class _Library(numba.core.codegen.JITCodeLibrary):
 
 
 class _Results(numba.core.caching.CompileResultCacheImpl):
-    """What numba stores of a kernel."""
+    """What numba stores of a kernel. Where is decided by Kept."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._lineno = function.__code__.co_firstlineno
+        self._locator = self
+        self._py_file = function.__code__.co_filename
+
+    def ensure_cache_path(self) -> None:
+        """Do nothing: Kept makes its folder."""
 
     def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
         """Return a kernel from what is stored of it, with a _Library."""
@@ -73,10 +82,16 @@ class KernelCache(numba.core.caching.FunctionCache):
     counts references to arrays.
     """
 
-    _impl_class = _Results
+    def __init__(self, function: Callable[..., Any], files: Kept) -> None:
+        self._name, self._py_func, self._impl, self._cache_file = repr(function), function, _Results(function), files
+        self._cache_path = str(files.folders.write)
+        self.enable()
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return the kernel for a signature, or None if it is not in the cache."""
         numba.core.runtime.rtsys.initialize(target_context)
-        with self._guard_against_spurious_io_errors():
+        try:
             return self._load_overload(sig, target_context)
+        except Exception:    # whatever is wrong with what was stored, the kernel can be compiled again
+            self._cache_file.damaged()
+            return None

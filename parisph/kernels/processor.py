@@ -2,15 +2,24 @@
 
 import os
 import sys
+import warnings
 
-import llvmlite.binding as llvm
+with warnings.catch_warnings(record=True) as _said:
+    warnings.simplefilter("always")
+    import llvmlite.binding as llvm
 
-from parisph.base import libraries
+    from parisph.base import libraries, surroundings
 
-_first = "numba" not in sys.modules
+    _first = "numba" not in sys.modules
 
-with libraries.unconfigured("numba"):
-    import numba
+    with libraries.unconfigured("numba"):
+        import numba
+
+for _warning in _said:    # numba shows a traceback and goes on where it cannot read a variable
+    _fault = surroundings.unread_number(str(_warning.message))
+    if _fault is not None:
+        raise _fault
+    warnings.warn_explicit(_warning.message, _warning.category, _warning.filename, _warning.lineno)
 
 if _first:    # it looks again before each compilation; a program that has loaded numba itself keeps what it has
     numba.config._config_fname = os.devnull

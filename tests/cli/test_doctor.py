@@ -78,7 +78,7 @@ def test_library_that_fails_or_crashes(tmp_path, monkeypatch, program, says):
     python.write_text(f"#!/bin/sh\n{program}\n")
     python.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(python))
-    found = doctor._library("numpy", doctor._judge_numpy, "pip install numpy")
+    found, = doctor._library("numpy", "numpy", {"numpy": doctor._judge_numpy}, "pip install numpy")
     assert not found.ok and says in found.detail and found.remedy == "pip install numpy"
 
 
@@ -111,3 +111,53 @@ def test_file_written_together_is_read_back_and_removed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert doctor._write_together(MPI.COMM_SELF)
     assert not list(tmp_path.iterdir())
+
+
+KERNELS = {"kernels": 83, "bytes": 5_490_000, "damaged": [], "write": "/cache", "read": ["/cache"]}
+
+
+@pytest.mark.parametrize(("change", "ok", "says"), [
+    ({}, True, "83 compiled, 5.49 MB, in /cache"),
+    ({"kernels": 0}, True, "none compiled yet; the first run does, for a minute, into /cache"),
+    ({"damaged": ["/cache/a.kernel"]}, True, "; 1 damaged, which the next run compiles again (/cache/a.kernel)"),
+    ({"write": None, "read": ["/theirs"]}, True, "in /theirs; no folder for further ones can be written"),
+    ({"write": None, "kernels": 0, "read": []}, False, "no folder for further ones can be written"),
+])
+def test_judging_the_cache_of_kernels(change, ok, says):
+    found_ok, detail, remedy = doctor._judge_kernels({**KERNELS, **change})
+    assert found_ok == ok and says in detail and (ok or "set NUMBA_CACHE_DIR" in remedy)
+
+
+def test_a_numpy_that_the_other_libraries_were_not_compiled_for(monkeypatch):
+    """That one is the problem, and the remedy puts the right one back."""
+    monkeypatch.setattr(doctor.surroundings, "numpy_due", lambda form: form.format("1.24.2"))
+    error = "ValueError: numpy.dtype size changed, may indicate binary incompatibility"
+    found = doctor._of_numpy([doctor.Finding("numpy", True, "2.4.6"), doctor.Finding("MPI", True, "fine"),
+                              doctor.Finding("PETSc", False, error, doctor.PACKAGES),
+                              doctor.Finding("HDF5", False, error, doctor.PACKAGES)])
+    text = doctor.report(found)
+    assert "PROBLEM numpy      2.4.6 is not the numpy (1.24.2) that PETSc and HDF5 were compiled for\n" in text
+    assert "PROBLEM PETSc      cannot be loaded with this numpy\n" in text and doctor.PACKAGES not in text
+    assert text.count(doctor.surroundings.numpy_remedy()) == 3
+
+
+def absent(*names):
+    modules = {name: module for name, module, _, _ in doctor._LIBRARIES}
+    return lambda name, module, judges, remedy: [
+        doctor.Finding(about, name not in names, modules[name], remedy, absent=name in names) for about in judges]
+
+
+@pytest.mark.parametrize(("missing", "code", "says"), [
+    (("MPI", "PETSc"), 0, "check, info, compare, plot, movie, report work here; run, restart and study do not."),
+    (("MPI", "PETSc", "HDF5"), 0, "check work here"),
+    (("PETSc",), 1, "PROBLEM PETSc"),
+    (("MPI", "PETSc", "numba"), 1, "PROBLEM numba"),
+])
+def test_a_machine_without_mpi_is_a_state_and_no_problem(monkeypatch, capsys, missing, code, says):
+    from parisph.__main__ import main
+
+    monkeypatch.setattr(doctor, "_library", absent(*missing))
+    monkeypatch.setattr(doctor, "_two_ranks", lambda launcher: doctor.Finding("two ranks", True, "fine"))
+    assert main(["doctor"]) == code
+    shown = capsys.readouterr().out
+    assert says in shown and ("PROBLEM" in shown) == bool(code)

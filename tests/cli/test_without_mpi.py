@@ -85,6 +85,13 @@ def test_running_says_what_is_missing(stored, laptop, tmp_path, words):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_doctor_says_what_works(laptop):
+    done = parisph("doctor", **laptop)
+    assert done.returncode == 0 and "PROBLEM" not in done.stdout, done.stdout + done.stderr
+    assert "-       MPI        not installed (mpi4py)\n-       PETSc      not installed (petsc4py)\n" in done.stdout
+    assert "plot, movie, report work here; run, restart and study do not.\nTo run cases: run_scripts/" in done.stdout
+
+
 @pytest.mark.parametrize("name", ["run", "restart", "Simulation"])
 def test_a_script_is_told_what_is_missing(laptop, name):
     program = (f"try:\n    from parisph import {name}\nexcept ImportError as error:\n"

@@ -26,8 +26,8 @@ def test_read_only_install_without_a_home(tmp_path):
     for folder in (tmp_path, *tmp_path.parents[:3]):    # one more in a process of several
         folder.chmod(0o755)
     work.chmod(0o777)
-    program = "import os\nfrom parisph.kernels import jit, smoothing\nsmoothing.quartic_weight(0.5, 1.0)\n" \
-              "print(jit.FOLDER, len(os.listdir(jit.FOLDER)) > 0)"
+    program = "import os\nfrom parisph.kernels import jit, selfcheck\nselfcheck.stores_hold()\n" \
+              "print(jit.FOLDERS.write, len(os.listdir(jit.FOLDERS.write)) > 0)"
     done = run(["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", sys.executable, "-c", program], cwd=work,
                HOME="/nonexistent", XDG_CACHE_HOME="/nonexistent", TMPDIR=str(work), PYTHONPATH=str(package))
     assert done.returncode == 0, done.stderr
@@ -56,13 +56,13 @@ def test_small_scene_is_of_the_same_kind():
 @pytest.fixture
 def empty(tmp_path, monkeypatch):
     """A cache without kernels. Return the case, and what makes its small scene and counts how often."""
-    monkeypatch.setattr(jit, "FOLDER", str(tmp_path))
+    monkeypatch.setattr(jit, "FOLDERS", cache.Folders(tmp_path, (tmp_path,)))
     case = scene("hydrostatic")
 
     def go(make, **changes):
         numerics = case.numerics.resolved().model_copy(update=changes)
         warmup.on_one_rank_first(MPI.COMM_SELF, make, case, numerics)
-        return warmup.mark_of(warmup.small(case, numerics)).exists()
+        return (tmp_path / warmup.mark_of(warmup.small(case, numerics))).exists()
     return go
 
 

@@ -42,7 +42,7 @@ def make(count, random, folder):
 def _make(count, random, folder):
     os.chmod(folder, 0o755)
     kernels = folder / "kernels"
-    shutil.copytree(jit.FOLDER, kernels / Path(jit.FOLDER).name)
+    shutil.copytree(jit.FOLDERS.write, kernels / jit.FOLDERS.write.name)
     (folder / "home").mkdir()
     _give(kernels)
     _give(folder / "home")

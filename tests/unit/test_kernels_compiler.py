@@ -188,14 +188,14 @@ def test_kernels_leave_it_out_when_they_are_imported():
 
 @pytest.mark.parametrize(("asked", "due"), [(None, 2), ("1", 1)])
 def test_level_of_the_optimiser_is_ours_or_the_users(asked, due):
-    program = "import parisph.kernels.jit, numba\nprint(int(numba.config.OPT), parisph.kernels.jit.FOLDER)"
+    program = "import parisph.kernels.jit, numba\nprint(int(numba.config.OPT), parisph.kernels.jit.FOLDERS.write)"
     environment = clean_environment()
     environment.pop("NUMBA_OPT", None)
     environment.update({} if asked is None else {"NUMBA_OPT": asked})
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, env=environment, capture_output=True,
                           text=True, timeout=60)
     level, folder = done.stdout.split(maxsplit=1)
-    assert int(level) == due and (folder.strip() == jit.FOLDER) == (due == int(numba.config.OPT))
+    assert int(level) == due and (folder.strip() == str(jit.FOLDERS.write)) == (due == int(numba.config.OPT))
 
 
 def test_simulation_refuses_wrong_code(monkeypatch):

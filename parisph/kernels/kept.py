@@ -1,0 +1,146 @@
+"""Compiled kernels on disk: a file for each signature of a kernel, with a digest.
+
+numba has an index of signatures for each kernel. It trusts what it finds, so that a damaged file stops every later
+run, and two processes that fill one cache may exchange the code of two signatures. Here the name of a file says what
+it is of, and a file is whole or not there: it is written under another name first.
+"""
+
+import hashlib
+import inspect
+import os
+import pickle
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, ClassVar
+
+from parisph.base import environment
+from parisph.base.log import logger
+from parisph.kernels.cache import Folders
+from parisph.kernels.processor import numba
+
+ENDING = ".kernel"
+_DIGEST = hashlib.sha256().digest_size
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+class Kept:
+    """The files of one kernel. It has the interface of numba's IndexDataCacheFile.
+
+    function : the kernel in Python
+    folders : where its files are
+    """
+
+    _told: ClassVar[set[str]] = set()    # what is said once in a process
+
+    def __init__(self, function: Callable[..., Any], folders: Folders) -> None:
+        file = Path(inspect.getfile(function)).resolve()
+        inside = file.is_relative_to(_PACKAGE)
+        self.folders = folders
+        self._place = "" if inside else f"outside-{hashlib.sha256(os.fsencode(file)).hexdigest()[:16]}"
+        name = f"{file.stem}.{function.__qualname__}".replace("<", "").replace(">", "")
+        self._name = f"{name[:120]}-{function.__code__.co_firstlineno}"
+        self._stamp = hashlib.sha256(file.read_bytes()).hexdigest()[:8] if file.is_file() else None
+
+    def load(self, key: Any) -> Any:
+        """Return what was saved under a key; None if it is not there, or damaged, of which one line tells."""
+        name = self._file_of(key)
+        if name is None:
+            return None
+        for folder in self.folders.read:
+            with suppress(OSError):
+                path = folder / self._place / name
+                content = opened(path.name, path.read_bytes())
+                if content is not None:
+                    with suppress(Exception):    # of another release of a library
+                        return pickle.loads(content)
+                self.damaged(path)
+        return None
+
+    def damaged(self, path: Path | None = None) -> None:
+        """Tell once, on the first rank, that a file cannot be used."""
+        where = path or f"{self._name} in {self.folders.write}"
+        self._tell("damaged", f"a compiled kernel in the cache is damaged ({where}): it is compiled again")
+
+    def save(self, key: Any, data: Any) -> None:
+        """Write what load(key) shall return. If it cannot be written, one line tells, and the run goes on without."""
+        name = self._file_of(key)
+        if name is None:
+            return
+        if self.folders.write is None:
+            self._tell("nowhere", "compiled kernels can be kept in no folder, and every run compiles them again: "
+                                  "set NUMBA_CACHE_DIR to a folder that you can write")
+            return
+        path = self.folders.write / self._place / name
+        new = path.with_name(f".{os.getpid()}-{os.urandom(4).hex()}.tmp")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            new.write_bytes(sealed(name, numba.core.serialize.dumps(data)))
+            os.replace(new, path)
+            for old in path.parent.glob(f"{glob_of(self._name)}.*{ENDING}"):
+                if not old.name.startswith(f"{self._name}.{self._stamp}."):    # its source has changed
+                    old.unlink(missing_ok=True)
+        except OSError as error:
+            with suppress(OSError):
+                new.unlink(missing_ok=True)
+            self._tell("full", f"compiled kernels cannot be kept in {self.folders.write} ({error.strerror}), and every "
+                               "run compiles them again: free some space there, or set NUMBA_CACHE_DIR to another "
+                               "folder")
+            return
+        if numba.config.DEBUG_CACHE:
+            print(f"[cache] data saved to {str(path)!r}")
+
+    def flush(self) -> None:
+        """Forget all that is saved."""
+        for folder in self.folders.read:
+            for path in (folder / self._place).glob(f"{glob_of(self._name)}.*{ENDING}"):
+                path.unlink(missing_ok=True)
+
+    def _file_of(self, key):
+        """Return the name of the file for a key; None of a kernel that cannot be known again in another process."""
+        text = repr((numba.__version__, sys.version_info[:2], getattr(sys, "abiflags", ""), key))
+        if self._stamp is None or " at 0x" in text:
+            return None
+        return f"{self._name}.{self._stamp}.{hashlib.sha256(text.encode()).hexdigest()[:24]}{ENDING}"
+
+    def _tell(self, what, text):
+        if what not in self._told and environment.is_first():
+            logger.warning(text)
+        self._told.add(what)
+
+
+def glob_of(name: str) -> str:
+    """Return a name as a pattern of glob that nothing else matches."""
+    return "".join(f"[{letter}]" if letter in "*?[" else letter for letter in name)
+
+
+def sealed(name: str, content: bytes) -> bytes:
+    """Return the content of a file of this name, with a digest in front."""
+    return hashlib.sha256(name.encode() + b"\0" + content).digest() + content
+
+
+def opened(name: str, content: bytes) -> bytes | None:
+    """Return what `sealed` was given; None if this is another file, or not whole."""
+    return content[_DIGEST:] if sealed(name, content[_DIGEST:]) == content else None
+
+
+def state(folders: Folders) -> dict[str, Any]:
+    """Return what is in the folders: "kernels" and "bytes" of sound ones, "damaged" and "folders". Not collective."""
+    seen: set[str] = set()
+    damaged: list[str] = []
+    size = 0
+    for folder in folders.read:
+        for path in sorted(folder.rglob(f"*{ENDING}")):
+            name = str(path.relative_to(folder))
+            with suppress(OSError):
+                if name in seen:
+                    continue
+                content = path.read_bytes()
+                if opened(path.name, content) is None:
+                    damaged.append(str(path))
+                else:
+                    seen.add(name)
+                    size += len(content)
+    return {"kernels": len(seen), "bytes": size, "damaged": damaged,
+            "write": None if folders.write is None else str(folders.write), "read": list(map(str, folders.read))}
