@@ -92,7 +92,8 @@ def _without_mpi(findings):
     absent = {finding.name for finding in findings if finding.absent}
     look, rest = ("info", "compare"), ("plot", "movie", "report")
     works = ["check", *(look if "HDF5" not in absent else ()), *(rest if not {"HDF5", "matplotlib"} & absent else ())]
-    lines = [f"This machine has no MPI and no PETSc: {', '.join(works)} work here; run, restart and study do not."]
+    lines = [f"This machine has no MPI and no PETSc. What works here: {', '.join(works)}. What does not: run, restart, "
+             "study."]
     if {"HDF5", "matplotlib"} & absent:
         lines.append("To look at runs: pip install 'parisph[look]'")
     lines.append(f"To run cases: {libraries.SETUP}")

@@ -89,7 +89,7 @@ def test_doctor_says_what_works(laptop):
     done = parisph("doctor", **laptop)
     assert done.returncode == 0 and "PROBLEM" not in done.stdout, done.stdout + done.stderr
     assert "-       MPI        not installed (mpi4py)\n-       PETSc      not installed (petsc4py)\n" in done.stdout
-    assert "plot, movie, report work here; run, restart and study do not.\nTo run cases: run_scripts/" in done.stdout
+    assert "plot, movie, report. What does not: run, restart, study.\nTo run cases: run_scripts/" in done.stdout
 
 
 @pytest.mark.parametrize("name", ["run", "restart", "Simulation"])
