@@ -240,7 +240,7 @@ def _of_numpy(findings):
             detail = f"{finding.detail} is not the numpy{due} that {' and '.join(unfit)} were compiled for"
             finding = Finding("numpy", False, detail, remedy)
         elif finding.name in unfit:
-            finding = Finding(finding.name, False, "cannot be loaded with this numpy", f"as for numpy: {remedy}")
+            finding = Finding(finding.name, False, "cannot be loaded with this numpy", "see numpy")
         found.append(finding)
     return found
 
