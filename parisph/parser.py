@@ -8,6 +8,7 @@ from parisph.base.errors import CaseError
 from parisph.base.text import clipped, plain
 
 FORCE = "Use DIR although run.lock names a process on another host or in another container, which may still write to it"
+QUIET = "Show no progress, nor that kernels are compiled for a minute; warnings are shown all the same"
 EXIT_CODES = "Exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 file error, 1 other errors."
 
 
@@ -93,7 +94,7 @@ def _study(verbs):
     verb.add_argument("--limit", type=arguments.number, metavar="S", help="End each run after S seconds on the clock")
     verb.add_argument("-o", "--out", type=arguments.path, metavar="DIR",
                       help="Write the study to this folder (default: studies/NAME, named after FILE)")
-    verb.add_argument("-q", "--quiet", action="store_true", help="Do not show progress")
+    verb.add_argument("-q", "--quiet", action="store_true", help=QUIET)
     verb.add_argument("--force", action="store_true", help=FORCE)
 
 
@@ -191,7 +192,7 @@ def _add_parts(verb):
 
 
 def _add_progress(verb):
-    verb.add_argument("-q", "--quiet", action="store_true", help="Do not show progress")
+    verb.add_argument("-q", "--quiet", action="store_true", help=QUIET)
     verb.add_argument("--force", action="store_true", help=FORCE)
     verb.set_defaults(petsc=[], collective=True)
 

@@ -62,6 +62,7 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
         made, old = (on_first(comm, f"start a run in {out}",
                               lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None))
         with (begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock,
+              Progress(case.end_time, progress, comm.rank == 0) as shown,
               _built(case, comm, petsc_options) as simulation):
             samplers = instruments.build(case, simulation.comm)
             store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation),
@@ -69,7 +70,7 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
             if old is not None:
                 store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} "
                                                   f"was moved to {old}"))
-            return _Run(simulation, samplers, store, Account.new(), progress).go(signals, first=True)
+            return _Run(simulation, samplers, store, Account.new(), shown).go(signals, first=True)
 
 
 def restart(path: AnyPath, comm: MPI.Comm, until: float | None = None, out: AnyPath | None = None,
@@ -107,7 +108,8 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
         done = saved is not None and finished(case, saved.time)
         on_first(comm, f"continue the run in {target}",
                  lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
-        with _built(case, comm, petsc_options, saved) as simulation:
+        with (Progress(case.end_time, progress, comm.rank == 0) as shown,
+              _built(case, comm, petsc_options, saved) as simulation):
             samplers = instruments.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
             series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
@@ -119,7 +121,7 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
                                        f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
                                                      f"{f'; earlier results are in {folder}' * elsewhere}"))
             account = Account.resumed(saved.state) if saved else Account.new()
-            run = _Run(simulation, samplers, store, account, progress, saved.state if saved else None,
+            run = _Run(simulation, samplers, store, account, shown, saved.state if saved else None,
                        folder if saved and elsewhere else None)
             if saved and done:
                 run.saved_step, run.last_checkpoint = saved.step, found
@@ -152,12 +154,12 @@ def _built(case: Case, comm: MPI.Comm, petsc_options: list[str] | None,
 class _Run:
     """The steps of one run, and everything around them."""
 
-    def __init__(self, simulation: Simulation, samplers: list[Sampler], store: Store, account: Account, progress: bool,
+    def __init__(self, simulation: Simulation, samplers: list[Sampler], store: Store, account: Account, progress: Progress,
                  state: Mapping[str, Any] | None = None, source: Path | None = None) -> None:
         """state : in the checkpoint; source : folder of the earlier run, if this one is another."""
         self.simulation, self.store, self.account = simulation, store, account
         self.comm, self.case = simulation.comm, simulation.case
-        self.progress = Progress(self.case.end_time, progress, self.comm.rank == 0)
+        self.progress = progress
         self.last_checkpoint: Path | None = None
         self.saved_step: int | None = None
         self.saved_at = perf_counter()

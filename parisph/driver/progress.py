@@ -1,18 +1,24 @@
 """Progress of a run, shown by rank 0."""
 
 import sys
+from collections import deque
 from time import perf_counter
 from typing import TextIO
 
 from parisph.base.log import logger
 from parisph.driver.simulation import Simulation
+from parisph.kernels import jit, kept
 from parisph.methods.reports import StepReport
 
 TERMINAL, BATCH = 0.5, 15.0  # seconds between lines
+FEW = 20         # compiled kernels: with fewer, nearly all of the hundred are to be compiled
+STEPS, SECONDS, LONG = 10, 1.0, 30.0    # a rate is taken from so many steps and [s], or from steps of so many [s]
 
 
 class Progress:
     """One live line on a terminal; in a batch log plain lines, at growing intervals.
+
+    Inside `with`, a line says so before kernels are compiled, and another one after the first step how long it took.
 
     Parameters
     ----------
@@ -25,21 +31,33 @@ class Progress:
         self.end_time, self.stream, self.wanted = end_time, stream or sys.stderr, wanted
         self.shown = wanted and first
         self.live = self.shown and self.stream.isatty()
-        self._began = self._last = perf_counter()
-        self._first: float | None = None    # time [s] after the first step that is seen here
-        self._steps = 0
+        self._began = self._last = 0.0      # [s] of `_now`, when the first step had ended; of the last line
+        self._compiled: tuple[int, float] | None = None    # kernels, and the seconds they took, before this run
+        # [s] of `_now`, time of the flow [s], steps: at the first step, and from time to time since
+        self._marks: deque[tuple[float, float, int]] = deque()
+
+    def __enter__(self) -> "Progress":
+        if self.shown:
+            jit.COMPILATION.before = self._compiling
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        jit.COMPILATION.before = None
 
     def step(self, simulation: Simulation, report: StepReport) -> None:
         """Show the progress after a step, if it is time for a new line. Not collective."""
         if not self.shown:
             return
-        now = perf_counter()
-        if self._first is None:
-            self._first, self._steps = simulation.time, simulation.steps
-        if now - self._last < (TERMINAL if self.live else min(BATCH, 2.0 + 0.1 * (now - self._began))):
+        now = _now()
+        if not self._marks:
+            self._after_compiling()
+            self._began = self._last = now
+            self._marks.append((now, simulation.time, simulation.steps))
+        elapsed = now - self._began
+        if now - self._last < (TERMINAL if self.live else min(BATCH, 2.0 + 0.1 * elapsed)):
             return
         self._last = now
-        text = self._text(simulation, report, now - self._began)
+        text = self._text(simulation, report, now)
         if self.live:
             self.stream.write(f"\r\x1b[2K{text}")
             self.stream.flush()
@@ -52,12 +70,46 @@ class Progress:
             self.stream.write("\r\x1b[2K")
             self.stream.flush()
 
-    def _text(self, simulation: Simulation, report: StepReport, elapsed: float) -> str:
-        done = simulation.time - (self._first or 0.0)
-        left = _clock(max(self.end_time - simulation.time, 0.0) * elapsed / done) if done > 0.0 else "?"
-        rate = (simulation.steps - self._steps) / elapsed
-        return (f"t {simulation.time:.4g} of {self.end_time:.4g} s  dt {report.dt:.2e}  {rate:.1f} steps/s  "
-                f"{report.words()}  {left} left")
+    def _compiling(self) -> None:
+        compilation = jit.COMPILATION
+        self._compiled = compilation.count, compilation.seconds
+        where = f" (kept in {jit.FOLDERS.write})" if jit.FOLDERS.write else ""
+        if kept.state(jit.FOLDERS)["kernels"] < FEW:
+            text = f"compiling kernels, about a minute, once for each machine and version of parisph{where}"
+        else:
+            text = f"compiling kernels that no run has needed so far{where}"
+        if logger.handlers:
+            logger.info(text)
+        else:
+            print(text, file=self.stream, flush=True)
+
+    def _after_compiling(self) -> None:
+        if self._compiled is not None:
+            count, seconds = jit.COMPILATION.count - self._compiled[0], jit.COMPILATION.seconds - self._compiled[1]
+            logger.info(f"compiled {count} kernel{'s' * (count != 1)} in {seconds:.1f} s")
+
+    def _text(self, simulation: Simulation, report: StepReport, now: float) -> str:
+        """Return the line; with rate and time left once there is enough to tell them from.
+
+        They are those of the second half of the steps so far: the first ones may be shorter, or cost more.
+        """
+        while len(self._marks) > 1 and self._marks[1][0] <= 0.5 * (self._began + now):
+            self._marks.popleft()
+        then, time, steps = self._marks[0]
+        if now - self._marks[-1][0] > 0.02 * (now - self._began):
+            self._marks.append((now, simulation.time, simulation.steps))
+        rate = left = ""
+        count, seconds = simulation.steps - steps, now - then
+        if ((count >= STEPS and seconds >= SECONDS) or seconds >= LONG) and simulation.time > time:
+            rate = f"{count / seconds:.{1 if count >= seconds else 2}f} steps/s  "
+            speed = (simulation.time - time) / seconds
+            left = f"  {_clock(max(self.end_time - simulation.time, 0.0) / speed)} left"
+        return f"t {simulation.time:.4g} of {self.end_time:.4g} s  dt {report.dt:.2e}  {rate}{report.words()}{left}"
+
+
+def _now() -> float:
+    """Return a time [s] without that in which kernels are compiled."""
+    return perf_counter() - jit.COMPILATION.seconds
 
 
 def _clock(seconds: float) -> str:

@@ -43,8 +43,8 @@ def folders(level: int) -> Folders:
     file. The digest makes sure that stale code is never loaded.
 
     Kernels are written to NUMBA_CACHE_DIR if that is set, else beside the sources, else to the user's cache folder,
-    else (on a node without home folders) to a private temporary folder. Those that are in any of the first three are
-    used, also where the folder is another user's and cannot be written.
+    else (on a node without home folders) to a private temporary folder. Of these the first that can be written is
+    used, and those before it are read, which may be another user's.
     """
     here = Path(__file__).resolve().parent
     own = (path for path in sorted(here.glob("*.py")) if path.name not in WITHOUT_CODE)
@@ -55,14 +55,17 @@ def folders(level: int) -> Folders:
     places.append(here / "__pycache__")
     with suppress(OSError):    # there is no home folder
         places.append(cache_folder())
-    found = [place / name for place in places]
-    write = next(filter(_can_be_made, found), None)
-    if write is None:
-        with suppress(OSError):    # there is no folder for temporary files either
-            write = private_folder() / name
-            write = write if _can_be_made(write) else None
-    others = [folder for folder in found if folder != write and os.access(folder, os.R_OK | os.X_OK)]
-    return Folders(write, (*([write] if write else []), *others))
+    others: list[Path] = []
+    for folder in (place / name for place in places):
+        if _can_be_made(folder):
+            return Folders(folder, (folder, *others))
+        if os.access(folder, os.R_OK | os.X_OK):
+            others.append(folder)
+    with suppress(OSError):    # there is no folder for temporary files either
+        folder = private_folder() / name
+        if _can_be_made(folder):
+            return Folders(folder, (folder, *others))
+    return Folders(None, tuple(others))
 
 
 def _can_be_made(path):

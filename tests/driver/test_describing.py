@@ -17,6 +17,7 @@ from parisph.driver import describe, progress
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
+from parisph.kernels import jit
 from parisph.methods.reports import ProjectionReport
 from tests.launch import ROOT, parisph
 from tests.scenes import scene
@@ -149,20 +150,24 @@ def clock(monkeypatch):
     return held
 
 
-def stepped(shown, clock, times):
+def stepped(shown, clock, times, first=1):
     report = ProjectionReport(dt=0.01, iterations=8, divergence=1e-4)
-    for number, time in enumerate(times, start=1):
+    for number, time in enumerate(times, start=first):
         clock.now += 1.0
         shown.step(SimpleNamespace(time=time, steps=number), report)
 
 
 def test_live_line_on_a_terminal(clock):
+    """The first steps are short, or take long: what is left is told from the second half of those so far."""
     screen = Terminal()
     shown = Progress(10.0, True, stream=screen)
-    stepped(shown, clock, (1.0, 2.0, 3.0))
+    stepped(shown, clock, 0.01 * np.arange(1, 11))
     text = screen.getvalue()
-    assert text.count("\n") == 0 and "t 3 of 10 s" in text and "8 iterations" in text
-    assert text.rstrip().endswith("0:11 left")     # 7 s of flow are left, after 2 in 3 s
+    assert text.count("\n") == 0 and "t 0.1 of 10 s" in text and "8 iterations" in text
+    assert "steps/s" not in text and "left" not in text, "there is nothing to say from nine steps"
+    stepped(shown, clock, 0.1 + 0.2 * np.arange(1, 31), first=11)
+    last = screen.getvalue().rstrip().split("\r")[-1]
+    assert last.endswith("0:20 left") and "1.0 steps/s" in last    # 3.9 s of flow, at 0.2 s in 1 s
     shown.close()
     assert screen.getvalue().endswith("\x1b[2K")
 
@@ -183,6 +188,39 @@ def test_quiet_and_other_ranks_are_silent(clock, caplog, wanted, first):
         stepped(shown, clock, (1.0, 2.0))
         shown.close()
     assert screen.getvalue() == "" and not caplog.records
+
+
+@pytest.mark.parametrize(("wanted", "kernels", "says"), [
+    (True, 0, "compiling kernels, about a minute, once for each machine and version of parisph (kept in "),
+    (True, 80, "compiling kernels that no run has needed so far (kept in "), (False, 0, None)])
+def test_a_line_before_kernels_are_compiled_and_one_after(clock, monkeypatch, caplog, wanted, kernels, says):
+    """The time that it takes is not that of steps."""
+    @jit.uncached
+    def doubled(x):
+        return 2.0 * x
+
+    monkeypatch.setattr(progress.kept, "state", lambda folders: {"kernels": kernels})
+    screen = Terminal()
+    with caplog.at_level("INFO", logger="parisph"), Progress(10.0, wanted, stream=screen) as shown:
+        assert screen.getvalue() == ""
+        doubled(1.0)
+        said = screen.getvalue()
+        doubled(1)
+        jit.COMPILATION.seconds += 50.0
+        clock.now += 50.0
+        stepped(shown, clock, np.arange(1, 21))
+        jit.COMPILATION.seconds += 50.0    # further ones, of a snapshot
+        clock.now += 50.0
+        stepped(shown, clock, np.arange(21, 23), first=21)
+    if says is None:
+        assert screen.getvalue() == "" and not caplog.messages
+        return
+    assert said.startswith(says) and said.count("\n") == 1 and screen.getvalue().count("compiling") == 1
+    line, = caplog.messages
+    assert line.startswith("compiled 2 kernels in 50.") and "1.0 steps/s" in screen.getvalue().split("\r")[-1]
+    with Progress(10.0, True, stream=screen) as shown:
+        stepped(shown, clock, (1.0, 2.0))    # nothing is compiled, and nothing told
+    assert len(caplog.messages) == 1 and jit.COMPILATION.before is None
 
 
 def test_phases_count_cpu_time(monkeypatch):
