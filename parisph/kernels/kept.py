@@ -54,7 +54,9 @@ class Kept:
                 content = opened(path.name, path.read_bytes())
                 if content is not None:
                     with suppress(Exception):    # of another release of a library
-                        return pickle.loads(content)
+                        found = pickle.loads(content)
+                        _debug("loaded from", path)
+                        return found
                 self.damaged(path)
         return None
 
@@ -88,8 +90,7 @@ class Kept:
                                "run compiles them again: free some space there, or set NUMBA_CACHE_DIR to another "
                                "folder")
             return
-        if numba.config.DEBUG_CACHE:
-            print(f"[cache] data saved to {str(path)!r}")
+        _debug("saved to", path)
 
     def flush(self) -> None:
         """Forget all that is saved."""
@@ -108,6 +109,12 @@ class Kept:
         if what not in self._told and environment.is_first():
             logger.warning(text)
         self._told.add(what)
+
+
+def _debug(what, path):
+    """Print what numba's own cache prints with NUMBA_DEBUG_CACHE."""
+    if numba.config.DEBUG_CACHE:
+        print(f"[cache] data {what} {str(path)!r}")
 
 
 def glob_of(name: str) -> str:

@@ -1,6 +1,17 @@
 """The parts of the campaign, in their order. One module of this folder holds each of them."""
 
-from tests.faults import checkpoints, folders, inputs, kills, one_rank, signals, snapshots, text_files
+from tests.faults import (
+    cache,
+    checkpoints,
+    environment,
+    folders,
+    inputs,
+    kills,
+    one_rank,
+    signals,
+    snapshots,
+    text_files,
+)
 from tests.faults.table import Part
 
 PARTS: dict[str, Part] = {
@@ -12,4 +23,6 @@ PARTS: dict[str, Part] = {
     "signals": Part("two signals within 50 ms to one of 2 ranks or both", 100, signals.make),
     "one_rank": Part("a fault in a step or between two on one of 2 ranks", 40, one_rank.make),
     "folders": Part("full disk, files removed, no permission, while running", 42, folders.make),
+    "cache": Part("compiled kernels: damaged, a full disk, read-only, two at once, killed", 36, cache.make),
+    "environment": Part("variables, limits and users that a process may meet", 120, environment.make),
 }
