@@ -154,8 +154,8 @@ def _built(case: Case, comm: MPI.Comm, petsc_options: list[str] | None,
 class _Run:
     """The steps of one run, and everything around them."""
 
-    def __init__(self, simulation: Simulation, samplers: list[Sampler], store: Store, account: Account, progress: Progress,
-                 state: Mapping[str, Any] | None = None, source: Path | None = None) -> None:
+    def __init__(self, simulation: Simulation, samplers: list[Sampler], store: Store, account: Account,
+                 progress: Progress, state: Mapping[str, Any] | None = None, source: Path | None = None) -> None:
         """state : in the checkpoint; source : folder of the earlier run, if this one is another."""
         self.simulation, self.store, self.account = simulation, store, account
         self.comm, self.case = simulation.comm, simulation.case
