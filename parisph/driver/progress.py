@@ -77,7 +77,7 @@ class Progress:
         if kept.state(jit.FOLDERS)["kernels"] < FEW:
             text = f"compiling kernels, about a minute, once for each machine and version of parisph{where}"
         else:
-            text = f"compiling kernels that no run has needed so far{where}"
+            text = f"compiling further kernels{where}"
         if logger.handlers:
             logger.info(text)
         else:

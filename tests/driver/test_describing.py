@@ -192,7 +192,7 @@ def test_quiet_and_other_ranks_are_silent(clock, caplog, wanted, first):
 
 @pytest.mark.parametrize(("wanted", "kernels", "says"), [
     (True, 0, "compiling kernels, about a minute, once for each machine and version of parisph (kept in "),
-    (True, 80, "compiling kernels that no run has needed so far (kept in "), (False, 0, None)])
+    (True, 80, "compiling further kernels (kept in "), (False, 0, None)])
 def test_a_line_before_kernels_are_compiled_and_one_after(clock, monkeypatch, caplog, wanted, kernels, says):
     """The time that it takes is not that of steps."""
     @jit.uncached
