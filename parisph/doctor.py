@@ -146,8 +146,8 @@ def _ask_mpi():
 
 
 def _ask_petsc():
-    import petsc4py  # noqa: F401  first: without it, it is this that is missing
-
+    if not _is_there("petsc4py"):    # the import would first miss mpi4py, which it needs
+        raise ModuleNotFoundError("No module named 'petsc4py'")
     from parisph.pressure import trial as pressure
 
     return pressure.versions()

@@ -16,7 +16,7 @@ from tests.faults.folders import _give, _mount, _restrict
 from tests.launch import clean_environment, parisph
 
 SECONDS = 120.0
-MOST = 4          # files that are damaged or missing in an attempt: each takes up to some seconds to compile
+MOST = 2          # files that are damaged or missing in an attempt: each takes up to some seconds to compile
 BREAKAGE = ("zeroed blocks", "flipped bits", "overwritten bytes", "cut short", "swapped blocks", "lost bytes",
             "inserted bytes", "another file", "end of another file", "rubbish")
 TOLD = {"damaged": "is damaged", "full": "cannot be kept in", "read-only": "can be kept in no folder"}

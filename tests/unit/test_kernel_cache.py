@@ -61,7 +61,8 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize("damage", DAMAGE)
+@pytest.mark.parametrize(("any_numba", "damage"), [*((True, damage) for damage in DAMAGE), (False, "garbled")],
+                         indirect=["any_numba"])
 def test_what_is_damaged_is_compiled_again_and_told_once(tmp_path, caplog, any_numba, damage):
     assert [hits(only(tmp_path)), hits(only(tmp_path), WHOLE), hits(only(tmp_path))] == [0, 0, 1]
     first, second = files(tmp_path)
