@@ -10,7 +10,6 @@ from mpi4py import MPI
 
 from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
 from parisph.kernels import balance, curvature, movement, record
-from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, potential, regularising, straining, surfaces
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow

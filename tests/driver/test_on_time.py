@@ -1,4 +1,4 @@
-"""Snapshots are of the steps nearest to the asked times, and of the start and the end in any case; none changes a step."""
+"""Snapshots are of the steps nearest to the asked times, of the start and of the end; none changes a step."""
 
 from functools import cache
 

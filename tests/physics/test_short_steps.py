@@ -46,7 +46,8 @@ def test_steps_shortened_alike_have_the_pressure_of_their_neighbours(tmp_path):
     the same: measured -.009, without the filter and the voids of calm flow -.0027; at neighbouring times to -.015.
     """
     def pressures(name, **sets):
-        case = scene("dam_break", spacing=0.05, end_time=2.45).changed(**{"numerics.time_step": None}, output=Output(), **sets)
+        sets |= {"numerics.time_step": None, "output": Output()}
+        case = scene("dam_break", spacing=0.05, end_time=2.45).changed(**sets)
         run(case, MPI.COMM_SELF, tmp_path / name, progress=False)
         found = reader.open_run(tmp_path / name)
         return found.steps, found.probe("P2")
