@@ -146,7 +146,8 @@ def _report(verbs):
 def _compare(verbs):
     verb = _verb(verbs, "compare", "Compute the error of a probe against a reference series")
     _add_run(verb)
-    verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv", help="CSV file with one header line")
+    verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv",
+                      help="Text file with one header line; columns are separated by commas, semicolons, tabs or blanks")
     verb.add_argument("--json", action="store_true", help="Print JSON")
     verb.add_argument("--plot", type=arguments.path, metavar="FILE",
                       help="Draw the run, the reference and their difference to a .png, .pdf, ... file")
