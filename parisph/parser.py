@@ -106,7 +106,8 @@ def _info(verbs):
 def _plot(verbs):
     verb = _verb(verbs, "plot", "Draw the flow, the probes, or the whole run on one page")
     verb.add_argument("runs", type=arguments.path, metavar="DIR", nargs="+",
-                      help="Folder of a run; for several runs, their probes are drawn over each other")
+                      help="Folder of a run; for several runs, their probes are drawn over each other, named by what differs "
+                           "between their cases")
     verb.add_argument("--time", type=arguments.number, metavar="T",
                       help="Draw the flow at the snapshot nearest this time [s]")
     verb.add_argument("--peak", metavar="PROBE",

@@ -12,6 +12,7 @@ import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath
+from parisph.case import differences
 from parisph.case.truths import Truth, WaveTruth, read_truth
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style
@@ -66,7 +67,7 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
                normalise: bool = False) -> "Figure":
     """Draw the time series of probes, one set of axes for each quantity; return the matplotlib Figure.
 
-    Several runs are drawn over each other, labelled by their folders.
+    Several runs are drawn over each other, labelled by what differs between their cases (run_labels).
 
     Parameters
     ----------
@@ -159,7 +160,7 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
     Heights, positions along x, pressures, energies, ... each have their own axes. names : of probes, all if None.
     """
     groups = {}
-    for run, label in zip(runs, folder_names([run.folder for run in runs])):
+    for run, label in zip(runs, run_labels(runs)):
         kinds = {probe["name"]: probe["kind"] for probe in run.case.get("probes", ())}
         for name in (run.probe_names if names is None else names):
             table, units = run.probe(name), run.units(name)
@@ -175,6 +176,14 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
                               table["time"], table[column])
                 groups.setdefault((FAMILIES.get(kind, kind), units[column]), []).append(curve)
     return groups
+
+
+def run_labels(runs: Sequence[Run]) -> list[str]:
+    """Return a label for each of several runs: what differs between their cases, and the folders of those alike."""
+    found = differences.labels([run.case for run in runs])
+    folders = folder_names([run.folder for run in runs])
+    return [style.literal(text if text and found.count(text) == 1 else f"{text} ({folder})" if text else folder, 60)
+            for text, folder in zip(found, folders)]
 
 
 def folder_names(folders: Sequence[Path]) -> list[str]:
