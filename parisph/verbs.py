@@ -163,7 +163,7 @@ def _movie(args):
     from parisph.io import reader
     from parisph.pictures import orders
 
-    print(orders.animate(reader.open_run(args.run), args.out, args.fps, args.slow, **_look(args)))
+    print(orders.animate(reader.open_run(args.run), args.out, args.fps, args.slow, progress=True, **_look(args)))
 
 
 def _look(args):

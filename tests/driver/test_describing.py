@@ -13,7 +13,8 @@ from parisph.base import memory
 from parisph.base.errors import CaseError
 from parisph.case import elsewhere
 from parisph.case.checks import stable_time_step
-from parisph.driver import describe, progress
+from parisph.base import progress
+from parisph.driver import describe
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
