@@ -169,7 +169,7 @@ def _movie(args):
 def _look(args):
     """Return the options of io.view.Look; None for those not given."""
     return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None,
-            "limits": args.limits, "colours": args.cmap, "zoom": args.zoom}
+            "limits": args.limits, "colours": args.cmap, "zoom": args.zoom, "frame": args.frame}
 
 
 def _report(args):

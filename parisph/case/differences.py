@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-FIRST = ("spacing", "preset", "method", "time_step", "jitter", "seed")    # of the numerics: what runs are made to compare
-ASIDE = ("run", "schema", "digest", "provenance", "source", "probes", "output", "asked")    # what does not change the flow
+FIRST = ("spacing", "preset", "method", "time_step", "jitter", "seed")    # numerics that runs are made to compare
+ASIDE = ("run", "schema", "digest", "provenance", "source", "probes", "output", "asked")    # do not change the flow
 LAST = ("end_time", "title")    # what labels name only where nothing else distinguishes two cases
 MOST = 3    # fields of a label, unless more of them are needed
 MANY = 6    # fields that differ between two settings of one scene; scenes that differ in more have titles of their own

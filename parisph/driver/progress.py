@@ -2,8 +2,8 @@
 
 from typing import TextIO
 
+from parisph.base.live_line import LiveLine, clock
 from parisph.base.log import logger
-from parisph.base.progress import LiveLine, clock
 from parisph.driver.simulation import Simulation
 from parisph.methods.reports import StepReport
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.live_line import LiveLine, clock
 from parisph.base.paths import AnyPath
-from parisph.base.progress import LiveLine, clock
 from parisph.base.text import clipped, plain
 from parisph.io.files import replacing
 from parisph.io.reader import Run, open_run

@@ -13,7 +13,8 @@ def stored(title="Basin", height=0.5, frame=None, probes=(), end_time=1.0, param
     """Return the content of case.json, with the parameters of case(...) where there are any."""
     numerics = {"spacing": 0.1, **numerics}
     case = Case(title=title, fluid=Fluid(Box(1.0, height), density=1000.0), walls=Tank(1.0, 2.0), end_time=end_time,
-                gravity=(0.0, -9.81), numerics=Numerics(**numerics), probes=probes, **({"frame": frame} if frame else {}))
+                gravity=(0.0, -9.81), numerics=Numerics(**numerics), probes=probes,
+                **({"frame": frame} if frame else {}))
     found = json.loads(to_json(case)) | {"run": f"{id(case)}"}
     return found | {"provenance": {"parameters": parameters}} if parameters else found
 

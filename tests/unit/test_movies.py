@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from parisph.base import progress
+from parisph.base import live_line
 from parisph.base.errors import CaseError, StoreError
 from parisph.pictures import movies, orders
 from parisph.pictures.movies import Pace
@@ -105,7 +105,7 @@ class Terminal(io.StringIO):
 def test_progress_says_how_many_frames_are_drawn_and_how_long_the_others_take(tmp_path, monkeypatch):
     screen = Terminal()
     monkeypatch.setattr(sys, "stderr", screen)
-    monkeypatch.setattr(progress, "perf_counter", screen.clock)
+    monkeypatch.setattr(live_line, "perf_counter", screen.clock)
     run = written(tmp_path / "run", basin(), water())
     movies.movie(run, tmp_path / "a.gif", dpi=20, progress=True)
     lines = screen.getvalue().split("\r\x1b[2K")
