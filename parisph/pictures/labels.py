@@ -60,12 +60,27 @@ def add(axes: "Axes", labels: Sequence[Label], lines: Sequence[Floats] = (), dot
 
 
 def _place(axes, labels, texts, left_out, lines, dots, renderer):
-    """Choose for each name in turn the first place that touches no name and no dot and crosses the fewest lines."""
+    """Put all names where there is room; where there is not, again with room for how many are left out."""
     pixels = renderer.points_to_pixels(1.0)
     box = axes.get_window_extent(renderer)
     inside = np.array([box.x0, box.y0, box.x1, box.y1]) + pixels * np.array([1.0, 1.0, -1.0, -1.0])
     along = _sampled([axes.transData.transform(line) for line in lines])
     taken = [_around(x, 2.5 * pixels) for x in axes.transData.transform(dots)] if dots is not None and len(dots) else []
+    left_out.set(text="")
+    missing = _put(axes, labels, texts, inside, along, list(taken), pixels, renderer)
+    if missing:
+        left_out.set(text=f"and {len(texts)} more names", position=inside[[2, 1]], ha="right", va="bottom")
+        corner = left_out.get_window_extent(renderer)
+        taken.append(np.array([corner.x0, corner.y0, corner.x1, corner.y1]))
+        missing = _put(axes, labels, texts, inside, along, taken, pixels, renderer)
+        left_out.set_text(f"and {missing} more names")
+
+
+def _put(axes, labels, texts, inside, along, taken, pixels, renderer):
+    """Choose for each name in turn the first place that touches nothing in `taken` and crosses the fewest lines.
+
+    Returns the number of names that find no place.
+    """
     missing = 0
     for label, text in zip(labels, texts):
         text.set(rotation=0.0, visible=True)
@@ -88,9 +103,9 @@ def _place(axes, labels, texts, left_out, lines, dots, renderer):
             missing += 1
             continue
         _, own, turned = best
-        taken.append(own)
+        taken.append(own + 0.5 * pixels * np.array([-1.0, -1.0, 1.0, 1.0]))
         text.set(position=own[:2], ha="left", va="bottom", rotation=90.0 if turned else 0.0)
-    left_out.set(text=f"and {missing} more names" if missing else "", position=inside[[2, 1]], ha="right", va="bottom")
+    return missing
 
 
 def _candidates(places, line, width, height, apart, inside):

@@ -7,6 +7,7 @@ import numpy as np
 from parisph.base.arrays import Floats
 
 FLAT = 5.5    # windows that are wider than this, over their height, are drawn stretched upwards, to this
+SLENDER = 3.0    # windows that are higher than this, over their width, get room for names on both sides
 FEW = 0.01    # share of the particles that may lie beyond a gap: more of them are no spray
 GAP, SHARE = 4.0, 0.1    # spacings, and share of the extent of the fluid, of a gap behind which there is spray
 Box = tuple[Floats, Floats]    # lower and upper corner (2,)
@@ -49,6 +50,7 @@ def of(fluid: Iterable[Floats], walls: Sequence[Floats], length: float = 1.0) ->
     points = np.concatenate([x for x in (*fluid, *walls) if len(x)] or [np.array([[0.0, 0.0], [1.0, 1.0]])])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = np.minimum(0.03 * np.max(high - low), 0.12 * (high - low))
+    margin[0] = max(margin[0], 0.5 * ((high - low)[1] / SLENDER - (high - low)[0]))
     low, high = (low - margin) / length, (high + margin) / length
     return (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
 
