@@ -9,6 +9,7 @@ import numpy as np
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
 from parisph.base.paths import AnyPath
+from parisph.case.bodies import Profile
 from parisph.case.shapes import Tank
 from parisph.geometry.build import domain
 from parisph.geometry.outline import outline_of
@@ -297,12 +298,14 @@ class FieldView:
         from matplotlib.patches import Polygon, Rectangle
 
         if self.bodies is not None:
-            draw_bodies(axes, self.bodies, time, self.length, self.window[1][0] * self.length, self.seen)
-            tanks = [wall for wall in standing(self.bodies) if isinstance(wall, Tank)]
-            if len(tanks) == 1:    # other walls are filled, and hide what is in them
-                around = tanks[0].motion.placed(outline_of(tanks[0]).points, time)
-                around = self.seen.placed(around, time) / self.length
-                cut.set_clip_path(Polygon(around, transform=axes.transData))
+            (left, right), (low, high) = self.window
+            far = (right - left + high - low) * self.length
+            floor = low * self.length - (far if self.seen.moved else 0.0)    # below the axes wherever the tank is
+            draw_bodies(axes, self.bodies, time, self.length, floor, self.seen)
+            around = [_room(wall, time, far) for wall in standing(self.bodies)
+                      if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
+            if len(around) == 1:    # other walls are filled, and hide what is in them
+                cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
             return
         tank = next(iter(style.bodies_of(self.case)), None)
         if tank is None:
@@ -350,6 +353,13 @@ class FieldView:
         down = self.seen.down(time)
         if down is not None:
             _arrow(axes, down, "$g$")
+
+
+def _room(wall, time, far):
+    """Return points (n, 2) [m] around what is inside a tank, or above a bed and between its ends."""
+    x = wall.motion.placed(outline_of(wall).points, time)
+    top = x[:, 1].max() + far
+    return x if isinstance(wall, Tank) else np.concatenate([x, [(x[-1, 0], top), (x[0, 0], top)]])
 
 
 def _arrow(axes, direction, name):

@@ -14,6 +14,7 @@ from parisph import (
     Piston,
     PressureTap,
     ProbeArray,
+    Profile,
     Roll,
     Series,
     Sponge,
@@ -165,6 +166,17 @@ def test_a_tank_that_moves_is_seen_from_itself_or_from_the_room(tmp_path, frame,
     assert np.all(lower > (left, low)) and np.all(lower < (right, high))
     with pytest.raises(CaseError, match="--frame sea: must be tank or world"):
         view.plot_field(run, frame="sea")
+
+
+def test_the_ground_below_a_basin_reaches_below_the_axes_wherever_it_is(tmp_path):
+    basin_of = Profile(points=((0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (1.0, 1.0)), name="basin")
+    run = written(tmp_path / "run", basin(walls=(basin_of,), frame=Heave(1.0, 5.0), probes=[]), water())
+    for frame in ("tank", "world"):
+        axes = view.plot_field(run, frame=frame).axes[0]
+        assert axes.patches[0].get_xy()[:, 1].min() <= axes.get_ylim()[0] + 1e-9
+        path, moved = axes.collections[0].get_clip_path().get_transformed_path_and_affine()
+        inside = axes.transData.inverted().transform(moved.transform(path.vertices))
+        np.testing.assert_allclose(np.ptp(inside[:, 0]), 1.0)    # the wet walls are cut at the sides
 
 
 @pytest.mark.parametrize("frame", [Roll(0.5, 2.0, centre=(0.5, 0.2), ramp=0.0), Sway(0.2, 5.0)])
