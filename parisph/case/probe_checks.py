@@ -7,6 +7,7 @@ import numpy as np
 from parisph.base.text import shown
 from parisph.case.probes import (
     ColumnHeight,
+    Flux,
     Force,
     PressureTap,
     RunUp,
@@ -25,8 +26,12 @@ def problems(case: Scene) -> Iterator[str]:
         what = f"probe {name!r}"
         if isinstance(probe, PressureTap):
             yield from _tap(case, probe, what)
-        elif isinstance(probe, VelocityProfile):
-            yield from _profile(case, probe, what)
+        elif isinstance(probe, (VelocityProfile, Flux)):
+            found = list(_line(case, probe, what))
+            yield from found
+            if isinstance(probe, Flux) and not found:
+                middle = tuple(0.5 * (a + b) for a, b in zip(probe.start, probe.end))
+                yield from _within(case, what, "start and end", [middle, probe.start, probe.end])
         elif isinstance(probe, VelocityPoint):
             found = list(_components(case, what, at=probe.at))
             yield from found or _within(case, what, "at", [probe.at])
@@ -56,7 +61,7 @@ def _components(case: Scene, what: str, **points: Sequence[float]) -> Iterator[s
             yield f"{what}: {name} = {point} must have {case.dim} components"
 
 
-def _profile(case: Scene, probe: VelocityProfile, what: str) -> Iterator[str]:
+def _line(case: Scene, probe: VelocityProfile | Flux, what: str) -> Iterator[str]:
     found = list(_components(case, what, start=probe.start, end=probe.end))
     yield from found
     if not found and probe.start == probe.end:

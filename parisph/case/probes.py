@@ -308,9 +308,38 @@ class Force(Probe):
     every: Every = 1
 
 
+class Flux(Probe):
+    """Water that passes the straight line from `start` to `end` [m]: its rate [m2/s] and the total so far [m2].
+
+    Both are positive for water that passes from the left of the line to its right, as seen from `start` to `end`:
+    towards +x, if the line goes upwards. They are per metre of width. The line stands still in the frame of the scene.
+
+    total : the sum of the volumes of all particles that have passed, less those that have come back. It is exact: water
+        behind a line that closes a basin has gained as much
+    rate : by the velocities of particles within a spacing of the line at that time. Its integral is the total up to
+        what particles are moved to keep their distances even
+
+    pause : time without water passing that ends an event [s]. With it, the summary tells each event with its start, its
+        end and its volume, as of crests that come over a wall; their sum is the total. None for no events
+
+    Examples
+    --------
+    >>> Flux("over", start=(4.0, 0.5), end=(4.0, 1.0), pause=0.3).pause
+    0.3
+    """
+
+    kind: Literal["flux"] = "flux"
+    start: Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="first point (x, y) [m]")]
+    end: Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="last point (x, y) [m]")]
+    pause: Optional[float] = Field(None, gt=0, description="time without water passing that ends an event [s]")
+    truth: Union[Truth, Peaks, None] = None
+    peak: Peak = False
+    every: Every = 1
+
+
 Single = Annotated[
     Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile, VelocityPoint,
-          RunUp, Force],
+          RunUp, Force, Flux],
     Field(discriminator="kind", description="a probe"),
 ]
 
@@ -350,7 +379,7 @@ class ProbeArray(Probe):
 
 AnyProbe = Annotated[
     Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile, VelocityPoint,
-          RunUp, Force, ProbeArray],
+          RunUp, Force, Flux, ProbeArray],
     Field(discriminator="kind", description="a probe"),
 ]
 

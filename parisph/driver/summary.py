@@ -23,7 +23,7 @@ from parisph.io.files import on_first
 from parisph.io.store import Store
 from parisph.methods import catalogue
 from parisph.methods.reports import StepReport
-from parisph.truth import arrivals, verdict
+from parisph.truth import arrivals, overtopping, verdict
 
 FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, that are not worth a word
 BODY = 0.05             # share of isolated particles, later, that is more than spray
@@ -160,8 +160,7 @@ class Account:
             "petsc_options": store.about["petsc_options"],
         }
         found = on_first(comm, f"read {store.folder}", lambda: _from_files(s.case, store))
-        if found is not None:
-            content["iterations"], content["errors"], content["arrivals"] = found
+        content |= found or {}
         everywhere: dict[str, Any] = comm.bcast(content)
         return everywhere
 
@@ -180,8 +179,8 @@ def _sums(before: Mapping[str, float], now: Mapping[str, float]) -> dict[str, fl
             for name in (*before, *(n for n in now if n not in before))}
 
 
-def _from_files(case: Case, store: Store) -> tuple[dict[str, float] | None, dict[str, Any], dict[str, float | None]]:
-    """Return (iterations, errors, arrivals) of the whole run from its files, including earlier parts."""
+def _from_files(case: Case, store: Store) -> dict[str, Any]:
+    """Return the entries of the summary that are found from the files of the whole run, with its earlier parts."""
     try:
         run = reader.open_run(store.folder)
         iterations, steps = None, run.steps
@@ -189,9 +188,10 @@ def _from_files(case: Case, store: Store) -> tuple[dict[str, float] | None, dict
         if len(counts):
             iterations = {"median": float(np.median(counts)), "p99": float(np.percentile(counts, 99)),
                           "max": int(counts.max())}
-        return iterations, verdict.errors(case, run), arrivals.arrivals(case, run)
+        return {"iterations": iterations, "errors": verdict.errors(case, run), "arrivals": arrivals.arrivals(case, run),
+                "passed": overtopping.passed(case, run)}
     except ParisphError as error:
-        return None, {"unavailable": str(error)}, {}
+        return {"iterations": None, "errors": {"unavailable": str(error)}, "arrivals": {}, "passed": {}}
 
 
 def _uneven(case: Case, store: Store) -> list[str]:

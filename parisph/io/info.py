@@ -104,6 +104,8 @@ def _entries(summary):
     yield "in motion", _motion(get("energy_in_motion"))
     for probe, time in (get("arrivals") or {}).items():
         yield f"arrival at {probe}", "not in this run" if time is None else f"{time:.6g} s"
+    for probe, found in (get("passed") or {}).items():
+        yield f"passed {probe}", _passed(found)
     for probe, error in (get("errors") or {}).items():
         if isinstance(error, dict) and error.get("relative_l2") is None:
             yield f"error of {probe}", f"not judged: {error.get('reason', 'no reason is known')}"
@@ -124,6 +126,16 @@ def _drift(end, extremes):
         return text
     return (f"{text or 'not known at the end'} (lowest {extremes['low']:+.2%} at {extremes['low_time']:.4g} s, "
             f"highest {extremes['high']:+.2%} at {extremes['high_time']:.4g} s)")
+
+
+def _passed(found):
+    """The water that has passed a line, and its events."""
+    text, events = f"{found['total']:.4g} m2 of water", found.get("events")
+    if events:
+        most = max(events, key=lambda event: abs(event["volume"]))
+        text += (f" in {len(events)} event{'s' * (len(events) > 1)}, the largest {most['volume']:.4g} m2 from "
+                 f"{most['start']:.4g} to {most['end']:.4g} s")
+    return text
 
 
 def _motion(energy):

@@ -27,9 +27,11 @@ KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
     "column_height": "column height $y$", "energy": "energy", "momentum": "momentum",
     "volume": "mean cell inside the fluid $/\\,s^2$", "run_up": "highest contact", "force": "force",
+    "flux": "volume rate",
 }
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
-COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment"}  # where one column is something else
+COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment",
+           ("flux", "total"): "volume passed"}  # where one column is something else
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force"}
 TALL = 4        # panels below each other; more of them stand two a row
 BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside

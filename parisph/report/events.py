@@ -18,6 +18,11 @@ PASSED = (
     "splash that comes by counts as well."
 )
 ARRIVAL_HEAD = ("probe", "passes", "at")
+PASSED_HEAD = ("probe", "event", "from [s]", "to [s]", "volume [m2]")
+LINES = (
+    "Volumes of water that have passed lines, per metre of width, positive from the left of a line to its right as "
+    "seen from its start to its end. An event ends when no water passes for the `pause` of its probe."
+)
 
 
 def peaks(probes: Probes, summary: Content) -> Table:
@@ -45,6 +50,18 @@ def arrivals(case: Content, summary: Content) -> Table:
     return Table(ARRIVAL_HEAD, tuple(
         (Cell(name), levels.get(name, Cell("-")), number(summary, SUMMARY, ["arrivals", name], ".4g", "s"))
         for name in summary.get("arrivals") or ()))
+
+
+def passed(summary: Content) -> Table:
+    """Return the volumes that have passed the lines of probes: in all, and in each event."""
+    rows = []
+    for name, found in (summary.get("passed") or {}).items():
+        path = ["passed", name]
+        rows.append((Cell(name), Cell("all"), Cell(""), Cell(""), number(summary, SUMMARY, [*path, "total"])))
+        rows += [(Cell(name), Cell(str(k + 1)), *(number(summary, SUMMARY, [*path, "events", k, what])
+                                                  for what in ("start", "end", "volume")))
+                 for k in range(len(found.get("events") or ()))]
+    return Table(PASSED_HEAD, tuple(rows))
 
 
 def _levels(case: Content) -> Iterator[tuple[str, str, list[Any]]]:

@@ -99,7 +99,8 @@ def _errors(about: Subject) -> list[str]:
     parts += [markup.paragraph(f"{name}: {note}", "small") for name, note in account.notes(about.probes)]
     for title, content, words in (("Profiles", account.profiles(about.probes, about.summary), ""),
                                   ("Peaks", events.peaks(about.probes, about.summary), events.PEAKS),
-                                  ("Arrivals", events.arrivals(about.case, about.summary), events.PASSED)):
+                                  ("Arrivals", events.arrivals(about.case, about.summary), events.PASSED),
+                                  ("Water that passed lines", events.passed(about.summary), events.LINES)):
         if content.rows:
             parts += [markup.heading(title), markup.table(content)]
             parts += [markup.paragraph(words, "small")] if words else []

@@ -12,7 +12,7 @@ from parisph.truth import norms, profiled
 from parisph.truth.recorded import Recorded
 
 # The column that a truth is of; the first one of other probes.
-COLUMNS = {"energy": "total", "volume": "cell"}
+COLUMNS = {"energy": "total", "volume": "cell", "flux": "total"}
 SOUGHT = 0.05    # share of the compared time by which the run is shifted either way, for the best shift
 
 
