@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from parisph.base.text import shown
+from parisph.case.expressions import uniform_field
 from parisph.case.probes import (
     ColumnHeight,
     Flux,
@@ -102,6 +103,11 @@ def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
     points = probe.points if isinstance(probe, RunUp) else (probe.about,)
     for point in points or ():
         yield from _components(case, what, point=point)
+    if isinstance(probe, Force) and probe.still is not None:
+        force = None if case.turns else uniform_field(case.gravity)
+        if force is None or force[:-1].any() or not force[-1] < 0.0:
+            yield (f"{what}: still = {probe.still:g}: there is no hydrostatic force where gravity is not constant and "
+                   "straight down; leave it out")
     names = body_names(case.bodies)
     if isinstance(probe, RunUp) and probe.points is not None:
         if any(len(point) != case.dim for point in probe.points):

@@ -277,6 +277,10 @@ class RunUp(Probe):
 class Force(Probe):
     """Force [N/m] of the fluid's pressure on a body, and its moment [N m/m] against the clock.
 
+    It is the whole pressure, with its hydrostatic part: water at rest presses, too. With `still`, the columns
+    fx_dynamic, fy_dynamic and moment_dynamic come beside it: the same less the force of water at rest up to the height
+    `still`, rho g (still - y) below it and 0 above, on the wall where it is at that time. They are 0 for water at rest.
+
     Friction on the body is not included. A sample has the time for which its pressure is solved, the middle of a step;
     with method="SPH", the end.
 
@@ -289,6 +293,7 @@ class Force(Probe):
     on : name of the body
     side : of a tank; None for all of it
     about : point of the moment [m]
+    still : height y of the still level [m], for the dynamic part
     acted : whether the force that acts in the step comes beside this mean, in the columns fx_acted, fy_acted and
         moment_acted
 
@@ -302,6 +307,7 @@ class Force(Probe):
     on: str = Field("tank", description="name of the body")
     side: Optional[Literal["left", "right", "bed", "lid"]] = Field(None, description="side of the tank")
     about: Point = (0.0, 0.0)
+    still: Optional[float] = Field(None, description="height of the still level, for the dynamic part [m]")
     acted: Acted = False
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False

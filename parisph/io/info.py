@@ -106,6 +106,7 @@ def _entries(summary):
         yield f"arrival at {probe}", "not in this run" if time is None else f"{time:.6g} s"
     for probe, found in (get("passed") or {}).items():
         yield f"passed {probe}", _passed(found)
+    yield "reflection", _reflection(get("reflection"))
     for probe, error in (get("errors") or {}).items():
         if isinstance(error, dict) and error.get("relative_l2") is None:
             yield f"error of {probe}", f"not judged: {error.get('reason', 'no reason is known')}"
@@ -136,6 +137,14 @@ def _passed(found):
         text += (f" in {len(events)} event{'s' * (len(events) > 1)}, the largest {most['volume']:.4g} m2 from "
                  f"{most['start']:.4g} to {most['end']:.4g} s")
     return text
+
+
+def _reflection(found):
+    """The waves of a flume, as two or three gauges tell them."""
+    if not found or "reason" in found:
+        return f"not known: {found['reason']}" if found else None
+    return (f"{found['coefficient']:.3g} of the incident {'' if found['regular'] else 'significant '}height, "
+            f"{found['incident']:.4g} m, at {', '.join(found['probes'])} (residual {found['residual']:.2g})")
 
 
 def _motion(energy):

@@ -17,7 +17,7 @@ from parisph.case.truths import intervals
 from parisph.io.files import write_text
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
-from parisph.report import account, energies, events, markup
+from parisph.report import account, energies, events, flume, markup
 
 PAGE, FOLDER = "report.html", "report"
 LAST = 0.005    # of an interval: a greatest value this near to its end may go on to rise
@@ -104,6 +104,10 @@ def _errors(about: Subject) -> list[str]:
         if content.rows:
             parts += [markup.heading(title), markup.table(content)]
             parts += [markup.paragraph(words, "small")] if words else []
+    waves = list(flume.reflection(about.summary))
+    parts += [markup.heading("Incident and reflected waves")] if waves else []
+    for content, words in waves:
+        parts += [markup.table(content), *([markup.paragraph(words, "small")] if words else [])]
     return parts
 
 
