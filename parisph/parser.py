@@ -34,7 +34,8 @@ def build() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"parisph {__version__}",
                         help="Show the version and exit")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
-    for define in (_run, _restart, _check, _study, _info, _plot, _movie, _report, _compare, _reflection, _doctor, _completion):
+    for define in (_run, _restart, _check, _study, _info, _plot, _movie, _report, _compare, _reflection, _doctor,
+                   _completion):
         define(verbs)    # in the order of the help
     return parser
 
@@ -175,8 +176,8 @@ def _reflection(verbs):
     for option, name, text in (
             ("--period", "period", "Set the period of regular waves [s] (default: that of the wavemaker)"),
             ("--depth", "depth", "Set the depth of the water at the gauges [m] (default: that of the wavemaker)"),
-            ("--from", "start", "Look at times from this one on [s] (default: the last ten whole periods; all irregular "
-                                "waves after their arrival)"),
+            ("--from", "start", "Look at times from this one on [s] (default: the last ten whole periods; all "
+                                "irregular waves after their arrival)"),
             ("--to", "end", "Look at times up to this one [s]")):
         verb.add_argument(option, dest=name, type=arguments.number, metavar="X", help=text)
     verb.add_argument("--json", action="store_true", help="Print JSON")
