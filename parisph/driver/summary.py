@@ -23,7 +23,7 @@ from parisph.io.files import on_first
 from parisph.io.store import Store
 from parisph.methods import catalogue
 from parisph.methods.reports import StepReport
-from parisph.truth import arrivals, overtopping, reflected, verdict
+from parisph.truth import arrivals, impacts, overtopping, reflected, verdict
 
 FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, that are not worth a word
 BODY = 0.05             # share of isolated particles, later, that is more than spray
@@ -189,7 +189,8 @@ def _from_files(case: Case, store: Store) -> dict[str, Any]:
             iterations = {"median": float(np.median(counts)), "p99": float(np.percentile(counts, 99)),
                           "max": int(counts.max())}
         return {"iterations": iterations, "errors": verdict.errors(case, run), "arrivals": arrivals.arrivals(case, run),
-                "passed": overtopping.passed(case, run), "reflection": reflected.of_case(case, run)}
+                "passed": overtopping.passed(case, run), "reflection": reflected.of_case(case, run),
+                "peaks": impacts.peaks(case, run)}
     except ParisphError as error:
         return {"iterations": None, "errors": {"unavailable": str(error)}, "arrivals": {}, "passed": {}}
 

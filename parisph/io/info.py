@@ -104,6 +104,9 @@ def _entries(summary):
     yield "in motion", _motion(get("energy_in_motion"))
     for probe, time in (get("arrivals") or {}).items():
         yield f"arrival at {probe}", "not in this run" if time is None else f"{time:.6g} s"
+    for probe, found in (get("peaks") or {}).items():
+        if found.get("short"):
+            yield f"peak of {probe}", _short(found, "N/m" if "." in probe and probe.endswith(("fx", "fy")) else "Pa")
     for probe, found in (get("passed") or {}).items():
         yield f"passed {probe}", _passed(found)
     yield "reflection", _reflection(get("reflection"))
@@ -127,6 +130,15 @@ def _drift(end, extremes):
         return text
     return (f"{text or 'not known at the end'} (lowest {extremes['low']:+.2%} at {extremes['low_time']:.4g} s, "
             f"highest {extremes['high']:+.2%} at {extremes['high_time']:.4g} s)")
+
+
+def _short(found, unit):
+    """A peak that is not resolved, and the greatest one that is."""
+    lasting = found.get("lasting")
+    text = (f"{found['value']:.4g} {unit} at {found['time']:.4g} s lasts {1e3 * found['lasts']:.2g} ms only, and depends "
+            f"on chance: mean over {1e3 * found['mean_over']:g} ms {found['mean']:.4g} {unit}")
+    return text + (f"; the greatest that lasts: {lasting['value']:.4g} {unit} at {lasting['time']:.4g} s"
+                   if lasting else "")
 
 
 def _passed(found):

@@ -99,6 +99,7 @@ def _errors(about: Subject) -> list[str]:
     parts += [markup.paragraph(f"{name}: {note}", "small") for name, note in account.notes(about.probes)]
     for title, content, words in (("Profiles", account.profiles(about.probes, about.summary), ""),
                                   ("Peaks", events.peaks(about.probes, about.summary), events.PEAKS),
+                                  ("Greatest pressures", events.impacts(about.summary), events.IMPACTS),
                                   ("Arrivals", events.arrivals(about.case, about.summary), events.PASSED),
                                   ("Water that passed lines", events.passed(about.summary), events.LINES)):
         if content.rows:
@@ -161,6 +162,10 @@ def _of_peak(about: Subject, name: str, value: float, time: float) -> str:
              ) if compared else ""
     if any(end - LAST * (end - start) <= time <= end for start, end in compared):
         where += ", at its end and so perhaps no peak"
+    known = (about.summary.get("peaks") or {}).get(name) or {}
+    if known.get("short"):
+        where += (f", a short peak that is not resolved (mean over {1e3 * known['mean_over']:g} ms: "
+                  f"{known['mean']:.4g} {unit})")
     return f"Pressure at the greatest value of {name}{where}: {value:.4g} {unit} at t = {time:.4g} s"
 
 
