@@ -135,8 +135,8 @@ def _drift(end, extremes):
 def _short(found, unit):
     """A peak that is not resolved, and the greatest one that is."""
     lasting = found.get("lasting")
-    text = (f"{found['value']:.4g} {unit} at {found['time']:.4g} s lasts {1e3 * found['lasts']:.2g} ms only, and depends "
-            f"on chance: mean over {1e3 * found['mean_over']:g} ms {found['mean']:.4g} {unit}")
+    text = (f"{found['value']:.4g} {unit} at {found['time']:.4g} s lasts {1e3 * found['lasts']:.2g} ms only, and "
+            f"depends on chance: mean over {1e3 * found['mean_over']:g} ms {found['mean']:.4g} {unit}")
     return text + (f"; the greatest that lasts: {lasting['value']:.4g} {unit} at {lasting['time']:.4g} s"
                    if lasting else "")
 

@@ -208,8 +208,7 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
         look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
         axes.plot(curve.time / (own.time if normalise else 1.0), curve.values * (1.0 / scale if scale else factor),
                   linewidth=1.1, label=_line_label(curve, series), **look)
-        draw_short_peak(axes, curve.run, f"{curve.probe}.{curve.column}" if curve.column in ("fx", "fy") else curve.probe
-                        if curve.column in ("", "pressure") else "", 1.0 / (own.time if normalise else 1.0),
+        draw_short_peak(axes, curve.run, _peak_of(curve), 1.0 / (own.time if normalise else 1.0),
                         1.0 / scale if scale else factor)
     for name in dict.fromkeys(curve.probe for curve in curves):
         if name in (truth or {}):
@@ -280,6 +279,11 @@ def _draw_truth(axes, curve, series, factor, by_time):
     inside = time <= max(curve.time, default=-np.inf)
     axes.plot(time[inside] / by_time, factor * values[inside], color="black", linewidth=1.0,
               label=f"{curve.probe}: reference", **marks(np.sum(inside)))
+
+
+def _peak_of(curve):
+    """Return the name that a curve has among the `peaks` of a summary."""
+    return curve.probe if curve.column in ("", "pressure") else f"{curve.probe}.{curve.column}"
 
 
 def draw_short_peak(axes: "Axes", run: Run, name: str, by_time: float, factor: float) -> None:

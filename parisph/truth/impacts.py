@@ -100,7 +100,8 @@ def _allowed(truth: Any, time: Floats) -> Any:
 
 def _bends(time, values):
     """Return which samples (n,) are not on the straight line between their neighbours; the ends are not."""
-    line = values[:-2] + (values[2:] - values[:-2]) * (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], 1e-300)
+    share = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], np.finfo(float).tiny)
+    line = values[:-2] + share * (values[2:] - values[:-2])
     off = np.abs(values[1:-1] - line) > STRAIGHT * np.abs(values).max(initial=0.0)
     return np.r_[True, off, True]
 
