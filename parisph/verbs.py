@@ -95,7 +95,7 @@ def _tell(comm, summary, folder):
     from parisph.io import info
 
     if comm.rank == 0:
-        output.show("\n".join([*info.table(summary), f"{'folder':<16}{folder}"]))
+        output.show("\n".join([*info.table(summary), f"{'folder':<16}{folder}", *info.last_words(summary)]))
 
 
 def _study(args):

@@ -311,9 +311,8 @@ class _Run:
         self.progress.close()
         if error is None:
             self.account.look_back(self.simulation, self.store)
-        warnings = self.account.warnings()
-        status = "completed with warnings" if warnings else "completed"
-        for line in warnings:
+        status = self.account.status()
+        for line in self.account.warnings():
             log.logger.warning(line)
         if error is not None:
             status = "interrupted" if isinstance(error, Interrupted) else f"failed: {error}"

@@ -14,7 +14,7 @@ from parisph.base.errors import ParisphError
 from parisph.base.fields import FLUID
 from parisph.base.log import logger
 from parisph.case.schema import Case
-from parisph.driver import doubts
+from parisph.driver import doubts, touched
 from parisph.driver.conservation import Conservation
 from parisph.driver.shares import Shares
 from parisph.driver.simulation import Simulation
@@ -26,6 +26,7 @@ from parisph.methods.reports import StepReport
 from parisph.truth import arrivals, impacts, overtopping, reflected, verdict
 
 FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, that are not worth a word
+DRAINED = 0.1           # share of the water that has left, which the status tells
 BODY = 0.05             # share of isolated particles, later, that is more than spray
 
 
@@ -44,6 +45,7 @@ class Account:
         self._doubts: doubts.Doubts | None = None        # the same
         self._shares: Shares | None = None               # the same
         self._uneven: list[str] = []                     # gauges, once the run is over
+        self._touched: dict[str, str] = {}               # probes, the same
         self._notes = list(before.get("notes", ()))
         self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
         self._fluid = 0
@@ -91,8 +93,8 @@ class Account:
     def look_back(self, simulation: Simulation, store: Store) -> None:
         """Look at the waves that the gauges have recorded in the whole run, from its files. Collective."""
         folder = store.folder
-        found = on_first(simulation.comm, f"read {folder}", lambda: _uneven(simulation.case, store))
-        self._uneven = simulation.comm.bcast(found)
+        found = on_first(simulation.comm, f"read {folder}", lambda: _looked_back(simulation.case, store))
+        self._uneven, self._touched = simulation.comm.bcast(found) or ([], {})
 
     def step(self, simulation: Simulation, report: StepReport) -> None:
         """Count a step that was made. Collective."""
@@ -106,9 +108,17 @@ class Account:
         if self._doubts is not None:
             self._doubts.step(simulation)
 
+    def status(self) -> str:
+        """Return the status of a run that has come to its end. Not collective."""
+        lost = self._doubts.lost if self._doubts is not None else 0.0
+        if lost > DRAINED:
+            return f"completed with warnings: {lost:.0%} of the water has left"
+        return "completed with warnings" if self.warnings() else "completed"
+
     def warnings(self) -> list[str]:
-        """Return one line for each warning of the whole run. Not collective."""
-        found, (most, time) = list(self._notes), self._isolated
+        """Return one line for each warning of the whole run, the gravest first. Not collective."""
+        found, (most, time) = self._doubts.of_loss() if self._doubts is not None else [], self._isolated
+        found += self._notes
         if most > BODY * self._fluid > 0.0:
             found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} "
                          "fluid particles and the walls): their pressure has no level of its own")
@@ -155,7 +165,8 @@ class Account:
             "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
             "shares": self._shares.content(s, comm) if self._shares else None,
-            **self._kept(s), "left": vars(s.left), "divergence": self.divergence, "peak_memory_mb": peak,
+            **self._kept(s), "left": vars(s.left), "touched": self._touched, "divergence": self.divergence,
+            "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(str(store.about["versions"])),
             "petsc_options": store.about["petsc_options"],
         }
@@ -195,11 +206,12 @@ def _from_files(case: Case, store: Store) -> dict[str, Any]:
         return {"iterations": None, "errors": {"unavailable": str(error)}, "arrivals": {}, "passed": {}}
 
 
-def _uneven(case: Case, store: Store) -> list[str]:
+def _looked_back(case: Case, store: Store) -> tuple[list[str], dict[str, str]]:
     try:
-        return doubts.of_gauges(case, reader.open_run(store.folder))
+        run = reader.open_run(store.folder)
+        return doubts.of_gauges(case, run), touched.probes(case, run)
     except ParisphError:    # _from_files tells why nothing can be read
-        return []
+        return [], {}
 
 
 def _peak_memory() -> float:

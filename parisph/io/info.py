@@ -15,6 +15,13 @@ def table(summary: Mapping[str, Any]) -> list[str]:
     return _plain(f"{name:<15} {text}" for name, text in _entries(summary) if text is not None)
 
 
+def last_words(summary: Mapping[str, Any]) -> list[str]:
+    """Return the line below the table of a run: that it had warnings, and the gravest of them; none without any."""
+    warnings = summary.get("warnings") or ()
+    more = f" (and {len(warnings) - 1} more above)" if len(warnings) > 1 else ""
+    return _plain([f"{str(summary.get('status')).partition(':')[0]}: {warnings[0]}{more}"]) if warnings else []
+
+
 def describe(run: Run) -> str:
     """Return the description of a Run (io.reader): its content and its results. Raises StoreError."""
     lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
@@ -96,7 +103,11 @@ def _entries(summary):
         yield "fallbacks", ", ".join(f"{name} {n}" for name, n in fallbacks.items()) if each else str(fallbacks)
     left = get("left") or {}
     if left.get("particles"):
-        yield "left the tank", f"{left['particles']:,d} particles over the rim, {left['volume']:.4g} m2 of water"
+        once = left["particles"] + (get("fluid_particles") or 0)
+        yield "left the tank", (f"{left['particles']:,d} of {once:,d} particles over the rim, "
+                                f"{left['volume']:.4g} m2 of water")
+    for probe, words in (get("touched") or {}).items():
+        yield f"probe {probe}", str(words)
     unknown = get("volume_unknown")
     yield "volume drift", f"not measured: {unknown}" if unknown else _drift(get("volume_drift"), get("volume_range"))
     # where work is done on the fluid a change of its energy is no error

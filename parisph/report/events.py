@@ -21,9 +21,9 @@ ARRIVAL_HEAD = ("probe", "passes", "at")
 IMPACT_HEAD = ("probe", "greatest value", "at [s]", "lasts [s]", "mean over 5 ms", "greatest that lasts", "at [s]",
                "mean over 5 ms")
 IMPACTS = (
-    "Greatest pressures [Pa] and forces [N/m, by size], and for how long they are above half of their rise. A peak "
-    "that is only one or two values of the pressure long, as of a cavity without air that collapses, is marked: it depends "
-    "on the time step and on chance, and the next one that lasts longer stands beside it."
+    "Greatest pressures [Pa] and forces [N/m, by size], and for how long they are above half of their rise. "
+    "A peak that is only one or two values of the pressure long, as of a cavity without air that collapses, is marked: "
+    "it depends on the time step and on chance, and the next one that lasts longer stands beside it."
 )
 PASSED_HEAD = ("probe", "event", "from [s]", "to [s]", "volume [m2]")
 LINES = (

@@ -114,6 +114,8 @@ def _errors(about: Subject) -> list[str]:
 
 def _series(about: Subject, folder: Path) -> list[str]:
     parts, rest = [markup.heading("Probes")], []
+    parts += [markup.paragraph(f"{name}: {words}", "small")
+              for name, words in (about.summary.get("touched") or {}).items()]
     for probe in about.probes:
         if probe.name not in about.run.probe_names:
             continue
