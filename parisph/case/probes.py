@@ -287,8 +287,9 @@ class Force(Probe):
     It is a mean over the steps around, with weights that fall linearly to 0 at the means before and after. These are a
     step away, or with Numerics(pressure_mean=) at least that many times 2 min(0.3 s/u, 0.025 sqrt(s/a)), with the
     largest speed u and the largest one of the body force, the mean acceleration by pressure and the acceleration of
-    walls as a: particles do not resolve what is shorter. The trapezoidal rule over the samples of all steps gives the impulse of the pressure that
-    acts, up to the ends of the run. With method="SPH" a sample is the pressure of one step.
+    walls as a: particles do not resolve what is shorter. The trapezoidal rule over the samples of all steps gives the
+    impulse of the pressure that acts, up to the ends of the run. With method="SPH" a sample is the pressure of one
+    step.
 
     on : name of the body
     side : of a tank; None for all of it
