@@ -14,8 +14,10 @@ from parisph.case.absorb import Relaxation, group_velocity
 from parisph.case.bodies import Flap, Piston
 from parisph.case.probes import SurfaceGauge, singles
 from parisph.case.schema import Case
+from parisph.case.shapes import Tank
 from parisph.case.waves import Jonswap, SolitaryWave
 from parisph.case.waves.linear import wave_number
+from parisph.geometry import build, columns
 from parisph.truth.recorded import Recorded
 from parisph.truth.reflection import separated, spectra, spread
 
@@ -24,6 +26,7 @@ SETTLED = 3.0      # periods after the front of the waves has come to the farthe
 LONG = 0.75        # wave lengths from the first to the last gauge that is chosen, at most
 MANY = 30          # gauges from which some are chosen
 PAIR, TRIPLE = 2, 3
+SAME_DEPTH = 0.01  # by which share the depth at a gauge may be another than that of the wavemaker
 ENOUGH = 0.02      # of the greatest incident density: a band with less has no coefficient
 
 
@@ -32,7 +35,7 @@ def of_case(case: Case, run: Recorded) -> dict[str, Any] | None:
 
     run : io.reader.Run
     """
-    if not _makers(case) or len(_gauges(case)) < PAIR:
+    if not _makers(case) or len(_gauges(case, float(_makers(case)[0][0].depth))) < PAIR:
         return None
     try:
         return analysed(case, run)
@@ -64,12 +67,14 @@ def analysed(case: Case, run: Recorded, probes: Optional[Sequence[str]] = None, 
     Raises CaseError for gauges or times that cannot be used.
     """
     made = next((wave for wave, _ in _makers(case)), None)
+    if period is not None and not period > 0.0:
+        raise CaseError(f"--period {period:g}: must be greater than 0")
     if period is None and made is not None and not isinstance(made, (Jonswap, SolitaryWave)):
         period = float(made.period)
     regular, depth, g = period is not None, _depth(case, made, depth), _gravity(case)
     peak = period or (float(made.period) if isinstance(made, Jonswap) else None)
     k = _wave_number(made, peak, depth, g) if peak else None
-    names = _chosen(case, k) if probes is None else list(probes)
+    names = _chosen(case, k, depth) if probes is None else list(probes)
     places = [_gauge(case, name).at for name in names]
     time, rows = _series(run, names)
     start, end = _window(case, places, time, peak if regular else None, k, depth, (start, end))
@@ -137,10 +142,20 @@ def _makers(case: Case) -> list[tuple[Any, float]]:
     return [(wave, place) for wave, place in found if wave is not None and hasattr(wave, "period")]
 
 
-def _gauges(case: Case) -> dict[str, SurfaceGauge]:
-    """Return {name: gauge} of the gauges outside zones, upwards in x."""
+def _gauges(case: Case, depth: float) -> dict[str, SurfaceGauge]:
+    """Return {name: gauge} of the gauges outside zones over a bed of that depth [m], upwards in x.
+
+    Over a bed that is not level, those from the wavemaker to the first gauge in another depth.
+    """
     found = [(name, probe) for name, probe in singles(case.probes) if isinstance(probe, SurfaceGauge)
              and not any(zone.start <= probe.at <= zone.end for zone in case.absorb)]
+    mesh = None if all(isinstance(body, (Tank, Piston, Flap)) for body in case.bodies) else build.scene_mesh(case)
+    if found and mesh is not None:
+        start = _makers(case)[0][1] if _makers(case) else -np.inf
+        found.sort(key=lambda one: abs(one[1].at - start))
+        beds = columns.beds(mesh.corners(), np.array([probe.at for _, probe in found]), np.inf)
+        wrong = np.abs(float(case.fluid_bounds[1][-1]) - beds - depth) > SAME_DEPTH * depth
+        found = found[:int(np.argmax(wrong)) if wrong.any() else None]    # behind a bar are other waves
     return dict(sorted(found, key=lambda one: one[1].at))
 
 
@@ -151,11 +166,15 @@ def _gauge(case: Case, name: str) -> SurfaceGauge:
     return there[name]
 
 
-def _chosen(case: Case, k: float | None) -> list[str]:
+def _chosen(case: Case, k: float | None, depth: float) -> list[str]:
     """Return the names of the two or three gauges that tell waves apart best."""
-    gauges = dict(list(_gauges(case).items())[:MANY])
+    gauges = dict(list(_gauges(case, depth).items())[:MANY])
+    if len(gauges) < PAIR:
+        raise CaseError(f"the run has {len(gauges) or 'no'} SurfaceGauge{'s' * (len(gauges) != 1)} over a level bed, "
+                        f"{depth:.4g} m deep, outside sponges: two or three are needed")
     if k is None:
-        raise CaseError("the case has no wavemaker with a period: give the gauges with --probes")
+        raise CaseError("the case has no wavemaker with a period: give the period of regular waves with --period, or "
+                        f"for irregular waves two or three gauges with --probes (there is {listed(list(gauges))})")
     for count in (TRIPLE, PAIR):
         groups = [group for group in combinations(gauges, count)
                   if gauges[group[-1]].at - gauges[group[0]].at <= LONG * 2.0 * np.pi / k]

@@ -12,7 +12,9 @@ from parisph import (
     Fluid,
     Jonswap,
     Numerics,
+    Obstacle,
     Piston,
+    Polygon,
     ProbeArray,
     Sponge,
     StillWater,
@@ -149,10 +151,27 @@ def test_gauges_and_times_that_do_not_do_are_refused_with_a_remedy():
     for words, why in ((["g1.0", "no"], "there is no SurfaceGauge 'no'"), (["g3.0"], "give others with --probes"),):
         with pytest.raises(CaseError, match=why):
             reflected.analysed(flume.case, flume, words)
-    for more, why in (({"depth": -1.0}, "--depth -1: must be greater"), ({"end": 4.0}, "run longer, or give --from"),
-                      ({"start": 50.0}, "no time between them")):
+    for more, why in (({"period": 0.0}, "--period 0: must be greater"), ({"end": 4.0}, "run longer, or give --from"),
+                      ({"depth": -1.0}, "--depth -1: must be greater"), ({"start": 50.0}, "no time between them")):
         with pytest.raises(CaseError, match=why):
             reflected.analysed(flume.case, flume, **more)
     far = Flume(flume.wave, probes=[SurfaceGauge("g1.0", at=1.0), SurfaceGauge("g7.9", at=7.9)])
     assert "no two gauges are within 0.75 of the wave length" in reflected.of_case(far.case, far)["reason"]
     assert reflected.of_case(Flume(flume.wave, probes=[]).case, flume) is None
+    still = flume.case.changed(walls=Tank(width=12.0, height=0.8), absorb=())
+    with pytest.raises(CaseError, match="no wavemaker with a period: give the period .* with --period, or"):
+        reflected.analysed(still, flume)
+    assert reflected.analysed(still, flume, period=1.6)["coefficient"] == pytest.approx(0.2, abs=1e-3)
+
+
+def test_gauges_over_a_bar_are_not_chosen():
+    """There the waves are others than the wavemaker's."""
+    wave = Airy(height=0.06, period=1.6, depth=DEPTH)
+    case = Flume(wave).case
+    bar = Obstacle(Polygon([(2.8, 0.0), (3.2, 0.2), (3.6, 0.2), (3.7, 0.0)]), name="bar")    # behind it are others
+    flume = Flume(wave, walls=(*case.walls, bar), probes=[*case.probes[:4], SurfaceGauge("g1.4", at=1.4)])
+    flume.at["g1.4"] = 1.4
+    flume.probe_names.append("g1.4")
+    assert reflected.of_case(flume.case, flume)["probes"] == ["g1.0", "g1.4"]
+    bare = Flume(wave, walls=(*case.walls, bar))
+    assert reflected.of_case(bare.case, bare) is None or "reason" in reflected.of_case(bare.case, bare)
