@@ -11,7 +11,7 @@ from parisph.base.fields import FLUID
 from parisph.base.paths import AnyPath
 from parisph.case import stored
 from parisph.case.bodies import Profile
-from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
+from parisph.case.probes import ColumnHeight, Flux, PressureTap, SurfaceGauge, VelocityProfile
 from parisph.case.schema import Case
 from parisph.case.shapes import Tank
 from parisph.geometry.build import build, counts, domain
@@ -109,7 +109,7 @@ def _draw_probes(axes, case, top):
         elif isinstance(probe, (SurfaceGauge, ColumnHeight)):
             axes.axvline(probe.at, color="#d62728", linewidth=0.8, linestyle=":", zorder=4)
             at = probe.at, top
-        elif isinstance(probe, VelocityProfile):
+        elif isinstance(probe, (VelocityProfile, Flux)):
             axes.plot(*np.transpose([probe.start, probe.end]), color="#d62728", linewidth=0.8, zorder=4)
             at = probe.start
         else:
