@@ -107,7 +107,8 @@ def _info(verbs):
 def _plot(verbs):
     verb = _verb(verbs, "plot", "Draw the flow, the probes, or the whole run on one page")
     verb.add_argument("runs", type=arguments.path, metavar="DIR", nargs="+",
-                      help="Folder of a run; for several runs, their probes are drawn over each other")
+                      help="Folder of a run; for several runs, their probes are drawn over each other, "
+                           "named by what differs between their cases")
     verb.add_argument("--time", type=arguments.number, metavar="T",
                       help="Draw the flow at the snapshot nearest this time [s]")
     verb.add_argument("--peak", metavar="PROBE",
@@ -147,7 +148,8 @@ def _report(verbs):
 def _compare(verbs):
     verb = _verb(verbs, "compare", "Compute the error of a probe against a reference series")
     _add_run(verb)
-    verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv", help="CSV file with one header line")
+    verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv",
+                      help="Text file with one header line; commas, semicolons, tabs or blanks between columns")
     verb.add_argument("--json", action="store_true", help="Print JSON")
     verb.add_argument("--plot", type=arguments.path, metavar="FILE",
                       help="Draw the run, the reference and their difference to a .png, .pdf, ... file")
@@ -222,6 +224,9 @@ def _add_run(verb):
 def _add_drawing(verb, scale):
     verb.add_argument("--field", metavar="NAME",
                       help="Colour by pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
+    verb.add_argument("--frame", choices=("tank", "world"),
+                      help="Show a tank that moves from itself (tank, the default), or from the room, with gravity "
+                           "downwards (world)")
     verb.add_argument("--surface", action="store_true", help="Mark the particles of the free surface")
     verb.add_argument("--normalise", action="store_true",
                       help="Divide lengths by H, times by sqrt(H/g), pressures by rho g H (flow or probes, "

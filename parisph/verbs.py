@@ -163,13 +163,13 @@ def _movie(args):
     from parisph.io import reader
     from parisph.pictures import orders
 
-    print(orders.animate(reader.open_run(args.run), args.out, args.fps, args.slow, **_look(args)))
+    print(orders.animate(reader.open_run(args.run), args.out, args.fps, args.slow, progress=True, **_look(args)))
 
 
 def _look(args):
     """Return the options of io.view.Look; None for those not given."""
     return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None,
-            "limits": args.limits, "colours": args.cmap, "zoom": args.zoom}
+            "limits": args.limits, "colours": args.cmap, "zoom": args.zoom, "frame": args.frame}
 
 
 def _report(args):

@@ -216,24 +216,24 @@ class _Run:
             self._snapshot()
             self._save()
         # as in _step: else what was due at the checkpoint would be due again
-        self.snapshots.skip(s.reached)
-        self.checkpoints.skip(s.time + 0.5 * (s.dt or 0.0))
+        self.snapshots.skip(s.nearest)
+        self.checkpoints.skip(s.nearest)
 
     def _step(self) -> None:
         s = self.simulation
-        self.watch.before_step(s.choose_step(self.snapshots.after(s.reached)))
+        self.watch.before_step(s.choose_step())
         report = s.advance()
         lines = self.watch.after_step()
         with s.timers("store"):
             self._write(lines, {"steps": tuple(report.line().values())})
-            if self.snapshots.due(s.reached) or s.finished():    # and before the checkpoint, which follows
+            if self.snapshots.due(s.nearest) or s.finished():    # and before the checkpoint, which follows
                 self._snapshot()
             self.peaks.write(self.store)
         with s.timers("probes"):
             self.account.step(s, report)
         self.clock.step()
         self.progress.step(s, report)
-        self._pause(self.checkpoints.due(s.time + 0.5 * (s.dt or 0.0)))
+        self._pause(self.checkpoints.due(s.nearest))
 
     def _write(self, lines: Sequence[Line], of_step: Mapping[str, Any] | None = None) -> None:
         """Write the lines of probes, after those of the step itself. Collective."""

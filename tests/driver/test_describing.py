@@ -9,11 +9,11 @@ import pytest
 from mpi4py import MPI
 
 from parisph import Airy, Case, Flap, Fluid, Numerics, Profile, StillWater
-from parisph.base import memory
+from parisph.base import live_line, memory
 from parisph.base.errors import CaseError
 from parisph.case import elsewhere
 from parisph.case.checks import stable_time_step
-from parisph.driver import describe, progress
+from parisph.driver import describe
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
@@ -145,7 +145,7 @@ class Terminal(io.StringIO):
 @pytest.fixture
 def clock(monkeypatch):
     held = SimpleNamespace(now=0.0)
-    monkeypatch.setattr(progress, "perf_counter", lambda: held.now)
+    monkeypatch.setattr(live_line, "perf_counter", lambda: held.now)
     return held
 
 
