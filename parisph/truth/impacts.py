@@ -16,7 +16,7 @@ from parisph.truth import norms
 from parisph.truth.recorded import Recorded
 
 MEAN = 0.005     # [s] over which the mean beside a peak is taken, about what a sensor and its amplifier resolve
-AROUND = 10      # samples to either side of a peak, whose median is the level around it
+AROUND = 10      # samples to either side of a peak: the larger one of their medians is the level around it
 ABOVE = 1.5      # times that level: a lower peak is no spike, however short
 VALUES = 2       # of the pressure above half of its rise: a peak that has no more of them is not resolved
 STRAIGHT = 1e-6  # of the greatest value: what lies off the line between its neighbours by less is no value of its own
@@ -108,7 +108,8 @@ def _bends(time, values):
 
 def _extent(values, bends, k):
     """Return the first and the last sample of a peak above half of its rise, that half, and whether it is short."""
-    around = float(np.median(values[max(k - AROUND, 0):k + AROUND + 1]))
+    sides = values[max(k - AROUND, 0):k], values[k + 1:k + AROUND + 1]    # an impact has a high one behind it
+    around = max((float(np.median(side)) for side in sides if len(side)), default=0.0)
     half = 0.5 * (values[k] + around)
     first = last = k
     while first > 0 and values[first - 1] >= half:
