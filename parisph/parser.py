@@ -34,7 +34,8 @@ def build() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"parisph {__version__}",
                         help="Show the version and exit")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
-    for define in (_run, _restart, _check, _study, _info, _plot, _movie, _report, _compare, _doctor, _completion):
+    for define in (_run, _restart, _check, _study, _info, _plot, _movie, _report, _compare, _reflection, _doctor,
+                   _completion):
         define(verbs)    # in the order of the help
     return parser
 
@@ -164,6 +165,24 @@ def _compare(verbs):
             ("--best-shift", None, "Find the best shift of at most this many seconds in either direction"),
             ("--rest", None, "Set the level at rest: the error is then relative to the wave alone")):
         verb.add_argument(option, type=arguments.number, default=default, metavar="X", help=text)
+
+
+def _reflection(verbs):
+    verb = _verb(verbs, "reflection", "Tell incident and reflected waves apart by two gauges or more",
+                 "parisph reflection DIR --probes g1 g2 g3. Heights, reflection coefficient and residual by least "
+                 "squares, for irregular waves by frequency")
+    _add_run(verb)
+    verb.add_argument("--probes", nargs="+", metavar="NAME",
+                      help="SurfaceGauges in line over a level bed, GAUGES.NAME in an array (default: the two or three "
+                           "within 0.75 wave lengths that tell the waves apart best)")
+    for option, name, text in (
+            ("--period", "period", "Set the period of regular waves [s] (default: that of the wavemaker)"),
+            ("--depth", "depth", "Set the depth of the water at the gauges [m] (default: that of the wavemaker)"),
+            ("--from", "start", "Look at times from this one on [s] (default: the last ten whole periods; all "
+                                "irregular waves after their arrival)"),
+            ("--to", "end", "Look at times up to this one [s]")):
+        verb.add_argument(option, dest=name, type=arguments.number, metavar="X", help=text)
+    verb.add_argument("--json", action="store_true", help="Print JSON")
 
 
 def _doctor(verbs):

@@ -95,7 +95,7 @@ def _tell(comm, summary, folder):
     from parisph.io import info
 
     if comm.rank == 0:
-        output.show("\n".join([*info.table(summary), f"{'folder':<16}{folder}"]))
+        output.show("\n".join([*info.table(summary), f"{'folder':<16}{folder}", *info.last_words(summary)]))
 
 
 def _study(args):
@@ -201,6 +201,17 @@ def _compare(args):
     print(json.dumps(found.result, indent=2) if args.json else comparison.text(found.result))
 
 
+def _reflection(args):
+    from parisph.case import stored
+    from parisph.io import reader
+    from parisph.truth import reflected
+
+    run = reader.open_run(args.run)
+    case = stored.from_json(json.dumps(run.case), read_only=True)
+    found = reflected.analysed(case, run, args.probes, args.period, args.depth, args.start, args.end)
+    print(json.dumps(found, indent=2) if args.json else reflected.text(found))
+
+
 def _doctor(args):
     from parisph import doctor
 
@@ -222,4 +233,4 @@ def _completion(args):
 # The work of each verb: a function of the arguments that returns the exit code, where None means 0.
 WORK: dict[str, Callable[[argparse.Namespace], int | None]] = {
     "run": _run, "restart": _restart, "check": _check, "study": _study, "info": _info, "plot": _plot, "movie": _movie,
-    "report": _report, "compare": _compare, "doctor": _doctor, "completion": _completion}
+    "report": _report, "compare": _compare, "reflection": _reflection, "doctor": _doctor, "completion": _completion}

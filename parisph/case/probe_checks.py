@@ -5,8 +5,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from parisph.base.text import shown
+from parisph.case.expressions import uniform_field
 from parisph.case.probes import (
     ColumnHeight,
+    Flux,
     Force,
     PressureTap,
     RunUp,
@@ -25,8 +27,12 @@ def problems(case: Scene) -> Iterator[str]:
         what = f"probe {name!r}"
         if isinstance(probe, PressureTap):
             yield from _tap(case, probe, what)
-        elif isinstance(probe, VelocityProfile):
-            yield from _profile(case, probe, what)
+        elif isinstance(probe, (VelocityProfile, Flux)):
+            found = list(_line(case, probe, what))
+            yield from found
+            if isinstance(probe, Flux) and not found:
+                middle = tuple(0.5 * (a + b) for a, b in zip(probe.start, probe.end))
+                yield from _within(case, what, "start and end", [middle, probe.start, probe.end])
         elif isinstance(probe, VelocityPoint):
             found = list(_components(case, what, at=probe.at))
             yield from found or _within(case, what, "at", [probe.at])
@@ -56,7 +62,7 @@ def _components(case: Scene, what: str, **points: Sequence[float]) -> Iterator[s
             yield f"{what}: {name} = {point} must have {case.dim} components"
 
 
-def _profile(case: Scene, probe: VelocityProfile, what: str) -> Iterator[str]:
+def _line(case: Scene, probe: VelocityProfile | Flux, what: str) -> Iterator[str]:
     found = list(_components(case, what, start=probe.start, end=probe.end))
     yield from found
     if not found and probe.start == probe.end:
@@ -97,6 +103,11 @@ def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
     points = probe.points if isinstance(probe, RunUp) else (probe.about,)
     for point in points or ():
         yield from _components(case, what, point=point)
+    if isinstance(probe, Force) and probe.still is not None:
+        force = None if case.turns else uniform_field(case.gravity)
+        if force is None or force[:-1].any() or not force[-1] < 0.0:
+            yield (f"{what}: still = {probe.still:g}: there is no hydrostatic force where gravity is not constant and "
+                   "straight down; leave it out")
     names = body_names(case.bodies)
     if isinstance(probe, RunUp) and probe.points is not None:
         if any(len(point) != case.dim for point in probe.points):

@@ -21,6 +21,7 @@ from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import (
     ColumnHeight,
     Energy,
+    Flux,
     Force,
     Momentum,
     PressureTap,
@@ -40,8 +41,8 @@ from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWa
 
 __all__ = [
     "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Flap", "FlapStroke",
-    "Fluid", "Force", "Friction", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Obstacle", "Output",
-    "PeakBand", "Peaks", "Piston", "PistonStroke", "Plate", "Polygon", "PressureTap", "ProbeArray", "Profile",
+    "Fluid", "Flux", "Force", "Friction", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Obstacle",
+    "Output", "PeakBand", "Peaks", "Piston", "PistonStroke", "Plate", "Polygon", "PressureTap", "ProbeArray", "Profile",
     "Profiles", "Relaxation", "Roll", "RunUp", "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave",
     "StillWater", "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint",
     "VelocityProfile", "Volume", "WaterFront", "WaveTruth",

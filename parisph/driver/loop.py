@@ -277,7 +277,7 @@ class _Run:
         with s.timers("store"):
             self.peaks.write(self.store, all_of_them=True)
             state = {**self.account.state(s), "peaks": self.peaks.state(), "watch": self.watch.state(),
-                     "left": vars(s.left), **s.method.state()}
+                     "left": vars(s.left), "passed": s.passages.state(), **s.method.state()}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
         self.signals.left = (f"the last checkpoint is {self.last_checkpoint}; "
@@ -311,9 +311,8 @@ class _Run:
         self.progress.close()
         if error is None:
             self.account.look_back(self.simulation, self.store)
-        warnings = self.account.warnings()
-        status = "completed with warnings" if warnings else "completed"
-        for line in warnings:
+        status = self.account.status()
+        for line in self.account.warnings():
             log.logger.warning(line)
         if error is not None:
             status = "interrupted" if isinstance(error, Interrupted) else f"failed: {error}"

@@ -33,6 +33,7 @@ from parisph.methods.timestep import first_step, next_step, rest_step
 from parisph.parallel.domain import Domain
 from parisph.parallel.guard import Guard
 from parisph.parallel.particles import Particles
+from parisph.watch.passages import Passages
 from parisph.watch.sampling import Scene
 
 # {dim: spacings a particle moves until particles are redistributed and sorted (parallel.domain)}; in 3D the ghosts of a
@@ -77,6 +78,7 @@ class Simulation:
     particles : Particles, fields as numpy arrays (particles.x, .u, .p, .role, ...) of this rank
     time [s], steps, dt [s] : of the last step, dt None before the first
     timers : PhaseTimers
+    passages : Passages, the water that has passed the lines of probes
     bad_force : float or None, the first time [s] at which the body force was not finite on this rank
 
     All methods are collective. Raises CaseError if the case cannot be run as it is. What fails on one
@@ -142,6 +144,7 @@ class Simulation:
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
         self._chosen: tuple[float, float, float] | None = None     # (limit, step, time after it) of the next step
+        self.passages = Passages.of(case, self.comm, start.state.get("passed") if start is not None else None)
         self._open_tank = OpenTank.of(case, self.domain, start.state.get("left") if start is not None else None)
 
     @_collective
@@ -178,6 +181,7 @@ class Simulation:
         self.time = after
         self.steps += 1
         self.dt = limit     # not a step shortened to meet the end: a run that goes on must not depend on it
+        self.passages.look(self.particles)    # before water leaves the scene
         if self._open_tank is not None:
             self._open_tank.let_leave(self.domain, self.time)
         if self.steps % astray.EVERY == 0:

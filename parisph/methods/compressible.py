@@ -92,6 +92,7 @@ class Compressible:
         flow, timers = self.flow, self.flow.timers
         p, budget = flow.particles, flow.budget
         budget.begin(p)
+        p.x0[:] = p.x
         with timers("predict"):
             fluid = p.kind == FLUID
             p.u[fluid] += 0.5 * dt * p.pull[fluid]

@@ -412,7 +412,8 @@ class Projection:
         """
         flow = self.flow
         p, mean = flow.particles, flow.numerics.pressure_mean
-        time = mean * resolved_time(p.comm, p, flow.spacing, flow.force[:p.n_owned], acceleration) if mean else 0.0
+        time = mean * resolved_time(p.comm, p, flow.spacing, flow.force[:p.n_owned], acceleration,
+                                    flow.walls.acceleration(flow)) if mean else 0.0
         return max(AT_WALLS * time, SHORTENED * flow.usual)
 
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None,

@@ -129,18 +129,23 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
 
 
 def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: np.ndarray,
-                  acceleration: float = 0.0) -> float:
+                  acceleration: float = 0.0, walls: np.ndarray | None = None) -> float:
     """Return the shortest time [s] over which the pressure of particles has a meaning. Collective.
 
-    It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/a), with the larger one
-    of the body force and of the acceleration of the fluid by pressure as a; 0 if nothing moves or pulls. Within it,
+    It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/a), with the largest one
+    of the body force, of the acceleration of the fluid by pressure and of that of walls as a; 0 if nothing moves or
+    pulls. Within it,
     pressure consists of the pulses of single particles that come to a wall or to the surface.
 
     force : (n_owned, dim), body force per unit mass [m/s^2]; that on walls does not count
     acceleration : of fluid by pressure, in the mean on all ranks [m/s^2]: in a tank without gravity whose walls sway,
         the velocity, which turns, sets no time
+    walls : (n_owned, dim), acceleration of wall particles [m/s^2], None if all walls rest: beside a small body that
+        sways in much water at rest, fluid is accelerated as the body is, and in the mean hardly at all
     """
     strongest = record.fluid_sizes(force, particles.kind)[0]
+    if walls is not None:
+        strongest = max(strongest, float(sizes(walls).max(initial=0.0)))
     fastest, strongest, _ = _largest_of_all(comm, _fastest(particles), strongest)
     strongest = max(strongest, acceleration)
     rate = max(fastest / (TOLD_MOVE * spacing), np.sqrt(strongest / spacing) / TOLD_FALL)

@@ -28,9 +28,11 @@ KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
     "column_height": "column height $y$", "energy": "energy", "momentum": "momentum",
     "volume": "mean cell inside the fluid $/\\,s^2$", "run_up": "highest contact", "force": "force",
+    "flux": "volume rate",
 }
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
-COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment"}  # where one column is something else
+COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment",
+           ("flux", "total"): "volume passed"}  # where one column is something else
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force"}
 TALL = 4        # panels below each other; more of them stand two a row
 BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside
@@ -228,6 +230,8 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
         look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
         axes.plot(curve.time / (own.time if normalise else 1.0), curve.values * (1.0 / scale if scale else factor),
                   linewidth=1.1, label=_line_label(curve, series), **look)
+        draw_short_peak(axes, curve.run, _peak_of(curve), 1.0 / (own.time if normalise else 1.0),
+                        1.0 / scale if scale else factor)
     for name in dict.fromkeys(curve.probe for curve in curves):
         if name in (truth or {}):
             first = next(k for k, curve in enumerate(curves) if curve.probe == name)
@@ -316,6 +320,26 @@ def _draw_truth(axes, curve, series, factor, by_time):
     inside = time <= max(curve.time, default=-np.inf)
     axes.plot(time[inside] / by_time, factor * values[inside], color="black", linewidth=1.0,
               label=f"{curve.probe}: reference", **marks(np.sum(inside)))
+
+
+def _peak_of(curve):
+    """Return the name that a curve has among the `peaks` of a summary."""
+    return curve.probe if curve.column in ("", "pressure") else f"{curve.probe}.{curve.column}"
+
+
+def draw_short_peak(axes: "Axes", run: Run, name: str, by_time: float, factor: float) -> None:
+    """Mark the greatest value of a probe if it is too short to be resolved, with its mean over 5 ms as a bar.
+
+    name : of an entry of the summary's `peaks`; by_time, factor : what times [s] and values are multiplied by
+    """
+    found = ((run.summary or {}).get("peaks") or {}).get(name) or {}
+    if not found.get("short"):
+        return
+    when, over = found["time"], found["mean_over"]
+    axes.plot([by_time * when], [factor * found["value"]], linestyle="", marker="x", markersize=7, color="black",
+              label=f"lasts {1e3 * found['lasts']:.2g} ms: not resolved")
+    axes.plot([by_time * (when - over / 2), by_time * (when + over / 2)], 2 * [factor * found["mean"]], color="black",
+              linewidth=2.5, label=f"its mean over {1e3 * over:g} ms")
 
 
 def marks(samples: int) -> style.LineLook:

@@ -9,6 +9,7 @@ from parisph.base.arrays import Floats
 from parisph.case.expressions import uniform_field
 from parisph.case.probes import (
     ColumnHeight,
+    Flux,
     PressureTap,
     Probe,
     ProbeArray,
@@ -101,7 +102,7 @@ def _places(probe: Probe, heights: tuple[float, float]) -> Floats | None:
     """Return the points (n, 2) [m] of the line that a probe is on, or its one point; None for a probe of all fluid."""
     if isinstance(probe, (SurfaceGauge, ColumnHeight)):
         return np.array([(probe.at, heights[0]), (probe.at, heights[1])])
-    if isinstance(probe, VelocityProfile):
+    if isinstance(probe, (VelocityProfile, Flux)):
         return np.array([probe.start[:2], probe.end[:2]])
     if isinstance(probe, RunUp) and probe.points is not None:
         return np.array([point[:2] for point in probe.points])

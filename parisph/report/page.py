@@ -17,7 +17,7 @@ from parisph.case.truths import intervals
 from parisph.io.files import write_text
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
-from parisph.report import account, energies, events, markup
+from parisph.report import account, energies, events, flume, markup
 
 PAGE, FOLDER = "report.html", "report"
 LAST = 0.005    # of an interval: a greatest value this near to its end may go on to rise
@@ -99,15 +99,23 @@ def _errors(about: Subject) -> list[str]:
     parts += [markup.paragraph(f"{name}: {note}", "small") for name, note in account.notes(about.probes)]
     for title, content, words in (("Profiles", account.profiles(about.probes, about.summary), ""),
                                   ("Peaks", events.peaks(about.probes, about.summary), events.PEAKS),
-                                  ("Arrivals", events.arrivals(about.case, about.summary), events.PASSED)):
+                                  ("Greatest pressures", events.impacts(about.summary), events.IMPACTS),
+                                  ("Arrivals", events.arrivals(about.case, about.summary), events.PASSED),
+                                  ("Water that passed lines", events.passed(about.summary), events.LINES)):
         if content.rows:
             parts += [markup.heading(title), markup.table(content)]
             parts += [markup.paragraph(words, "small")] if words else []
+    waves = list(flume.reflection(about.summary))
+    parts += [markup.heading("Incident and reflected waves")] if waves else []
+    for content, words in waves:
+        parts += [markup.table(content), *([markup.paragraph(words, "small")] if words else [])]
     return parts
 
 
 def _series(about: Subject, folder: Path) -> list[str]:
     parts, rest = [markup.heading("Probes")], []
+    parts += [markup.paragraph(f"{name}: {words}", "small")
+              for name, words in (about.summary.get("touched") or {}).items()]
     for probe in about.probes:
         if probe.name not in about.run.probe_names:
             continue
@@ -156,6 +164,10 @@ def _of_peak(about: Subject, name: str, value: float, time: float) -> str:
              ) if compared else ""
     if any(end - LAST * (end - start) <= time <= end for start, end in compared):
         where += ", at its end and so perhaps no peak"
+    known = (about.summary.get("peaks") or {}).get(name) or {}
+    if known.get("short"):
+        where += (f", a short peak that is not resolved (mean over {1e3 * known['mean_over']:g} ms: "
+                  f"{known['mean']:.4g} {unit})")
     return f"Pressure at the greatest value of {name}{where}: {value:.4g} {unit} at t = {time:.4g} s"
 
 
