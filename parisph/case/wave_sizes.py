@@ -7,7 +7,8 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.case import absorb, scenery
-from parisph.case.bodies import Flap, Piston
+from parisph.case.bodies import motion_of
+from parisph.case.motion import FlapStroke, PistonStroke
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
 from parisph.case.waves import (
@@ -60,8 +61,9 @@ def waves(case: Scene) -> Iterator[tuple[str, AnyWave]]:
         if fluid.wave is not None:
             yield f"{name}.wave", fluid.wave
     for name, body in zip(scenery.body_names(case.bodies), case.bodies):
-        if isinstance(body, (Piston, Flap)) and body.wave is not None:
-            yield f"walls, {name}: wave", body.wave
+        motion = motion_of(body)
+        if isinstance(motion, (PistonStroke, FlapStroke)):
+            yield f"walls, {name}: {'wave' if getattr(body, 'wave', None) else 'motion.wave'}", motion.wave
     for number, zone in enumerate(case.absorb):
         if isinstance(zone, absorb.Relaxation):
             yield f"absorb[{number}].wave", zone.wave

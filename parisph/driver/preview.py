@@ -130,7 +130,7 @@ def _waves(case: Case, expected: scales.Scales, steps: int) -> Iterator[tuple[st
                        f"spacings), {'peak ' * irregular}length {wave.length:.3g} m ({wave.length / s:.3g}), depth "
                        f"{wave.depth:.3g} m ({wave.depth / s:.3g}), about "
                        f"{rounded(wave.period * steps / case.end_time)} steps "
-                       f"{'while it goes its length' if alone else f'in a period of {wave.period:.3g} s'}")
+                       f"{'while it travels its length' if alone else f'in a period of {wave.period:.3g} s'}")
 
 
 def _of_a_step(seconds: float) -> str:

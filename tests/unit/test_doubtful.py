@@ -17,6 +17,7 @@ from parisph import (
     Obstacle,
     Output,
     Piston,
+    PistonStroke,
     Relaxation,
     Roll,
     RunUp,
@@ -127,6 +128,9 @@ def test_waves_are_shown_in_spacings_and_steps():
     assert "wave " not in describe(scene())
     for kind, name in ((Sponge, "walls, piston-1: wave"), (Relaxation, "absorb[0].wave")):
         assert [size.name for size in sizes(flume(AIRY, 2.5, kind))] == [name]
+    given = scene(walls=(Tank(width=4.5, height=0.9, at=(-0.5, 0.0)),
+                         Piston(at=0.0, motion=PistonStroke(AIRY, place=0.0), name="maker")))
+    assert "wave        walls, maker: motion.wave, height 0.05 m" in describe(given)
 
 
 def test_the_strain_of_a_wave_is_that_of_its_potential():
@@ -160,8 +164,8 @@ FAULTS = {
     "viscous SPH": ("fluid.viscosity = 0.001: weakly compressible SPH has its artificial viscosity alone",
                     lambda: scene(Fluid(Box(width=4.0, height=0.5), density=1000.0, viscosity=1e-3),
                                   numerics=Numerics(spacing=0.05, method="SPH"))),
-    "force": ("probe 'lid': side = 'lid': the tank has none",
-              lambda: scene(walls=(TANK, ROD), probes=[Force("lid", on="tank", side="lid")])),
+    "force": ("probe 'dry': no fluid touches the left side of tank",
+              lambda: scene(walls=(TANK, Obstacle(Box(width=0.6, height=0.9))), probes=[Force("dry", side="left")])),
 }
 
 
