@@ -77,7 +77,8 @@ class Account:
         if about and not self.before.get("notes"):
             self._notes.append(f"method {simulation.numerics.method}: {about}")
             logger.warning(self._notes[-1])
-        self._notes += [text for text in self._ahead(simulation) if text not in self._notes]
+        if "notes" not in self.before:
+            self._notes += self._ahead(simulation)
         start = {name: self.before.get(name) for name in ("energy", "volume")}    # of a checkpoint by an older parisph
         self.conservation = Conservation(simulation, self.before.get("conservation"), start)
         self._doubts = doubts.Doubts(simulation, self.before.get("doubts"))
