@@ -60,6 +60,23 @@ def test_steps_and_seconds_of_real_runs(name):
     assert np.median(taken) / 3.0 < seconds < 3.0 * np.median(taken)
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.5 * np.pi])
+def test_steps_of_a_steep_gentle_wave_are_those_of_its_strain(phase):
+    """They were estimated at less than half of what they are."""
+    wave = waves.StandingWave(amplitude=0.05, length=1.0, depth=0.5, phase=phase)
+    case = Case(title="steep", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0, wave=wave),
+                walls=Tank(width=1.0, height=0.8), gravity=(0.0, -9.81), end_time=0.5 * np.pi / wave.omega,
+                numerics=Numerics(preset="gentle", spacing=0.05))
+    simulation, taken = driver.Simulation(case, MPI.COMM_SELF), []
+    while not simulation.finished():
+        simulation.advance()
+        taken.append(simulation.dt)
+    steps = estimated_steps(case, case.numerics.resolved(), scales.expected(case))
+    simulation.destroy()
+    last = case.end_time / min(taken)    # as all steps of the wave are, once its strain is seen
+    assert last / 1.3 < steps < 1.3 * last
+
+
 def test_fixed_steps_are_counted():
     case = scene("dam_break", spacing=1 / 80, time_step=0.004)
     assert estimated_steps(case, case.numerics.resolved(), scales.expected(case)) == 2500
