@@ -5,7 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from parisph.base.text import shown
+from parisph.case.bodies import Body, motion_of
 from parisph.case.expressions import uniform_field
+from parisph.case.motion import Rotation
 from parisph.case.probes import (
     ColumnHeight,
     Flux,
@@ -124,15 +126,19 @@ def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
     elif probe.on not in names:
         yield f"{what}: on = {probe.on!r}: there is no body of this name; there is {', '.join(map(repr, names))}"
     else:
-        yield from _side(case, probe, what, case.bodies[names.index(probe.on)].kind)
+        yield from _side(case, probe, what, case.bodies[names.index(probe.on)])
 
 
-def _side(case: Scene, probe: RunUp | Force, what: str, kind: str) -> Iterator[str]:
+def _side(case: Scene, probe: RunUp | Force, what: str, body: Body) -> Iterator[str]:
+    kind = body.kind
     if isinstance(probe, RunUp):
         if probe.side is None and kind not in ("piston", "flap"):
             yield f"{what}: on = {probe.on!r}: give the side of it, side='left' or 'right', or the points of a line"
         elif probe.side is not None and kind in ("piston", "flap"):
             yield f"{what}: side = {probe.side!r}: {probe.on} has fluid on one side only; leave it out"
+        elif probe.film is not None and kind == "tank" and not isinstance(motion_of(body), Rotation):
+            yield (f"{what}: film = {probe.film:g} m is of no use at a vertical side, where the surface is that of a "
+                   "SurfaceGauge; leave it out, or give the points of a line")
     elif kind != "tank" and probe.side is not None:
         yield f"{what}: side = {probe.side!r}: only a tank has sides; leave it out"
     elif probe.side == "lid" and not case.lidded:

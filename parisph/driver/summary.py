@@ -13,11 +13,13 @@ from mpi4py import MPI
 from parisph.base.errors import ParisphError
 from parisph.base.fields import FLUID
 from parisph.base.log import logger
+from parisph.case import scales
 from parisph.case.schema import Case
-from parisph.driver import doubts, touched
+from parisph.driver import ahead, doubts, touched
 from parisph.driver.conservation import Conservation
 from parisph.driver.shares import Shares
 from parisph.driver.simulation import Simulation
+from parisph.geometry import build
 from parisph.io import reader
 from parisph.io.files import on_first
 from parisph.io.store import Store
@@ -77,11 +79,24 @@ class Account:
         if about and not self.before.get("notes"):
             self._notes.append(f"method {simulation.numerics.method}: {about}")
             logger.warning(self._notes[-1])
+        if "notes" not in self.before:
+            self._notes += self._ahead(simulation)
         start = {name: self.before.get(name) for name in ("energy", "volume")}    # of a checkpoint by an older parisph
         self.conservation = Conservation(simulation, self.before.get("conservation"), start)
         self._doubts = doubts.Doubts(simulation, self.before.get("doubts"))
         self.measure(simulation)
         self._shares = Shares(simulation)
+
+    def _ahead(self, simulation: Simulation) -> list[str]:
+        """Return what was doubtful before the run, the same on all ranks, and say it. Collective."""
+        found: list[str] = []
+        if simulation.comm.rank == 0:    # the estimate depends on the machine
+            case = simulation.case
+            found = [*ahead.doubts(case, build.counts(case), scales.expected(case), simulation.comm.size)]
+            for text in found:
+                logger.warning(text)
+        told: list[str] = simulation.comm.bcast(found)
+        return told
 
     def measure(self, simulation: Simulation) -> None:
         """Measure energy and volume now. Collective."""

@@ -4,15 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from parisph.base.errors import CaseError
 from parisph.base.fields import DRY, WALL
 from parisph.case import probes
 from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors
+from parisph.geometry.probe_places import force_elements
 from parisph.watch.sampling import WIDTH, OfPressure, Sampler, Scene, View
-from parisph.watch.wall_pressure import SIDES, Force, about, at_rest, force_columns
+from parisph.watch.wall_pressure import Force, about, at_rest, force_columns
 
 LAST = -1.0     # the first number of a row that tells the greatest number of a wall particle; else that of a node
-SQUARE = 0.9    # cosine of the angle between an element's normal and that of the side it belongs to
 
 
 class BodyForce(OfPressure):
@@ -28,15 +27,7 @@ class BodyForce(OfPressure):
         self.columns = force_columns(probe)
         super().__init__(probe, scene)
         self.about, self._mesh = np.array(probe.about), mesh
-        number = [body.name for body in mesh.bodies].index(probe.on)
-        mine = mesh.element_body == number
-        if probe.side is not None:
-            axis, inward = SIDES[probe.side]
-            normal = area_vectors(mesh.corners())
-            mine &= inward * normal[:, axis] > SQUARE * np.linalg.norm(normal, axis=1)
-        self._elements = mesh.elements[mine]
-        if not len(self._elements):
-            raise CaseError(f"probe {probe.name!r}: no fluid touches {probe.on}; leave the probe out")
+        self._elements = force_elements(mesh, probe)
         self._needed = np.zeros(len(mesh.x0), dtype=bool)
         self._needed[self._elements] = True
         # of each end of an element: the node beyond its other end on the same body, or that end itself

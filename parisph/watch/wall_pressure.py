@@ -6,12 +6,9 @@ import numpy as np
 
 from parisph.case import probes
 from parisph.geometry.mesh import area_vectors
-from parisph.geometry.probe_places import tap_element
+from parisph.geometry.probe_places import SIDES, tap_element
 from parisph.kernels.tap import fitted_at_tap, tap_moments
 from parisph.watch.sampling import WIDTH, OfPressure, Scene, View
-
-# Sides of a tank: the axis across them, and the sign of the normal into the fluid.
-SIDES = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
 
 FACE = 3.0    # radius [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
 FACING = 1e-6    # cosine between the normals of a tap and of a node of its wall; that of a sharp corner is small

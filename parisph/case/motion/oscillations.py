@@ -6,7 +6,16 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from parisph.base.arrays import Floats
-from parisph.case.motion.measured import Amount, Series, between_knots, check_increasing, law_of, top_rate_of
+from parisph.case.motion.measured import (
+    Amount,
+    Series,
+    between_knots,
+    check_increasing,
+    hash_of,
+    law_of,
+    top_rate_of,
+    values_of,
+)
 from parisph.case.motion.rigid import SHARE, Centre, Direction, Rotation, Translation, evenly
 from parisph.case.motion.splines import product, rise
 
@@ -135,6 +144,10 @@ class Roll(Rotation):
         wave = a * np.sin(w * t), a * w * np.cos(w * t), -a * w * w * np.sin(w * t)
         return product(rise(t, 2.0 * np.pi / w if self.ramp is None else self.ramp), wave)
 
+    def values_at(self, times: Floats) -> Floats:
+        """See Motion."""
+        return self.angle.at(times) if isinstance(self.angle, Series) else super().values_at(times)
+
     @property
     def longest_step(self) -> float:
         """See Motion."""
@@ -174,6 +187,10 @@ class Moved(Translation):
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         return self.series.law(t)
+
+    def values_at(self, times: Floats) -> Floats:
+        """See Motion."""
+        return self.series.at(times)
 
     @property
     def top_rate(self) -> float:
@@ -216,6 +233,13 @@ class Tabulated(Translation):
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         return law_of(self.times, self.values, self.rate, t)
+
+    def values_at(self, times: Floats) -> Floats:
+        """See Motion."""
+        return values_of(self.times, self.values, self.rate, times)
+
+    def __hash__(self) -> int:
+        return hash_of(self.times, self.values)
 
     def instants(self, stop: float) -> Floats:
         """See Motion."""
