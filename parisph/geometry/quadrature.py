@@ -83,8 +83,7 @@ def _sides(shape, holes, walls, lower, upper):
     for outline in outlines:
         if not outline.closed:    # an open wall continues beyond its ends
             far = 4.0 * np.linalg.norm(upper - lower) + np.abs(outline.points).max() + np.abs(lower).max()
-            for end, beside in ((0, 1), (-1, -2)):
-                way = outline.points[end] - outline.points[beside]
+            for end, way in zip((0, -1), outline.ways):
                 a.append(outline.points[[end]])
                 b.append(outline.points[[end]] + far * way / np.linalg.norm(way))
     for body in (*(() if isinstance(shape, StillWater) else (shape,)), *holes):

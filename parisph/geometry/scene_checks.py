@@ -19,7 +19,8 @@ from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.mesh import chains_of, wall_mesh
 from parisph.geometry.outline import Wall
 from parisph.geometry.quadrature import fluid_area
-from parisph.geometry.standing import standing
+from parisph.geometry.standing import given, standing
+from parisph.geometry.tips import WIDTH, tips
 
 STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
 
@@ -69,7 +70,7 @@ def warnings(case: Case) -> list[str]:
         return []
     walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
     own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
-    return [*own, *_neared(case, walls), *_airless(case), *_advice(case)]
+    return [*own, *_filled(case), *_neared(case, walls), *_airless(case), *_advice(case)]
 
 
 def facts(case: Case) -> Facts | None:
@@ -78,13 +79,29 @@ def facts(case: Case) -> Facts | None:
     if case.plain or not walls:
         return None
     mesh, chains = wall_mesh(walls, s), chains_of(walls, s)
-    gap, _, one, other = feasible.thinnest_gap(*feasible.resting(mesh, chains))
+    gap, _, one, other = feasible.thinnest_gap(*feasible.resting(mesh, chains), walls)
     names = [body.name for body in mesh.bodies]
     fills = fillings(case, walls, mesh)
     lattice = sum(fill.count * float(fill.step.prod()) for fill in fills)
     shores = [angle for angle, _, _ in feasible.shores(mesh, [fluid.top for fluid in case.fluids])]
     wedge = min([float(np.degrees(chain.angle.min())) for chain in chains] + shores)
     return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume(case), lattice)
+
+
+def _filled(case: Case) -> Iterator[str]:
+    """Fluid that is too narrow for particles, in place of which there is a solid."""
+    walls, s = given(case), case.numerics.spacing
+    for tip in tips(walls, s):
+        one, other = (walls[number].name for number in tip.solid.beside)
+        between = f"walls, {one} and {other}" if one != other else f"walls, {one}"
+        at = f"({tip.at[0]:.3g}, {tip.at[1]:.3g})"
+        if tip.gap == 0.0:
+            yield (f"{between}: the fluid ends in a wedge at {at}. Its tip, {tip.length:.2g} m long and less than "
+                   f"{WIDTH:g} spacings wide, is filled: particles have no room in it")
+        else:
+            yield (f"{between}: at {at} only {tip.gap:.3g} m are between them, {tip.gap / s:.2g} spacings. The gap is "
+                   f"closed over {tip.length:.2g} m: particles have no room in it; to let fluid through, use a spacing "
+                   f"of at most {feasible.rounded_down(tip.gap / feasible.GAP)}")
 
 
 def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:

@@ -5,7 +5,6 @@ import pytest
 
 from parisph import Box, Disc, Polygon, Tank
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
-from parisph.geometry import feasible
 from parisph.geometry.feasible import findings, thinnest_gap
 from parisph.geometry.mesh import wall_mesh
 from parisph.geometry.outline import outline_of
@@ -51,15 +50,6 @@ def test_what_is_wrong_is_said(walls, fluids, words):
     found = "\n".join(findings(walls, fluids, S))
     for word in words:
         assert word in found, found
-
-
-def test_normals_that_point_into_a_solid_are_noticed():
-    walls = [Obstacle(Box(1.0, 0.5))]
-    mesh = wall_mesh(walls, S)
-    right = list(feasible._wrong_sides(mesh, walls, ["box"], S))
-    turned = type(mesh)(**{**vars(mesh), "elements": mesh.elements[:, ::-1]})
-    wrong = list(feasible._wrong_sides(turned, walls, ["box"], S))
-    assert right == [] and len(wrong) == 1 and wrong[0].startswith("box: at (0")
 
 
 @pytest.mark.parametrize("height", [0.08, 0.31])
