@@ -6,8 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from parisph.case.bodies import Obstacle, Profile, StillWater
+from parisph.case.lattice import FIT
 from parisph.case.shapes import Shape
-from parisph.geometry.fill import Filling
+from parisph.geometry.distance import nearest
+from parisph.geometry.encounters import distance_between
+from parisph.geometry.fill import Filling, taken
 from parisph.geometry.mesh import WallMesh, area_vectors, chains_of, motion_numbers, stretches, wall_mesh
 from parisph.geometry.outline import Wall, in_fluid, outline_of, signed_area, way_beyond
 from parisph.geometry.polygons import Chain
@@ -276,36 +279,56 @@ def _is_near(fluid, x, spacing):
 
 
 def _filled(walls, fluids, mesh, spacing, holes, titles) -> Iterator[str]:
-    """Bodies of fluid without particles, or with those of another. Still water gives way to other fluid."""
-    seen, shapes = [], [fluid for fluid in fluids if not isinstance(fluid, StillWater)]
-    for fluid, own, title in zip(fluids, holes, titles):
+    """Bodies of fluid without particles, or too near to one another to be apart. They give way to those before them."""
+    for number, (fluid, own, title) in enumerate(zip(fluids, holes, titles)):
         still = isinstance(fluid, StillWater)
         if still and mesh is None:
             yield f"{title}: still water at level {fluid.level:g}: there are no walls to hold it; give walls, or a Box"
             continue
-        others = shapes if still else ()
+        if still and any(isinstance(other, StillWater) for other in fluids[:number]):
+            yield f"{title}: there is still water before it; give one, with the higher level"
+            continue
+        others = taken(fluids, holes, number)
         fill = Filling(fluid, walls, mesh, spacing, own, others)
         if fill.count == 0:
             if own and Filling(fluid, walls, mesh, spacing, (), others).count:
                 yield f"{title}.holes: they leave none of its particles; make them smaller, or leave this fluid out"
+            elif others and Filling(fluid, walls, mesh, spacing, own).count:
+                yield f"{title} ({fluid.kind}): it has no particles, because it lies in other fluid; leave it out"
             else:
                 yield (f"{title} ({fluid.kind}): it has no particles: it is thinner than a spacing, or behind the "
                        "walls; use a smaller spacing, or move it")
-        for other, kind in seen:
-            if still == isinstance(other, StillWater) and fill.count and _overlap(fluid, other, fill, spacing):
-                yield f"{title} ({fluid.kind}): it overlaps {kind}; make them disjoint"
-        seen.append((fluid, f"{title} ({fluid.kind})" if len(titles) > 1 else title))
+        else:
+            yield from _slits(walls, fluids, spacing, titles, number)
 
 
-def _overlap(fluid, other, fill, spacing, some=4096):
-    """Return whether some of the particles of a filling lie deep in another fluid."""
-    every = max(fill.count // some, 1)
-    index = np.concatenate([fill.indices(0, 0), *(fill.indices(k, k + 1) for k in range(0, fill.count, every))])
-    x = fill.position(index)
-    if isinstance(other, StillWater):
-        return bool(np.any(x[:, 1] < other.level - 0.5 * spacing))
-    deep = other.inside(x, 0.0)
-    for axis in range(2):
-        for side in (-0.5, 0.5):
-            deep &= other.inside(x + side * spacing * np.eye(2)[axis], 0.0)
-    return bool(deep.any())
+def _slits(walls, fluids, spacing, titles, number) -> Iterator[str]:
+    """Bodies of fluid that are less than a spacing apart: their particles would be nearer than that."""
+    if isinstance(fluids[number], StillWater):
+        return
+    one = outline_of(Obstacle(shape=fluids[number]))
+    for other, title in zip(fluids[:number], titles):
+        if isinstance(other, StillWater) or _boxes_apart(fluids[number], other, spacing):
+            continue
+        beside = outline_of(Obstacle(shape=other))
+        gap, at = distance_between(one, beside)
+        at = sum(nearest(at[None], np.stack([outline.starts, outline.ends], axis=1))[2][0]
+                 for outline in (one, beside)) / 2.0
+        within = ~one.in_front(beside.points[:1]) | ~beside.in_front(one.points[:1])
+        if not within.any() and FIT * spacing < gap < (1.0 - FIT) * spacing and not _wall_at(walls, at, gap):
+            yield (f"{titles[number]} and {title}: they are {gap:.3g} m apart at {_at(at)}, {gap / spacing:.2g} "
+                   f"spacings; let them touch, leave at least a spacing between them, {spacing:g} m, or use a spacing of "
+                   f"at most {rounded_down(gap)}")
+
+
+def _boxes_apart(one, other, spacing):
+    """Return whether the boxes around two shapes are a spacing apart."""
+    (low, high), (lower, upper) = one.bounds, other.bounds
+    return bool(np.any((low > upper + spacing) | (lower > high + spacing)))
+
+
+def _wall_at(walls, at, gap):
+    """Return whether there is a wall in a slit of a width `gap` [m] at a place (2,) [m]."""
+    outlines = [outline_of(wall) for wall in walls]
+    return not in_fluid(outlines, at[None])[0] or any(nearest(at[None], np.stack(
+        [outline.starts, outline.ends], axis=1))[0][0] < gap for outline in outlines if outline.two_sided)

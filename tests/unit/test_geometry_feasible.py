@@ -41,8 +41,9 @@ def test_sound_scenes_have_no_findings(walls, fluids):
       Obstacle(Polygon([(1.0, 0.0), (1.0, 0.3), (1.02, 0.3), (1.02, 0.32), (1.5, 0.32), (1.5, 0.0)]), name="step")],
      [StillWater(0.8)], ["step: an edge of 0.02 m", "shorter than 0.6 spacings"]),
     ([TANK], [Box(0.01, 0.01, at=(1.01, 0.51))], ["fluid[0] (box): it has no particles"]),
-    ([TANK], [Box(1.0, 0.5), Box(1.0, 0.5, at=(0.5, 0.2))], ["fluid[1] (box): it overlaps fluid[0] (box)"]),
-    ([TANK], [StillWater(0.5), StillWater(0.3)], ["fluid[1] (still_water): it overlaps fluid[0] (still_water)"]),
+    ([TANK], [Box(1.0, 0.5), Box(0.5, 0.2, at=(0.2, 0.2))],
+     ["fluid[1] (box): it has no particles, because it lies in other fluid; leave it out"]),
+    ([TANK], [StillWater(0.5), StillWater(0.3)], ["fluid[1]: there is still water before it; give one, with the hig"]),
     ([], [StillWater(0.5)], ["there are no walls to hold it"]),
     ([Tank(1.0, 1.0, at=(1.0, 1.0)), Obstacle(Box(5.0, 5.0))], [StillWater(0.5)], ["each body lies inside another"]),
 ])
