@@ -317,7 +317,7 @@ def _slits(walls, fluids, spacing, titles, number) -> Iterator[str]:
         within = ~one.in_front(beside.points[:1]) | ~beside.in_front(one.points[:1])
         if not within.any() and FIT * spacing < gap < (1.0 - FIT) * spacing and not _wall_at(walls, at, gap):
             yield (f"{titles[number]} and {title}: they are {gap:.3g} m apart at {_at(at)}, {gap / spacing:.2g} "
-                   f"spacings; let them touch, leave at least a spacing between them, {spacing:g} m, or use a spacing of "
+                   f"spacings; let them touch, leave a spacing between them, {spacing:g} m, or use a spacing of "
                    f"at most {rounded_down(gap)}")
 
 

@@ -36,7 +36,8 @@ def samples(shape: Shape | StillWater, walls: Sequence[Wall], lower: Sequence[fl
             others: Sequence[Taken] = ()) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield places (m, 2) [m] all over the fluid, and the area (m,) [m2] around each of them. Not collective.
 
-    shape : Box, Disc, Polygon or StillWater, without its holes and other fluid, see geometry.fill; walls : bodies in front of which the fluid is
+    shape : Box, Disc, Polygon or StillWater, without its holes and others, which are other fluid; see geometry.fill
+    walls : bodies in front of which the fluid is
     lower, upper : (2,) [m], the box that holds the scene
     part : None, or the corners (2, 2) [m] of the part of the scene to look at. The places do not depend on it: a rank
         that looks at all places near its own particles finds for these what one rank would find.
