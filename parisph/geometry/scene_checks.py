@@ -6,22 +6,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.base.errors import CaseError
-from parisph.case.bodies import StillWater
+from parisph.case.bodies import Flap, Piston, Profile, StillWater
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
-from parisph.case.motion import Rotation
+from parisph.case.motion import Rotation, course
 from parisph.case.scenery import fluid_names
 from parisph.case.schema import Case
-from parisph.case.shapes import Box
+from parisph.case.shapes import Box, Tank
 from parisph.geometry import feasible, probe_places, wave_places
 from parisph.geometry.build import domain, fillings, volume
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.mesh import chains_of, wall_mesh
-from parisph.geometry.outline import Wall
+from parisph.geometry.outline import Wall, outline_of
 from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.standing import given, standing
 from parisph.geometry.tips import WIDTH, tips
 
+ROOM = 2.0      # spacings that a tank needs behind the farthest place of a wavemaker
 STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
 
 
@@ -111,7 +112,31 @@ def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
             one, other = walls[met.one], walls[met.other]
             yield (f"walls, {one.name}: its {_moves(one)} brings it to {other.name} at t = {met.time:.3g} s, at "
                    f"({met.at[0]:.3g}, {met.at[1]:.3g}), {_amount(one, met.value)} from where it starts; must stay "
-                   "clear of it: move less far, move one of them, or let both move alike")
+                   f"clear of it: {_room_behind(case, walls, met)}move less far, move one of them, or let both move "
+                   "alike")
+
+
+def _room_behind(case: Case, walls: tuple[Wall, ...], met: Encounter) -> str:
+    """Return where a tank or a bed must begin, or end, so that there is room behind a wavemaker that reaches it."""
+    face, s = walls[met.one], case.numerics.spacing
+    maker, other = (case.bodies[number] if number < len(case.bodies) else None for number in (met.one, met.other))
+    if not isinstance(maker, (Piston, Flap)) or not isinstance(other, (Tank, Profile)):
+        return ""
+    on_left, values = maker.fluid_on_left, course(face.motion, case.end_time)[1]
+    x = np.concatenate([face.motion.placed_by(outline_of(face).points, value)[:, 0]
+                        for value in (values.min(), values.max())])
+    (low, bottom), (high, top) = other.bounds
+    if on_left:
+        high = s * np.ceil((float(x.max()) + ROOM * s) / s)
+    else:
+        low = s * np.floor((float(x.min()) - ROOM * s) / s)
+    if (met.at[0] < maker.place) if on_left else (met.at[0] > maker.place):    # it is reached in front
+        return ""
+    verb, place = ("end", high) if on_left else ("begin", low)
+    if isinstance(other, Profile):
+        return f"{verb} the bed behind it, at x = {place:g}, "
+    return (f"{verb} the tank behind it, as in Tank(width={high - low:g}, height={top - bottom:g}, at=({low:g}, "
+            f"{bottom:g})), ")
 
 
 def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
