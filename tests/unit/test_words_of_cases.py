@@ -77,7 +77,7 @@ def test_a_roll_has_an_amplitude_and_understands_its_angle():
      "points up, not 9.81; write gravity=(0, -9.81)"),
     (lambda: Case(**{**GOOD, "gravity": (-9.81,)}), "must have 2 components, as the fluid's shape has; y points up, as "
      "in gravity=(0, -9.81)"),
-    (lambda: Case(**{**GOOD, "fluid": Fluid(Box(3.0, 0.5), 1000.0)}), "or give StillWater(level=0.5), which fills what"),
+    (lambda: Case(**{**GOOD, "fluid": Fluid(Box(3.0, 0.5), 1000.0)}), "or give StillWater(level=0.5), which fills wh"),
 ])
 def test_messages_say_what_exists(make, words):
     with pytest.raises(CaseError) as error:
