@@ -17,11 +17,12 @@ from parisph.case.motion import AtRest, Motion
 from parisph.case.scenery import body_names
 from parisph.case.shapes import Box, Tank
 from parisph.geometry.outline import Wall, outline_of
-from parisph.geometry.polygons import Chain, joined
+from parisph.geometry.polygons import CLOSE, Chain, joined
 
 SMOOTH = 0.1    # rad: an outline that turns by less has no corner there
-# Elements of a smooth closed line at least: with three to six, still water beside discs of .7 to .9 spacings moves
-AROUND = 8
+# By which a smooth line turns in an element at most, so that a disc has eight: with three to six, still water beside
+# discs of .7 to .9 spacings moves
+BEND = np.pi / 4.0
 FLAT, CONCAVE, CONVEX = 0, 1, 2    # values of `edge`
 
 
@@ -231,9 +232,9 @@ def _nodes(chain, spacing):
     x, body, corner = [], [], []
     for start, way in stretches(chain):
         stop = start + len(way) - 1
-        around = chain.closed and stop - start == pieces
         both = convex[start % len(points)] and convex[stop % len(points)]
-        divided = _divided(way, spacing, AROUND if around else 2 if both else 1)
+        turn = float(np.sum(chain.angle[np.arange(start + 1, stop) % len(points)] - np.pi))
+        divided = _divided(way, spacing, max(2 if both else 1, int(np.ceil(abs(turn) / BEND - CLOSE))))
         x.append(divided[:-1])
         body.append(np.full(len(divided) - 1, chain.body[start % pieces]))
         corner += [start % len(points)] + [-1] * (len(divided) - 2)

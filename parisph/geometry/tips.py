@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from parisph.base.arrays import Floats
+from parisph.base.errors import CaseError
 from parisph.case.bodies import Obstacle
 from parisph.case.shapes import Polygon
 from parisph.geometry.columns import overlapping
@@ -56,8 +57,11 @@ def tips(walls: tuple[Wall, ...], spacing: float) -> tuple[Tip, ...]:
     chains = chains_of(walls, spacing)
     for one, other, at, gap, corners, length in [*_wedges(chains, spacing), *_necks(chains, walls, spacing)]:
         slip = "none" if all(getattr(walls[body], "slip", "free") == "none" for body in (one, other)) else "free"
-        solid = Filled(shape=Polygon(points=tuple(map(tuple, corners.tolist()))), motion=walls[one].motion,
-                       name=_name(walls, len(found)), slip=slip, beside=(one, other))
+        try:
+            solid = Filled(shape=Polygon(points=tuple(map(tuple, corners.tolist()))), motion=walls[one].motion,
+                           name=_name(walls, len(found)), slip=slip, beside=(one, other))
+        except CaseError:    # its sides cross, as in a pocket of about its size
+            continue
         found.append(Tip(solid, (float(at[0]), float(at[1])), gap, length))
     return tuple(found)
 
