@@ -20,7 +20,7 @@ from parisph.geometry.mesh import chains_of, wall_mesh
 from parisph.geometry.outline import Wall, outline_of
 from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.standing import given, standing
-from parisph.geometry.tips import WIDTH, tips
+from parisph.geometry.tips import WIDTH, Tip, tips
 
 ROOM = 2.0      # spacings that a tank needs behind the farthest place of a wavemaker
 STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
@@ -90,19 +90,28 @@ def facts(case: Case) -> Facts | None:
 
 
 def _filled(case: Case) -> Iterator[str]:
-    """Fluid that is too narrow for particles, in place of which there is a solid."""
+    """Fluid that is too narrow for particles, in place of which there is a solid; a line for each pair of bodies."""
     walls, s = given(case), case.numerics.spacing
+    wedges: dict[tuple[int, ...], list[Tip]] = {}
     for tip in tips(walls, s):
-        one, other = (walls[number].name for number in tip.solid.beside)
-        between = f"walls, {one} and {other}" if one != other else f"walls, {one}"
+        pair = tuple(sorted(set(tip.solid.beside)))
         at = f"({tip.at[0]:.3g}, {tip.at[1]:.3g})"
         if tip.gap == 0.0:
-            yield (f"{between}: the fluid ends in a wedge at {at}. Its tip, {tip.length:.2g} m long and less than "
-                   f"{WIDTH:g} spacings wide, is filled: particles have no room in it")
+            wedges.setdefault(pair, []).append(tip)
         else:
-            yield (f"{between}: at {at} only {tip.gap:.3g} m are between them, {tip.gap / s:.2g} spacings. The gap is "
-                   f"closed over {tip.length:.2g} m: particles have no room in it; to let fluid through, use a spacing "
-                   f"of at most {feasible.rounded_down(tip.gap / feasible.GAP)}")
+            yield (f"{_names(walls, pair)}: at {at} only {tip.gap:.3g} m are between them, {tip.gap / s:.2g} spacings. "
+                   f"The gap is closed over {tip.length:.2g} m: particles have no room in it; to let fluid through, "
+                   f"use a spacing of at most {feasible.rounded_down(tip.gap / feasible.GAP)}")
+    for pair, found in wedges.items():
+        places = " and ".join(dict.fromkeys(f"({tip.at[0]:.2g}, {tip.at[1]:.2g})" for tip in found[:2]))
+        more = f" and {len(found) - 2} more places" if len(found) > 2 else ""
+        yield (f"{_names(walls, pair)}: the fluid ends in a wedge at {places}{more}. Its tip, where it is less than "
+               f"{WIDTH:g} spacings wide, is filled over {max(tip.length for tip in found):.2g} m: particles have no "
+               "room in it")
+
+
+def _names(walls: tuple[Wall, ...], pair: tuple[int, ...]) -> str:
+    return "walls, " + " and ".join(walls[number].name for number in pair)
 
 
 def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:

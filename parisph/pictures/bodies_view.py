@@ -16,7 +16,7 @@ from parisph.case.schema import Case
 from parisph.case.shapes import Tank
 from parisph.geometry.build import build, counts, domain
 from parisph.geometry.outline import outline_of
-from parisph.geometry.standing import standing
+from parisph.geometry.standing import given, standing
 from parisph.pictures import style
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
     dot = size * 72.0 / picture.dpi * max(window.width / wide, window.height / high)
     axes.scatter(*x.T, s=dot**2, color=WATER, linewidths=0.0, zorder=1.1)
     draw_bodies(axes, case)
-    for wall in standing(case):
+    for wall in given(case):
         x = outline_of(wall).points
         at = (x[:, 0].mean(), x[:, 1].min() if isinstance(wall, Tank) else x[:, 1].mean())
         axes.annotate(style.literal(wall.name), at, fontsize=8, ha="center", zorder=5, xytext=(0, 4),

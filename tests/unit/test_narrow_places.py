@@ -7,9 +7,11 @@ import pytest
 from mpi4py import MPI
 
 from parisph import Box, Case, Disc, Fluid, Numerics, Obstacle, Polygon, Profile, StillWater, Tank
+from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID
 from parisph.driver import Simulation
-from parisph.geometry import build, scene_checks
+from parisph.driver.solid_walls import elements_of
+from parisph.geometry import build, mesh, scene_checks
 from parisph.geometry.mesh import chains_of
 from parisph.geometry.outline import in_fluid, outline_of
 from parisph.geometry.standing import standing
@@ -110,16 +112,28 @@ def test_a_line_whose_ends_lead_back_to_it_is_refused():
 
 
 @pytest.mark.parametrize("gap, words", [
-    (0.0, "walls, tank and body: the fluid ends in a wedge at (1, 0). Its tip, 0.087 m long"),
-    (0.01, "walls, body and tank: at (1, 0.005) only 0.00999 m are between them, 0.2 spacings. The gap is closed"),
+    (0.0, "walls, tank and body: the fluid ends in a wedge at (1, 0). Its tip, where it is less"),
+    (0.01, "walls, tank and body: at (1, 0.005) only 0.00999 m are between them, 0.2 spacings. The gap is closed"),
 ])
 def test_what_is_filled_is_said(gap, words):
     case = in_tank(Disc(0.1, at=(1.0, 0.1 + gap)))
     filled = [wall for wall in standing(case) if isinstance(wall, Filled)]
     said = scene_checks.warnings(case)
-    assert len(filled) == len(said) == (2 if gap == 0.0 else 1) and said[0].startswith(words)
+    assert len(filled) == (2 if gap == 0.0 else 1) and len(said) == 1 and said[0].startswith(words)
     whole = 1.2 - np.pi * 0.01
     assert build.volume(case) == pytest.approx(whole - sum(wall.shape.area for wall in filled), rel=1e-4)
     if gap:    # the spacing that is named leaves the gap open
         finer = in_tank(Disc(0.1, at=(1.0, 0.1 + gap)), spacing=float(said[0].split()[-1]))
         assert len(standing(finer)) == 2
+
+
+def test_walls_that_an_earlier_release_divided_otherwise_are_not_taken_for_the_same(monkeypatch):
+    case = in_tank(Disc(S, at=(1.0, 0.3)))
+    mesh._wall_mesh.cache_clear()
+    monkeypatch.setattr(mesh, "BEND", 10.0)
+    run = Simulation(case, MPI.COMM_SELF)
+    monkeypatch.undo()
+    mesh._wall_mesh.cache_clear()
+    with pytest.raises(CaseError, match="the checkpoint has 87 particles on walls, and this release divides .* by 89:"):
+        elements_of(case, run.particles)
+    run.destroy()
