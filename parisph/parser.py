@@ -1,6 +1,7 @@
 """The verbs of the command line, their options and their help texts."""
 
 import argparse
+import re
 
 from parisph import __version__, arguments, completion
 from parisph.base import environment
@@ -16,6 +17,7 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, **options):
         super().__init__(add_help=False, **options)
+        self._negative_number_matcher = re.compile(r"-\.?\d")    # argparse knows none with an exponent, nor -1/40
         self.add_argument("-h", "--help", action="help", help="Show this help and exit")
 
     def error(self, message):

@@ -62,7 +62,7 @@ def _dimensions(case: Scene) -> Iterator[str]:
     try:
         check_components("gravity", case.gravity, dim, with_time=True)
     except ValueError as error:
-        yield str(error)
+        yield str(error) + ("" if len(case.gravity) == dim else "; y points up, as in gravity=(0, -9.81)")
     if isinstance(case.frame, Translation) and len(case.frame.direction) != dim:
         yield f"frame.direction = {case.frame.direction}: must have {dim} components, as the fluid's shape has"
     if case.frame.kind != "at_rest" and case.walls is None:
@@ -201,18 +201,22 @@ def _inside(case: Scene) -> Iterator[str]:
                 yield (f"{name}.shape.level = {fluid.top:g}: is above the lid of the tank, must be at most "
                        f"{case.tank.bounds[1][-1]:g}")
         else:
-            yield from _within(case, f"{name}.shape", fluid.shape.bounds, what, tolerance)
+            level = fluid.shape.bounds[1][-1]
+            fills = (f", or give StillWater(level={level:g}), which fills what the walls enclose"
+                     if isinstance(fluid.shape, Box) and level <= case.wall_bounds[1][-1] else "")
+            yield from _within(case, f"{name}.shape", fluid.shape.bounds, what, tolerance, fills)
 
 
-def _within(case: Scene, name: str, box: tuple[Floats, Floats], what: str, tolerance: float) -> Iterator[str]:
-    """Say where a box reaches out of the walls; without a tank these are open above."""
+def _within(case: Scene, name: str, box: tuple[Floats, Floats], what: str, tolerance: float,
+            remedy: str = "") -> Iterator[str]:
+    """Say where a box reaches out of the walls; without a tank these are open above. remedy : a further one"""
     (lower, upper), (low, high) = box, case.wall_bounds or box
     for axis in range(case.dim):
         above = upper[axis] > high[axis] + tolerance and (axis < case.dim - 1 or case.tank is not None)
         if lower[axis] < low[axis] - tolerance or above:
             yield (
                 f"{name} reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie in {what}, "
-                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge {what}"
+                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge {what}{remedy}"
             )
 
 

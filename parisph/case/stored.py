@@ -14,7 +14,8 @@ from parisph.case.schema import READ_ONLY, Case
 # Version of the fields of a case. Raise it when a field is renamed, removed or changes its meaning;
 # a new field with a default needs no new version. Texts without a version are from before 1 and have the same fields.
 # 2: regularisation in proportion to the strain of a step.
-SCHEMA = 2
+# 3: the amplitude of a Roll, which was its angle.
+SCHEMA = 3
 
 
 def to_json(case: Case) -> str:

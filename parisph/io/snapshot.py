@@ -23,6 +23,7 @@ from parisph.base.paths import AnyPath
 from parisph.io import digest, slabs
 from parisph.io.files import read_json, write_json
 from parisph.io.slabs import Pattern, Slab
+from parisph.io.views import Snapshot
 
 # Names in the file, where they differ from those of the registry.
 NAMES = {"u": "velocity", "p": "pressure", "alpha": "density_ratio", "phi": "position_potential"}
@@ -86,7 +87,7 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
     slabs.write(comm, path, arrays, lambda file: _decorate(file, total, time, step, root), pattern)
 
 
-def read(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:
+def read(path: AnyPath, time: float | None = None, run: str = "") -> Snapshot:
     """Return the particles of a snapshot as a dict of arrays, by the names of the field registry.
 
     x (n, dim) [m], id, kind, role, and all other fields in the file: u (n, dim) [m/s], p (n) [Pa], ...
@@ -109,7 +110,7 @@ def read(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, A
         arrays["x"] = group["Points"][()]
         order = np.argsort(arrays["id"], kind="stable")
     arrays = {name: data[order, :dim] if data.ndim == 2 else data[order] for name, data in arrays.items()}
-    return {"time": found, "step": step, **arrays}
+    return Snapshot({"time": found, "step": step, **arrays})
 
 
 def read_attributes(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:

@@ -15,7 +15,7 @@ from parisph.case.schema import Case
 from parisph.case.shapes import Tank
 from parisph.geometry.build import build, counts, domain
 from parisph.geometry.outline import Wall, outline_of
-from parisph.geometry.standing import standing
+from parisph.geometry.standing import given, standing
 from parisph.pictures import labels, marks, style, window
 from parisph.pictures.frames import TANK, Seen
 
@@ -104,7 +104,8 @@ def draw_marks(axes: "Axes", case: Case, ends: window.Ends, time: float = 0.0, l
         names = [*marks.draw_probes(axes, case, placed, heights, lines, dots), *names]
     outlines = [placed(_closed(wall, time)) for wall in standing(case)]
     if walls:
-        names += [labels.Label(wall.name, _beside(x, ends)) for wall, x in zip(standing(case), outlines)]
+        shown = [placed(_closed(wall, time)) for wall in given(case)]    # what fills a wedge between them has no name
+        names += [labels.Label(wall.name, _beside(x, ends)) for wall, x in zip(given(case), shown)]
     labels.add(axes, names, [*lines, *outlines], np.concatenate(dots) if dots else None)
 
 

@@ -1,10 +1,11 @@
 """The parts of the campaign, in their order. One module of this folder holds each of them."""
 
-from tests.faults import checkpoints, folders, inputs, kills, one_rank, signals, snapshots, text_files
+from tests.faults import checkpoints, folders, inputs, kills, near_spacing, one_rank, signals, snapshots, text_files
 from tests.faults.table import Part
 
 PARTS: dict[str, Part] = {
     "inputs": Part("bad case files, stored cases, command lines, references, folders", 500, inputs.make),
+    "near_spacing": Part("bodies and gaps near the spacing", 400, near_spacing.make),
     "kills": Part("ranks killed at random moments, then a restart", 100, kills.make),
     "checkpoints": Part("damaged checkpoints", 300, checkpoints.make),
     "snapshots": Part("damaged snapshots", 300, snapshots.make),
