@@ -8,6 +8,7 @@ import hashlib
 import json
 import math
 import os
+import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -90,6 +91,20 @@ def replacing(path: AnyPath) -> Iterator[Path]:
         with suppress(OSError):    # the first cause is the one to report
             new.unlink(missing_ok=True)
         raise
+
+
+def rewrite(path: Path, text: str) -> None:
+    """Replace the text of a file of the user atomically; line ends are written as they are. One process.
+
+    The file keeps its mode, and its owner where that is allowed. Raises OSError; the file is then unchanged.
+    """
+    status = os.stat(path)
+    with replacing(path) as new:
+        with open(new, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+        with suppress(OSError):
+            os.chown(new, status.st_uid, status.st_gid)
+        os.chmod(new, stat.S_IMODE(status.st_mode))
 
 
 def write_text(path: Path, text: str) -> None:

@@ -15,6 +15,7 @@ from parisph.case import stored
 from parisph.case.probes import AnyProbe, ProbeArray
 from parisph.case.truths import intervals
 from parisph.io.files import write_text
+from parisph.io.folder import make_inside
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
 from parisph.report import account, energies, events, markup
@@ -61,7 +62,7 @@ def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
     about, place = subject(folder), Path(out if out is not None else folder)
     pictures = place / FOLDER
     try:
-        pictures.mkdir(parents=True, exist_ok=True)
+        make_inside(pictures)
     except OSError as error:
         raise StoreError(f"cannot make {pictures}: {error.strerror}") from None
     try:
@@ -78,7 +79,7 @@ def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
 
 
 def _run(about: Subject) -> list[str]:
-    parts = [markup.paragraph(f"Run in {about.run.folder.resolve().name}. Every number of the tables is an entry of "
+    parts = [markup.paragraph(f"Run in {named(about.run.folder.resolve().name)}. Every number of the tables is an entry of "
                               "summary.json or case.json of this run: point at it to see which.", "small")]
     if not about.summary:
         parts.append(markup.paragraph("There is no summary.json: the run goes on, or was killed.", "warning"))
