@@ -21,7 +21,7 @@ from parisph.io import folder as folders
 from parisph.io.files import on_first, write_json
 from parisph.io.layout import BEFORE, INDEX, PEAKS
 from parisph.io.lock import Lock
-from parisph.io.series import Series, read_own
+from parisph.io.series import Series, read_own, units
 from parisph.io.slabs import Pattern
 from parisph.io.snapshot import Written
 from parisph.parallel.particles import Particles
@@ -112,6 +112,7 @@ class Store:
         def add() -> None:
             path = self.folder / f"{name}.csv"
             path.parent.mkdir(exist_ok=True)
+            self._keep_columns(path, columns)
             self._series[name] = Series(path, columns, f"{title}{self._missing(path)}", self._keep_to, self.run,
                                         until)
         on_first(self.comm, f"write {self.folder / name}.csv", add)
@@ -278,6 +279,15 @@ class Store:
             return self._names[-1]
         numbers = [int(path.stem) for path in (self.folder / "snapshots").glob("*.vtkhdf") if path.stem.isdecimal()]
         return f"snapshots/{max(numbers, default=-1) + 1:06d}.vtkhdf"
+
+    def _keep_columns(self, path, columns):
+        """Keep a copy of a time series of an older release that has further columns, which its restart leaves out."""
+        lost = [name for name in units(path) if name not in ("time", "step", *columns)] \
+            if self._here and path.is_file() else []
+        if lost:
+            aside = folders.move_aside(self.folder, (), copied=[path])
+            logger.info(f"{path} was written by an older parisph: it goes on without the column{'s' * (len(lost) > 1)} "
+                        f"{', '.join(lost)[:200]}, and a copy with all is in {aside}")
 
     def _missing(self, path):
         """Return a note on lost lines for the title of a time series; "" if none are lost."""
