@@ -15,7 +15,7 @@ _NUMBERED = re.compile(r"^([0-9]+)([.)])(?=\s|$)")
 
 
 def escaped(text: str) -> str:
-    """Return a text that Markdown shows as it stands inside a line or a cell of a table: without links, markup, HTML."""
+    """Return a text that Markdown shows as it stands inside a line or a cell: without links, markup and HTML."""
     return _INSIDE.sub(r"\\\g<0>", plain(text))
 
 

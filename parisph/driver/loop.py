@@ -103,7 +103,8 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
     with begin.left_only_if_used(made), begin.locked(comm, target, force) as lock:
         found = begin.find(Path(path), folder, comm)
         saved = checkpoint.read(comm, found) if found else None
-        case, name = together(comm, f"read the case of {folder}", lambda: begin.case_of(saved, found, folder, until))
+        case, name, edits = together(comm, f"read the case of {folder}",
+                                     lambda: begin.case_of(saved, found, folder, until))
         done = saved is not None and finished(case, saved.time)
         on_first(comm, f"continue the run in {target}",
                  lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
@@ -115,6 +116,7 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
                                  case.output.fields, lock, name, series,
                                  saved.state.get("checkpoints", [found.name]) if saved and found else ())
             if saved:
+                store.notes += [(logging.INFO, line) for line in edits]
                 store.notes.insert(0, (logging.INFO,
                                        f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
                                                      f"{f'; earlier results are in {folder}' * elsewhere}"))

@@ -181,8 +181,8 @@ def _check_format(path, file):
     if file.attrs.get("format") != FORMAT:
         raise StoreError(f"{path} is an HDF5 file, but not a checkpoint of parisph")
     if int(file.attrs["version"]) not in range(1, VERSION + 1):
-        raise StoreError(f"{path} has version {file.attrs['version']} of the format, this parisph reads up to {VERSION}: "
-                         "it was written by a newer parisph, so update parisph")
+        raise StoreError(f"{path} has version {file.attrs['version']} of the format, this parisph reads up to "
+                         f"{VERSION}: it was written by a newer parisph, so update parisph")
 
 
 def _check_fields(path, particles):

@@ -147,7 +147,8 @@ def read_json(path: Path, must_be_sealed: bool = False) -> dict:
         raise StoreError(f"{path} is damaged: it has no digest. Move it away to read the rest of the run")
     content, sound = opened(content)
     if not sound:
-        raise StoreError(f"{path} is damaged: it does not match its digest")
+        raise StoreError(f"{path} is damaged: it does not match its digest" + (
+            f', or it was edited: then remove the line "{KEY}"' if Path(path).name == "case.json" else ""))
     return content
 
 

@@ -224,19 +224,27 @@ class Store:
         late.append(self.folder / "summary.json")
         results = [path for path in (*late[:-1], *cut) if path.exists()]
         snapshot.write_index(self.folder / INDEX, self._names, self.times, run)    # it must never name a missing file
-        aside = folders.move_aside(self.folder, late, copied=cut)
+        ended, case = late[-1].exists(), [self.folder / "case.json"] * folders.is_edited(self.folder)
+        aside = folders.move_aside(self.folder, late, copied=[*cut, *case])
         self._put_peaks_back(time)
-        self._note(there is None, step, aside, bool(results))
+        self._note(there is None, step, aside, bool(results), ended, bool(case))
 
-    def _note(self, without_case, step, aside, results):
-        """Note what was found missing, and the folder that earlier results were moved to, or the summary alone."""
+    def _note(self, without_case, step, aside, results, ended, edited):
+        """Note what was found missing, and the folder that earlier results were moved to, or the summary alone.
+
+        results, ended : whether there are results after the checkpoint, and whether there was a summary
+        edited : whether a copy of case.json is kept
+        """
         if without_case:
             self.notes.append((logging.WARNING,
                                f"{self.folder / 'case.json'} is missing: it is written again from the checkpoint"))
         if step < 0:
             self.notes.append((logging.WARNING, f"no checkpoint found in {self.folder / 'checkpoints'}: "
                                                 "the run begins again at t = 0 s"))
-        if aside is not None:
+        if edited:
+            self.notes.append((logging.INFO, f"{self.folder / 'case.json'} has no digest, as after an edit: it is "
+                                             f"written again, and a copy is in {aside}"))
+        if results or ended:
             self.notes.append((logging.INFO, f"results that are computed again were moved to {aside}" if results else
                                f"only the earlier summary was moved to {aside}; no other result is replaced"))
 

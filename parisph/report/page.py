@@ -79,8 +79,8 @@ def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
 
 
 def _run(about: Subject) -> list[str]:
-    parts = [markup.paragraph(f"Run in {named(about.run.folder.resolve().name)}. Every number of the tables is an entry of "
-                              "summary.json or case.json of this run: point at it to see which.", "small")]
+    parts = [markup.paragraph(f"Run in {named(about.run.folder.resolve().name)}. Every number of the tables is an entry "
+                              "of summary.json or case.json of this run: point at it to see which.", "small")]
     if not about.summary:
         parts.append(markup.paragraph("There is no summary.json: the run goes on, or was killed.", "warning"))
     parts += [markup.paragraph(f"Warning: {text}", "warning") for text in about.summary.get("warnings") or ()]

@@ -17,7 +17,8 @@ def test_a_text_inside_a_line(text, due):
 
 
 @pytest.mark.parametrize(("text", "due"), [
-    ("- a", r"\- a"), ("# a ##", r"\# a \#\#"), ("1. a", r"1\. a"), ("1.5 m", "1.5 m"), ("> a", r"\> a"), ("12)", r"12\)"),
+    ("- a", r"\- a"), ("# a ##", r"\# a \#\#"), ("1. a", r"1\. a"), ("1.5 m", "1.5 m"),
+    ("> a", r"\> a"), ("12)", r"12\)"),
     ("<!-- end of the gallery -->", r"\<!-- end of the gallery -->"), ("===", r"\==="), ("dam_break", "dam_break"),
 ])
 def test_a_whole_line(text, due):
