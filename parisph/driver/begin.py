@@ -119,7 +119,7 @@ def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: f
         case = from_json(text)
     except CaseError as error:
         raise CaseError(f"{found or folder / 'case.json'}: {error}") from None
-    taken = edited.edits(folder, text) if saved else {}
+    origin, taken = case.origin, edited.edits(folder, text) if saved else {}
     if until is not None:
         taken.pop("end_time", None)
     try:
@@ -127,7 +127,7 @@ def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: f
     except CaseError as error:
         raise CaseError(f"{folder / 'case.json'}: {error}") from None
     case = case if until is None else case.changed(end_time=float(until))
-    return case, json.loads(text).get("run", ""), edited.told(taken, folder)
+    return case.of(origin), json.loads(text).get("run", ""), edited.told(taken, folder)
 
 
 def check_useful(saved: Checkpoint | None, case: Case, found: Path | None, folder: Path, elsewhere: bool, done: bool,

@@ -27,6 +27,7 @@ from parisph.driver.schedule import Times
 from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.io import checkpoint
+from parisph.io import made as how
 from parisph.io.checkpoint import Checkpoint
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
@@ -64,8 +65,9 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
         with (begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock,
               _built(case, comm, petsc_options) as simulation):
             samplers = instruments.build(case, simulation.comm)
-            store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation),
-                                 case.output.fields, lock)
+            store = Store.create(simulation.comm, out, to_json(simulation.case, how.of_run(comm, case)),
+                                 _about(simulation), case.output.fields, lock)
+            store.notes += [(logging.INFO, line) for line in how.repeated(case)]
             if old is not None:
                 store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} "
                                                   f"was moved to {old}"))
@@ -112,7 +114,8 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
             samplers = instruments.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
             series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
-            store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),
+            store = Store.resume(simulation.comm, target, to_json(simulation.case, how.of_restart(comm, case)), time,
+                                 step, _about(simulation),
                                  case.output.fields, lock, name, series,
                                  saved.state.get("checkpoints", [found.name]) if saved and found else ())
             if saved:

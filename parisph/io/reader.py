@@ -9,6 +9,7 @@ import numpy as np
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.log import logger
 from parisph.base.paths import AnyPath
+from parisph.base.seal import MADE
 from parisph.base.text import named, shown
 from parisph.case import stored
 from parisph.io import series, snapshot
@@ -86,6 +87,12 @@ class Run:
         if not path.exists():
             return None
         return {**snapshot.read(path, run=self.identity, early=self._early), "peak": self._value_at_peak(path)}
+
+    @property
+    def made(self) -> dict[str, Any]:
+        """How the run was made: case file, parameters, date, machine, command; empty for runs of older releases."""
+        found = self.case.get(MADE)
+        return found if isinstance(found, dict) else {}
 
     @property
     def missing(self) -> list[Path]:
