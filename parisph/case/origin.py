@@ -39,7 +39,7 @@ def of_stored(file: Path, path: AnyPath, content: Mapping[str, Any]) -> Origin:
     """
     run, made = content.get("run"), content.get(MADE)
     made = made if isinstance(made, dict) else {}
-    earlier = {name: value for name, value in made.items() if name not in (KEY, "restarts")}
+    earlier = {name: value for name, value in made.items() if name != "restarts"}
     kept = {name: earlier[name] for name in ("parameters", "given", "changed") if name in earlier}
     return Origin(case_file=named(path), case_digest=_digest(file), edited=KEY not in content, **kept,
                   repeats={"run": shown(run) if not isinstance(run, str) else named(run),

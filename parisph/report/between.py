@@ -36,10 +36,12 @@ class Between:
     def put(self, lines: Sequence[str]) -> None:
         """Replace the lines between the marks. The file is read again: it may have been edited meanwhile.
 
+        lines : each may be several, with line breaks
+
         Raises as __init__; the file is then unchanged.
         """
         before, newline, after = self._found()
-        text = before + "".join(f"{line}{newline}" for line in lines) + after
+        text = before + "".join(f"{line}{newline}" for part in lines for line in part.split("\n")) + after
         try:
             rewrite(self.path, text)
         except OSError as error:

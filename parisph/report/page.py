@@ -18,7 +18,7 @@ from parisph.io.files import write_text
 from parisph.io.folder import make_inside
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
-from parisph.report import account, energies, events, markup, scene
+from parisph.report import account, conditions, energies, events, markup
 
 PAGE, FOLDER = "report.html", "report"
 LAST = 0.005    # of an interval: a greatest value this near to its end may go on to rise
@@ -84,7 +84,7 @@ def _run(about: Subject) -> list[str]:
     if not about.summary:
         parts.append(markup.paragraph("There is no summary.json: the run goes on, or was killed.", "warning"))
     parts += [markup.paragraph(f"Warning: {text}", "warning") for text in about.summary.get("warnings") or ()]
-    return [*parts, markup.heading("What was run"), markup.table(scene.conditions(about.case, about.summary))]
+    return [*parts, markup.heading("What was run"), markup.table(conditions.conditions(about.case, about.summary))]
 
 
 def _errors(about: Subject) -> list[str]:
@@ -182,7 +182,7 @@ def _cost(about: Subject, folder: Path) -> list[str]:
 
 def _made(about: Subject) -> list[str]:
     """Return by what the run was made, last and partly folded: the physics is above."""
-    values = scene.parameters(about.case)
+    values = conditions.parameters(about.case)
     return [markup.heading("How it was made"), *([markup.table(values)] if values.rows else []),
             markup.folded("Case file, machine, options and versions",
-                          markup.table(scene.making(about.case, about.summary)))]
+                          markup.table(conditions.making(about.case, about.summary)))]

@@ -37,7 +37,7 @@ from parisph.base.errors import StoreError
 from parisph.base.fields import FLUID, WALL
 from parisph.base.seal import sealed
 from parisph.io.reader import open_run
-from parisph.report import energies, gallery, page, scene
+from parisph.report import conditions, energies, gallery, page
 from tests.launch import ROOT, parisph
 
 CELL = re.compile(r'<td class="number" data-from="(.*?)" title="(.*?)">(.*?)</td>')
@@ -290,7 +290,7 @@ def test_wavemakers_and_walls_that_move_are_told():
     for name, told in (("submerged_bar", {"wave of piston", "sponge from x", "sponge, length"}),
                        ("wet_bed", {"motion of gate"}), ("standing_wave", set())):
         case = json.loads(load(ROOT / "cases" / f"{name}.py").model_dump_json())
-        rows = {row[0].text for row in scene.conditions(case, {}).rows}
+        rows = {row[0].text for row in conditions.conditions(case, {}).rows}
         assert {row for row in rows if row.startswith(("wave of", "motion of", "sponge"))} >= told, name
 
 
