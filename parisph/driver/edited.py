@@ -33,12 +33,13 @@ def edits(folder: Path, saved: str) -> dict[str, Any]:
     found = {name: (old, new) for name, old, new in _differences(before.model_dump(), now.model_dump())}
     others = [name for name in found if name not in TAKEN]
     if others:
-        what = listed([f"{name} = {shown(found[name][1], 40)}, which was {shown(found[name][0], 40)}"
+        what = listed([f"{name} = {shown(found[name][1], 40)} (was {shown(found[name][0], 40)})"
                        for name in others], FEW)
         raise CaseError(
-            f"{named(path)} was edited: {what}. A restart takes edits of {', '.join(TAKEN)} alone, as all others would "
-            f"make another run of it. Run the edited case from its start with: parisph run {named(path)} -o DIR. To go "
-            f"on with the case as it was, move {named(path)} out of its folder; the restart then writes it again")
+            f"{named(path)} was edited: {what}.\n"
+            f"A restart takes edits of {', '.join(TAKEN)} alone, as all others would make another run of it.\n"
+            f"To run the edited case from its start: parisph run {named(path)} -o DIR\n"
+            f"To go on with the case as it was: move {named(path)} out of its folder; the restart writes it again")
     return {name: new for name, (_, new) in found.items()}
 
 

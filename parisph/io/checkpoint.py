@@ -189,9 +189,9 @@ def _check_fields(path, particles):
     # others have a default: an older file lacks the fields of newer parts
     missing = [name for name in CORE if name not in particles]
     if missing == ["volume"]:
-        raise StoreError(f"{path} lacks the volumes of its particles, so this parisph cannot go on from it: restart it "
-                         f"with the last that can (in a clone: git checkout {WITHOUT_VOLUMES}), or repeat the run with "
-                         f"this one: parisph run {path.parent.parent / 'case.json'}")
+        raise StoreError(f"{path} lacks the volumes of its particles, so this parisph cannot go on from it. The "
+                         f"last that can is in a clone after: git checkout {WITHOUT_VOLUMES}\n"
+                         f"To repeat the run with this one: parisph run {path.parent.parent / 'case.json'}")
     if missing:
         raise StoreError(f"{path} lacks {', '.join(missing)}, which this parisph needs: "
                          "restart it with the version that wrote it (its parisph_version says which)")

@@ -60,8 +60,8 @@ def test_a_run_of_an_earlier_release_goes_on(old):
 def test_what_cannot_go_on_names_the_version_that_can_and_a_remedy(tmp_path):
     old = unpacked(WITHOUT_VOLUMES, tmp_path)
     before = {path: path.read_bytes() for path in old.rglob("*") if path.is_file()}
-    with pytest.raises(StoreError, match=r"lacks the volumes of its particles.* git checkout 6d557b4\), or repeat the "
-                                         rf"run with this one: parisph run {old}/case.json"):
+    with pytest.raises(StoreError, match=r"lacks the volumes of its particles.* git checkout 6d557b4\n"
+                                         rf"To repeat the run with this one: parisph run {old}/case.json"):
         driver.restart(old, MPI.COMM_SELF, until=0.06, progress=False)
     assert {path: path.read_bytes() for path in old.rglob("*") if path.is_file()} == before
 
