@@ -80,8 +80,8 @@ def test_until_goes_before_an_edited_end(run):
 def test_other_edits_are_refused_with_two_remedies(run, tmp_path, values, says, elsewhere):
     edit(run, **values)
     before = files(run)
-    with pytest.raises(CaseError, match=f"(?s)case.json was edited: {says}.*\\.\nA restart takes edits of end_time, title, .*"
-                                        "from its start: parisph run .*case.json -o DIR\n.*move"):
+    with pytest.raises(CaseError, match=f"(?s)case.json was edited: {says}.*\\.\nA restart takes edits of end_time, "
+                                        ".*from its start: parisph run .*case.json -o DIR\n.*move"):
         driver.restart(run, COMM, until=0.03, progress=False, out=tmp_path / "other" if elsewhere else None)
     assert files(run) == before and not (tmp_path / "other").exists()
 
