@@ -15,7 +15,7 @@ def _run(args):
     if environment.launched()[1] > 1:
         ranks.world()
         from parisph.driver import run  # noqa: F401  starts PETSc, on all ranks together: the case file may import it on one
-    text, out, parts = ranks.on_first(lambda: (_load(args).model_dump_json(), _folder(args), _files_of_parts(args)))
+    text, origin, out, parts = ranks.on_first(lambda: _prepared(args))
     ranks.stop_if_asked()
     comm = ranks.world()
     from parisph import driver
@@ -23,10 +23,16 @@ def _run(args):
 
     if comm.rank:
         _register(parts)
-    case = Case.model_validate_json(text)    # that of rank 0: a case file may depend on host, clock or rank
+    case = Case.model_validate_json(text).of(origin)    # of rank 0: a case file may depend on host, clock or rank
     summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite,
                          force=args.force)
     _tell(comm, summary, out)
+
+
+def _prepared(args):
+    """Return (case as JSON text, its origin, folder for the run, files that have registered parts). On one rank."""
+    case = _load(args)
+    return case.model_dump_json(), dict(case.origin), _folder(args), _files_of_parts(args)
 
 
 def _restart(args):

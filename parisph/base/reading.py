@@ -29,6 +29,11 @@ def read_text(path: AnyPath, most: float = MOST) -> str:
     OSError, whose strerror is one line: the file does not exist, is a folder, a pipe or a device (which is not
     opened), has more than `most` bytes, or is not text.
     """
+    return read_exactly(path, most).removeprefix("\ufeff")
+
+
+def read_exactly(path: AnyPath, most: float = MOST) -> str:
+    """Return the text of a UTF-8 file as `read_text`, with its byte order mark if it has one: all that must be kept."""
     try:
         check_regular(os.stat(path), most)
         with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
@@ -36,7 +41,7 @@ def read_text(path: AnyPath, most: float = MOST) -> str:
             data = file.read() if most == math.inf else file.read(int(most) + 1)
         if len(data) > most:
             raise OSError(errno.EFBIG, f"it has more than {amount(most)}")
-        text = data.decode("utf-8-sig")
+        text = data.decode("utf-8")
     except UnicodeDecodeError as error:
         raise OSError(errno.EILSEQ, f"it is not text in UTF-8: see byte {error.start}") from None
     except ValueError:    # a null character in the name

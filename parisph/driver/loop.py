@@ -27,6 +27,7 @@ from parisph.driver.schedule import Times
 from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.io import checkpoint
+from parisph.io import made as how
 from parisph.io.checkpoint import Checkpoint
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
@@ -64,8 +65,9 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
         with (begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock,
               _built(case, comm, petsc_options) as simulation):
             samplers = instruments.build(case, simulation.comm)
-            store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation),
-                                 case.output.fields, lock)
+            store = Store.create(simulation.comm, out, to_json(simulation.case, how.of_run(comm, case)),
+                                 _about(simulation), case.output.fields, lock)
+            store.notes += [(logging.INFO, line) for line in how.repeated(case)]
             if old is not None:
                 store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} "
                                                   f"was moved to {old}"))
@@ -103,7 +105,8 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
     with begin.left_only_if_used(made), begin.locked(comm, target, force) as lock:
         found = begin.find(Path(path), folder, comm)
         saved = checkpoint.read(comm, found) if found else None
-        case, name = together(comm, f"read the case of {folder}", lambda: begin.case_of(saved, found, folder, until))
+        case, name, edits = together(comm, f"read the case of {folder}",
+                                     lambda: begin.case_of(saved, found, folder, until))
         done = saved is not None and finished(case, saved.time)
         on_first(comm, f"continue the run in {target}",
                  lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
@@ -111,10 +114,12 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
             samplers = instruments.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
             series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
-            store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),
+            store = Store.resume(simulation.comm, target, to_json(simulation.case, how.of_restart(comm, case)), time,
+                                 step, _about(simulation),
                                  case.output.fields, lock, name, series,
                                  saved.state.get("checkpoints", [found.name]) if saved and found else ())
             if saved:
+                store.notes += [(logging.INFO, line) for line in edits]
                 store.notes.insert(0, (logging.INFO,
                                        f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
                                                      f"{f'; earlier results are in {folder}' * elsewhere}"))

@@ -6,6 +6,7 @@ from typing import Any
 
 from parisph.base.errors import StoreError
 from parisph.base.text import plain_lines
+from parisph.io import made
 from parisph.io.layout import INDEX, PEAKS
 from parisph.io.reader import Run
 
@@ -25,6 +26,7 @@ def last_words(summary: Mapping[str, Any]) -> list[str]:
 def describe(run: Run) -> str:
     """Return the description of a Run (io.reader): its content and its results. Raises StoreError."""
     lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
+    lines += [f"{name:<16}{text}" for name, text in made.lines(run.made)]
     lines += ["", *(_results(run) if run.summary else ["no summary.json: the run goes on, or was killed"])]
     if len(run):
         lines += ["", f"{'snapshots':<16}{len(run)}, t = {run.times[0]:.6g} to {run.times[-1]:.6g} s "

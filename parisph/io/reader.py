@@ -9,6 +9,7 @@ import numpy as np
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.log import logger
 from parisph.base.paths import AnyPath
+from parisph.base.seal import MADE
 from parisph.base.text import named, plain, shown
 from parisph.case import stored
 from parisph.io import series, snapshot
@@ -95,7 +96,7 @@ class Run:
         id, ..., sorted by id; and `time` [s], `step`.
         """
         number = self.number(which)
-        return snapshot.read(self.folder / self._files[number], self.times[number], self.identity)
+        return snapshot.read(self.folder / self._files[number], self.times[number], self.identity, self._early)
 
     def peak(self, name: str) -> Snapshot | None:
         """Return the particles at the greatest value of a probe, as from `snapshot`, with that value as `peak`.
@@ -106,7 +107,14 @@ class Run:
         path = self.folder / PEAKS / f"{name}.vtkhdf"
         if not path.exists():
             return None
-        return Snapshot({**snapshot.read(path, run=self.identity), "peak": self._value_at_peak(path)})
+        found = snapshot.read(path, run=self.identity, early=self._early)
+        return Snapshot({**found, "peak": self._value_at_peak(path)})
+
+    @property
+    def made(self) -> dict[str, Any]:
+        """How the run was made: case file, parameters, date, machine, command; empty for runs of older releases."""
+        found = self.case.get(MADE)
+        return found if isinstance(found, dict) else {}
 
     @property
     def missing(self) -> list[Path]:
@@ -118,7 +126,7 @@ class Run:
 
         Raises StoreError, which names a few of them, if any is damaged, missing or of another run.
         """
-        checks = [lambda path=path, time=time: snapshot.read_attributes(path, time, self.identity)
+        checks = [lambda path=path, time=time: snapshot.read_attributes(path, time, self.identity, self._early)
                   for path, time in zip(self._paths, self.times)]
         peaks = [self.folder / PEAKS / f"{name}.vtkhdf" for name in self.probe_names]
         checks += [lambda path=path: self._value_at_peak(path) for path in peaks if path.exists()]
@@ -168,8 +176,13 @@ class Run:
         """How the run was made: dict of versions, method, PETSc options, ranks, from its first snapshot."""
         if len(self) == 0:
             return {}
-        found = snapshot.read_attributes(self.folder / self._files[0])
+        found = snapshot.read_attributes(self.folder / self._files[0], early=self._early)
         return {name: value for name, value in found.items() if name not in ("case", "time", "step", "dim")}
+
+    @property
+    def _early(self):
+        """Whether the run is from before runs had identities, and its files digests."""
+        return not self.identity
 
     @property
     def _paths(self):
@@ -177,7 +190,7 @@ class Run:
 
     def _value_at_peak(self, path):
         """Return the value of the probe at whose peak a file was written."""
-        about = snapshot.read_attributes(path, run=self.identity)
+        about = snapshot.read_attributes(path, run=self.identity, early=self._early)
         if about.get("probe") != path.stem:
             raise StoreError(f"{path} is not the flow at the peak of {path.stem}: another file has been copied over it")
         return float(about["peak"])
