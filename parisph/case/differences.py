@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 FIRST = ("spacing", "preset", "method", "time_step", "jitter", "seed")    # numerics that runs are made to compare
-ASIDE = ("run", "schema", "digest", "provenance", "source", "probes", "output", "asked")    # do not change the flow
+ASIDE = ("run", "schema", "digest", "made", "made_digest", "probes", "output", "asked")    # do not change the flow
 LAST = ("end_time", "title")    # what labels name only where nothing else distinguishes two cases
 MOST = 3    # fields of a label, unless more of them are needed
 MANY = 6    # fields that differ between two settings of one scene; scenes that differ in more have titles of their own
@@ -43,7 +43,7 @@ def _labels(fields: Sequence[Fields]) -> list[str]:
 
 
 def _parameters(case: Mapping[str, Any]) -> Fields:
-    about = case.get("provenance")
+    about = case.get("made")
     found = about.get("parameters") if isinstance(about, Mapping) else None
     return dict(found) if isinstance(found, Mapping) else {}
 

@@ -16,7 +16,7 @@ def stored(title="Basin", height=0.5, frame=None, probes=(), end_time=1.0, param
                 gravity=(0.0, -9.81), numerics=Numerics(**numerics), probes=probes,
                 **({"frame": frame} if frame else {}))
     found = json.loads(to_json(case)) | {"run": f"{id(case)}"}
-    return found | {"provenance": {"parameters": parameters}} if parameters else found
+    return found | {"made": {"parameters": parameters}} if parameters else found
 
 
 @pytest.mark.parametrize("cases, expected", [
