@@ -11,7 +11,7 @@ _SCHEMA = (
     "Case Fluid StillWater Box Disc Polygon Tank Lid Profile Obstacle Plate Piston Flap Numerics Output PeakBand Peaks "
     "Truth AtRest Sway Heave Roll Moved Series Tabulated PistonStroke FlapStroke Sponge Relaxation "
     "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityPoint VelocityProfile "
-    "RunUp Force Friction ProbeArray Profiles "
+    "RunUp Force Flux Friction ProbeArray Profiles "
     "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction WaveTruth"
 )
 _PUBLIC = {

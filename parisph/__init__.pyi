@@ -19,6 +19,7 @@ from parisph.case.schema import Energy as Energy
 from parisph.case.schema import Flap as Flap
 from parisph.case.schema import FlapStroke as FlapStroke
 from parisph.case.schema import Fluid as Fluid
+from parisph.case.schema import Flux as Flux
 from parisph.case.schema import Force as Force
 from parisph.case.schema import Friction as Friction
 from parisph.case.schema import Heave as Heave

@@ -1,6 +1,7 @@
 """The verbs of the command line, their options and their help texts."""
 
 import argparse
+import re
 
 from parisph import __version__, arguments, completion
 from parisph.base import environment
@@ -17,6 +18,7 @@ class _Parser(argparse.ArgumentParser):
 
     def __init__(self, **options):
         super().__init__(add_help=False, **options)
+        self._negative_number_matcher = re.compile(r"-\.?\d")    # argparse knows none with an exponent, nor -1/40
         self.add_argument("-h", "--help", action="help", help="Show this help and exit")
 
     def error(self, message):
@@ -35,7 +37,8 @@ def build() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"parisph {__version__}",
                         help="Show the version and exit")
     verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
-    for define in (_run, _restart, _check, _study, _info, _plot, _movie, _report, _compare, _doctor, _completion):
+    for define in (_run, _restart, _check, _study, _info, _plot, _movie, _report, _compare, _reflection, _doctor,
+                   _completion):
         define(verbs)    # in the order of the help
     return parser
 
@@ -107,7 +110,8 @@ def _info(verbs):
 def _plot(verbs):
     verb = _verb(verbs, "plot", "Draw the flow, the probes, or the whole run on one page")
     verb.add_argument("runs", type=arguments.path, metavar="DIR", nargs="+",
-                      help="Folder of a run; for several runs, their probes are drawn over each other")
+                      help="Folder of a run; for several runs, their probes are drawn over each other, "
+                           "named by what differs between their cases")
     verb.add_argument("--time", type=arguments.number, metavar="T",
                       help="Draw the flow at the snapshot nearest this time [s]")
     verb.add_argument("--peak", metavar="PROBE",
@@ -147,7 +151,8 @@ def _report(verbs):
 def _compare(verbs):
     verb = _verb(verbs, "compare", "Compute the error of a probe against a reference series")
     _add_run(verb)
-    verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv", help="CSV file with one header line")
+    verb.add_argument("reference", type=arguments.path, metavar="REFERENCE.csv",
+                      help="Text file with one header line; commas, semicolons, tabs or blanks between columns")
     verb.add_argument("--json", action="store_true", help="Print JSON")
     verb.add_argument("--plot", type=arguments.path, metavar="FILE",
                       help="Draw the run, the reference and their difference to a .png, .pdf, ... file")
@@ -163,6 +168,24 @@ def _compare(verbs):
             ("--best-shift", None, "Find the best shift of at most this many seconds in either direction"),
             ("--rest", None, "Set the level at rest: the error is then relative to the wave alone")):
         verb.add_argument(option, type=arguments.number, default=default, metavar="X", help=text)
+
+
+def _reflection(verbs):
+    verb = _verb(verbs, "reflection", "Tell incident and reflected waves apart by two gauges or more",
+                 "parisph reflection DIR --probes g1 g2 g3. Heights, reflection coefficient and residual by least "
+                 "squares, for irregular waves by frequency")
+    _add_run(verb)
+    verb.add_argument("--probes", nargs="+", metavar="NAME",
+                      help="SurfaceGauges in line over a level bed, GAUGES.NAME in an array (default: the two or three "
+                           "within 0.75 wave lengths that tell the waves apart best)")
+    for option, name, text in (
+            ("--period", "period", "Set the period of regular waves [s] (default: that of the wavemaker)"),
+            ("--depth", "depth", "Set the depth of the water at the gauges [m] (default: that of the wavemaker)"),
+            ("--from", "start", "Look at times from this one on [s] (default: the last ten whole periods; all "
+                                "irregular waves after their arrival)"),
+            ("--to", "end", "Look at times up to this one [s]")):
+        verb.add_argument(option, dest=name, type=arguments.number, metavar="X", help=text)
+    verb.add_argument("--json", action="store_true", help="Print JSON")
 
 
 def _doctor(verbs):
@@ -204,6 +227,9 @@ def _add_run(verb):
 def _add_drawing(verb, scale):
     verb.add_argument("--field", metavar="NAME",
                       help="Colour by pressure (default), speed, velocity_x, velocity_y, density_ratio or role")
+    verb.add_argument("--frame", choices=("tank", "world"),
+                      help="Show a tank that moves from itself (tank, the default), or from the room, with gravity "
+                           "downwards (world)")
     verb.add_argument("--surface", action="store_true", help="Mark the particles of the free surface")
     verb.add_argument("--normalise", action="store_true",
                       help="Divide lengths by H, times by sqrt(H/g), pressures by rho g H (flow or probes, "

@@ -15,7 +15,7 @@ def _run(args):
     if environment.launched()[1] > 1:
         ranks.world()
         from parisph.driver import run  # noqa: F401  starts PETSc, on all ranks together: the case file may import it on one
-    text, out, parts = ranks.on_first(lambda: (_load(args).model_dump_json(), _folder(args), _files_of_parts(args)))
+    text, origin, out, parts = ranks.on_first(lambda: _prepared(args))
     ranks.stop_if_asked()
     comm = ranks.world()
     from parisph import driver
@@ -23,10 +23,16 @@ def _run(args):
 
     if comm.rank:
         _register(parts)
-    case = Case.model_validate_json(text)    # that of rank 0: a case file may depend on host, clock or rank
+    case = Case.model_validate_json(text).of(origin)    # of rank 0: a case file may depend on host, clock or rank
     summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite,
                          force=args.force)
     _tell(comm, summary, out)
+
+
+def _prepared(args):
+    """Return (case as JSON text, its origin, folder for the run, files that have registered parts). On one rank."""
+    case = _load(args)
+    return case.model_dump_json(), dict(case.origin), _folder(args), _files_of_parts(args)
 
 
 def _restart(args):
@@ -95,7 +101,7 @@ def _tell(comm, summary, folder):
     from parisph.io import info
 
     if comm.rank == 0:
-        output.show("\n".join([*info.table(summary), f"{'folder':<16}{folder}"]))
+        output.show("\n".join([*info.table(summary), f"{'folder':<16}{folder}", *info.last_words(summary)]))
 
 
 def _study(args):
@@ -163,13 +169,13 @@ def _movie(args):
     from parisph.io import reader
     from parisph.pictures import orders
 
-    print(orders.animate(reader.open_run(args.run), args.out, args.fps, args.slow, **_look(args)))
+    print(orders.animate(reader.open_run(args.run), args.out, args.fps, args.slow, progress=True, **_look(args)))
 
 
 def _look(args):
     """Return the options of io.view.Look; None for those not given."""
     return {"field": args.field, "surface": args.surface or None, "normalise": args.normalise or None,
-            "limits": args.limits, "colours": args.cmap, "zoom": args.zoom}
+            "limits": args.limits, "colours": args.cmap, "zoom": args.zoom, "frame": args.frame}
 
 
 def _report(args):
@@ -201,6 +207,17 @@ def _compare(args):
     print(json.dumps(found.result, indent=2) if args.json else comparison.text(found.result))
 
 
+def _reflection(args):
+    from parisph.case import stored
+    from parisph.io import reader
+    from parisph.truth import reflected
+
+    run = reader.open_run(args.run)
+    case = stored.from_json(json.dumps(run.case), read_only=True)
+    found = reflected.analysed(case, run, args.probes, args.period, args.depth, args.start, args.end)
+    print(json.dumps(found, indent=2) if args.json else reflected.text(found))
+
+
 def _doctor(args):
     from parisph import doctor
 
@@ -222,4 +239,4 @@ def _completion(args):
 # The work of each verb: a function of the arguments that returns the exit code, where None means 0.
 WORK: dict[str, Callable[[argparse.Namespace], int | None]] = {
     "run": _run, "restart": _restart, "check": _check, "study": _study, "info": _info, "plot": _plot, "movie": _movie,
-    "report": _report, "compare": _compare, "doctor": _doctor, "completion": _completion}
+    "report": _report, "compare": _compare, "reflection": _reflection, "doctor": _doctor, "completion": _completion}

@@ -36,8 +36,8 @@ def run(case, prepare=None):
     s = Simulation(case, MPI.COMM_SELF)
     if prepare:
         prepare(s)
-    while s.time < case.end_time * (1.0 - 1e-12):
-        s.advance(case.end_time)
+    while not s.finished():
+        s.advance()
     return s
 
 

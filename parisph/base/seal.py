@@ -1,25 +1,34 @@
-"""JSON files that show whether they have been changed: an object contains the digest of all its other entries."""
+"""JSON files that show whether they have been changed: an object contains the digest of all its other entries.
+
+How a run was made has a digest of its own, so that the digest of a case is the same whoever runs it.
+"""
 
 import hashlib
 import json
 from collections.abc import Mapping
 from typing import Any
 
-KEY = "digest"
+KEY, MADE, OF_MADE = "digest", "made", "made_digest"
 
 
 def sealed(content: Mapping[str, Any]) -> dict[str, Any]:
     """Return a JSON object with its digest as the last entry."""
-    content = {name: value for name, value in content.items() if name != KEY}
-    return {**content, KEY: _digest(content)}
+    content = {name: value for name, value in content.items() if name not in (KEY, OF_MADE)}
+    made = content.get(MADE)
+    return {**content, **({OF_MADE: _digest(made)} if isinstance(made, dict) else {}), KEY: _digest(content)}
 
 
 def opened(content: Mapping[str, Any]) -> tuple[dict[str, Any], bool]:
     """Return a JSON object without its digest, and whether it is unchanged. True if it has no digest."""
-    rest = {name: value for name, value in content.items() if name != KEY}
-    return rest, content.get(KEY, None) in (None, _digest(rest))
+    rest = {name: value for name, value in content.items() if name not in (KEY, OF_MADE)}
+    if content.get(KEY) is None:
+        return rest, True
+    made = rest.get(MADE)
+    sound = not isinstance(made, dict) or content.get(OF_MADE) == _digest(made)
+    return rest, sound and content[KEY] == _digest(rest)
 
 
 def _digest(content: dict[str, Any]) -> str:
+    content = {name: value for name, value in content.items() if name != MADE or not isinstance(value, dict)}
     text = json.dumps(content, sort_keys=True, separators=(",", ":"))
     return hashlib.blake2b(text.encode("utf-8", "surrogatepass"), digest_size=16).hexdigest()

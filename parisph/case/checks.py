@@ -12,8 +12,8 @@ from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
-from parisph.case import absorb, probe_checks, scenery, size
-from parisph.case.bodies import Body, Flap, Piston, StillWater
+from parisph.case import absorb, probe_checks, scenery, size, wave_sizes
+from parisph.case.bodies import Body, StillWater
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import check_components
 from parisph.case.lattice import FIT, misfit, nearest_spacings
@@ -21,9 +21,8 @@ from parisph.case.methods import METHODS
 from parisph.case.motion import SHARE, Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
-from parisph.case.shapes import Box, Disc, Tank
+from parisph.case.shapes import Box, Disc, Lid, Tank
 from parisph.case.values import LARGEST
-from parisph.case.waves import AnyWave
 
 SOUND = 10.0    # speed of sound of weakly compressible fluid, over the fastest speed to expect
 LEAP = 0.5      # spacings that a wall may move in a fixed time step
@@ -36,6 +35,7 @@ STEADY = 0.3        # spacings that the fastest violent fluid should move in a f
 # has errors of P2 of .040 and .063 (Basilisk, interFoam; means of three starts) with it and .990 of its energy at
 # t* = 2; .046, .054 and .989 without. It takes .73 of the steps
 FINE = 20.0
+FASTEST = 1480.0    # [m/s], of sound in water: water that is faster is compressible
 LOOKS = 33          # times at which the body force is tried out
 MOST_STEPS = 1e8    # of a run: far beyond what any machine computes in a year
 MOST_FILES = 1e6    # of one kind that a run writes
@@ -50,10 +50,10 @@ def problems(case: Scene) -> list[str]:
     if not found:
         found += [*(_spacing(case) if case.plain else ()), *_inside(case), *_size(case)]
     if not found:
-        found += [*_turning(case), *_absorbing(case), *_friction(case), *_surface(case), *_wave(case),
-                  *_elevation(case), *_finite(case), *_probes(case)]
+        found += [*_turning(case), *_absorbing(case), *_viscosity(case), *_friction(case), *_surface(case),
+                  *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
-        found += [*_times(case), *_steps(case), *_files(case)]
+        found += [*_speeds(case)] or [*_times(case), *_steps(case), *_files(case)]
     return found
 
 
@@ -62,7 +62,7 @@ def _dimensions(case: Scene) -> Iterator[str]:
     try:
         check_components("gravity", case.gravity, dim, with_time=True)
     except ValueError as error:
-        yield str(error)
+        yield str(error) + ("" if len(case.gravity) == dim else "; y points up, as in gravity=(0, -9.81)")
     if isinstance(case.frame, Translation) and len(case.frame.direction) != dim:
         yield f"frame.direction = {case.frame.direction}: must have {dim} components, as the fluid's shape has"
     if case.frame.kind != "at_rest" and case.walls is None:
@@ -91,6 +91,12 @@ def _absorbing(case: Scene) -> Iterator[str]:
         yield "absorb: weakly compressible SPH has no zones; choose a projection method, or leave them out"
     elif "absorb" not in (case.numerics.resolved().forces or ()):
         yield "absorb: needs the force 'absorb'; add it to numerics.forces"
+
+
+def _viscosity(case: Scene) -> Iterator[str]:
+    if case.viscosity and METHODS[case.numerics.method].step == "compressible":
+        yield (f"fluid.viscosity = {case.viscosity:g}: weakly compressible SPH has its artificial viscosity alone; "
+               "set numerics.artificial_viscosity, or choose a projection method")
 
 
 def _friction(case: Scene) -> Iterator[str]:
@@ -195,18 +201,22 @@ def _inside(case: Scene) -> Iterator[str]:
                 yield (f"{name}.shape.level = {fluid.top:g}: is above the lid of the tank, must be at most "
                        f"{case.tank.bounds[1][-1]:g}")
         else:
-            yield from _within(case, f"{name}.shape", fluid.shape.bounds, what, tolerance)
+            level = fluid.shape.bounds[1][-1]
+            fills = (f", or give StillWater(level={level:g}), which fills what the walls enclose"
+                     if isinstance(fluid.shape, Box) and level <= case.wall_bounds[1][-1] else "")
+            yield from _within(case, f"{name}.shape", fluid.shape.bounds, what, tolerance, fills)
 
 
-def _within(case: Scene, name: str, box: tuple[Floats, Floats], what: str, tolerance: float) -> Iterator[str]:
-    """Say where a box reaches out of the walls; without a tank these are open above."""
+def _within(case: Scene, name: str, box: tuple[Floats, Floats], what: str, tolerance: float,
+            remedy: str = "") -> Iterator[str]:
+    """Say where a box reaches out of the walls; without a tank these are open above. remedy : a further one"""
     (lower, upper), (low, high) = box, case.wall_bounds or box
     for axis in range(case.dim):
         above = upper[axis] > high[axis] + tolerance and (axis < case.dim - 1 or case.tank is not None)
         if lower[axis] < low[axis] - tolerance or above:
             yield (
                 f"{name} reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie in {what}, "
-                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge {what}"
+                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge {what}{remedy}"
             )
 
 
@@ -281,7 +291,7 @@ def _wave(case: Scene) -> Iterator[str]:
     The depth where waves are made is for geometry.wave_places.
     """
     gravity = uniform_field(case.gravity)
-    for name, wave in _waves(case):
+    for name, wave in wave_sizes.waves(case):
         own = np.array([*[0.0] * (case.dim - 1), -wave.g])
         if gravity is None or np.abs(gravity - own).max() > 1e-6 * wave.g:
             yield f"{name}.g = {wave.g:g}: the gravity of the case must be (0, {-wave.g:g}); change one of them"
@@ -293,19 +303,6 @@ def _wave(case: Scene) -> Iterator[str]:
         if abs(own_wave.depth - deepest) > 1e-6 * own_wave.depth:
             yield (f"{name}.wave.depth = {own_wave.depth:g}: the still water is {deepest:g} m deep where it is "
                    "deepest; change one of them")
-
-
-def _waves(case: Scene) -> Iterator[tuple[str, AnyWave]]:
-    """Yield the waves of a case with their names in messages: those at the start, of wavemakers and of zones."""
-    for name, fluid in fluid_names(case):
-        if fluid.wave is not None:
-            yield f"{name}.wave", fluid.wave
-    for name, body in zip(scenery.body_names(case.bodies), case.bodies):
-        if isinstance(body, (Piston, Flap)) and body.wave is not None:
-            yield f"walls, {name}: wave", body.wave
-    for number, zone in enumerate(case.absorb):
-        if isinstance(zone, absorb.Relaxation):
-            yield f"absorb[{number}].wave", zone.wave
 
 
 def _sample(case: Scene) -> list[Floats]:
@@ -334,6 +331,26 @@ def _probes(case: Scene) -> Iterator[str]:
         if count > 1:
             yield f"probes: the name {name!r} is given {count} times; give each probe a name of its own"
     yield from probe_checks.problems(case)
+
+
+def _speeds(case: Scene) -> Iterator[str]:
+    """Nothing may be as fast as sound in water, which is as good as incompressible far below that only."""
+    u, g = _start(case)
+    lower, upper = case.fluid_bounds
+    high = float((upper - lower)[-1])
+    bounds = (lower, upper) if case.wall_bounds is None else case.wall_bounds
+    for speed, what, remedy in (
+        (u, "fluid.velocity", "use a lower one"),
+        (case.frame.top_speed(*bounds), f"frame = {case.frame.kind}", "use a smaller amplitude or frequency"),
+        (scenery.wall_speed(case), "the fastest of the walls", "use a smaller amplitude or frequency"),
+        (abs(case.tank.lid.velocity) if case.tank is not None and isinstance(case.tank.lid, Lid) else 0.0,
+         "walls.lid.velocity", "use a lower one"),
+        (float(np.sqrt(2.0 * g * high)), f"gravity = {g:.3g} m/s2: a fall of {high:.3g} m, the height of the fluid,",
+         "use less of one of them"),
+    ):
+        if speed > FASTEST:
+            yield (f"{what} reaches {speed:.3g} m/s, must be below {FASTEST:g}, the speed of sound in water, beyond "
+                   f"which no water is incompressible; lengths are in m, times in s, frequencies in rad/s; {remedy}")
 
 
 def _times(case: Scene) -> Iterator[str]:

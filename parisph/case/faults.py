@@ -14,16 +14,35 @@ PLAIN = {           # pydantic's words for what a value must be are those of pro
     "string_type": "a text", "tuple_type": "several values, as in (1, 2)", "bool_type": "True or False",
     "float_type": "a number", "int_type": "a whole number", "int_from_float": "a whole number",
 }
+SHAPES = ("Box", "Disc", "Polygon", "Tank")
+BODIES = ("Obstacle", "Plate", "Profile", "Tank", "Piston", "Flap")
+# What is asked for in other codes: (classes, words, what there is in its place)
+MEANT = (
+    ((*SHAPES, *BODIES, "Case", "Fluid"), ("depth", "breadth", "thickness", "dim", "z"),
+     "scenes are 2D, x across and y up, and forces are per metre of breadth"),
+    (BODIES, ("density", "mass", "inertia", "moment_of_inertia", "floating", "free", "mooring", "spring"),
+     "bodies move only as given, by motion=, and none floats"),
+    (BODIES, ("velocity", "speed", "acceleration", "displacement"),
+     "bodies move by motion=, such as Sway(...), Heave(...), Roll(...) or Moved(Series(...))"),
+    (("Sway", "Heave", "Roll"), ("omega", "w"), "give frequency [rad/s] or period [s]"),
+    (("Sway", "Heave", "Roll"), ("stroke",), "give amplitude, half of the stroke"),
+    (("Case",), ("spacing", "preset", "method"), "that is one of numerics=Numerics(...)"),
+    (("Fluid",), ("width", "height", "radius", "level", "at"), "that is one of its shape, such as Box(...)"),
+)
 
 
 def explain(error: ValidationError, model: type[BaseModel]) -> str:
     """Return one line for each problem of a pydantic ValidationError raised by `model`."""
     lines: dict[tuple[str, bool], str] = {}
+    unknown: dict[type[BaseModel], list[str]] = {}
     for item in error.errors(include_url=False):
         # A value that may be of several types fails once for each of them; the first says enough.
-        place = _follow(model, item["loc"])[0]
-        lines.setdefault((place, item["type"] == "value_error"), _line(item, model))
-    return first_lines(list(lines.values()))
+        place, owner, _ = _follow(model, item["loc"])
+        if item["type"] == "extra_forbidden":
+            unknown.setdefault(owner, []).append(str(item["loc"][-1]))
+        else:
+            lines.setdefault((place, item["type"] == "value_error"), _line(item, model))
+    return first_lines([*(_unknown_fields(owner, names) for owner, names in unknown.items()), *lines.values()])
 
 
 def first_lines(problems: Sequence[str]) -> str:
@@ -41,8 +60,6 @@ def _line(item: Mapping[str, Any], model: type[BaseModel]) -> str:
     if kind == "values":
         return "\n".join(f"{place}.{name}{inside} = {value}: must be {limit}{_meaning(context['owner'], name)}"
                          for name, inside, value, limit in context["found"])
-    if kind == "extra_forbidden":
-        return _unknown_field(owner, item["loc"][-1])
     if kind == "missing":
         meaning = owner.model_fields[name].description if name in owner.model_fields else None
         return f"{place} is missing: give {meaning or 'a value'}"
@@ -74,11 +91,20 @@ def _limit(item: Mapping[str, Any], context: Mapping[str, Any]) -> str:
     return str(item["msg"]).removeprefix("Input should be ")
 
 
-def _unknown_field(owner: type[BaseModel], name: Any) -> str:
-    names = list(owner.model_fields)
-    close = difflib.get_close_matches(str(name), names, n=1)
-    hint = f"; did you mean {close[0]!r}?" if close else ""
-    return f"{owner.__name__} has no field {shown(name)}{hint} (its fields: {', '.join(names)})"
+def _unknown_fields(owner: type[BaseModel], names: Sequence[str]) -> str:
+    """Return what is wrong with names that are no fields of a record, and what it has in their place."""
+    known = [name for name in owner.model_fields if name != "kind"]
+    wrong, meant, hints = list(dict.fromkeys(names)), [], []
+    for name in wrong:
+        hint = next((text for classes, words, text in MEANT if owner.__name__ in classes and name in words), None)
+        if hint is None:
+            meant += difflib.get_close_matches(name, known, n=1)
+        elif hint not in hints:
+            hints.append(hint)
+    parts = [f"{owner.__name__} has no field{'s' if len(wrong) > 1 else ''} {', '.join(map(shown, wrong))}", *hints]
+    if meant:
+        parts.append(f"did you mean {', '.join(map(repr, dict.fromkeys(meant)))}?")
+    return f"{'; '.join(parts)} (its fields: {', '.join(known) or 'none'})"
 
 
 def _follow(model: type[BaseModel], loc: Sequence[str | int]) -> tuple[str, type[BaseModel], Any]:

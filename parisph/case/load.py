@@ -3,6 +3,7 @@
 import difflib
 import functools
 import inspect
+import json
 import types
 import typing
 from collections.abc import Callable, Mapping, Sequence
@@ -13,7 +14,7 @@ from parisph.base import paths, vocabulary
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
 from parisph.base.text import class_name, listed, named, of_error, shown
-from parisph.case import stored
+from parisph.case import origin, stored
 from parisph.case.expressions import number
 from parisph.case.numerics import WORDS
 from parisph.case.profiles import Profiles, read_profiles
@@ -49,11 +50,16 @@ def load(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> Case:
         return _stored(file, path)
     function = _function(file, path)
     given = {name: _value(function, name, value, path) for name, value in sets.items()}
+    values = {**{name: item.default for name, item in inspect.signature(function).parameters.items()}, **given}
+    try:
+        came = origin.of_file(file, path, values, given)    # before the function runs, which may take long
+    except OSError as error:
+        raise CaseError(f"{named(path)}: cannot be read: {error.strerror}") from None
     with beside(file):
         case = users_code(lambda: function(**given), file, path)
     if not users_code(lambda: isinstance(case, Case), file, path):
         raise CaseError(f"{named(path)}: case(...) returned a {class_name(case)}; it must return a Case")
-    return _with_truths(case, file.parent)
+    return _with_truths(case, file.parent).of(came)
 
 
 def arguments(path: AnyPath, sets: Mapping[str, Any] | Sequence[str] = ()) -> dict[str, Any]:
@@ -96,9 +102,14 @@ def _find(path: AnyPath) -> Path:
 def _stored(file: Path, path: AnyPath) -> Case:
     text = read(file, path, MOST_STORED)
     try:
-        return stored.from_json(text)
+        case = stored.from_json(text)
     except CaseError as error:
         raise CaseError(f"{named(path)}: {what(error)}") from error
+    content = json.loads(text)
+    try:
+        return case.of(origin.of_stored(file, path, content)) if "run" in content else case
+    except OSError as error:
+        raise CaseError(f"{named(path)}: cannot be read: {error.strerror}") from None
 
 
 def register_parts(path: AnyPath) -> None:

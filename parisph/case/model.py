@@ -8,13 +8,14 @@ from pydantic_core import PydanticCustomError
 from parisph.base.errors import CaseError
 from parisph.base.text import shown
 from parisph.case import values
+from parisph.case.described import Described
 from parisph.case.faults import explain
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-class Model(BaseModel):
+class Model(BaseModel, metaclass=Described):
     """A frozen, validated record.
 
     Fields may be given by position, in the order in which the class lists them, or by name.

@@ -190,13 +190,14 @@ class Numerics(Model):
 class Output(Model):
     """What is written and when. Snapshots of the start and the end of a run are always written.
 
-    every : time between snapshots [s]; steps are shortened so that snapshots have exactly these times
-    times : further times of snapshots [s], also met exactly
+    every : time between snapshots [s]; each is of the end of the step that is nearest, and says its own time: what is
+        written changes no step
+    times : further times of snapshots [s], likewise
     fields : names of the particle fields in snapshots
     checkpoint_every : simulated time between checkpoints [s], None for one at the end only
     probe_every : steps between samples of the probes
     probe_interval : time between samples of the probes [s], instead of `probe_every`; samples have exactly these
-        times, interpolated linearly in time between steps, and no step is shortened for them
+        times, interpolated linearly in time between steps
     budget : whether steps.csv also has the energy that the fluid gained by each part of the step
 
     Examples

@@ -5,8 +5,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from parisph.base.text import shown
+from parisph.case.bodies import Body, motion_of
+from parisph.case.expressions import uniform_field
+from parisph.case.motion import Rotation
 from parisph.case.probes import (
     ColumnHeight,
+    Flux,
     Force,
     PressureTap,
     RunUp,
@@ -25,8 +29,12 @@ def problems(case: Scene) -> Iterator[str]:
         what = f"probe {name!r}"
         if isinstance(probe, PressureTap):
             yield from _tap(case, probe, what)
-        elif isinstance(probe, VelocityProfile):
-            yield from _profile(case, probe, what)
+        elif isinstance(probe, (VelocityProfile, Flux)):
+            found = list(_line(case, probe, what))
+            yield from found
+            if isinstance(probe, Flux) and not found:
+                middle = tuple(0.5 * (a + b) for a, b in zip(probe.start, probe.end))
+                yield from _within(case, what, "start and end", [middle, probe.start, probe.end])
         elif isinstance(probe, VelocityPoint):
             found = list(_components(case, what, at=probe.at))
             yield from found or _within(case, what, "at", [probe.at])
@@ -56,7 +64,7 @@ def _components(case: Scene, what: str, **points: Sequence[float]) -> Iterator[s
             yield f"{what}: {name} = {point} must have {case.dim} components"
 
 
-def _profile(case: Scene, probe: VelocityProfile, what: str) -> Iterator[str]:
+def _line(case: Scene, probe: VelocityProfile | Flux, what: str) -> Iterator[str]:
     found = list(_components(case, what, start=probe.start, end=probe.end))
     yield from found
     if not found and probe.start == probe.end:
@@ -97,6 +105,11 @@ def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
     points = probe.points if isinstance(probe, RunUp) else (probe.about,)
     for point in points or ():
         yield from _components(case, what, point=point)
+    if isinstance(probe, Force) and probe.still is not None:
+        force = None if case.turns else uniform_field(case.gravity)
+        if force is None or force[:-1].any() or not force[-1] < 0.0:
+            yield (f"{what}: still = {probe.still:g}: there is no hydrostatic force where gravity is not constant and "
+                   "straight down; leave it out")
     names = body_names(case.bodies)
     if isinstance(probe, RunUp) and probe.points is not None:
         if any(len(point) != case.dim for point in probe.points):
@@ -113,15 +126,19 @@ def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:
     elif probe.on not in names:
         yield f"{what}: on = {probe.on!r}: there is no body of this name; there is {', '.join(map(repr, names))}"
     else:
-        yield from _side(case, probe, what, case.bodies[names.index(probe.on)].kind)
+        yield from _side(case, probe, what, case.bodies[names.index(probe.on)])
 
 
-def _side(case: Scene, probe: RunUp | Force, what: str, kind: str) -> Iterator[str]:
+def _side(case: Scene, probe: RunUp | Force, what: str, body: Body) -> Iterator[str]:
+    kind = body.kind
     if isinstance(probe, RunUp):
         if probe.side is None and kind not in ("piston", "flap"):
             yield f"{what}: on = {probe.on!r}: give the side of it, side='left' or 'right', or the points of a line"
         elif probe.side is not None and kind in ("piston", "flap"):
             yield f"{what}: side = {probe.side!r}: {probe.on} has fluid on one side only; leave it out"
+        elif probe.film is not None and kind == "tank" and not isinstance(motion_of(body), Rotation):
+            yield (f"{what}: film = {probe.film:g} m is of no use at a vertical side, where the surface is that of a "
+                   "SurfaceGauge; leave it out, or give the points of a line")
     elif kind != "tank" and probe.side is not None:
         yield f"{what}: side = {probe.side!r}: only a tank has sides; leave it out"
     elif probe.side == "lid" and not case.lidded:

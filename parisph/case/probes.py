@@ -277,18 +277,24 @@ class RunUp(Probe):
 class Force(Probe):
     """Force [N/m] of the fluid's pressure on a body, and its moment [N m/m] against the clock.
 
+    It is the whole pressure, with its hydrostatic part: water at rest presses, too. With `still`, the columns
+    fx_dynamic, fy_dynamic and moment_dynamic come beside it: the same less the force of water at rest up to the height
+    `still`, rho g (still - y) below it and 0 above, on the wall where it is at that time. They are 0 for water at rest.
+
     Friction on the body is not included. A sample has the time for which its pressure is solved, the middle of a step;
     with method="SPH", the end.
 
     It is a mean over the steps around, with weights that fall linearly to 0 at the means before and after. These are a
     step away, or with Numerics(pressure_mean=) at least that many times 2 min(0.3 s/u, 0.025 sqrt(s/a)), with the
-    largest speed u and the larger one of the body force and the mean acceleration by pressure as a: particles do not
-    resolve what is shorter. The trapezoidal rule over the samples of all steps gives the impulse of the pressure that
-    acts, up to the ends of the run. With method="SPH" a sample is the pressure of one step.
+    largest speed u and the largest one of the body force, the mean acceleration by pressure and the acceleration of
+    walls as a: particles do not resolve what is shorter. The trapezoidal rule over the samples of all steps gives the
+    impulse of the pressure that acts, up to the ends of the run. With method="SPH" a sample is the pressure of one
+    step.
 
     on : name of the body
     side : of a tank; None for all of it
     about : point of the moment [m]
+    still : height y of the still level [m], for the dynamic part
     acted : whether the force that acts in the step comes beside this mean, in the columns fx_acted, fy_acted and
         moment_acted
 
@@ -302,7 +308,37 @@ class Force(Probe):
     on: str = Field("tank", description="name of the body")
     side: Optional[Literal["left", "right", "bed", "lid"]] = Field(None, description="side of the tank")
     about: Point = (0.0, 0.0)
+    still: Optional[float] = Field(None, description="height of the still level, for the dynamic part [m]")
     acted: Acted = False
+    truth: Union[Truth, Peaks, None] = None
+    peak: Peak = False
+    every: Every = 1
+
+
+class Flux(Probe):
+    """Water that passes the straight line from `start` to `end` [m]: its rate [m2/s] and the total so far [m2].
+
+    Both are positive for water that passes from the left of the line to its right, as seen from `start` to `end`:
+    towards +x, if the line goes upwards. They are per metre of width. The line stands still in the frame of the scene.
+
+    total : the sum of the volumes of all particles that have passed, less those that have come back. It is exact: water
+        behind a line that closes a basin has gained as much
+    rate : by the velocities of particles within a spacing of the line at that time. Its integral is the total up to
+        what particles are moved to keep their distances even
+
+    pause : time without water passing that ends an event [s]. With it, the summary tells each event with its start, its
+        end and its volume, as of crests that come over a wall; their sum is the total. None for no events
+
+    Examples
+    --------
+    >>> Flux("over", start=(4.0, 0.5), end=(4.0, 1.0), pause=0.3).pause
+    0.3
+    """
+
+    kind: Literal["flux"] = "flux"
+    start: Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="first point (x, y) [m]")]
+    end: Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="last point (x, y) [m]")]
+    pause: Optional[float] = Field(None, gt=0, description="time without water passing that ends an event [s]")
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     every: Every = 1
@@ -310,7 +346,7 @@ class Force(Probe):
 
 Single = Annotated[
     Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile, VelocityPoint,
-          RunUp, Force],
+          RunUp, Force, Flux],
     Field(discriminator="kind", description="a probe"),
 ]
 
@@ -350,7 +386,7 @@ class ProbeArray(Probe):
 
 AnyProbe = Annotated[
     Union[SurfaceGauge, PressureTap, WaterFront, ColumnHeight, Energy, Volume, Momentum, VelocityProfile, VelocityPoint,
-          RunUp, Force, ProbeArray],
+          RunUp, Force, Flux, ProbeArray],
     Field(discriminator="kind", description="a probe"),
 ]
 

@@ -14,7 +14,8 @@ from parisph.case.motion import AtRest
 from parisph.case.scenery import wall_speed
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
-from parisph.case.waves import angular_frequency
+from parisph.case.wave_sizes import LINEAR, Size, size_of
+from parisph.case.waves import StandingWave, angular_frequency
 
 SAMPLES = 400        # points, or times, at which a field of the case is looked at
 PER_PERIOD = 40      # steps of the oscillator in one period of the first mode
@@ -28,14 +29,14 @@ class Scales:
 
     Attributes
     ----------
-    wave : amplitude of the waves [m], by linear theory; None unless the scene is level water with waves
+    wave : the wave of level water, by linear theory; None for other scenes, and without one
     times : (n,) [s], from 0 to the end of the run
     speeds : (n,) largest speed of a particle at these times [m/s]
     accelerations : (n,) largest acceleration of a particle at these times [m/s^2]
     force : largest body force per unit mass at the start [m/s^2]
     """
 
-    wave: float | None
+    wave: Size | None
     times: Floats
     speeds: Floats
     accelerations: Floats
@@ -45,13 +46,13 @@ class Scales:
 def expected(case: Case) -> Scales:
     """Return the Scales of a case.
 
-    For level water between two walls the speed is the initial speed plus that of waves: those of the
-    initial elevation, and the first mode, an oscillator driven by the horizontal body force (which
-    includes the motion of the tank). Because waves break, their amplitude is at most the depth, and
-    their speed that of a fall from this height. All other fluid gains the energy of a fall from its
-    top to the tank's bed (Z14 Sec. 3.1.2), but for still water between other walls, which moves as its wave or its
-    wavemaker. The acceleration of level water is the frequency of its motion times the speed, that of other fluid
-    the body force. Fluid without a surface or a force is accelerated by its own flow.
+    For level water between two walls the speed is the initial speed plus that of waves: those of the initial elevation,
+    and the first mode, an oscillator driven by the horizontal body force (which includes the motion of the tank).
+    Because waves break, their amplitude is at most the depth, and their speed that of a fall from this height and,
+    by the motion of the tank, along it. All other fluid gains the energy of a fall from its top to the tank's bed (Z14
+    Sec. 3.1.2), but for still water between other walls, which moves as its wave or its wavemaker. The acceleration of
+    level water is the frequency of its motion times the speed, that of other fluid the body force. Fluid without a
+    surface or a force is accelerated by its own flow.
     """
     times = np.linspace(0.0, case.end_time, SAMPLES)
     force, down = _gravity(case)
@@ -133,9 +134,25 @@ def _fall(case: Case, down: Floats) -> float:
     return float(top - np.where(down > 0.0, high, low) @ -down)
 
 
-def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tuple[float | None, Floats, Floats]:
-    """Return the largest amplitude of waves on level water [m], None without any, and speed [m/s] and acceleration
-    [m/s^2] of its particles, (n,) each.
+def _standing(amplitude: float, k: float, depth: float, g: float) -> Size:
+    wave = StandingWave(amplitude=amplitude, length=2.0 * np.pi / k, depth=depth, g=g)
+    return size_of(LINEAR, wave, 0.0)
+
+
+def _of_start(case: Case, level: Box, g: float) -> tuple[float, float]:
+    """Return amplitude [m] and wave number [1/m] of the linear wave that level water starts with."""
+    depth, (lower, upper) = level.size[-1], level.bounds
+    x = np.linspace(lower[0], upper[0], SAMPLES)
+    amplitude, k = _harmonic(x, case.fluids[0].rise(x))
+    surface = np.column_stack([x, np.full((SAMPLES, case.dim - 1), upper[1:])])
+    speed, own = _harmonic(x, case.fluids[0].start_velocity(surface)[:, -1])
+    rise = speed / float(angular_frequency(own, depth, g))
+    return float(np.hypot(amplitude, rise)), (k if amplitude >= rise else own)
+
+
+def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tuple[Size | None, Floats, Floats]:
+    """Return the largest wave on level water, None without any, and speed [m/s] and acceleration [m/s^2] of its
+    particles, (n,) each.
 
     start : (n,) the speed of the start [m/s], which is not part of the speed that is returned
     """
@@ -147,11 +164,18 @@ def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tu
     omega = angular_frequency(k, depth, g)
     speed = speed + amplitude * omega / np.tanh(k * depth)
     acceleration = acceleration + amplitude * omega**2 / np.tanh(k * depth)
-    surface = np.column_stack([x, np.full((SAMPLES, case.dim - 1), upper[1:])])
-    rise, k = _harmonic(x, case.fluids[0].start_velocity(surface)[:, -1])
-    acceleration = acceleration + angular_frequency(k, depth, g) * start
-    amplitude = min(eta + np.hypot(amplitude, rise / angular_frequency(k, depth, g)), depth)
-    return (amplitude if amplitude > 0.0 else None), np.minimum(speed, np.sqrt(2.0 * g * depth)), acceleration
+    of_start, own = _of_start(case, level, g)
+    acceleration = acceleration + angular_frequency(own, depth, g) * start
+    amplitude = min(eta + of_start, depth)
+    cap = np.sqrt(2.0 * (g * depth + _push(case) * length))
+    wave = _standing(amplitude, own if of_start > eta else np.pi / length, depth, g) if amplitude > 0.0 else None
+    return wave, np.minimum(speed, cap), acceleration
+
+
+def _push(case: Case) -> float:
+    """Return the largest horizontal body force [m/s^2] in the middle of the fluid in the frame of the tank."""
+    centre = np.concatenate(_sample(case)).mean(axis=0, keepdims=True)
+    return max(float(np.abs(case.body_force(centre, t)[0, 0])) for t in np.linspace(0.0, case.end_time, SAMPLES))
 
 
 def _sloshing(case: Case, g: float, k: float, depth: float, times: Floats) -> tuple[float, Floats]:

@@ -7,6 +7,7 @@ from pydantic import Discriminator, Field, Tag, field_validator
 
 from parisph.base import vocabulary
 from parisph.base.arrays import Floats
+from parisph.base.text import shown
 from parisph.case.absorb import Absorber, AnyZone
 from parisph.case.bodies import Body, Flap, Piston, StillWater, Walls, motion_of
 from parisph.case.expressions import uniform_field, vector_field
@@ -51,6 +52,15 @@ class Scene(Model):
     @classmethod
     def _one_or_more(cls, zones: object) -> object:
         return (zones,) if isinstance(zones, (Model, dict)) else zones
+
+    @field_validator("gravity", mode="before")
+    @classmethod
+    def _a_vector(cls, gravity: object) -> object:
+        if isinstance(gravity, (int, float, str)) and not isinstance(gravity, bool):
+            down = f"-{abs(gravity):g}" if isinstance(gravity, (int, float)) else repr(gravity)
+            raise ValueError(f"must have two components (x, y) [m/s2], of which y points up, not {shown(gravity)}; "
+                             f"write gravity=(0, {down})")
+        return gravity
 
     @field_validator("friction", mode="before")
     @classmethod

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import ValidationInfo, model_validator
+from pydantic import PrivateAttr, ValidationInfo, model_validator
 
 from parisph.base.errors import CaseError
 from parisph.base.text import named, shown
@@ -17,10 +17,12 @@ from parisph.case.methods import METHODS
 from parisph.case.model import Model
 from parisph.case.motion import AtRest, FlapStroke, Heave, Moved, PistonStroke, Roll, Series, Sway, Tabulated
 from parisph.case.numerics import Numerics, Output
+from parisph.case.origin import Origin
 from parisph.case.presets import CLOSED, PRESETS, preset_values
 from parisph.case.probes import (
     ColumnHeight,
     Energy,
+    Flux,
     Force,
     Momentum,
     PressureTap,
@@ -40,8 +42,8 @@ from parisph.case.waves import Airy, Jonswap, Sloshing, SolitaryWave, StandingWa
 
 __all__ = [
     "METHODS", "PRESETS", "Airy", "AtRest", "Box", "Case", "ColumnHeight", "Disc", "Energy", "Flap", "FlapStroke",
-    "Fluid", "Force", "Friction", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Obstacle", "Output",
-    "PeakBand", "Peaks", "Piston", "PistonStroke", "Plate", "Polygon", "PressureTap", "ProbeArray", "Profile",
+    "Fluid", "Flux", "Force", "Friction", "Heave", "Jonswap", "Lid", "Momentum", "Moved", "Numerics", "Obstacle",
+    "Output", "PeakBand", "Peaks", "Piston", "PistonStroke", "Plate", "Polygon", "PressureTap", "ProbeArray", "Profile",
     "Profiles", "Relaxation", "Roll", "RunUp", "Series", "Sloshing", "SolitaryWave", "Sponge", "StandingWave",
     "StillWater", "Stokes", "StreamFunction", "SurfaceGauge", "Sway", "Tabulated", "Tank", "Truth", "VelocityPoint",
     "VelocityProfile", "Volume", "WaterFront", "WaveTruth",
@@ -84,6 +86,19 @@ class Case(Scene):
     0.1
     """
 
+    _origin: Origin = PrivateAttr(default_factory=Origin)
+
+    @property
+    def origin(self) -> Origin:
+        """Where the case is from: its file and the parameters of its function (case.origin). No part of the case."""
+        return self._origin
+
+    def of(self, origin: Mapping[str, Any]) -> "Case":
+        """Return the same case with this origin."""
+        case = self.model_copy()
+        case._origin = Origin(origin)
+        return case
+
     @model_validator(mode="after")
     def _can_run(self, info: ValidationInfo) -> "Case":
         if info.context == READ_ONLY:
@@ -123,7 +138,10 @@ class Case(Scene):
             _put_asked(data, values)
         asked = data.pop("asked")    # validated separately: else errors in the numerics would be reported twice
         case = Case.model_validate(data)
-        return case if asked is None else case.model_copy(update={"asked": Numerics.model_validate(asked)})
+        case = case if asked is None else case.model_copy(update={"asked": Numerics.model_validate(asked)})
+        before = self.origin.get("changed")
+        return case.of({**self.origin, "changed": [*(before if isinstance(before, list) else ()), *values]}
+                       if self.origin else {})
 
 
 def _put(data: dict[str, Any], name: str, value: Any) -> None:

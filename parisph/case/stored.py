@@ -1,10 +1,11 @@
 """Cases as JSON text with a schema version, as stored in case.json, snapshots and checkpoints."""
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 from parisph.base.errors import CaseError
-from parisph.base.seal import opened
+from parisph.base.seal import MADE, opened
 from parisph.base.text import shown
 from parisph.case.methods import METHODS
 from parisph.case.numerics import Numerics
@@ -14,12 +15,14 @@ from parisph.case.schema import READ_ONLY, Case
 # Version of the fields of a case. Raise it when a field is renamed, removed or changes its meaning;
 # a new field with a default needs no new version. Texts without a version are from before 1 and have the same fields.
 # 2: regularisation in proportion to the strain of a step.
-SCHEMA = 2
+# 3: the amplitude of a Roll, which was its angle.
+SCHEMA = 3
 
 
-def to_json(case: Case) -> str:
-    """Return the case as JSON text with its schema version."""
-    return json.dumps({"schema": SCHEMA, **json.loads(case.model_dump_json())})
+def to_json(case: Case, made: Mapping[str, Any] | None = None) -> str:
+    """Return the case as JSON text with its schema version, and how its run was made (io.made), which is no part of it.
+    """
+    return json.dumps({"schema": SCHEMA, **json.loads(case.model_dump_json()), **({MADE: made} if made else {})})
 
 
 def from_json(text: str, read_only: bool = False) -> Case:
@@ -48,9 +51,11 @@ def from_json(text: str, read_only: bool = False) -> Case:
                         'remove the line "digest"')
     content.pop("schema", None)
     content.pop("run", None)    # which run it is of (io.store); the case is the same in every run
+    made = content.pop(MADE, None)    # how the run was made
     _keep_meaning(content, version)
     # through the text again: JSON has no tuples, and pydantic takes lists for them only from JSON
     case = Case.model_validate_json(json.dumps(content), context=READ_ONLY if read_only else None)
+    case = case.of(made) if isinstance(made, dict) else case
     if case.asked is None:
         return case if version else _with_asked(case)
     if not read_only:

@@ -89,7 +89,9 @@ def each_named(others: Iterable[str]) -> None:
 
 
 class Truth(Model):
-    """A reference series for a probe: two columns of a CSV file with one header line ('#' starts a comment).
+    """A reference series for a probe: two columns of a text file with one header line ('#' starts a comment).
+
+    Commas, semicolons, tabs or blanks separate columns; with the last three, numbers may have decimal commas.
 
     Attributes
     ----------

@@ -14,6 +14,7 @@ from parisph.base.paths import AnyPath
 from parisph.base.reading import read_text
 from parisph.case.schema import Case
 from parisph.case.stored import from_json
+from parisph.driver import edited
 from parisph.io import checkpoint
 from parisph.io.checkpoint import Checkpoint
 from parisph.io.files import create, on_first, read_json
@@ -110,14 +111,23 @@ def find(path: Path, folder: Path, comm: MPI.Comm) -> Path | None:
     return found
 
 
-def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: float | None) -> tuple[Case, str]:
-    """Return the case of the restart, and the identity of its run."""
+def case_of(saved: Checkpoint | None, found: Path | None, folder: Path, until: float | None
+            ) -> tuple[Case, str, list[str]]:
+    """Return the case of the restart, the identity of its run, and what to log of edits (driver.edited)."""
     text = saved.case if saved else read_text(folder / "case.json", math.inf)
     try:
         case = from_json(text)
     except CaseError as error:
         raise CaseError(f"{found or folder / 'case.json'}: {error}") from None
-    return case if until is None else case.changed(end_time=float(until)), json.loads(text).get("run", "")
+    origin, taken = case.origin, edited.edits(folder, text) if saved else {}
+    if until is not None:
+        taken.pop("end_time", None)
+    try:
+        case = case.changed(**taken) if taken else case
+    except CaseError as error:
+        raise CaseError(f"{folder / 'case.json'}: {error}") from None
+    case = case if until is None else case.changed(end_time=float(until))
+    return case.of(origin), json.loads(text).get("run", ""), edited.told(taken, folder)
 
 
 def check_useful(saved: Checkpoint | None, case: Case, found: Path | None, folder: Path, elsewhere: bool, done: bool,

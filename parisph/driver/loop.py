@@ -27,6 +27,7 @@ from parisph.driver.schedule import Times
 from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.io import checkpoint
+from parisph.io import made as how
 from parisph.io.checkpoint import Checkpoint
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
@@ -65,8 +66,9 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
               Progress(case.end_time, progress, comm.rank == 0) as shown,
               _built(case, comm, petsc_options) as simulation):
             samplers = instruments.build(case, simulation.comm)
-            store = Store.create(simulation.comm, out, to_json(simulation.case), _about(simulation),
-                                 case.output.fields, lock)
+            store = Store.create(simulation.comm, out, to_json(simulation.case, how.of_run(comm, case)),
+                                 _about(simulation), case.output.fields, lock)
+            store.notes += [(logging.INFO, line) for line in how.repeated(case)]
             if old is not None:
                 store.notes.append((logging.INFO, f"the earlier {'run' if (old / 'case.json').exists() else 'content'} "
                                                   f"was moved to {old}"))
@@ -104,7 +106,8 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
     with begin.left_only_if_used(made), begin.locked(comm, target, force) as lock:
         found = begin.find(Path(path), folder, comm)
         saved = checkpoint.read(comm, found) if found else None
-        case, name = together(comm, f"read the case of {folder}", lambda: begin.case_of(saved, found, folder, until))
+        case, name, edits = together(comm, f"read the case of {folder}",
+                                     lambda: begin.case_of(saved, found, folder, until))
         done = saved is not None and finished(case, saved.time)
         on_first(comm, f"continue the run in {target}",
                  lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
@@ -113,10 +116,12 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
             samplers = instruments.build(case, simulation.comm)
             time, step = (saved.time, saved.step) if saved else (-np.inf, -1)
             series = ("steps", *(f"probes/{sampler.name}" for sampler in samplers))
-            store = Store.resume(simulation.comm, target, to_json(simulation.case), time, step, _about(simulation),
+            store = Store.resume(simulation.comm, target, to_json(simulation.case, how.of_restart(comm, case)), time,
+                                 step, _about(simulation),
                                  case.output.fields, lock, name, series,
                                  saved.state.get("checkpoints", [found.name]) if saved and found else ())
             if saved:
+                store.notes += [(logging.INFO, line) for line in edits]
                 store.notes.insert(0, (logging.INFO,
                                        f"the checkpoint {found}, t = {saved.time:.6g} s, is continued in {target}"
                                                      f"{f'; earlier results are in {folder}' * elsewhere}"))
@@ -218,24 +223,24 @@ class _Run:
             self._snapshot()
             self._save()
         # as in _step: else what was due at the checkpoint would be due again
-        self.snapshots.skip(s.reached)
-        self.checkpoints.skip(s.time + 0.5 * (s.dt or 0.0))
+        self.snapshots.skip(s.nearest)
+        self.checkpoints.skip(s.nearest)
 
     def _step(self) -> None:
         s = self.simulation
-        self.watch.before_step(s.choose_step(self.snapshots.after(s.reached)))
+        self.watch.before_step(s.choose_step())
         report = s.advance()
         lines = self.watch.after_step()
         with s.timers("store"):
             self._write(lines, {"steps": tuple(report.line().values())})
-            if self.snapshots.due(s.reached) or s.finished():    # and before the checkpoint, which follows
+            if self.snapshots.due(s.nearest) or s.finished():    # and before the checkpoint, which follows
                 self._snapshot()
             self.peaks.write(self.store)
         with s.timers("probes"):
             self.account.step(s, report)
         self.clock.step()
         self.progress.step(s, report)
-        self._pause(self.checkpoints.due(s.time + 0.5 * (s.dt or 0.0)))
+        self._pause(self.checkpoints.due(s.nearest))
 
     def _write(self, lines: Sequence[Line], of_step: Mapping[str, Any] | None = None) -> None:
         """Write the lines of probes, after those of the step itself. Collective."""
@@ -279,7 +284,7 @@ class _Run:
         with s.timers("store"):
             self.peaks.write(self.store, all_of_them=True)
             state = {**self.account.state(s), "peaks": self.peaks.state(), "watch": self.watch.state(),
-                     "left": vars(s.left), **s.method.state()}
+                     "left": vars(s.left), "passed": s.passages.state(), **s.method.state()}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
         self.saved_at, self.saved_step = perf_counter(), s.steps
         self.signals.left = (f"the last checkpoint is {self.last_checkpoint}; "
@@ -313,9 +318,8 @@ class _Run:
         self.progress.close()
         if error is None:
             self.account.look_back(self.simulation, self.store)
-        warnings = self.account.warnings()
-        status = "completed with warnings" if warnings else "completed"
-        for line in warnings:
+        status = self.account.status()
+        for line in self.account.warnings():
             log.logger.warning(line)
         if error is not None:
             status = "interrupted" if isinstance(error, Interrupted) else f"failed: {error}"

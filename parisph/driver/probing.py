@@ -73,6 +73,9 @@ class Watch:
         if state and self._averaged:
             self._means = Means.resumed(state["means"])
             self._pending = [(time, step, number) for time, step, number in state["pending"]]
+        for sampler in samplers:
+            for member in sampler.members:
+                member.follow(simulation.passages)
         self._look_at_clocks()
 
     def title(self, sampler: Sampler) -> str:

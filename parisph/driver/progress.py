@@ -5,12 +5,12 @@ from collections import deque
 from time import perf_counter
 from typing import TextIO
 
+from parisph.base.live_line import BATCH, TERMINAL, clock
 from parisph.base.log import logger
 from parisph.driver.simulation import Simulation
 from parisph.kernels import jit, kept
 from parisph.methods.reports import StepReport
 
-TERMINAL, BATCH = 0.5, 15.0  # seconds between lines
 FEW = 20         # compiled kernels: with fewer, nearly all of the hundred are to be compiled
 STEPS, SECONDS, LONG = 10, 1.0, 30.0    # a rate is taken from so many steps and [s], or from steps of so many [s]
 
@@ -103,16 +103,10 @@ class Progress:
         if ((count >= STEPS and seconds >= SECONDS) or seconds >= LONG) and simulation.time > time:
             rate = f"{count / seconds:.{1 if count >= seconds else 2}f} steps/s  "
             speed = (simulation.time - time) / seconds
-            left = f"  {_clock(max(self.end_time - simulation.time, 0.0) / speed)} left"
+            left = f"  {clock(max(self.end_time - simulation.time, 0.0) / speed)} left"
         return f"t {simulation.time:.4g} of {self.end_time:.4g} s  dt {report.dt:.2e}  {rate}{report.words()}{left}"
 
 
 def _now() -> float:
     """Return a time [s] without that in which kernels are compiled."""
     return perf_counter() - jit.COMPILATION.seconds
-
-
-def _clock(seconds: float) -> str:
-    minutes, seconds = divmod(int(seconds + 0.5), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"

@@ -7,6 +7,7 @@ from parisph.base.errors import CaseError
 from parisph.base.log import logger
 from parisph.case import size
 from parisph.case.schema import Case
+from parisph.driver import ahead
 from parisph.geometry import build, scene_checks
 
 
@@ -16,7 +17,7 @@ def check(case: Case, comm: MPI.Comm) -> None:
     This is checked where a case runs, not when it is made, so that `parisph check` on a laptop can
     describe a case for a cluster. The memory that other programs use is ignored, because it changes.
     """
-    scene_checks.check(case)
+    ahead.check(case)
     for text in scene_checks.warnings(case) if comm.rank == 0 else ():
         logger.warning(text)
     there = _memory(comm)

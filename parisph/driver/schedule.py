@@ -1,21 +1,20 @@
-"""The schedule of a run: simulated times at which something is due, and the steps that meet them."""
+"""The schedule of a run: simulated times at which something is due, and the steps that meet its end."""
 
 import math
 from collections.abc import Iterable
 
 ROUNDED = 1.0 + 1e-12   # a time that is reached but for rounding is reached
 ROUNDING = 1e-6         # of a step: what the sum of many steps may be off by
-SHARING = 10            # steps before a time that is to be met
+SHARING = 10            # steps before the end of a run
 
 
 def step_towards(target: float, time: float, limit: float) -> tuple[float, float]:
     """Return a step of at most `limit` (or a thousandth more) on the way to `target`, and the time after it, all in s.
 
-    The last SHARING steps before the target share the remaining time, and the target is met exactly. So steps do not
-    shorten by more than a tenth at once, unless fewer are left: what a step leaves of the divergence is proportional
-    to its length, the next one takes that out, and its pressure jumps by a tenth where it is half as long. The result
-    does not depend on earlier steps: a run that is restarted between these takes the same steps. A fixed step that
-    divides the remaining time is unchanged, to the last bit.
+    The target is the end of the run. The last SHARING steps before it share the remaining time, and it is met exactly.
+    So steps do not shorten by more than a tenth at once, unless fewer are left: what a step leaves of the divergence is
+    proportional to its length, the next one takes that out, and its pressure jumps by a tenth where it is half as long.
+    The result does not depend on earlier steps: a run that is restarted between these takes the same steps.
     """
     left = target - time
     if not 0.0 < left <= SHARING * limit:

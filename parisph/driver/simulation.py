@@ -33,6 +33,7 @@ from parisph.methods.timestep import first_step, next_step, rest_step
 from parisph.parallel.domain import Domain
 from parisph.parallel.guard import Guard
 from parisph.parallel.particles import Particles
+from parisph.watch.passages import Passages
 from parisph.watch.sampling import Scene
 
 # {dim: spacings a particle moves until particles are redistributed and sorted (parallel.domain)}; in 3D the ghosts of a
@@ -77,6 +78,7 @@ class Simulation:
     particles : Particles, fields as numpy arrays (particles.x, .u, .p, .role, ...) of this rank
     time [s], steps, dt [s] : of the last step, dt None before the first
     timers : PhaseTimers
+    passages : Passages, the water that has passed the lines of probes
     bad_force : float or None, the first time [s] at which the body force was not finite on this rank
 
     All methods are collective. Raises CaseError if the case cannot be run as it is. What fails on one
@@ -142,6 +144,7 @@ class Simulation:
         self._has_pressure = start is not None
         self._shortest = SHORTEST * min(stable_time_step(case)[0], rest_step(self.numerics))
         self._chosen: tuple[float, float, float] | None = None     # (limit, step, time after it) of the next step
+        self.passages = Passages.of(case, self.comm, start.state.get("passed") if start is not None else None)
         self._open_tank = OpenTank.of(case, self.domain, start.state.get("left") if start is not None else None)
 
     @_collective
@@ -156,32 +159,29 @@ class Simulation:
         return isolated
 
     @_collective
-    def choose_step(self, until: float | None = None) -> float:
+    def choose_step(self) -> float:
         """Choose the length of the next step, and return the time [s] after it, the same on all ranks.
 
-        until : a time [s] to meet exactly, None for none. When it is less than ten steps away, the steps to
-            it are shortened alike. Nothing else changes, and an adaptive step then grows again from its length
-            before it was shortened.
+        No output changes it. An adaptive run meets its end: the last ten steps are shortened alike.
 
         Raises SolverDiverged.
         """
-        self._chosen = self._choose(until)
+        self._chosen = self._choose()
         return self._chosen[-1]
 
     @_collective
-    def advance(self, until: float | None = None) -> StepReport:
+    def advance(self) -> StepReport:
         """Take one step, of the length chosen by `choose_step` if that was called; return its StepReport.
-
-        until : as for choose_step, if that was not called
 
         Raises SolverDiverged or ParticleLost.
         """
-        limit, dt, after = self._chosen or self._choose(until)
+        limit, dt, after = self._chosen or self._choose()
         self._chosen = None
         report = self.method.step(self.time, dt, limit)
         self.time = after
         self.steps += 1
-        self.dt = limit     # not a step shortened to reach a given time: later steps must not depend on it
+        self.dt = limit     # not a step shortened to meet the end: a run that goes on must not depend on it
+        self.passages.look(self.particles)    # before water leaves the scene
         if self._open_tank is not None:
             self._open_tank.let_leave(self.domain, self.time)
         if self.steps % astray.EVERY == 0:
@@ -205,6 +205,14 @@ class Simulation:
     def reached(self) -> float:
         """Time [s] up to which things are due now, with a tolerance for the rounding of many steps."""
         return self.time + self.rounding
+
+    @property
+    def nearest(self) -> float:
+        """Time [s] up to which what comes at the end of a step is due now: no later end of a step is nearer to it.
+
+        So nothing that is written changes a step. The next step is taken to be as long as the last one.
+        """
+        return self.time + 0.5 * (self.dt or 0.0)
 
     @property
     def rounding(self) -> float:
@@ -234,7 +242,7 @@ class Simulation:
         """
         if not self.domain.n_lists:    # before the first step
             self.domain.refresh()
-        written.compute(self.method.flow, [name for name in names if name in self.particles.fields])
+        written.compute(self.method.flow, [name for name in names if name in self.particles.fields], self.time)
 
     @_collective
     def gather(self, *names: str) -> dict[str, Array] | None:
@@ -259,10 +267,14 @@ class Simulation:
         if self.comm != MPI.COMM_NULL:
             self.comm.Free()
 
-    def _choose(self, until: float | None) -> tuple[float, float, float]:
-        """Return the step that the case and the flow allow [s], the next step, and the time after it. Collective."""
+    def _choose(self) -> tuple[float, float, float]:
+        """Return the step that the case and the flow allow [s], the next step, and the time after it. Collective.
+
+        An adaptive run meets its end; with a fixed step it ends within half a step of it.
+        """
         limit = self._limit()
-        return (limit, *step_towards(self._target(until), self.time, limit))
+        adaptive = self.numerics.time_step is None and not self.finished()
+        return (limit, *step_towards(self.case.end_time if adaptive else np.inf, self.time, limit))
 
     def _limit(self) -> float:
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
@@ -286,16 +298,6 @@ class Simulation:
             return _largest(self.case.body_force(fluid, self.time + after))
         return first_step(self.comm, p, self.numerics, self.method.acceleration(self.time), dt, force_at,
                           self._length)
-
-    def _target(self, until: float | None) -> float:
-        """Return the time [s] that steps must meet next, infinity if there is none.
-
-        An adaptive run also meets its end; with a fixed step it ends within half a step of it.
-        """
-        target = np.inf if until is None else until
-        if self.numerics.time_step is None and not self.finished():
-            target = self.case.end_time if finished(self.case, target) else target
-        return target
 
     def _force(self, x: Floats, t: float) -> Floats:
         """Return the body force (n, dim) [m/s^2] at x (n, dim) and t, not to be written.

@@ -37,7 +37,7 @@ def sketch(case: Case) -> str:
     _thin(case, picture, lower, upper)
     marks = _probes(case, picture, lower, upper)
     stretch = (high / up) / (TALL * wide / across)
-    scale = "" if abs(stretch - 1.0) < 0.15 else f", heights drawn {1.0 / stretch:.2g} times"
+    scale = "" if abs(stretch - 1.0) < 0.15 else f", vertical scale x{1.0 / stretch:.2g}"
     ends = f"x from {lower[0]:g} to {upper[0]:g} m, y from {lower[1]:g} to {upper[1]:g} m{scale}"
     return "\n".join(["|" + "".join(row) + "|" for row in picture] + [ends, *marks])
 

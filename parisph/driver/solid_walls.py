@@ -3,7 +3,8 @@
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.fields import FLUID, INNER
+from parisph.base.errors import CaseError
+from parisph.base.fields import FLUID, INNER, WALL
 from parisph.case.schema import Case
 from parisph.geometry import build
 from parisph.methods import filling
@@ -30,10 +31,17 @@ def elements_of(case: Case, particles: Particles) -> WallElements | None:
     """Return the elements of the walls of a case, None in a tank alone. Collective.
 
     particles : all that were built; the nodes of the walls are the last of them, as of every checkpoint
+
+    Raises CaseError, on all ranks, if a checkpoint is of an earlier release that divided these walls otherwise.
     """
     mesh = None if case.plain else build.scene_mesh(case)
     if mesh is None:
         return None
+    nodes = particles.comm.allreduce(int(np.count_nonzero(particles.kind == WALL)))
+    if nodes != len(mesh.x0):
+        raise CaseError(f"the checkpoint has {nodes} particles on walls, and this release divides the same walls by "
+                        f"{len(mesh.x0)}: go on with the release that made the run, which `parisph info` names, or "
+                        "start it anew with parisph run and its case.json")
     last = particles.comm.allreduce(int(particles.id.max(initial=-1)), op=MPI.MAX)
     return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, build.scene_motions(case))
 

@@ -13,19 +13,22 @@ from mpi4py import MPI
 from parisph.base.errors import ParisphError
 from parisph.base.fields import FLUID
 from parisph.base.log import logger
+from parisph.case import scales
 from parisph.case.schema import Case
-from parisph.driver import doubts
+from parisph.driver import ahead, doubts, touched
 from parisph.driver.conservation import Conservation
 from parisph.driver.shares import Shares
 from parisph.driver.simulation import Simulation
+from parisph.geometry import build
 from parisph.io import reader
 from parisph.io.files import on_first
 from parisph.io.store import Store
 from parisph.methods import catalogue
 from parisph.methods.reports import StepReport
-from parisph.truth import arrivals, verdict
+from parisph.truth import arrivals, impacts, overtopping, reflected, verdict
 
 FEW, SHARE = 4, 1e-3    # isolated particles at the start, and their share of all, that are not worth a word
+DRAINED = 0.1           # share of the water that has left, which the status tells
 BODY = 0.05             # share of isolated particles, later, that is more than spray
 
 
@@ -44,6 +47,7 @@ class Account:
         self._doubts: doubts.Doubts | None = None        # the same
         self._shares: Shares | None = None               # the same
         self._uneven: list[str] = []                     # gauges, once the run is over
+        self._touched: dict[str, str] = {}               # probes, the same
         self._notes = list(before.get("notes", ()))
         self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
         self._fluid = 0
@@ -75,11 +79,24 @@ class Account:
         if about and not self.before.get("notes"):
             self._notes.append(f"method {simulation.numerics.method}: {about}")
             logger.warning(self._notes[-1])
+        if "notes" not in self.before:
+            self._notes += self._ahead(simulation)
         start = {name: self.before.get(name) for name in ("energy", "volume")}    # of a checkpoint by an older parisph
         self.conservation = Conservation(simulation, self.before.get("conservation"), start)
         self._doubts = doubts.Doubts(simulation, self.before.get("doubts"))
         self.measure(simulation)
         self._shares = Shares(simulation)
+
+    def _ahead(self, simulation: Simulation) -> list[str]:
+        """Return what was doubtful before the run, the same on all ranks, and say it. Collective."""
+        found: list[str] = []
+        if simulation.comm.rank == 0:    # the estimate depends on the machine
+            case = simulation.case
+            found = [*ahead.doubts(case, build.counts(case), scales.expected(case), simulation.comm.size)]
+            for text in found:
+                logger.warning(text)
+        told: list[str] = simulation.comm.bcast(found)
+        return told
 
     def measure(self, simulation: Simulation) -> None:
         """Measure energy and volume now. Collective."""
@@ -91,8 +108,8 @@ class Account:
     def look_back(self, simulation: Simulation, store: Store) -> None:
         """Look at the waves that the gauges have recorded in the whole run, from its files. Collective."""
         folder = store.folder
-        found = on_first(simulation.comm, f"read {folder}", lambda: _uneven(simulation.case, store))
-        self._uneven = simulation.comm.bcast(found)
+        found = on_first(simulation.comm, f"read {folder}", lambda: _looked_back(simulation.case, store))
+        self._uneven, self._touched = simulation.comm.bcast(found) or ([], {})
 
     def step(self, simulation: Simulation, report: StepReport) -> None:
         """Count a step that was made. Collective."""
@@ -106,9 +123,17 @@ class Account:
         if self._doubts is not None:
             self._doubts.step(simulation)
 
+    def status(self) -> str:
+        """Return the status of a run that has come to its end. Not collective."""
+        lost = self._doubts.lost if self._doubts is not None else 0.0
+        if lost > DRAINED:
+            return f"completed with warnings: {lost:.0%} of the water has left"
+        return "completed with warnings" if self.warnings() else "completed"
+
     def warnings(self) -> list[str]:
-        """Return one line for each warning of the whole run. Not collective."""
-        found, (most, time) = list(self._notes), self._isolated
+        """Return one line for each warning of the whole run, the gravest first. Not collective."""
+        found, (most, time) = self._doubts.of_loss() if self._doubts is not None else [], self._isolated
+        found += self._notes
         if most > BODY * self._fluid > 0.0:
             found.append(f"{most} particles had no contact with a free surface at t = {time:.4g} s (of {self._fluid} "
                          "fluid particles and the walls): their pressure has no level of its own")
@@ -155,13 +180,13 @@ class Account:
             "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
             "shares": self._shares.content(s, comm) if self._shares else None,
-            **self._kept(s), "left": vars(s.left), "divergence": self.divergence, "peak_memory_mb": peak,
+            **self._kept(s), "left": vars(s.left), "touched": self._touched, "divergence": self.divergence,
+            "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(str(store.about["versions"])),
             "petsc_options": store.about["petsc_options"],
         }
         found = on_first(comm, f"read {store.folder}", lambda: _from_files(s.case, store))
-        if found is not None:
-            content["iterations"], content["errors"], content["arrivals"] = found
+        content |= found or {}
         everywhere: dict[str, Any] = comm.bcast(content)
         return everywhere
 
@@ -180,8 +205,8 @@ def _sums(before: Mapping[str, float], now: Mapping[str, float]) -> dict[str, fl
             for name in (*before, *(n for n in now if n not in before))}
 
 
-def _from_files(case: Case, store: Store) -> tuple[dict[str, float] | None, dict[str, Any], dict[str, float | None]]:
-    """Return (iterations, errors, arrivals) of the whole run from its files, including earlier parts."""
+def _from_files(case: Case, store: Store) -> dict[str, Any]:
+    """Return the entries of the summary that are found from the files of the whole run, with its earlier parts."""
     try:
         run = reader.open_run(store.folder)
         iterations, steps = None, run.steps
@@ -189,16 +214,19 @@ def _from_files(case: Case, store: Store) -> tuple[dict[str, float] | None, dict
         if len(counts):
             iterations = {"median": float(np.median(counts)), "p99": float(np.percentile(counts, 99)),
                           "max": int(counts.max())}
-        return iterations, verdict.errors(case, run), arrivals.arrivals(case, run)
+        return {"iterations": iterations, "errors": verdict.errors(case, run), "arrivals": arrivals.arrivals(case, run),
+                "passed": overtopping.passed(case, run), "reflection": reflected.of_case(case, run),
+                "peaks": impacts.peaks(case, run)}
     except ParisphError as error:
-        return None, {"unavailable": str(error)}, {}
+        return {"iterations": None, "errors": {"unavailable": str(error)}, "arrivals": {}, "passed": {}}
 
 
-def _uneven(case: Case, store: Store) -> list[str]:
+def _looked_back(case: Case, store: Store) -> tuple[list[str], dict[str, str]]:
     try:
-        return doubts.of_gauges(case, reader.open_run(store.folder))
+        run = reader.open_run(store.folder)
+        return doubts.of_gauges(case, run), touched.probes(case, run)
     except ParisphError:    # _from_files tells why nothing can be read
-        return []
+        return [], {}
 
 
 def _peak_memory() -> float:

@@ -19,8 +19,8 @@ from parisph.case.lattice import FIT
 from parisph.case.motion import Motion, Rotation, course
 from parisph.case.scene import Scene
 from parisph.case.schema import Case
-from parisph.case.shapes import Box, Lid, Shape, Tank
-from parisph.geometry.fill import Filling
+from parisph.case.shapes import Box, Lid, Tank
+from parisph.geometry.fill import Filling, Taken, taken
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
 from parisph.geometry.plain import lattice, plain_particles, uniform
@@ -105,18 +105,17 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
 
 
 def fillings(case: Scene, walls: Sequence, mesh: WallMesh | None) -> list[Filling]:
-    """Return the Filling of each body of fluid. Still water keeps off all other fluid."""
+    """Return the Filling of each body of fluid, which gives way to other fluid; see `fill.taken`."""
     s = case.numerics.spacing
-    return [Filling(fluid.shape, walls, mesh, s, fluid.holes, _others(case, fluid),
+    return [Filling(fluid.shape, walls, mesh, s, fluid.holes, others,
                     fluid.rise if fluid.raised and isinstance(fluid.shape, StillWater) else None)
-            for fluid in case.fluids]
+            for fluid, others in _with_others(case)]
 
 
-def _others(case: Scene, fluid: Fluid) -> list[Shape]:
-    """Return the shapes of other fluid, for still water, which fills what is left."""
-    if not isinstance(fluid.shape, StillWater):
-        return []
-    return [other.shape for other in case.fluids if not isinstance(other.shape, StillWater)]
+def _with_others(case: Scene) -> list[tuple[Fluid, list[Taken]]]:
+    """Return each body of fluid and the other fluid to which it gives way."""
+    shapes, holes = [fluid.shape for fluid in case.fluids], [fluid.holes for fluid in case.fluids]
+    return [(fluid, taken(shapes, holes, number)) for number, fluid in enumerate(case.fluids)]
 
 
 def counts(case: Scene) -> dict[str, int]:
@@ -138,12 +137,12 @@ def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iter
     walls, s = standing(case), case.numerics.spacing
     mesh = wall_mesh(walls, s) if walls else None
     box = domain(case)
-    for fluid in case.fluids:
+    for fluid, others in _with_others(case):
         low, high = np.array(lower, float), np.array(upper, float)
         part = [low.copy(), high.copy()]
         if fluid.raised:    # before they are raised, places may be anywhere above and below
             part[0][-1], part[1][-1] = box[0][-1], np.inf
-        for places, volume in samples_of(fluid.shape, walls, *box, s, (*fluid.holes, *_others(case, fluid)), part):
+        for places, volume in samples_of(fluid.shape, walls, *box, s, fluid.holes, part, others):
             places, factor = raised(fluid, mesh, case.bounds_of(fluid), places)
             near = np.all((places >= low) & (places < high), axis=1)
             yield places[near], (volume * factor)[near]
@@ -152,8 +151,9 @@ def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iter
 def volume(case: Scene) -> float:
     """Return the exact volume [m^dim] of all fluid at the start, in a scene that is not plain."""
     walls, mesh, box, s = standing(case), scene_mesh(case), domain(case), case.numerics.spacing
-    return sum(fluid_area(fluid.shape, walls, *box, s, (*fluid.holes, *_others(case, fluid)),
-                          lambda x, own=fluid: raised(own, mesh, case.bounds_of(own), x)[1]) for fluid in case.fluids)
+    return sum(fluid_area(fluid.shape, walls, *box, s, fluid.holes,
+                          lambda x, own=fluid: raised(own, mesh, case.bounds_of(own), x)[1], others)
+               for fluid, others in _with_others(case))
 
 
 def jitter(case: Scene, number: Ints, surface: Array) -> Floats:

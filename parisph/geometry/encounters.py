@@ -92,7 +92,7 @@ class _Pair:
     def distance(self, u: float) -> tuple[float, Floats]:
         """Return how far the bodies are apart [m], 0 if they cross, and where."""
         a, b = self.pose(u)
-        return _between(a, b)
+        return distance_between(a, b)
 
     def steps(self, length: float) -> Iterator[float]:
         """Yield values, in both directions from 0, between which points move by about a length [m]."""
@@ -121,7 +121,7 @@ def _first(times: Floats, values: Floats, value: float) -> float:
     return float(times[k - 1] + np.clip(share, 0.0, 1.0) * (times[k] - times[k - 1]))
 
 
-def _between(a: Outline, b: Outline) -> tuple[float, Floats]:
+def distance_between(a: Outline, b: Outline) -> tuple[float, Floats]:
     """Return the distance of two outlines [m], 0 where pieces cross, and the place (2,) [m]."""
     p, d, q, e = a.starts, a.ends - a.starts, b.starts, b.ends - b.starts
     apart = q[None] - p[:, None]

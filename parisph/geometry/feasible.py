@@ -6,11 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from parisph.case.bodies import Obstacle, Profile, StillWater
+from parisph.case.lattice import FIT
 from parisph.case.shapes import Shape
-from parisph.geometry.fill import Filling
-from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors, chains_of, motion_numbers, wall_mesh
-from parisph.geometry.outline import Wall, in_fluid, outline_of, signed_area
+from parisph.geometry.distance import nearest
+from parisph.geometry.encounters import distance_between
+from parisph.geometry.fill import Filling, taken
+from parisph.geometry.mesh import WallMesh, area_vectors, chains_of, motion_numbers, stretches, wall_mesh
+from parisph.geometry.outline import Wall, in_fluid, outline_of, signed_area, way_beyond
 from parisph.geometry.polygons import Chain
+from parisph.geometry.tips import Filled
 
 GAP = 2.0        # spacings: fluid between walls that are nearer has no particle that is not beside both
 THIN = 0.1       # spacings: in front of thinner solids is what is behind them
@@ -18,8 +22,8 @@ WEDGE = 15.0     # degrees: in a sharper corner particles see too little fluid
 FLAT = 10.0      # degrees: on a slope as flat, the tip of the water is one particle deep over many spacings
 RESTLESS = ", and waves that reach it may gain energy; to take them up, use a Sponge in place of the slope"
 SHORT = 0.6      # spacings: a shorter element crowds its nodes
+ROUNDING = 1e-6  # of a length: what is said to do, does
 PAIRS = 2**20    # of an element and a piece that are looked at in one go
-NEAR = 0.02      # spacings: so far in front of an element its fluid is looked for
 
 
 def findings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
@@ -43,11 +47,10 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
     if walls:
         chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
         names = [body.name for body in mesh.bodies]
-        clear = [*_thin(walls, names, spacing), *_parted(walls, names, spacing)]
+        clear = [*_turned_in(walls, names), *_thin(walls, names, spacing), *_parted(walls, names, spacing)]
         if clear:    # and all else that is said of these walls would mislead
             return clear
-        found += [*_hidden(chains, names), *_wrong_sides(mesh, walls, names, spacing),
-                  *_open_ends(chains, mesh, walls, fluids, spacing)]
+        found += [*_hidden(chains, walls, names), *_open_ends(chains, mesh, walls, fluids, spacing)]
     return [*found, *_filled(walls, fluids, mesh, spacing, holes, titles)]
 
 
@@ -55,8 +58,8 @@ def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacin
     """Return what will be computed less well than the rest, one sentence each; see `findings`."""
     chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
     names = [body.name for body in mesh.bodies]
-    return [*_wedges(chains, names), *_beaches(mesh, names, fluids), *_narrow(*resting(mesh, chains), names, spacing),
-            *_short(mesh, names, spacing)]
+    return [*_wedges(chains, names), *_beaches(mesh, names, fluids),
+            *_narrow(*resting(mesh, chains), walls, names, spacing), *_short(chains, walls, names, spacing)]
 
 
 def _nothing_touched(walls, spacing):
@@ -71,11 +74,12 @@ def resting(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[WallMesh, list[Cha
             [chain for chain in chains if rests[chain.body].all()])
 
 
-def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[float, np.ndarray, int, int]:
+def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain],
+                 walls: Sequence[Wall] = ()) -> tuple[float, np.ndarray, int, int]:
     """Return the least distance [m] across fluid between walls that do not meet there, its place, and the two bodies.
 
     It is measured along the normal from the middle of each element. Returns (inf, nan, -1, -1) if no wall faces
-    another.
+    another. walls : of these, bodies beside what is Filled are left out: with any spacing they come as near as that.
     """
     best = np.inf, np.full(2, np.nan), -1, -1
     if not chains or not len(mesh.elements):
@@ -84,6 +88,7 @@ def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[float, np.nda
     corners = mesh.corners()
     middle, way = corners.mean(axis=1), _unit_normals(corners)
     normal, e = _unit_normals(np.stack([a, b], axis=1)), b - a
+    filled = {number: wall.beside for number, wall in enumerate(walls) if isinstance(wall, Filled)}
     rows = max(PAIRS // len(a), 1)
     for low in range(0, len(middle), rows):
         m, n = middle[low : low + rows, None], way[low : low + rows, None]
@@ -98,9 +103,10 @@ def thinnest_gap(mesh: WallMesh, chains: Sequence[Chain]) -> tuple[float, np.nda
         for k in np.argsort(gap, kind="stable"):    # the least first, so that few are looked at
             if not gap[k] < best[0]:
                 break
-            if not _meet(a, b, first[k], middle[low + k]):
-                best = (float(gap[k]), middle[low + k] + 0.5 * gap[k] * way[low + k],
-                        int(mesh.element_body[low + k]), int(owner[first[k]]))
+            pair = int(mesh.element_body[low + k]), int(owner[first[k]])
+            beside = any(number in pair or set(pair) == set(own) for number, own in filled.items())
+            if not beside and not _meet(a, b, first[k], middle[low + k]):
+                best = float(gap[k]), middle[low + k] + 0.5 * gap[k] * way[low + k], *pair
     return best
 
 
@@ -132,13 +138,24 @@ def _at(x):
 def _thin(walls, names, spacing) -> Iterator[str]:
     """Solids too thin to tell their inside from the fluid."""
     for wall, name in zip(walls, names):
-        if isinstance(wall, Obstacle):
-            outline = outline_of(wall)
-            around = float(np.linalg.norm(outline.ends - outline.starts, axis=1).sum())
-            thick = 2.0 * abs(signed_area(outline.points)) / around
-            if thick < THIN * spacing:
+        if isinstance(wall, Obstacle) and not isinstance(wall, Filled):
+            thick = _thickness(outline_of(wall))
+            if thick < (1.0 - ROUNDING) * THIN * spacing:
                 yield (f"walls, {name}: is {thick:.2g} m thick, {thick / spacing:.2g} spacings, must be at least "
-                       f"{THIN:g}, {THIN * spacing:.2g} m; give a Plate, which has no thickness, or make it thicker")
+                       f"{THIN:g}, {THIN * spacing:.2g} m; give a Plate, which has no thickness, make it thicker, or "
+                       f"use a spacing of at most {rounded_down(thick / THIN)}")
+
+
+def _thickness(outline):
+    """Return the shorter side [m] of the rectangle with the area and the circumference of an outline."""
+    quarter = 0.25 * float(np.linalg.norm(outline.ends - outline.starts, axis=1).sum())
+    return quarter - np.sqrt(max(quarter**2 - abs(signed_area(outline.points)), 0.0))
+
+
+def rounded_down(value: float) -> str:
+    """Return a positive number as text with three digits that is not above it, so that what is said holds."""
+    unit = 10.0 ** (np.floor(np.log10(value)) - 2)
+    return f"{np.floor(value / unit + 1e-9) * unit:.3g}"
 
 
 def _parted(walls, names, spacing) -> Iterator[str]:
@@ -166,39 +183,19 @@ def _in_line(way, other, spacing):
     return across < 1e-6 * spacing * np.linalg.norm(way) and way @ other > 0.0
 
 
-def _hidden(chains, names) -> Iterator[str]:
+def _hidden(chains, walls, names) -> Iterator[str]:
     seen = set(np.concatenate([chain.body for chain in chains]).tolist())
-    for number, name in enumerate(names):
-        if number not in seen:
+    for number, (wall, name) in enumerate(zip(walls, names)):
+        if number not in seen and not isinstance(wall, Filled):
             yield f"{name}: no fluid touches it, because it lies inside or behind another body; leave it out or move it"
 
 
-def _wrong_sides(mesh, walls, names, spacing) -> Iterator[str]:
-    """Elements whose front is not fluid, or whose back is, as far as bodies go that move alike."""
-    outlines = [outline_of(wall) for wall in walls]
-    corners = mesh.corners()
-    unit = area_vectors(corners)
-    unit = unit / np.linalg.norm(unit, axis=1)[:, None]
-    step = NEAR * spacing + 0.5 * _sagitta(mesh, spacing)
-    thin = np.array([outlines[number].two_sided for number in mesh.element_body])
-    middle = corners.mean(axis=1)
-    motions = np.array([body.motion for body in mesh.bodies])
-    front, back = np.zeros(len(middle), dtype=bool), np.zeros(len(middle), dtype=bool)
-    for motion in np.unique(motions):
-        own = motions[mesh.element_body] == motion
-        members = [outline for outline, number in zip(outlines, motions) if number == motion]
-        front[own] = in_fluid(members, (middle + step * unit)[own])
-        back[own] = in_fluid(members, (middle - step * unit)[own]) & ~thin[own]
-    for number, name in enumerate(names):
-        wrong = (mesh.element_body == number) & (~front | back)
-        if wrong.any():
-            yield (f"{name}: at {_at(middle[wrong][0])} its fluid is not on the side that its normal points to; give "
-                   "its points the other way round, or keep it from crossing other bodies")
-
-
-def _sagitta(mesh, spacing):
-    """Return how far chords of curved outlines may lie behind these [m]: for a radius of a spacing."""
-    return 0.125 * spacing if np.any(mesh.edge == 0) else 0.0
+def _turned_in(walls, names) -> Iterator[str]:
+    """Profiles that would meet themselves however they go on beyond their ends."""
+    for wall, name in zip(walls, names):
+        if isinstance(wall, Profile) and way_beyond(outline_of(wall).points) is None:
+            yield (f"walls, {name}: its ends lead back to it, so that neither side is outside; lead both ends up above "
+                   "the water beside each other, or give an Obstacle(Polygon(...)), which is closed")
 
 
 def _wedges(chains, names) -> Iterator[str]:
@@ -232,27 +229,29 @@ def _beaches(mesh, names, fluids) -> Iterator[str]:
                    f"tip is not resolved at any spacing{RESTLESS if angle <= FLAT else ''}")
 
 
-def _narrow(mesh, chains, names, spacing) -> Iterator[str]:
-    gap, at, one, other = thinnest_gap(mesh, chains)
+def _narrow(mesh, chains, walls, names, spacing) -> Iterator[str]:
+    gap, at, one, other = thinnest_gap(mesh, chains, walls)
     if gap < GAP * spacing:
         between = f"{names[one]} and {names[other]}" if one != other else f"two walls of {names[one]}"
         yield (f"the gap between {between} at {_at(at)} is {gap:g} m, {gap / spacing:.2g} spacings: flow through it "
-               f"needs {GAP:g}; use a spacing of at most {gap / GAP:.3g}, or close it")
+               f"needs {GAP:g}; use a spacing of at most {rounded_down(gap / GAP)}, or close it")
 
 
-def _short(mesh, names, spacing) -> Iterator[str]:
-    length = np.linalg.norm(area_vectors(mesh.corners()), axis=1)
-    for number, name in enumerate(names):
-        own = np.flatnonzero((mesh.element_body == number) & (length < SHORT * spacing))
-        if own.size:
-            least = own[np.argmin(length[own])]
-            at = _at(mesh.corners()[least].mean(axis=0))
-            yield (f"{name}: an edge of {length[least]:.3g} m at {at} is shorter than "
-                   f"{SHORT:g} spacings; leave out the step, or use a spacing of at most {length[least] / SHORT:.3g}")
-        nodes = mesh.body == number
-        if nodes.any() and np.all(mesh.edge[nodes] == CONVEX):
-            edge = length[mesh.element_body == number].min()
-            yield f"{name}: it has nodes at its corners only; use a spacing of at most {0.5 * edge:.3g}"
+def _short(chains, walls, names, spacing) -> Iterator[str]:
+    """Edges between corners that are shorter than the elements beside them; the shortest of each body."""
+    least = {}
+    for chain in chains:
+        for start, way in stretches(chain):
+            body, pieces = int(chain.body[start % len(chain.body)]), len(chain.body)
+            beside = [chain.body[k % pieces] for k in (start - 1, start, start + len(way) - 1)]
+            if any(isinstance(walls[k], Filled) for k in beside):    # what a filled tip cuts off is nobody's step
+                continue
+            length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
+            if length < least.get(body, (SHORT * spacing, None))[0]:
+                least[body] = length, 0.5 * (way[0] + way[-1])
+    for body, (length, at) in sorted(least.items()):
+        yield (f"{names[body]}: an edge of {length:.3g} m at {_at(at)} is shorter than {SHORT:g} spacings; leave out "
+               f"the step, or use a spacing of at most {rounded_down(length / SHORT)}")
 
 
 def _open_ends(chains, mesh, walls, fluids, spacing) -> Iterator[str]:
@@ -280,36 +279,56 @@ def _is_near(fluid, x, spacing):
 
 
 def _filled(walls, fluids, mesh, spacing, holes, titles) -> Iterator[str]:
-    """Bodies of fluid without particles, or with those of another. Still water gives way to other fluid."""
-    seen, shapes = [], [fluid for fluid in fluids if not isinstance(fluid, StillWater)]
-    for fluid, own, title in zip(fluids, holes, titles):
+    """Bodies of fluid without particles, or too near to one another to be apart. They give way to those before them."""
+    for number, (fluid, own, title) in enumerate(zip(fluids, holes, titles)):
         still = isinstance(fluid, StillWater)
         if still and mesh is None:
             yield f"{title}: still water at level {fluid.level:g}: there are no walls to hold it; give walls, or a Box"
             continue
-        others = shapes if still else ()
+        if still and any(isinstance(other, StillWater) for other in fluids[:number]):
+            yield f"{title}: there is still water before it; give one, with the higher level"
+            continue
+        others = taken(fluids, holes, number)
         fill = Filling(fluid, walls, mesh, spacing, own, others)
         if fill.count == 0:
             if own and Filling(fluid, walls, mesh, spacing, (), others).count:
                 yield f"{title}.holes: they leave none of its particles; make them smaller, or leave this fluid out"
+            elif others and Filling(fluid, walls, mesh, spacing, own).count:
+                yield f"{title} ({fluid.kind}): it has no particles, because it lies in other fluid; leave it out"
             else:
                 yield (f"{title} ({fluid.kind}): it has no particles: it is thinner than a spacing, or behind the "
                        "walls; use a smaller spacing, or move it")
-        for other, kind in seen:
-            if still == isinstance(other, StillWater) and fill.count and _overlap(fluid, other, fill, spacing):
-                yield f"{title} ({fluid.kind}): it overlaps {kind}; make them disjoint"
-        seen.append((fluid, f"{title} ({fluid.kind})" if len(titles) > 1 else title))
+        else:
+            yield from _slits(walls, fluids, spacing, titles, number)
 
 
-def _overlap(fluid, other, fill, spacing, some=4096):
-    """Return whether some of the particles of a filling lie deep in another fluid."""
-    every = max(fill.count // some, 1)
-    index = np.concatenate([fill.indices(0, 0), *(fill.indices(k, k + 1) for k in range(0, fill.count, every))])
-    x = fill.position(index)
-    if isinstance(other, StillWater):
-        return bool(np.any(x[:, 1] < other.level - 0.5 * spacing))
-    deep = other.inside(x, 0.0)
-    for axis in range(2):
-        for side in (-0.5, 0.5):
-            deep &= other.inside(x + side * spacing * np.eye(2)[axis], 0.0)
-    return bool(deep.any())
+def _slits(walls, fluids, spacing, titles, number) -> Iterator[str]:
+    """Bodies of fluid that are less than a spacing apart: their particles would be nearer than that."""
+    if isinstance(fluids[number], StillWater):
+        return
+    one = outline_of(Obstacle(shape=fluids[number]))
+    for other, title in zip(fluids[:number], titles):
+        if isinstance(other, StillWater) or _boxes_apart(fluids[number], other, spacing):
+            continue
+        beside = outline_of(Obstacle(shape=other))
+        gap, at = distance_between(one, beside)
+        at = sum(nearest(at[None], np.stack([outline.starts, outline.ends], axis=1))[2][0]
+                 for outline in (one, beside)) / 2.0
+        within = ~one.in_front(beside.points[:1]) | ~beside.in_front(one.points[:1])
+        if not within.any() and FIT * spacing < gap < (1.0 - FIT) * spacing and not _wall_at(walls, at, gap):
+            yield (f"{titles[number]} and {title}: they are {gap:.3g} m apart at {_at(at)}, {gap / spacing:.2g} "
+                   f"spacings; let them touch, leave a spacing between them, {spacing:g} m, or use a spacing of "
+                   f"at most {rounded_down(gap)}")
+
+
+def _boxes_apart(one, other, spacing):
+    """Return whether the boxes around two shapes are a spacing apart."""
+    (low, high), (lower, upper) = one.bounds, other.bounds
+    return bool(np.any((low > upper + spacing) | (lower > high + spacing)))
+
+
+def _wall_at(walls, at, gap):
+    """Return whether there is a wall in a slit of a width `gap` [m] at a place (2,) [m]."""
+    outlines = [outline_of(wall) for wall in walls]
+    return not in_fluid(outlines, at[None])[0] or any(nearest(at[None], np.stack(
+        [outline.starts, outline.ends], axis=1))[0][0] < gap for outline in outlines if outline.two_sided)

@@ -24,6 +24,20 @@ LEVEL = 1e-3     # slope of a wall that is level: a thin layer on it stays
 EDGE = 0.01      # spacings: a point this near to the edge of a shape is in it
 THIN = 0.75      # spacings: a thinner box has no lattice of its own
 ROUNDING = 1e-6  # spacings: a point this much nearer to a wall than the cut still counts
+FAR = 1e300      # [m], beyond all lines
+
+Taken = tuple[Shape, Sequence[Shape]]    # a shape of other fluid and its holes
+
+
+def taken(shapes: Sequence[Shape | StillWater], holes: Sequence[Sequence[Shape]], number: int) -> list[Taken]:
+    """Return the other fluid to which a body of fluid gives way: what was given before it, but for the holes in that.
+
+    Still water gives way to all other fluid and leaves its holes empty. So bodies that touch or overlap are one, and
+    no place has two particles.
+    """
+    if isinstance(shapes[number], StillWater):
+        return [(shape, ()) for shape in shapes if not isinstance(shape, StillWater)]
+    return [(shape, own) for shape, own in zip(shapes[:number], holes) if not isinstance(shape, StillWater)]
 
 
 class Filling:
@@ -36,7 +50,7 @@ class Filling:
     mesh : WallMesh of these walls, None without walls
     spacing : [m]
     holes : shapes without fluid inside this one
-    others : shapes of other fluid, from which this keeps half a spacing
+    others : other fluid, from which this keeps half a spacing: shapes, and the holes of each; see `taken`
     rise : None, or a function of x (n,) [m] that gives the elevation (n,) [m] of the surface of still water. Its
         columns are moved up with it, not stretched: so the fluid is as dense everywhere.
 
@@ -47,7 +61,7 @@ class Filling:
     """
 
     def __init__(self, shape: Shape | StillWater, walls: Sequence[Wall], mesh: WallMesh | None, spacing: float,
-                 holes: Sequence[Shape] = (), others: Sequence[Shape] = (),
+                 holes: Sequence[Shape] = (), others: Sequence[Taken] = (),
                  rise: Callable[[np.ndarray], np.ndarray] | None = None) -> None:
         self._rise = rise
         self.shape, self.holes, self.others, self.spacing = shape, tuple(holes), tuple(others), spacing
@@ -125,11 +139,20 @@ class Filling:
             corners = mesh.corners()
             taken.append(near_pieces(corners[:, 0], corners[:, 1], (CUT - ROUNDING) * self.spacing, lines))
         taken += [self._covered(hole, lines, -EDGE) for hole in self.holes]
-        taken += [self._covered(other, lines, CUT - ROUNDING) for other in self.others]
+        taken += [self._taken(other, own, lines) for other, own in self.others]
         if not isinstance(self.shape, (StillWater, Box)):    # a box is all between the least and the greatest index
             taken.append(gaps(self._covered(self.shape, lines, EDGE), len(lines), bottom, top))
         none = (np.empty(0, np.int64), np.empty(0), np.empty(0))
         return gaps(union(none, *taken), len(lines), bottom, top)
+
+    def _taken(self, shape, holes, lines):
+        """Return the intervals of the lines that other fluid has, and half a spacing around it."""
+        found = self._covered(shape, lines, CUT - ROUNDING)
+        if not holes:
+            return found
+        free = union(gaps(found, len(lines), -FAR, FAR), *(
+            self._covered(hole, lines, -(CUT - ROUNDING)) for hole in holes))
+        return gaps(free, len(lines), -FAR, FAR)
 
     def _covered(self, shape, lines, edge):
         """Return the intervals of the lines inside a shape, widened by `edge` spacings, narrowed if it is negative."""
@@ -141,8 +164,8 @@ class Filling:
         near = near_pieces(a, b, abs(edge) * self.spacing, lines)
         if edge > 0.0:
             return union(found, near)
-        outside = gaps(found, len(lines), -1e300, 1e300)
-        return gaps(union(outside, near), len(lines), -1e300, 1e300)
+        outside = gaps(found, len(lines), -FAR, FAR)
+        return gaps(union(outside, near), len(lines), -FAR, FAR)
 
     def position(self, index: np.ndarray) -> np.ndarray:
         """Return the positions (n, 2) [m] of lattice indices (n, 2)."""

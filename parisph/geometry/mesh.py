@@ -5,7 +5,7 @@ nodes of its lattice, in their order (any dimension). Other outlines are divided
 elements (2D).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
@@ -17,9 +17,12 @@ from parisph.case.motion import AtRest, Motion
 from parisph.case.scenery import body_names
 from parisph.case.shapes import Box, Tank
 from parisph.geometry.outline import Wall, outline_of
-from parisph.geometry.polygons import Chain, joined
+from parisph.geometry.polygons import CLOSE, Chain, joined
 
 SMOOTH = 0.1    # rad: an outline that turns by less has no corner there
+# By which a smooth line turns in an element at most, so that a disc has eight: with three to six, still water beside
+# discs of .7 to .9 spacings moves
+BEND = np.pi / 4.0
 FLAT, CONCAVE, CONVEX = 0, 1, 2    # values of `edge`
 
 
@@ -196,7 +199,11 @@ def _simplices(corners, axis, sign):
 
 
 def chain_mesh(chain: Chain, spacing: float) -> WallMesh:
-    """Return the mesh of one chain: each stretch between corners divided into round(length / s) equal elements (2D)."""
+    """Return the mesh of one chain: each stretch between corners divided into round(length / s) equal elements (2D).
+
+    A stretch between two convex corners has at least two, so that a node with a row lies on it: without one, particles
+    beside a small body take the place of the body for air.
+    """
     x, body, corner = _nodes(chain, spacing)
     n = len(x)
     pairs = np.stack([np.arange(n), np.arange(1, n + 1) % n], axis=1)[: n if chain.closed else n - 1]
@@ -220,13 +227,14 @@ def chain_mesh(chain: Chain, spacing: float) -> WallMesh:
 
 def _nodes(chain, spacing):
     """Return the nodes (n, 2) of a chain, the body of each element, and each node's corner of the chain or -1, (n,)."""
-    breaks = _breaks(chain)
     points, pieces = chain.points, len(chain.body)
+    convex = chain.angle > np.pi + SMOOTH
     x, body, corner = [], [], []
-    stops = [*breaks[1:], breaks[0] + pieces] if chain.closed else breaks[1:]
-    for start, stop in zip(breaks, stops):
-        way = points[np.arange(start, stop + 1) % len(points)]
-        divided = _divided(way, spacing, 3 if chain.closed and len(breaks) == 1 else 1)
+    for start, way in stretches(chain):
+        stop = start + len(way) - 1
+        both = convex[start % len(points)] and convex[stop % len(points)]
+        turn = float(np.sum(chain.angle[np.arange(start + 1, stop) % len(points)] - np.pi))
+        divided = _divided(way, spacing, max(2 if both else 1, int(np.ceil(abs(turn) / BEND - CLOSE))))
         x.append(divided[:-1])
         body.append(np.full(len(divided) - 1, chain.body[start % pieces]))
         corner += [start % len(points)] + [-1] * (len(divided) - 2)
@@ -234,6 +242,14 @@ def _nodes(chain, spacing):
         x.append(points[-1:])
         corner.append(len(points) - 1)
     return np.concatenate(x), np.concatenate(body).astype(np.int32), np.array(corner)
+
+
+def stretches(chain: Chain) -> Iterator[tuple[int, np.ndarray]]:
+    """Yield the stretches of a chain between its corners: the number of the first point, and all points (n, 2) [m]."""
+    breaks = _breaks(chain)
+    stops = [*breaks[1:], breaks[0] + len(chain.body)] if chain.closed else breaks[1:]
+    for start, stop in zip(breaks, stops):
+        yield start, chain.points[np.arange(start, stop + 1) % len(chain.points)]
 
 
 def _breaks(chain):

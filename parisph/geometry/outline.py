@@ -18,13 +18,20 @@ class Outline:
     """The edge of one body.
 
     points : (n, 2) [m], in order, with fluid on the left of the way along them
-    closed : whether the last point is joined to the first; an open outline continues straight beyond its ends
+    closed : whether the last point is joined to the first; an open outline continues beyond its ends, see `ways`
     two_sided : whether fluid is on both sides, as of a plate; its points then lead there and back, and it has no inside
+    beyond : "straight", "up" or "down": how an open outline continues
     """
 
     points: np.ndarray
     closed: bool
     two_sided: bool = False
+    beyond: str = "straight"
+
+    @property
+    def ways(self) -> tuple[np.ndarray, np.ndarray]:
+        """Directions (2,) in which an open outline continues beyond its first and its last point."""
+        return _ways(self.points, self.beyond)
 
     @property
     def starts(self) -> np.ndarray:
@@ -48,11 +55,10 @@ class Outline:
         turn = np.zeros(len(x))
         for a, b in zip(self.starts, self.ends):
             turn += _angle(a - x, b - x)
-        first, last = self.points[0] - self.points[1], self.points[-1] - self.points[-2]
+        first, last = self.ways
         turn += _angle(first[None], self.points[0] - x) + _angle(self.points[-1] - x, last[None])
         whole = _angle(first[None], last[None])[0] % (2.0 * np.pi)
         return turn > (whole if whole > 1e-9 else 2.0 * np.pi) - np.pi
-
 
     def _in_front_of_closed(self, x: np.ndarray) -> np.ndarray:
         """As `in_front`: only what is in the box around it may be inside."""
@@ -74,13 +80,46 @@ def outline_of(body: Wall) -> Outline:
         return Outline(np.array([left, tuple(lower), (upper[0], lower[1]), right]), body.closed)
     if isinstance(body, Profile):
         points = np.array(body.points, dtype=float)
-        return Outline(points if body.fluid_on_left else points[::-1].copy(), False)
+        points = points if body.fluid_on_left else points[::-1].copy()
+        return Outline(points, False, beyond=way_beyond(points) or "straight")
     if isinstance(body, Obstacle):
         return Outline(_clockwise(corners_of(body.shape)), True)
     if isinstance(body, Plate):
         points = np.array(body.points, dtype=float)
         return Outline(np.concatenate([points, points[-2:0:-1]]), True, True)
     raise TypeError(f"{type(body).__name__} has no outline")
+
+
+def way_beyond(points: np.ndarray) -> str | None:
+    """Return how a line through points (n, 2) [m] can go on beyond its ends and not meet itself: "straight" if it can,
+    else "up", as a bowl whose ends overhang, else "down"; None if it meets itself in each way."""
+    return next((how for how in ("straight", "up", "down") if not _meets_itself(points, *_ways(points, how))), None)
+
+
+def _ways(points, beyond):
+    if beyond == "straight":
+        return points[0] - points[1], points[-1] - points[-2]
+    way = np.array([0.0, 1.0 if beyond == "up" else -1.0])
+    return way, way
+
+
+def _meets_itself(points, first, last):
+    """Return whether rays from the ends of a line through points, in these directions, meet it or each other."""
+    a, b = points[:-1], points[1:]
+    if _ray_meets(points[0], first, a[1:], b[1:] - a[1:], 1.0) or _ray_meets(points[-1], last, a[:-1], b[:-1] - a[:-1],
+                                                                              1.0):
+        return True
+    return _ray_meets(points[0], first, points[-1:], last[None], np.inf)
+
+
+def _ray_meets(start, way, at, along, most):
+    """Return whether start + t way, t > 0, meets one of the pieces at + u along (n, 2), 0 <= u <= most."""
+    apart, slant = at - start, way[0] * along[:, 1] - way[1] * along[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = (apart[:, 0] * along[:, 1] - apart[:, 1] * along[:, 0]) / slant
+        u = (apart[:, 0] * way[1] - apart[:, 1] * way[0]) / slant
+    parallel = np.abs(slant) <= 1e-12 * np.linalg.norm(way) * np.linalg.norm(along, axis=1)
+    return bool(np.any(~parallel & (t > 0.0) & (u >= 0.0) & (u <= most)))
 
 
 def corners_of(shape: Shape) -> np.ndarray:

@@ -6,7 +6,16 @@ import numpy as np
 
 from parisph.case.bodies import Plate
 from parisph.case.motion import AtRest
-from parisph.case.probes import ColumnHeight, PressureTap, RunUp, SurfaceGauge, VelocityPoint, VelocityProfile, singles
+from parisph.case.probes import (
+    ColumnHeight,
+    Force,
+    PressureTap,
+    RunUp,
+    SurfaceGauge,
+    VelocityPoint,
+    VelocityProfile,
+    singles,
+)
 from parisph.case.scene import Scene
 from parisph.case.scenery import body_names
 from parisph.geometry.build import domain
@@ -14,6 +23,8 @@ from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh, area_vectors, wall_mesh
 from parisph.geometry.outline import Wall, in_fluid, outline_of
 
+# Sides of a tank: the axis across them, and the sign of the normal into the fluid.
+SIDES = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
 TAP = 0.25      # spacings: a pressure tap this near to a wall is on it, as discs have flat elements
 TIE = 1e-6      # spacings: walls nearer to each other than this are at one place
 LIFT = 0.1      # spacings: so far in front of a wall its fluid is looked for
@@ -45,6 +56,16 @@ def _on_left(corners, points):
     piece = nearest(corners.mean(axis=1), np.stack([points[:-1], points[1:]], axis=1))[1]
     along = np.diff(points, axis=0)[piece]
     return np.sum((corners[:, 1] - corners[:, 0]) * along, axis=1) > 0.0
+
+
+def force_elements(mesh: WallMesh, probe: Force) -> np.ndarray:
+    """Return the elements (n, 2) whose pressure a Force adds up: those of its body, or of one side of it."""
+    mine = mesh.element_body == [body.name for body in mesh.bodies].index(probe.on)
+    if probe.side is not None:
+        axis, inward = SIDES[probe.side]
+        normal = area_vectors(mesh.corners())
+        mine &= inward * normal[:, axis] > SQUARE * np.linalg.norm(normal, axis=1)
+    return mesh.elements[mine]
 
 
 def run_up_line(mesh: WallMesh, number: int, kind: str, side: str | None) -> np.ndarray:
@@ -110,6 +131,10 @@ def faults(case: Scene, walls: tuple[Wall, ...]) -> Iterator[str]:
         what = f"probe {name!r}"
         if isinstance(probe, PressureTap) and mesh is not None:
             yield from _tap(case, probe, what, mesh, walls)
+        elif isinstance(probe, Force) and mesh is not None:
+            if not len(force_elements(mesh, probe)):
+                side = "" if probe.side is None else f"the {probe.side} side of "
+                yield f"{what}: no fluid touches {side}{probe.on}; choose another side or body, or leave the probe out"
         elif isinstance(probe, RunUp) and mesh is not None:
             yield from _run_up(case, probe, what, mesh, outlines)
         elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and not _has_room(outlines, heights, probe.at, s):

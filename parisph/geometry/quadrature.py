@@ -12,6 +12,7 @@ import numpy as np
 from parisph.case.bodies import StillWater
 from parisph.case.shapes import Shape
 from parisph.geometry.columns import between, crossings, overlapping
+from parisph.geometry.fill import Taken
 from parisph.geometry.outline import Wall, corners_of, in_fluid, outline_of
 
 FINE = 8          # pieces of a spacing
@@ -20,27 +21,28 @@ CHUNK = 2**18     # pieces that are looked at in one go
 
 def fluid_area(shape: Shape | StillWater, walls: Sequence[Wall], lower: Sequence[float], upper: Sequence[float],
                spacing: float, holes: Sequence[Shape] = (),
-               stretch: Callable[[np.ndarray], np.ndarray] | None = None) -> float:
+               stretch: Callable[[np.ndarray], np.ndarray] | None = None, others: Sequence[Taken] = ()) -> float:
     """Return the area [m2] of all fluid; see `samples`.
 
     stretch : None, or a function of places (n, 2) that gives the factor (n,) by which columns are stretched there
     """
-    _, at, width, low, high = _pieces(shape, holes, walls, np.array(lower), np.array(upper), spacing)
+    _, at, width, low, high = _pieces(shape, holes, others, walls, np.array(lower), np.array(upper), spacing)
     factor = 1.0 if stretch is None else stretch(np.stack([at, 0.5 * (low + high)], axis=1))
     return float(np.sum(width * (high - low) * factor))
 
 
 def samples(shape: Shape | StillWater, walls: Sequence[Wall], lower: Sequence[float], upper: Sequence[float],
-            spacing: float, holes: Sequence[Shape] = (),
-            part: Sequence[Sequence[float]] | None = None) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+            spacing: float, holes: Sequence[Shape] = (), part: Sequence[Sequence[float]] | None = None,
+            others: Sequence[Taken] = ()) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Yield places (m, 2) [m] all over the fluid, and the area (m,) [m2] around each of them. Not collective.
 
-    shape : Box, Disc, Polygon or StillWater, without its holes; walls : bodies in front of which the fluid is
+    shape : Box, Disc, Polygon or StillWater, without its holes and others, which are other fluid; see geometry.fill
+    walls : bodies in front of which the fluid is
     lower, upper : (2,) [m], the box that holds the scene
     part : None, or the corners (2, 2) [m] of the part of the scene to look at. The places do not depend on it: a rank
         that looks at all places near its own particles finds for these what one rank would find.
     """
-    _, at, width, low, high = _pieces(shape, holes, walls, np.array(lower), np.array(upper), spacing)
+    _, at, width, low, high = _pieces(shape, holes, others, walls, np.array(lower), np.array(upper), spacing)
     if part is not None:
         near = (at >= part[0][0]) & (at < part[1][0]) & (high >= part[0][1]) & (low <= part[1][1])
         at, width, low, high = at[near], width[near], low[near], high[near]
@@ -56,9 +58,10 @@ def samples(shape: Shape | StillWater, walls: Sequence[Wall], lower: Sequence[fl
         first = stop
 
 
-def _pieces(shape, holes, walls, lower, upper, spacing):
+def _pieces(shape, holes, others, walls, lower, upper, spacing):
     """Return the fluid on the middle lines of strips: strip, place, width, lower and upper end [m]."""
-    a, b, sides = _sides(shape, holes, walls, lower, upper)
+    edges = (*holes, *(body for other, own in others for body in (other, *own)))
+    a, b, sides = _sides(shape, edges, walls, lower, upper)
     cuts = np.unique(np.clip(np.concatenate([a[:, 0], sides, [lower[0], upper[0]]]), lower[0], upper[0]))
     number = np.maximum(np.ceil(np.diff(cuts) * FINE / spacing - 1e-9).astype(np.int64), 1)
     width = np.repeat(np.diff(cuts) / number, number)
@@ -71,7 +74,7 @@ def _pieces(shape, holes, walls, lower, upper, spacing):
     height = np.concatenate([height, np.full(len(at), lower[1]), np.full(len(at), upper[1])])
     line, low, high = between(line, height)
     middle = np.stack([at[line], 0.5 * (low + high)], axis=1)
-    wet = (high > low) & _is_wet(shape, holes, walls, middle)
+    wet = (high > low) & _is_wet(shape, holes, others, walls, middle)
     line, low, high = line[wet], low[wet], high[wet]
     return line, at[line], width[line], low, high
 
@@ -83,8 +86,7 @@ def _sides(shape, holes, walls, lower, upper):
     for outline in outlines:
         if not outline.closed:    # an open wall continues beyond its ends
             far = 4.0 * np.linalg.norm(upper - lower) + np.abs(outline.points).max() + np.abs(lower).max()
-            for end, beside in ((0, 1), (-1, -2)):
-                way = outline.points[end] - outline.points[beside]
+            for end, way in zip((0, -1), outline.ways):
                 a.append(outline.points[[end]])
                 b.append(outline.points[[end]] + far * way / np.linalg.norm(way))
     for body in (*(() if isinstance(shape, StillWater) else (shape,)), *holes):
@@ -112,10 +114,15 @@ def _meetings(a, b):
     return np.concatenate(found)
 
 
-def _is_wet(shape, holes, walls, x):
+def _is_wet(shape, holes, others, walls, x):
     wet = x[:, 1] <= shape.level if isinstance(shape, StillWater) else shape.inside(x, 0.0)
     for hole in holes:
         wet &= ~hole.inside(x, 0.0)
+    for other, own in others:
+        has = other.inside(x, 0.0)
+        for hole in own:
+            has &= ~hole.inside(x, 0.0)
+        wet &= ~has
     wet[wet] = in_fluid([outline_of(wall) for wall in walls], x[wet])
     return wet
 

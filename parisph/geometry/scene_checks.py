@@ -6,21 +6,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.base.errors import CaseError
-from parisph.case.bodies import StillWater
+from parisph.case.bodies import Flap, Piston, Profile, StillWater
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
-from parisph.case.motion import Rotation
+from parisph.case.motion import Rotation, course
 from parisph.case.scenery import fluid_names
 from parisph.case.schema import Case
-from parisph.case.shapes import Box
+from parisph.case.shapes import Box, Tank
 from parisph.geometry import feasible, probe_places, wave_places
 from parisph.geometry.build import domain, fillings, volume
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.mesh import chains_of, wall_mesh
-from parisph.geometry.outline import Wall
+from parisph.geometry.outline import Wall, outline_of
 from parisph.geometry.quadrature import fluid_area
-from parisph.geometry.standing import standing
+from parisph.geometry.standing import given, standing
+from parisph.geometry.tips import WIDTH, Tip, tips
 
+ROOM = 2.0      # spacings that a tank needs behind the farthest place of a wavemaker
 STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
 
 
@@ -69,7 +71,7 @@ def warnings(case: Case) -> list[str]:
         return []
     walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
     own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
-    return [*own, *_neared(case, walls), *_airless(case), *_advice(case)]
+    return [*own, *_filled(case), *_neared(case, walls), *_airless(case), *_advice(case)]
 
 
 def facts(case: Case) -> Facts | None:
@@ -78,13 +80,38 @@ def facts(case: Case) -> Facts | None:
     if case.plain or not walls:
         return None
     mesh, chains = wall_mesh(walls, s), chains_of(walls, s)
-    gap, _, one, other = feasible.thinnest_gap(*feasible.resting(mesh, chains))
+    gap, _, one, other = feasible.thinnest_gap(*feasible.resting(mesh, chains), walls)
     names = [body.name for body in mesh.bodies]
     fills = fillings(case, walls, mesh)
     lattice = sum(fill.count * float(fill.step.prod()) for fill in fills)
     shores = [angle for angle, _, _ in feasible.shores(mesh, [fluid.top for fluid in case.fluids])]
     wedge = min([float(np.degrees(chain.angle.min())) for chain in chains] + shores)
     return Facts(len(mesh.elements), gap, (names[one], names[other]), min(wedge, 180.0), volume(case), lattice)
+
+
+def _filled(case: Case) -> Iterator[str]:
+    """Fluid that is too narrow for particles, in place of which there is a solid; a line for each pair of bodies."""
+    walls, s = given(case), case.numerics.spacing
+    wedges: dict[tuple[int, ...], list[Tip]] = {}
+    for tip in tips(walls, s):
+        pair = tuple(sorted(set(tip.solid.beside)))
+        at = f"({tip.at[0]:.3g}, {tip.at[1]:.3g})"
+        if tip.gap == 0.0:
+            wedges.setdefault(pair, []).append(tip)
+        else:
+            yield (f"{_names(walls, pair)}: at {at} only {tip.gap:.3g} m are between them, {tip.gap / s:.2g} spacings. "
+                   f"The gap is closed over {tip.length:.2g} m: particles have no room in it; to let fluid through, "
+                   f"use a spacing of at most {feasible.rounded_down(tip.gap / feasible.GAP)}")
+    for pair, found in wedges.items():
+        places = " and ".join(dict.fromkeys(f"({tip.at[0]:.2g}, {tip.at[1]:.2g})" for tip in found[:2]))
+        more = f" and {len(found) - 2} more places" if len(found) > 2 else ""
+        yield (f"{_names(walls, pair)}: the fluid ends in a wedge at {places}{more}. Its tip, where it is less than "
+               f"{WIDTH:g} spacings wide, is filled over {max(tip.length for tip in found):.2g} m: particles have no "
+               "room in it")
+
+
+def _names(walls: tuple[Wall, ...], pair: tuple[int, ...]) -> str:
+    return "walls, " + " and ".join(walls[number].name for number in pair)
 
 
 def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
@@ -94,7 +121,31 @@ def _reached(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
             one, other = walls[met.one], walls[met.other]
             yield (f"walls, {one.name}: its {_moves(one)} brings it to {other.name} at t = {met.time:.3g} s, at "
                    f"({met.at[0]:.3g}, {met.at[1]:.3g}), {_amount(one, met.value)} from where it starts; must stay "
-                   "clear of it: move less far, move one of them, or let both move alike")
+                   f"clear of it: {_room_behind(case, walls, met)}move less far, move one of them, or let both move "
+                   "alike")
+
+
+def _room_behind(case: Case, walls: tuple[Wall, ...], met: Encounter) -> str:
+    """Return where a tank or a bed must begin, or end, so that there is room behind a wavemaker that reaches it."""
+    face, s = walls[met.one], case.numerics.spacing
+    maker, other = (case.bodies[number] if number < len(case.bodies) else None for number in (met.one, met.other))
+    if not isinstance(maker, (Piston, Flap)) or not isinstance(other, (Tank, Profile)):
+        return ""
+    on_left, values = maker.fluid_on_left, course(face.motion, case.end_time)[1]
+    x = np.concatenate([face.motion.placed_by(outline_of(face).points, value)[:, 0]
+                        for value in (values.min(), values.max())])
+    (low, bottom), (high, top) = other.bounds
+    if on_left:
+        high = s * np.ceil((float(x.max()) + ROOM * s) / s)
+    else:
+        low = s * np.floor((float(x.min()) - ROOM * s) / s)
+    if (met.at[0] < maker.place) if on_left else (met.at[0] > maker.place):    # it is reached in front
+        return ""
+    verb, place = ("end", high) if on_left else ("begin", low)
+    if isinstance(other, Profile):
+        return f"{verb} the bed behind it, at x = {place:g}, "
+    return (f"{verb} the tank behind it, as in Tank(width={high - low:g}, height={top - bottom:g}, at=({low:g}, "
+            f"{bottom:g})), ")
 
 
 def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:

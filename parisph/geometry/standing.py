@@ -12,6 +12,7 @@ from parisph.case.scenery import body_names
 from parisph.case.shapes import Tank
 from parisph.geometry.columns import crossings
 from parisph.geometry.outline import Wall, outline_of
+from parisph.geometry.tips import tips
 
 ON = 1e-6    # of the height of a wavemaker: so near to a wall its hinge lies on it
 
@@ -19,8 +20,18 @@ ON = 1e-6    # of the height of a wavemaker: so near to a wall its hinge lies on
 def standing(case: Scene) -> tuple[Wall, ...]:
     """Return the walls of a case, named, in which a Piston or a Flap is the Profile of its face with its motion.
 
+    Behind them follow the solids that fill tips of the fluid which are too narrow for particles.
+
     Raises CaseError for a piston without a bed below it, and for a flap whose hinge is not on a wall.
     """
+    walls = given(case)
+    if len(walls) == 1 and isinstance(walls[0], Tank):
+        return walls
+    return *walls, *(tip.solid for tip in tips(walls, case.numerics.spacing))
+
+
+def given(case: Scene) -> tuple[Wall, ...]:
+    """Return the walls that a case gives, as `standing` does, which adds others. Raises CaseError."""
     names = body_names(case.bodies)
     fixed = [body for body in case.bodies if not isinstance(body, (Piston, Flap)) and isinstance(body.motion, AtRest)]
     return tuple(_face(body, name, fixed) if isinstance(body, (Piston, Flap)) else body.model_copy(

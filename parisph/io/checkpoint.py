@@ -27,7 +27,8 @@ from parisph.io.files import on_first, together
 from parisph.io.slabs import Slab
 from parisph.parallel.particles import Particles
 
-FORMAT, VERSION = "parisph checkpoint", 2
+FORMAT, VERSION = "parisph checkpoint", 2    # 1: without a digest, and with phi in Pa
+WITHOUT_VOLUMES = "6d557b4"    # the last commit whose particles have no volumes, and that goes on from such files
 KEEP = 2  # the last and, in case a disk loses it, the one before
 _NAME = re.compile(r"([0-9]{8}|[1-9][0-9]{8,})\.h5")    # as `write` names them; other names are those of copies
 
@@ -117,8 +118,9 @@ def read(comm: Communicator, path: AnyPath) -> Checkpoint:
 
 
 def _read(comm, path):
-    digest.check_together(comm, path)
-    loaded = together(comm, f"read {path}", lambda: _read_share(path, comm.rank, comm.size))
+    early = comm.bcast(_is_early(path) if comm.rank == 0 else None)
+    digest.check_together(comm, path, early)
+    loaded = together(comm, f"read {path}", lambda: _read_share(path, comm.rank, comm.size, early))
     on_first(comm, f"read {path}", lambda: _check_place(path, loaded))
     return loaded
 
@@ -149,10 +151,17 @@ def _is_sound(comm, path):
     return True
 
 
-def _read_share(path, rank, size):
+def _is_early(path):
+    """Return whether a checkpoint is beside the case of a run without an identity, whose files may have no digest."""
+    return _identity_beside(path) == ""
+
+
+def _read_share(path, rank, size, early):
     """Return a Checkpoint with the share of one rank. The digest must have been checked before. Not collective."""
     try:
         with h5py.File(path, "r") as file:
+            if early and file.attrs.get("run"):
+                digest.check(path)    # it is of a later run, and has a digest
             _check_format(path, file)
             total = int(file.attrs["particles"])
             first, last = _share(total, rank, size)
@@ -161,7 +170,8 @@ def _read_share(path, rank, size):
             return Checkpoint(
                 time=float(attrs["time"]), step=int(attrs["step"]), dt=float(attrs["dt"]), case=attrs["case"],
                 state=json.loads(attrs["state"]), dim=int(attrs["dim"]), offset=first, total=total,
-                arrays={name: data[first:last] for name, data in file["particles"].items()},
+                arrays={name: data[first:last] for name, data in file["particles"].items()
+                        if name != "phi" or int(attrs["version"]) > 1},
             )
     except (OSError, KeyError, ValueError) as error:
         raise StoreError(f"{path} is not a whole checkpoint of parisph: {error}") from None
@@ -170,14 +180,18 @@ def _read_share(path, rank, size):
 def _check_format(path, file):
     if file.attrs.get("format") != FORMAT:
         raise StoreError(f"{path} is an HDF5 file, but not a checkpoint of parisph")
-    if int(file.attrs["version"]) != VERSION:
-        raise StoreError(f"{path} has version {file.attrs['version']} of the format, this parisph reads {VERSION}: "
-                         "restart it with the parisph that wrote it (its parisph_version says which)")
+    if int(file.attrs["version"]) not in range(1, VERSION + 1):
+        raise StoreError(f"{path} has version {file.attrs['version']} of the format, this parisph reads up to "
+                         f"{VERSION}: it was written by a newer parisph, so update parisph")
 
 
 def _check_fields(path, particles):
     # others have a default: an older file lacks the fields of newer parts
     missing = [name for name in CORE if name not in particles]
+    if missing == ["volume"]:
+        raise StoreError(f"{path} lacks the volumes of its particles, so this parisph cannot go on from it. The "
+                         f"last that can is in a clone after: git checkout {WITHOUT_VOLUMES}\n"
+                         f"To repeat the run with this one: parisph run {path.parent.parent / 'case.json'}")
     if missing:
         raise StoreError(f"{path} lacks {', '.join(missing)}, which this parisph needs: "
                          "restart it with the version that wrote it (its parisph_version says which)")
@@ -195,13 +209,21 @@ def _check_place(path, loaded):
     if _NAME.fullmatch(path.name) and int(path.stem) != loaded.step:
         raise StoreError(f"{path} is the checkpoint of step {loaded.step}: it has been renamed, "
                          "or another one copied over it")
-    beside = path.resolve().parent.parent / "case.json"
-    try:
-        run = json.loads(read_text(beside, math.inf))["run"]
-    except (OSError, ValueError, KeyError, TypeError):    # what is wrong with case.json is said by those who read it
-        return
-    if path.parent.name == "checkpoints" and json.loads(loaded.case).get("run", "") != run:
+    run = _identity_beside(path)
+    if run is not None and path.parent.name == "checkpoints" and json.loads(loaded.case).get("run", "") != run:
         raise StoreError(f"{path} is of another run than its folder: it has been copied there")
+
+
+def _identity_beside(path):
+    """Return the identity of the run in whose folder a checkpoint is, "" if it has none, None if there is no run.
+
+    What is wrong with case.json is said by those who read it.
+    """
+    try:
+        content = json.loads(read_text(path.resolve().parent.parent / "case.json", math.inf))
+        return str(content.get("run", ""))
+    except (OSError, ValueError, AttributeError, RecursionError):
+        return None
 
 
 def _remove(folder, names):

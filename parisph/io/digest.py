@@ -6,6 +6,9 @@ The digest is a line of text of fixed length, behind the last byte that HDF5 use
 
     parisph digest 1 <bytes before the line> <SHA-256>
 
+Runs of 21 November 2026, before 21:57, have files without a digest, as they have no identity: these are opened
+unchecked where `early` says that the run has none.
+
 It is computed from the length and from the digests of all chunks of the file. So the ranks can share
 the work, and the digest of a file does not depend on their number.
 """
@@ -42,9 +45,14 @@ def append(comm: Communicator, path: Path, doing: str | None = None) -> None:
     on_first(comm, doing, write)
 
 
-def check(path: Path) -> None:
-    """Raise StoreError unless every byte of a file is as parisph wrote it. Not collective."""
-    length, line = _ending(path)
+def check(path: Path, early: bool = False) -> None:
+    """Raise StoreError unless every byte of a file is as parisph wrote it. Not collective.
+
+    early : whether the run is from before digests, so that a file without one is not checked
+    """
+    length, line = _ending(path, early)
+    if not line:
+        return
     try:
         digests = _chunks(path, length)
     except OSError as error:
@@ -52,17 +60,19 @@ def check(path: Path) -> None:
     _compare(path, line, _line(length, digests))
 
 
-def check_together(comm: Communicator, path: Path) -> None:
+def check_together(comm: Communicator, path: Path, early: bool = False) -> None:
     """Do `check` with the work shared among the ranks; raises StoreError on every rank. Collective."""
     length, line, problem = 0, b"", None
     if comm.rank == 0:
         try:
-            length, line = _ending(path)
+            length, line = _ending(path, early)
         except StoreError as error:
             problem = str(error)
     length, line, problem = comm.bcast((length, line, problem))
     if problem:
         raise StoreError(problem)
+    if not line:
+        return
     _compare(path, line, _line_of_all(comm, path, length, f"read {path}"))
 
 
@@ -94,8 +104,11 @@ def _line(length, digests):
     return b"\nparisph digest %d %020d %s\n" % (VERSION, length, digest.encode())
 
 
-def _ending(path):
-    """Return (number of bytes before the digest line, the line) of a file. Raises StoreError if it has no such line."""
+def _ending(path, early):
+    """Return (number of bytes before the digest line, the line) of a file.
+
+    Raises StoreError if it has no such line; of an early run, the line is then empty.
+    """
     try:
         status = os.stat(path)
         if not stat.S_ISREG(status.st_mode):    # a pipe would be waited for
@@ -109,6 +122,8 @@ def _ending(path):
     except OSError as error:
         raise StoreError(f"cannot read {path}: {error}") from None
     found = PATTERN.fullmatch(line)
+    if found is None and early:
+        return length, b""
     if found is None:
         raise StoreError(f"{path} is not a whole file of parisph: it has no digest at its end, as it was cut short or "
                          "changed, or written by an older parisph")

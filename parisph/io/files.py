@@ -8,6 +8,7 @@ import hashlib
 import json
 import math
 import os
+import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -92,6 +93,20 @@ def replacing(path: AnyPath) -> Iterator[Path]:
         raise
 
 
+def rewrite(path: Path, text: str) -> None:
+    """Replace the text of a file of the user atomically; line ends are written as they are. One process.
+
+    The file keeps its mode, and its owner where that is allowed. Raises OSError; the file is then unchanged.
+    """
+    status = os.stat(path)
+    with replacing(path) as new:
+        with open(new, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+        with suppress(OSError):
+            os.chown(new, status.st_uid, status.st_gid)
+        os.chmod(new, stat.S_IMODE(status.st_mode))
+
+
 def write_text(path: Path, text: str) -> None:
     """Replace the content of `path` by `text` atomically. One rank.
 
@@ -132,7 +147,8 @@ def read_json(path: Path, must_be_sealed: bool = False) -> dict:
         raise StoreError(f"{path} is damaged: it has no digest. Move it away to read the rest of the run")
     content, sound = opened(content)
     if not sound:
-        raise StoreError(f"{path} is damaged: it does not match its digest")
+        raise StoreError(f"{path} is damaged: it does not match its digest" + (
+            f', or it was edited: then remove the line "{KEY}"' if Path(path).name == "case.json" else ""))
     return content
 
 

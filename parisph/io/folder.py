@@ -4,6 +4,7 @@ All functions are for one rank. They raise OSError, or StoreError with the remed
 """
 
 import json
+import math
 import os
 import re
 import shutil
@@ -11,6 +12,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.reading import read_text
+from parisph.base.seal import KEY
 from parisph.io.files import digest, read_json, write_json
 from parisph.io.layout import BEFORE, FILES, FOLDERS, PEAKS, REPLACED
 
@@ -125,6 +128,14 @@ def _refuse_link(place, inside=True):
 def write_case(folder: Path, case: str, run: str) -> None:
     """Write case.json: the case (JSON text) and the identity of the run."""
     write_json(folder / "case.json", {"run": run, **json.loads(case)})
+
+
+def is_edited(folder: Path) -> bool:
+    """Return whether there is a case.json without a digest: the user has edited it, or an early release wrote it."""
+    try:
+        return KEY not in json.loads(read_text(folder / "case.json", math.inf))
+    except (OSError, ValueError, TypeError):    # what is wrong with it is said by those who read it
+        return False
 
 
 def identity(folder: Path) -> str | None:

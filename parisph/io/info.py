@@ -6,6 +6,7 @@ from typing import Any
 
 from parisph.base.errors import StoreError
 from parisph.base.text import plain_lines
+from parisph.io import made
 from parisph.io.layout import INDEX, PEAKS
 from parisph.io.reader import Run
 
@@ -15,9 +16,17 @@ def table(summary: Mapping[str, Any]) -> list[str]:
     return _plain(f"{name:<15} {text}" for name, text in _entries(summary) if text is not None)
 
 
+def last_words(summary: Mapping[str, Any]) -> list[str]:
+    """Return the line below the table of a run: that it had warnings, and the gravest of them; none without any."""
+    warnings = summary.get("warnings") or ()
+    more = f" (and {len(warnings) - 1} more above)" if len(warnings) > 1 else ""
+    return _plain([f"{str(summary.get('status')).partition(':')[0]}: {warnings[0]}{more}"]) if warnings else []
+
+
 def describe(run: Run) -> str:
     """Return the description of a Run (io.reader): its content and its results. Raises StoreError."""
     lines = [str(run.case.get("title", "")), f"{'folder':<16}{run.folder}"]
+    lines += [f"{name:<16}{text}" for name, text in made.lines(run.made)]
     lines += ["", *(_results(run) if run.summary else ["no summary.json: the run goes on, or was killed"])]
     if len(run):
         lines += ["", f"{'snapshots':<16}{len(run)}, t = {run.times[0]:.6g} to {run.times[-1]:.6g} s "
@@ -96,7 +105,11 @@ def _entries(summary):
         yield "fallbacks", ", ".join(f"{name} {n}" for name, n in fallbacks.items()) if each else str(fallbacks)
     left = get("left") or {}
     if left.get("particles"):
-        yield "left the tank", f"{left['particles']:,d} particles over the rim, {left['volume']:.4g} m2 of water"
+        once = left["particles"] + (get("fluid_particles") or 0)
+        yield "left the tank", (f"{left['particles']:,d} of {once:,d} particles over the rim, "
+                                f"{left['volume']:.4g} m2 of water")
+    for probe, words in (get("touched") or {}).items():
+        yield f"probe {probe}", str(words)
     unknown = get("volume_unknown")
     yield "volume drift", f"not measured: {unknown}" if unknown else _drift(get("volume_drift"), get("volume_range"))
     # where work is done on the fluid a change of its energy is no error
@@ -104,6 +117,12 @@ def _entries(summary):
     yield "in motion", _motion(get("energy_in_motion"))
     for probe, time in (get("arrivals") or {}).items():
         yield f"arrival at {probe}", "not in this run" if time is None else f"{time:.6g} s"
+    for probe, found in (get("peaks") or {}).items():
+        if found.get("short"):
+            yield f"peak of {probe}", _short(found, "N/m" if "." in probe and probe.endswith(("fx", "fy")) else "Pa")
+    for probe, found in (get("passed") or {}).items():
+        yield f"passed {probe}", _passed(found)
+    yield "reflection", _reflection(get("reflection"))
     for probe, error in (get("errors") or {}).items():
         if isinstance(error, dict) and error.get("relative_l2") is None:
             yield f"error of {probe}", f"not judged: {error.get('reason', 'no reason is known')}"
@@ -124,6 +143,33 @@ def _drift(end, extremes):
         return text
     return (f"{text or 'not known at the end'} (lowest {extremes['low']:+.2%} at {extremes['low_time']:.4g} s, "
             f"highest {extremes['high']:+.2%} at {extremes['high_time']:.4g} s)")
+
+
+def _short(found, unit):
+    """A peak that is not resolved, and the greatest one that is."""
+    lasting = found.get("lasting")
+    text = (f"{found['value']:.4g} {unit} at {found['time']:.4g} s lasts {1e3 * found['lasts']:.2g} ms only, and "
+            f"depends on chance: mean over {1e3 * found['mean_over']:g} ms {found['mean']:.4g} {unit}")
+    return text + (f"; the greatest that lasts: {lasting['value']:.4g} {unit} at {lasting['time']:.4g} s"
+                   if lasting else "")
+
+
+def _passed(found):
+    """The water that has passed a line, and its events."""
+    text, events = f"{found['total']:.4g} m2 of water", found.get("events")
+    if events:
+        most = max(events, key=lambda event: abs(event["volume"]))
+        text += (f" in {len(events)} event{'s' * (len(events) > 1)}, the largest {most['volume']:.4g} m2 from "
+                 f"{most['start']:.4g} to {most['end']:.4g} s")
+    return text
+
+
+def _reflection(found):
+    """The waves of a flume, as two or three gauges tell them."""
+    if not found or "reason" in found:
+        return f"not known: {found['reason']}" if found else None
+    return (f"{found['coefficient']:.3g} of the incident {'' if found['regular'] else 'significant '}height, "
+            f"{found['incident']:.4g} m, at {', '.join(found['probes'])} (residual {found['residual']:.2g})")
 
 
 def _motion(energy):

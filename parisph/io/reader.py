@@ -9,13 +9,15 @@ import numpy as np
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.log import logger
 from parisph.base.paths import AnyPath
-from parisph.base.text import named, shown
+from parisph.base.seal import MADE
+from parisph.base.text import named, plain, shown
 from parisph.case import stored
 from parisph.io import series, snapshot
 from parisph.io.files import read_json
 from parisph.io.folder import check_unchanged
 from parisph.io.folder import summary as summary_of
 from parisph.io.layout import INDEX, PEAKS
+from parisph.io.views import Snapshot, Table, rows_as_html
 
 FEW = 5    # damaged files that an error names
 
@@ -66,7 +68,27 @@ class Run:
         """Number of snapshots."""
         return len(self.times)
 
-    def snapshot(self, which: int | float = -1) -> dict[str, Any]:
+    def __repr__(self) -> str:
+        rows = {name.lower(): text for name, text in self._rows()}
+        return plain(f"<run {self.folder}: {rows.pop('title')!r}, {', '.join(f'{k} {v}' for k, v in rows.items())}>")
+
+    def _repr_html_(self) -> str:
+        return rows_as_html(str(self.folder), [], self._rows())
+
+    def _rows(self) -> list[tuple[str, str]]:
+        """Return what a run is, in short: names and texts."""
+        try:
+            found = self.summary
+        except StoreError:
+            found = {"status": "unknown, as summary.json is damaged"}
+        times = f", t = {self.times[0]:.6g} to {self.times[-1]:.6g} s" if len(self) else ""
+        rows = [("Title", str(self.case.get("title", ""))),
+                ("Status", str((found or {}).get("status", "")) or "goes on, or was killed"),
+                ("Particles", str((found or {}).get("particles", ""))), ("Snapshots", f"{len(self)}{times}"),
+                ("Probes", ", ".join(self.probe_names) or "none")]
+        return [(name, text) for name, text in rows if text]
+
+    def snapshot(self, which: int | float = -1) -> Snapshot:
         """Return the particles of a snapshot, given by its number (int; negative from the end) or the nearest time [s]
         (float).
 
@@ -74,9 +96,9 @@ class Run:
         id, ..., sorted by id; and `time` [s], `step`.
         """
         number = self.number(which)
-        return snapshot.read(self.folder / self._files[number], self.times[number], self.identity)
+        return snapshot.read(self.folder / self._files[number], self.times[number], self.identity, self._early)
 
-    def peak(self, name: str) -> dict[str, Any] | None:
+    def peak(self, name: str) -> Snapshot | None:
         """Return the particles at the greatest value of a probe, as from `snapshot`, with that value as `peak`.
 
         None if the run has not kept them, which needs a probe with peak=True.
@@ -85,7 +107,14 @@ class Run:
         path = self.folder / PEAKS / f"{name}.vtkhdf"
         if not path.exists():
             return None
-        return {**snapshot.read(path, run=self.identity), "peak": self._value_at_peak(path)}
+        found = snapshot.read(path, run=self.identity, early=self._early)
+        return Snapshot({**found, "peak": self._value_at_peak(path)})
+
+    @property
+    def made(self) -> dict[str, Any]:
+        """How the run was made: case file, parameters, date, machine, command; empty for runs of older releases."""
+        found = self.case.get(MADE)
+        return found if isinstance(found, dict) else {}
 
     @property
     def missing(self) -> list[Path]:
@@ -97,7 +126,7 @@ class Run:
 
         Raises StoreError, which names a few of them, if any is damaged, missing or of another run.
         """
-        checks = [lambda path=path, time=time: snapshot.read_attributes(path, time, self.identity)
+        checks = [lambda path=path, time=time: snapshot.read_attributes(path, time, self.identity, self._early)
                   for path, time in zip(self._paths, self.times)]
         peaks = [self.folder / PEAKS / f"{name}.vtkhdf" for name in self.probe_names]
         checks += [lambda path=path: self._value_at_peak(path) for path in peaks if path.exists()]
@@ -120,21 +149,26 @@ class Run:
             return int(which) % len(self)
         return int(np.argmin(np.abs(self.times - which)))
 
-    def probe(self, name: str) -> np.ndarray:
-        """Return a probe's series as a structured array with columns time [s], step and the probe's own."""
+    def probe(self, name: str) -> Table:
+        """Return a probe's series as a structured array with columns time [s], step and the probe's own.
+
+        `.to_pandas()` of it is a DataFrame.
+        """
         return self._series(self._probe_path(name))
 
     def units(self, name: str) -> dict[str, str]:
         """Return the unit of each column of a probe as a dict."""
-        path = self._probe_path(name)
+        return self._units(self._probe_path(name))
+
+    def _units(self, path):
         try:
             return series.units(path)
         except (OSError, UnicodeDecodeError) as error:
             raise StoreError(f"cannot read {path}: {getattr(error, 'strerror', None) or 'it is not text'}") from None
 
     @property
-    def steps(self) -> np.ndarray:
-        """One line per step as a structured array: time, step, dt, iterations, ... (see steps.csv)."""
+    def steps(self) -> Table:
+        """One line per step as a structured array: time, step, dt, iterations, ... (see steps.csv), as of a probe."""
         return self._series(self.folder / "steps.csv", each_step=True)
 
     @property
@@ -142,8 +176,13 @@ class Run:
         """How the run was made: dict of versions, method, PETSc options, ranks, from its first snapshot."""
         if len(self) == 0:
             return {}
-        found = snapshot.read_attributes(self.folder / self._files[0])
+        found = snapshot.read_attributes(self.folder / self._files[0], early=self._early)
         return {name: value for name, value in found.items() if name not in ("case", "time", "step", "dim")}
+
+    @property
+    def _early(self):
+        """Whether the run is from before runs had identities, and its files digests."""
+        return not self.identity
 
     @property
     def _paths(self):
@@ -151,7 +190,7 @@ class Run:
 
     def _value_at_peak(self, path):
         """Return the value of the probe at whose peak a file was written."""
-        about = snapshot.read_attributes(path, run=self.identity)
+        about = snapshot.read_attributes(path, run=self.identity, early=self._early)
         if about.get("probe") != path.stem:
             raise StoreError(f"{path} is not the flow at the peak of {path.stem}: another file has been copied over it")
         return float(about["peak"])
@@ -159,7 +198,7 @@ class Run:
     def _series(self, path, each_step=False):
         found = series.table(*series.read_own(path, self.identity, each_step))
         check_unchanged(path, summary_of(self.folder), str(path.relative_to(self.folder)))    # last, as it says less
-        return found
+        return Table.of(found, path.stem, self._units(path))
 
     def _probe_path(self, name):
         if name not in self.probe_names:

@@ -37,6 +37,8 @@ class Series:
     ----------
     dropped : int, the number of lines after `keep_to` in the old file
 
+    Of an old file with other columns, as an older release wrote it, those of the same name go on; new ones are empty.
+
     Raises
     ------
     StoreError : the old file is damaged, or of another run
@@ -72,10 +74,12 @@ class Series:
         if keep_to is None or not self.path.exists():
             return [], 0
         names, lines = read_own(self.path, run)
-        if names != list(self.columns):
+        if names != list(self.columns) and not set(names[2:]) & set(self.columns):
             raise StoreError(f"{self.path} has the columns {', '.join(names)[:200]}, not {', '.join(self.columns)}: "
                              "it is of another run")
-        kept = [",".join(line) for line in lines if int(line[1]) <= keep_to and float(line[0]) <= until]
+        at = [names.index(name) if name in names else None for name in self.columns]
+        kept = [",".join("" if k is None else line[k] for k in at)
+                for line in lines if int(line[1]) <= keep_to and float(line[0]) <= until]
         return kept, len(lines) - len(kept)
 
 

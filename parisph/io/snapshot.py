@@ -23,6 +23,7 @@ from parisph.base.paths import AnyPath
 from parisph.io import digest, slabs
 from parisph.io.files import read_json, write_json
 from parisph.io.slabs import Pattern, Slab
+from parisph.io.views import Snapshot
 
 # Names in the file, where they differ from those of the registry.
 NAMES = {"u": "velocity", "p": "pressure", "alpha": "density_ratio", "phi": "position_potential"}
@@ -86,7 +87,7 @@ def write(comm: Communicator, path: Path, particles: Written, time: float, step:
     slabs.write(comm, path, arrays, lambda file: _decorate(file, total, time, step, root), pattern)
 
 
-def read(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:
+def read(path: AnyPath, time: float | None = None, run: str = "", early: bool = False) -> Snapshot:
     """Return the particles of a snapshot as a dict of arrays, by the names of the field registry.
 
     x (n, dim) [m], id, kind, role, and all other fields in the file: u (n, dim) [m/s], p (n) [Pa], ...
@@ -96,38 +97,41 @@ def read(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, A
     Parameters
     ----------
     time [s], run : the expected time, and the expected run (its identity); None and "" accept any
+    early : whether the run has no identity, and its files perhaps no digest (io.digest)
 
     Raises
     ------
     StoreError : the file does not match its digest, is not a snapshot, or not the expected one.
     """
     registry = {NAMES.get(name, name): name for name in FIELDS}
-    with _opened(path, time, run) as file:
+    with _opened(path, time, run, early) as file:
         found, step, dim = float(file.attrs["time"]), int(file.attrs["step"]), int(file.attrs["dim"])
         group = file["VTKHDF"]
         arrays = {registry.get(name, name): data[()] for name, data in group["PointData"].items()}
         arrays["x"] = group["Points"][()]
         order = np.argsort(arrays["id"], kind="stable")
     arrays = {name: data[order, :dim] if data.ndim == 2 else data[order] for name, data in arrays.items()}
-    return {"time": found, "step": step, **arrays}
+    return Snapshot({"time": found, "step": step, **arrays})
 
 
-def read_attributes(path: AnyPath, time: float | None = None, run: str = "") -> dict[str, Any]:
+def read_attributes(path: AnyPath, time: float | None = None, run: str = "", early: bool = False) -> dict[str, Any]:
     """Return the attributes at the root of a snapshot or checkpoint as a dict. Parameters and errors as of `read`."""
-    with _opened(path, time, run) as file:
+    with _opened(path, time, run, early) as file:
         return {name: value.item() if hasattr(value, "item") else value for name, value in file.attrs.items()}
 
 
 @contextmanager
-def _opened(path, time=None, run=""):
+def _opened(path, time, run, early):
     """Open a snapshot as h5py.File after a check of its digest.
 
     Raises StoreError, also if the body finds something missing.
     """
-    digest.check(path)
+    digest.check(path, early)
     try:
         with h5py.File(path, "r") as file:
             _check_expected(path, file.attrs, time, run)
+            if early and file.attrs.get("run"):
+                digest.check(path)    # it is of a later run, and has a digest
             yield file
     except (OSError, KeyError, ValueError) as error:
         raise StoreError(f"{path} is not a snapshot of parisph: {error}") from None
@@ -194,7 +198,7 @@ def time_of_own(path: Path, run: str) -> float | None:
     if path.is_symlink() or not path.is_file():
         return None
     try:
-        about = read_attributes(path)
+        about = read_attributes(path, early=not run)
     except StoreError as error:
         logger.warning(f"{error}; it is left out")
         return None

@@ -21,7 +21,7 @@ from parisph.io import folder as folders
 from parisph.io.files import on_first, write_json
 from parisph.io.layout import BEFORE, INDEX, PEAKS
 from parisph.io.lock import Lock
-from parisph.io.series import Series, read_own
+from parisph.io.series import Series, read_own, units
 from parisph.io.slabs import Pattern
 from parisph.io.snapshot import Written
 from parisph.parallel.particles import Particles
@@ -112,6 +112,7 @@ class Store:
         def add() -> None:
             path = self.folder / f"{name}.csv"
             path.parent.mkdir(exist_ok=True)
+            self._keep_columns(path, columns)
             self._series[name] = Series(path, columns, f"{title}{self._missing(path)}", self._keep_to, self.run,
                                         until)
         on_first(self.comm, f"write {self.folder / name}.csv", add)
@@ -223,19 +224,27 @@ class Store:
         late.append(self.folder / "summary.json")
         results = [path for path in (*late[:-1], *cut) if path.exists()]
         snapshot.write_index(self.folder / INDEX, self._names, self.times, run)    # it must never name a missing file
-        aside = folders.move_aside(self.folder, late, copied=cut)
+        ended, case = late[-1].exists(), [self.folder / "case.json"] * folders.is_edited(self.folder)
+        aside = folders.move_aside(self.folder, late, copied=[*cut, *case])
         self._put_peaks_back(time)
-        self._note(there is None, step, aside, bool(results))
+        self._note(there is None, step, aside, bool(results), ended, bool(case))
 
-    def _note(self, without_case, step, aside, results):
-        """Note what was found missing, and the folder that earlier results were moved to, or the summary alone."""
+    def _note(self, without_case, step, aside, results, ended, edited):
+        """Note what was found missing, and the folder that earlier results were moved to, or the summary alone.
+
+        results, ended : whether there are results after the checkpoint, and whether there was a summary
+        edited : whether a copy of case.json is kept
+        """
         if without_case:
             self.notes.append((logging.WARNING,
                                f"{self.folder / 'case.json'} is missing: it is written again from the checkpoint"))
         if step < 0:
             self.notes.append((logging.WARNING, f"no checkpoint found in {self.folder / 'checkpoints'}: "
                                                 "the run begins again at t = 0 s"))
-        if aside is not None:
+        if edited:
+            self.notes.append((logging.INFO, f"{self.folder / 'case.json'} has no digest, as after an edit: it is "
+                                             f"written again, and a copy is in {aside}"))
+        if results or ended:
             self.notes.append((logging.INFO, f"results that are computed again were moved to {aside}" if results else
                                f"only the earlier summary was moved to {aside}; no other result is replaced"))
 
@@ -278,6 +287,15 @@ class Store:
             return self._names[-1]
         numbers = [int(path.stem) for path in (self.folder / "snapshots").glob("*.vtkhdf") if path.stem.isdecimal()]
         return f"snapshots/{max(numbers, default=-1) + 1:06d}.vtkhdf"
+
+    def _keep_columns(self, path, columns):
+        """Keep a copy of a time series of an older release that has further columns, which its restart leaves out."""
+        lost = [name for name in units(path) if name not in ("time", "step", *columns)] \
+            if self._here and path.is_file() else []
+        if lost:
+            aside = folders.move_aside(self.folder, (), copied=[path])
+            logger.info(f"{path} was written by an older parisph: it goes on without the column{'s' * (len(lost) > 1)} "
+                        f"{', '.join(lost)[:200]}, and a copy with all is in {aside}")
 
     def _missing(self, path):
         """Return a note on lost lines for the title of a time series; "" if none are lost."""

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base.errors import CaseError
 from parisph.base.fields import ABSENT, BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels import weakly
 from parisph.methods import lengths
@@ -59,9 +58,6 @@ class Compressible:
                  gravity: np.ndarray | None = None) -> None:
         self.flow, self.parts, self.sound, n = flow, parts, sound, flow.numerics
         self.settle, self.gravity, self._mass = settle, gravity, np.empty(0)
-        if flow.viscosity:
-            raise CaseError(f"fluid.viscosity = {flow.viscosity:g}: weakly compressible SPH has its artificial "
-                            "viscosity alone; set numerics.artificial_viscosity, or choose a projection method")
         self.h = lengths.SPH * flow.spacing
         self.mass = flow.density * flow.spacing**flow.particles.dim
         self.pressure, self.density = EQUATIONS[n.equation_of_state]
@@ -92,6 +88,7 @@ class Compressible:
         flow, timers = self.flow, self.flow.timers
         p, budget = flow.particles, flow.budget
         budget.begin(p)
+        p.x0[:] = p.x
         with timers("predict"):
             fluid = p.kind == FLUID
             p.u[fluid] += 0.5 * dt * p.pull[fluid]

@@ -10,12 +10,12 @@ from mpi4py import MPI
 
 from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
 from parisph.kernels import balance, curvature, movement, record
-from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, potential, regularising, straining, surfaces
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.guesses import Guesses
 from parisph.methods.reports import ProjectionReport
+from parisph.methods.sliding import write_wall_velocity
 from parisph.methods.stepping import STEPPINGS, Accelerations
 from parisph.methods.timestep import resolved_time
 from parisph.methods.velocities import keep_in_tank
@@ -254,18 +254,9 @@ class Projection:
 
         Their shear is that of the first call in a step: until `_move`, places, normals and turns stay.
         """
-        p, d, flow = self.flow.particles, self.flow.domain, self.flow
         if not later:
-            self._shear = flow.wall_shear()
-        own = p.wall_u if "wall_u" in p.fields else np.zeros_like(p.u)
-        moved = flow.walls.acceleration(flow) if later else None
-        if moved is not None:
-            own = own + later * moved
-        gradients.wall_velocity(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, own,
-                                self._shear, lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
-        if "no_slip" in p.fields:
-            sticky = (p.kind == WALL) & (p.no_slip == 1)
-            p.u[sticky] = own[sticky]
+            self._shear = self.flow.wall_shear()
+        write_wall_velocity(self.flow, self._shear, later)
 
     def _find_potential(self):
         """Fit a potential flow to the velocity, if any part needs it and the fluid has no viscosity."""
@@ -421,7 +412,8 @@ class Projection:
         """
         flow = self.flow
         p, mean = flow.particles, flow.numerics.pressure_mean
-        time = mean * resolved_time(p.comm, p, flow.spacing, flow.force[:p.n_owned], acceleration) if mean else 0.0
+        time = mean * resolved_time(p.comm, p, flow.spacing, flow.force[:p.n_owned], acceleration,
+                                    flow.walls.acceleration(flow)) if mean else 0.0
         return max(AT_WALLS * time, SHORTENED * flow.usual)
 
     def pressure_gradient(self, f: np.ndarray, slope: np.ndarray | None = None,

@@ -11,25 +11,13 @@ from parisph.base.errors import SolverDiverged
 from parisph.base.fields import FLUID
 from parisph.case.numerics import Numerics
 from parisph.kernels import record
+from parisph.methods.step_numbers import BRISK, IMPACT, STRAIN, WAVE_LEAST, WAVE_STRAIN
 from parisph.parallel.particles import Particles
 
 GROWTH = 1.1    # from one step to the next, at most
-# times the largest acceleration of fluid: the acceleration that limits the step, if less than the body force
-BRISK = 1.5
-# times the root mean square of the acceleration of fluid: limits the step in an impact, also above the body force
-IMPACT = 1.25
 # spacings the fastest particle may move in any impact or strain: shorter steps feed jets that pass close above a solid,
 # and columns one or two particles wide that fall to pieces
 LEAST_MOVE = 0.1
-# strain of a step, dt sqrt(2 S:S), in the mean over the fluid: in a step particles move along straight lines, and the
-# volume is wrong by the square of the strain. In the second splash of the dam break at H/s = 40, nine starts, it is too
-# small by 1.06 to 1.30 % without this limit, by .74 to 1.07 % with it, and by .76 to 1.14 % with a fixed step of .004
-# (measured while calm fluid was kept at its density, not only without voids).
-STRAIN = 0.015
-# The same in waves, by the largest of the last waves: the mean level drifts in proportion to it. A standing wave with
-# a = .05 d, kd = pi and d/s = 10 rises by 3 % of a in 60 periods with it, by 8 % with twice the step.
-WAVE_STRAIN = 0.007
-WAVE_LEAST = 0.1    # of the longest step of waves, whatever the strain: a rough moment is no end of the run
 WAVE_MOVE = 0.02    # spacings that the fastest particle may move, instead of that where no force makes waves
 GENTLE = 0.1    # of the longest move: what acceleration may add in the first step
 REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
@@ -129,18 +117,23 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
 
 
 def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: np.ndarray,
-                  acceleration: float = 0.0) -> float:
+                  acceleration: float = 0.0, walls: np.ndarray | None = None) -> float:
     """Return the shortest time [s] over which the pressure of particles has a meaning. Collective.
 
-    It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/a), with the larger one
-    of the body force and of the acceleration of the fluid by pressure as a; 0 if nothing moves or pulls. Within it,
+    It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/a), with the largest one
+    of the body force, of the acceleration of the fluid by pressure and of that of walls as a; 0 if nothing moves or
+    pulls. Within it,
     pressure consists of the pulses of single particles that come to a wall or to the surface.
 
     force : (n_owned, dim), body force per unit mass [m/s^2]; that on walls does not count
     acceleration : of fluid by pressure, in the mean on all ranks [m/s^2]: in a tank without gravity whose walls sway,
         the velocity, which turns, sets no time
+    walls : (n_owned, dim), acceleration of wall particles [m/s^2], None if all walls rest: beside a small body that
+        sways in much water at rest, fluid is accelerated as the body is, and in the mean hardly at all
     """
     strongest = record.fluid_sizes(force, particles.kind)[0]
+    if walls is not None:
+        strongest = max(strongest, float(sizes(walls).max(initial=0.0)))
     fastest, strongest, _ = _largest_of_all(comm, _fastest(particles), strongest)
     strongest = max(strongest, acceleration)
     rate = max(fastest / (TOLD_MOVE * spacing), np.sqrt(strongest / spacing) / TOLD_FALL)

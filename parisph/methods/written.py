@@ -1,6 +1,7 @@
 """Fields that no step needs: they are computed when they are written, for a scene that asks for them."""
 
 from collections.abc import Callable, Iterable
+from contextlib import contextmanager
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -9,16 +10,17 @@ import numpy as np
 from parisph.base.errors import CaseError
 from parisph.kernels import strain
 from parisph.methods import lengths, straining
+from parisph.methods.sliding import write_wall_velocity
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
 
-def compute(flow: "Flow", names: Iterable[str]) -> None:
-    """Write those of the fields `names` that are computed here, of owned particles. Collective."""
+def compute(flow: "Flow", names: Iterable[str], time: float) -> None:
+    """Write those of the fields `names` that are computed here, of owned particles at a time [s]. Collective."""
     for name in names:
         if name in WRITTEN:
-            WRITTEN[name](flow)
+            WRITTEN[name](flow, time)
 
 
 def check(names: Iterable[str], dim: int) -> None:
@@ -27,14 +29,34 @@ def check(names: Iterable[str], dim: int) -> None:
         raise CaseError(f"output.fields: 'vorticity' exists in 2D only, and this scene has {dim} dimensions")
 
 
-def _vorticity(flow):
+def _vorticity(flow, time):
     """That of the velocity gradient by least squares (kernels.strain): exact for a linear velocity."""
     p, d = flow.particles, flow.domain
-    d.update("x", "u", "role")
     gradient, rate = np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned)
-    strain.velocity_gradient(gradient, rate, np.empty((0, p.dim)), p.u_all, p.x_all, p.kind_all, p.role_all,
-                             lengths.MLS * flow.spacing, straining.SPAN, d.indptr, d.indices, flow.axes)
+    with _walls_along(flow, time):
+        strain.velocity_gradient(gradient, rate, np.empty((0, p.dim)), p.u_all, p.x_all, p.kind_all, p.role_all,
+                                 lengths.MLS * flow.spacing, straining.SPAN, d.indptr, d.indices, flow.axes)
     p.vorticity[:] = gradient[:, 1, 0] - gradient[:, 0, 1]
 
 
-WRITTEN: MappingProxyType[str, Callable[["Flow"], None]] = MappingProxyType({"vorticity": _vorticity})
+@contextmanager
+def _walls_along(flow, time):
+    """Let walls have the velocity of the flow along them at a time [s], within this context. Collective.
+
+    Those of the step have that of its start. Beside them an irrotational wave had a vorticity of the acceleration times
+    the step over the spacing. The run goes on with what it had: what is written changes nothing.
+    """
+    p, d = flow.particles, flow.domain
+    d.update("x", "u", "role")
+    velocity, before = p.u.copy(), flow.time
+    flow.time = time
+    write_wall_velocity(flow, flow.wall_shear())
+    d.update("u")
+    try:
+        yield
+    finally:
+        flow.time, p.u[:] = before, velocity
+        d.update("u")
+
+
+WRITTEN: MappingProxyType[str, Callable[["Flow", float], None]] = MappingProxyType({"vorticity": _vorticity})

@@ -48,6 +48,7 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
     unit = next((unit for name, unit in run.units(probe.name).items() if name not in ("time", "step")), "")
     factor, shown = style.with_prefix(float(np.max(np.abs(found[1]), initial=0.0)), unit)
     axes.plot(found[0], factor * found[1], color=style.LINES[0], linewidth=1.2, label="run", zorder=3)
+    curves.draw_short_peak(axes, run, probe.name, 1.0, factor)
     for number, (name, (time, values)) in enumerate(others.items()):
         known = np.count_nonzero((time >= found[0][0]) & (time <= found[0][-1]))
         time, values = _over_the_run(time, values, found[0])

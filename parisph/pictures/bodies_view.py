@@ -11,13 +11,13 @@ from parisph.base.fields import FLUID
 from parisph.base.paths import AnyPath
 from parisph.case import stored
 from parisph.case.bodies import Profile
-from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge, VelocityProfile
 from parisph.case.schema import Case
 from parisph.case.shapes import Tank
 from parisph.geometry.build import build, counts, domain
-from parisph.geometry.outline import outline_of
-from parisph.geometry.standing import standing
-from parisph.pictures import style
+from parisph.geometry.outline import Wall, outline_of
+from parisph.geometry.standing import given, standing
+from parisph.pictures import labels, marks, style, window
+from parisph.pictures.frames import TANK, Seen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,11 +33,14 @@ def of_dict(case: Mapping[str, Any]) -> Case:
     return stored.from_json(json.dumps(dict(case)), read_only=True)
 
 
-def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0, floor: float | None = None) -> None:
+def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0, floor: float | None = None,
+                seen: Seen | None = None) -> None:
     """Draw the walls of a case as they are at a time [s]; lengths are divided by `length` [m].
 
     floor : height [m] down to which the ground below a bed is drawn, None for a little below the lowest wall
+    seen : from where; None for the frame of the tank
     """
+    seen = seen or Seen.of(case, TANK)
     if floor is None:
         lower, upper = domain(case)
         floor = float(lower[1] - 0.05 * (upper - lower)[1])
@@ -45,41 +48,82 @@ def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0
         outline = outline_of(wall)
         x = wall.motion.placed(outline.points, time)
         if isinstance(wall, Profile) and wall.side is None:
-            ground = np.concatenate([x, [(x[-1, 0], floor), (x[0, 0], floor)]]) / length
+            ground = seen.placed(np.concatenate([x, [(x[-1, 0], floor), (x[0, 0], floor)]]), time) / length
             axes.fill(*ground.T, color=SOLID, linewidth=0.0, zorder=1.2)
         elif outline.closed and not outline.two_sided and not isinstance(wall, Tank):
-            axes.fill(*(x / length).T, color=SOLID, linewidth=0.0, zorder=1.2)
-        line = np.concatenate([x, x[:1]]) if outline.closed else x
+            axes.fill(*(seen.placed(x, time) / length).T, color=SOLID, linewidth=0.0, zorder=1.2)
+        line = seen.placed(np.concatenate([x, x[:1]]) if outline.closed else x, time)
         axes.plot(*(line / length).T, color=style.WALL_COLOUR, linewidth=2.0, solid_joinstyle="miter", zorder=3)
 
 
 def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
-    """Draw a case at the start: fluid, walls with their names, probes; return the matplotlib Figure.
+    """Draw a case at the start: fluid, walls and zones with their names, probes; return the matplotlib Figure.
 
     path : of the picture, None for none. Raises CaseError, StoreError.
     """
     lower, upper = domain(case)
     upper = np.maximum(upper, case.fluid_bounds[1])
-    wide, high = upper - lower
-    picture = style.drawing().Figure(figsize=(10.0, float(np.clip(8.5 * high / wide, 1.5, 7.0)) + 1.5))
+    ends = window.of([], [np.array([lower, upper])])
+    times = window.stretch(ends)
+    wide, high = (end - start for start, end in ends)
+    height = 8.5 * times * high / wide
+    width = 10.0 if height <= 7.5 else max(10.0 * 7.5 / height, 4.0)
+    picture = style.drawing().Figure(figsize=(width, min(height, 7.5) + 1.5), layout="constrained")
     axes = picture.add_subplot()
-    x, size = places_of_water(case, wide * high)
-    window = axes.get_window_extent()
-    dot = size * 72.0 / picture.dpi * max(window.width / wide, window.height / high)
-    axes.scatter(*x.T, s=dot**2, color=WATER, linewidths=0.0, zorder=1.1)
-    draw_bodies(axes, case)
-    for wall in standing(case):
-        x = outline_of(wall).points
-        at = (x[:, 0].mean(), x[:, 1].min() if isinstance(wall, Tank) else x[:, 1].mean())
-        axes.annotate(style.literal(wall.name), at, fontsize=8, ha="center", zorder=5, xytext=(0, 4),
-                      textcoords="offset points")
-    _draw_probes(axes, case, upper[1])
-    axes.set_aspect("equal" if wide < 12.0 * high else "auto")
-    axes.set_xlabel("$x$ [m]")
-    axes.set_ylabel("$y$ [m]")
-    axes.set_title(style.literal(case.title), loc="left", fontsize=11)
+    x, size = places_of_water(case, float(np.prod(upper - lower)))
+    style.discs(axes, x, 1.4 * size, facecolors=WATER, zorder=1.1)
+    draw_bodies(axes, case, floor=ends[1][0])
+    draw_marks(axes, case, ends, walls=True)
+    axes.set(xlim=ends[0], ylim=ends[1], xlabel="$x$ [m]", ylabel="$y$ [m]", aspect=times)
+    more = window.said(times)
+    axes.set_title(style.literal(case.title) + (f"\n{more}" if more else ""), loc="left", fontsize=11)
     style.save(picture, path)
     return picture
+
+
+def draw_marks(axes: "Axes", case: Case, ends: window.Ends, time: float = 0.0, length: float = 1.0,
+               seen: Seen | None = None, probes: bool = True, walls: bool = False) -> None:
+    """Draw the still level, zones and probes of a case with their names into axes whose `ends` are known.
+
+    probes, walls : whether probes are shown, and whether walls are named; time, length, seen : as of draw_bodies
+    """
+    view = seen or Seen.of(case, TANK)
+
+    def placed(x: Floats) -> Floats:
+        return view.placed(x, time) / length
+
+    heights = (ends[1][0] * length, ends[1][1] * length)
+    if view.moved:    # lines end with the tank, not with the axes
+        lower, upper = domain(case)
+        heights = float(lower[1]), float(upper[1])
+    marks.draw_still_level(axes, case, placed)
+    names = marks.draw_zones(axes, case, placed, heights)
+    lines: list[Floats] = []
+    dots: list[Floats] = []
+    if probes:
+        names = [*marks.draw_probes(axes, case, placed, heights, lines, dots), *names]
+    outlines = [placed(_closed(wall, time)) for wall in standing(case)]
+    if walls:
+        shown = [placed(_closed(wall, time)) for wall in given(case)]    # what fills a wedge between them has no name
+        names += [labels.Label(wall.name, _beside(x, ends)) for wall, x in zip(given(case), shown)]
+    labels.add(axes, names, [*lines, *outlines], np.concatenate(dots) if dots else None)
+
+
+def _closed(wall: Wall, time: float) -> Floats:
+    """Return the points (n, 2) [m] around a wall at a time [s], from the first to it again if it is closed."""
+    outline = outline_of(wall)
+    x = wall.motion.placed(outline.points, time)
+    return np.concatenate([x, x[:1]]) if outline.closed else x
+
+
+def _beside(x: Floats, ends: window.Ends) -> Floats:
+    """Return the middles of the pieces of a line (n, 2), those inside the axes, of which the longest one is first."""
+    a, b = x[:-1], x[1:]
+    middles = 0.5 * (a + b)
+    inside = [window.outside(middle[None], ends) == 0 for middle in middles]
+    order = np.argsort(-np.linalg.norm(b - a, axis=1), kind="stable")
+    kept = [k for k in order if inside[k]][:8]
+    return np.concatenate([middles[kept], a[kept] + 0.25 * (b - a)[kept]]) if kept else middles[:1]
 
 
 def places_of_water(case: Case, area: float) -> tuple[Floats, float]:
@@ -99,20 +143,3 @@ def places_of_water(case: Case, area: float) -> tuple[Floats, float]:
         return found[0], size
     squares: Floats = (np.unique(np.concatenate(found), axis=0) + 0.5) * size
     return squares, size
-
-
-def _draw_probes(axes, case, top):
-    for probe in case.probes:
-        if isinstance(probe, PressureTap):
-            axes.plot(*probe.at, "o", color="#d62728", markersize=4.0, zorder=6)
-            at = probe.at
-        elif isinstance(probe, (SurfaceGauge, ColumnHeight)):
-            axes.axvline(probe.at, color="#d62728", linewidth=0.8, linestyle=":", zorder=4)
-            at = probe.at, top
-        elif isinstance(probe, VelocityProfile):
-            axes.plot(*np.transpose([probe.start, probe.end]), color="#d62728", linewidth=0.8, zorder=4)
-            at = probe.start
-        else:
-            continue
-        axes.annotate(style.literal(probe.name), at, fontsize=8, color="#d62728", xytext=(3, 3),
-                      textcoords="offset points", zorder=6)

@@ -12,9 +12,10 @@ import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.paths import AnyPath
+from parisph.case import differences
 from parisph.case.truths import Truth, WaveTruth, read_truth
 from parisph.io.reader import Run, open_run
-from parisph.pictures import style
+from parisph.pictures import states, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,9 +28,11 @@ KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
     "column_height": "column height $y$", "energy": "energy", "momentum": "momentum",
     "volume": "mean cell inside the fluid $/\\,s^2$", "run_up": "highest contact", "force": "force",
+    "flux": "volume rate",
 }
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
-COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment"}  # where one column is something else
+COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment",
+           ("flux", "total"): "volume passed"}  # where one column is something else
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force"}
 TALL = 4        # panels below each other; more of them stand two a row
 BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside
@@ -38,7 +41,9 @@ MOST = 4 * HIGH    # lines of the longest legend; of more of them only the first
 LETTER = 0.06   # [inch] width of a letter in a legend
 ROW = 4.6       # [inch] longest row of a legend in the axes
 HEADROOM = 0.16    # of the height of axes, above the curves, for such a row
+BLOWN = 1.5    # axes that are this many times as high as the flow before a failure end with the flow
 OWN_TIME = r"$t\sqrt{g/H}$"
+STATES = 4      # runs that a title says have not ended as they should
 MARKS = 60      # samples of a reference that are drawn as marks; more of them are a line
 
 
@@ -66,7 +71,7 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
                normalise: bool = False) -> "Figure":
     """Draw the time series of probes, one set of axes for each quantity; return the matplotlib Figure.
 
-    Several runs are drawn over each other, labelled by their folders.
+    Several runs are drawn over each other, labelled by what differs between their cases (run_labels).
 
     Parameters
     ----------
@@ -94,10 +99,14 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
         draw_curves(axes, curves, unit, normalise, truth or {})
         if number < columns:
             second_time_axis(axes, runs, normalise)
+        if len(runs) == 1:
+            show_steps(axes, runs[0], own_scales(runs[0], True).time if normalise else 1.0)
         time_label(axes, normalise, number + columns >= len(panels))
     picture.set_figwidth(picture.get_figwidth() + columns * max(map(_further_columns, picture.axes)))
-    picture.suptitle(style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in runs))), x=0.01,
-                     ha="left", fontsize=11)
+    title = [style.literal(" / ".join(dict.fromkeys(run.case["title"] for run in runs))),
+             *(f"{label}{label and ': '}{style.literal(text, 95)}"
+               for label, text in zip(run_labels(runs) if len(runs) > 1 else [""], map(states.state, runs)) if text)]
+    picture.suptitle("\n".join(title[:1 + STATES]), x=0.01, ha="left", fontsize=11)
     style.save(picture, path)
     return picture
 
@@ -159,7 +168,7 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
     Heights, positions along x, pressures, energies, ... each have their own axes. names : of probes, all if None.
     """
     groups = {}
-    for run, label in zip(runs, folder_names([run.folder for run in runs])):
+    for run, label in zip(runs, run_labels(runs)):
         kinds = {probe["name"]: probe["kind"] for probe in run.case.get("probes", ())}
         for name in (run.probe_names if names is None else names):
             table, units = run.probe(name), run.units(name)
@@ -175,6 +184,21 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
                               table["time"], table[column])
                 groups.setdefault((FAMILIES.get(kind, kind), units[column]), []).append(curve)
     return groups
+
+
+def show_steps(axes: "Axes", run: Run, unit: float = 1.0) -> None:
+    """Let the axis of time reach from the first to the last step of a run; unit : of the axis [s]."""
+    ends = states.span(run)
+    if ends is not None and ends[0] < ends[1]:
+        axes.set_xlim(ends[0] / unit, ends[1] / unit)
+
+
+def run_labels(runs: Sequence[Run]) -> list[str]:
+    """Return a label for each of several runs: what differs between their cases, and the folders of those alike."""
+    found = differences.labels([run.case for run in runs])
+    folders = folder_names([run.folder for run in runs])
+    return [style.literal(text if text and found.count(text) == 1 else f"{text} ({folder})" if text else folder, 60)
+            for text, folder in zip(found, folders)]
 
 
 def folder_names(folders: Sequence[Path]) -> list[str]:
@@ -206,6 +230,8 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
         look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
         axes.plot(curve.time / (own.time if normalise else 1.0), curve.values * (1.0 / scale if scale else factor),
                   linewidth=1.1, label=_line_label(curve, series), **look)
+        draw_short_peak(axes, curve.run, _peak_of(curve), 1.0 / (own.time if normalise else 1.0),
+                        1.0 / scale if scale else factor)
     for name in dict.fromkeys(curve.probe for curve in curves):
         if name in (truth or {}):
             first = next(k for k, curve in enumerate(curves) if curve.probe == name)
@@ -213,6 +239,7 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
                         scales[first].time if normalise else 1.0)
     axes.set_ylabel(_value_label(curves, series, unit, shown, bool(by[0])))
     plain_axes(axes)
+    _leave_out_failures(axes, curves)
     if len(axes.lines) > MOST:
         first, last = (axes.lines[k].get_label() for k in (0, -1))
         axes.set_title(f"{len(axes.lines)} lines, from {first} to {last}", loc="right", fontsize=8)
@@ -221,6 +248,24 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
     else:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), fontsize=8, frameon=False, handlelength=3.0,
                     ncols=_legend_columns(axes))
+
+
+def _leave_out_failures(axes, curves):
+    """Let the axes show the flow of runs that have failed: their last samples may be a hundred times as large."""
+    bad = {curve.run.folder for curve in curves if states.failed(curve.run)}
+    if not bad:
+        return
+    fits = [line.get_ydata() for line in axes.lines]
+    for k, curve in enumerate(curves):
+        if curve.run.folder in bad:
+            fits[k] = fits[k][:states.before_failure(len(fits[k]))]
+    values = np.concatenate(fits)
+    values = values[np.isfinite(values)]
+    low, high = axes.get_ylim()
+    if len(values) and np.ptp(values) and high - low > BLOWN * np.ptp(values):
+        slack = 0.1 * np.ptp(values)
+        axes.set_ylim(max(low, values.min() - slack), min(high, values.max() + slack))
+        axes.set_title("the last values lie outside", loc="right", fontsize=8)
 
 
 def _legend_inside(axes):
@@ -275,6 +320,26 @@ def _draw_truth(axes, curve, series, factor, by_time):
     inside = time <= max(curve.time, default=-np.inf)
     axes.plot(time[inside] / by_time, factor * values[inside], color="black", linewidth=1.0,
               label=f"{curve.probe}: reference", **marks(np.sum(inside)))
+
+
+def _peak_of(curve):
+    """Return the name that a curve has among the `peaks` of a summary."""
+    return curve.probe if curve.column in ("", "pressure") else f"{curve.probe}.{curve.column}"
+
+
+def draw_short_peak(axes: "Axes", run: Run, name: str, by_time: float, factor: float) -> None:
+    """Mark the greatest value of a probe if it is too short to be resolved, with its mean over 5 ms as a bar.
+
+    name : of an entry of the summary's `peaks`; by_time, factor : what times [s] and values are multiplied by
+    """
+    found = ((run.summary or {}).get("peaks") or {}).get(name) or {}
+    if not found.get("short"):
+        return
+    when, over = found["time"], found["mean_over"]
+    axes.plot([by_time * when], [factor * found["value"]], linestyle="", marker="x", markersize=7, color="black",
+              label=f"lasts {1e3 * found['lasts']:.2g} ms: not resolved")
+    axes.plot([by_time * (when - over / 2), by_time * (when + over / 2)], 2 * [factor * found["mean"]], color="black",
+              linewidth=2.5, label=f"its mean over {1e3 * over:g} ms")
 
 
 def marks(samples: int) -> style.LineLook:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.live_line import LiveLine, clock
 from parisph.base.paths import AnyPath
 from parisph.base.text import clipped, plain
 from parisph.io.files import replacing
@@ -23,7 +24,7 @@ SAMPLE = 24             # snapshots from which the scale of the colours is taken
 
 
 def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float | None = None,
-          slow: float | None = None, dpi: float = 100, **look: Any) -> Path:
+          slow: float | None = None, dpi: float = 100, progress: bool = False, **look: Any) -> Path:
     """Write the snapshots of a run as an animation: .gif, or .mp4 if ffmpeg is installed; return its path.
 
     Colours and axes are the same in every frame. The animation runs at constant speed, whatever the times
@@ -37,6 +38,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
         values in all frames, so that a short impact saturates instead of dimming the rest
     fps : frames per second; None for 20, or with `slow` for the rate that shows each snapshot once, if players can
     slow : how many times slower than in nature; None for the speed that shows each snapshot once
+    progress : whether standard error says how many frames are drawn, and how long the others take
 
     Raises
     ------
@@ -49,13 +51,13 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
     _check_ending(path)
     if len(run) == 0:
         raise StoreError(f"{run.folder} has no snapshots")
-    pace = Pace.of(run.times, fps, slow, whole_hundredths=path.suffix == ".gif")
+    pace = Pace.of(run.times, fps, slow, whole_hundredths=path.suffix.lower() == ".gif")
     some = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, SAMPLE).round())]
     view = FieldView(run.case, some, look)
     limits = view.limits(some)
     picture = figure.Figure(figsize=view.size(), dpi=dpi, layout="constrained")
     axes = picture.add_subplot()
-    writer = _writer(path, pace.fps)
+    writer, line = _writer(path, pace.fps), LiveLine(progress)
     try:
         with replacing(path) as new, writer.saving(picture, str(new), dpi):
             for count, number in enumerate(pace.numbers):
@@ -66,13 +68,29 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
                     picture.draw_without_rendering()
                     picture.set_layout_engine("none")
                 writer.grab_frame()
+                if line.due():
+                    line.show(_done(count + 1, len(pace.numbers), line.elapsed))
     except OSError as error:
         raise StoreError(f"cannot write the movie {path}: {error.strerror or error}") from None
     except CalledProcessError as error:
         said = "".join(f" ({clipped(plain(line))})" for line in str(error.stderr or "").strip().splitlines()[-1:])
         raise StoreError(f"cannot write the movie {path}: ffmpeg ended with code {error.returncode}{said}; "
                          "a .gif needs no ffmpeg") from None
+    finally:
+        line.close()
     return path
+
+
+def has_ffmpeg() -> bool:
+    """Return whether there is the program ffmpeg, which an .mp4 needs."""
+    style.drawing()
+    from matplotlib import animation
+
+    return bool(animation.FFMpegWriter.isAvailable())
+
+
+def _done(count: int, frames: int, elapsed: float) -> str:
+    return f"frame {count} of {frames}  {clock((frames - count) * elapsed / count)} left"
 
 
 @dataclass(frozen=True)
@@ -140,18 +158,17 @@ def _check_positive(name, value, most):
 
 
 def _check_ending(path):
-    from matplotlib import animation
-
-    if path.suffix not in (".gif", ".mp4"):
+    if path.suffix.lower() not in (".gif", ".mp4"):
         raise CaseError(f"{path}: a movie ends in .gif or .mp4")
-    if path.suffix == ".mp4" and not animation.FFMpegWriter.isAvailable():
-        raise StoreError("an .mp4 needs the program ffmpeg, which is not installed: write a .gif instead")
+    if path.suffix.lower() == ".mp4" and not has_ffmpeg():
+        raise StoreError(f"{path}: an .mp4 needs the program ffmpeg, which is not installed here: install it, such as "
+                         f"by `apt install ffmpeg`, or write {path.with_suffix('.gif')}")
 
 
 def _writer(path, fps):
     from matplotlib import animation
 
-    if path.suffix == ".gif":
+    if path.suffix.lower() == ".gif":
         # the writer cuts the milliseconds of a frame off to a whole number: 29.999... would become 20
         return animation.PillowWriter(fps=fps * (1.0 - 1e-9))
     return animation.FFMpegWriter(fps=fps, extra_args=["-pix_fmt", "yuv420p"])

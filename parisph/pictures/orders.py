@@ -1,6 +1,5 @@
 """The pictures that `parisph plot` and `parisph movie` make of runs, and their files. Needs no MPI."""
 
-import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -66,12 +65,19 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
 
 
 def animate(run: Run, out: AnyPath | None = None, fps: float | None = None, slow: float | None = None,
-            **look: Any) -> Path:
-    """Write an animation of all snapshots (movies.movie) and return its path: .mp4 with ffmpeg, else .gif."""
+            progress: bool = False, **look: Any) -> Path:
+    """Write an animation of all snapshots (movies.movie) and return its path.
+
+    Without `out` it is an .mp4, or a .gif where there is no ffmpeg, and standard error says so.
+    """
     look = {name: value for name, value in look.items() if value is not None}
-    ending = "mp4" if shutil.which("ffmpeg") else "gif"
-    return movies.movie(run, Path(out or run.folder / f"flow_{look.get('field', 'pressure')}.{ending}"), fps=fps,
-                        slow=slow, **look)
+    if out is None:
+        mp4 = movies.has_ffmpeg()
+        out = run.folder / f"flow_{look.get('field', 'pressure')}.{'mp4' if mp4 else 'gif'}"
+        if not mp4:
+            print("parisph: note: the movie is a .gif, because the program ffmpeg is not installed; an .mp4 is smaller "
+                  "and can be paused", file=sys.stderr)
+    return movies.movie(run, out, fps=fps, slow=slow, progress=progress, **look)
 
 
 def compare(run: Run, comparison: Comparison, reference: AnyPath, path: AnyPath) -> None:

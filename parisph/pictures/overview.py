@@ -7,7 +7,7 @@ import numpy as np
 from parisph.base.errors import StoreError
 from parisph.base.paths import AnyPath
 from parisph.io.reader import Run, open_run
-from parisph.pictures import curves, style
+from parisph.pictures import curves, states, style
 from parisph.pictures.view import FieldView, Look
 
 if TYPE_CHECKING:
@@ -31,9 +31,10 @@ def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = 
     heights = -(-len(moments) // columns) * _height(view, 5.2), 2.3 * (len(panels) // 2 + 1)
     picture = style.drawing().Figure(figsize=(11.0, 1.0 + sum(heights)), layout="constrained")
     flow, series = picture.subfigures(2, 1, height_ratios=heights)
-    _draw_moments(flow, view, moments, columns)
+    _draw_moments(flow, view, moments, columns, marked=True)
     _draw_series(series, run, panels)
     picture.suptitle(style.literal(run.case["title"]), fontsize=13)
+    _say_state(flow, run)
     style.save(picture, path)
     return picture
 
@@ -76,13 +77,23 @@ def plot_solver(run: Run, path: AnyPath | None = None) -> "Figure":
 
 def _height(view, width):
     (left, right), (low, high) = view.window
-    return min(0.8 * width * view.stretch * (high - low) / (right - left) + 0.5, 6.0)
+    return min(0.8 * width * view.stretch * (high - low) / (right - left) + 0.7, 6.0)
 
 
-def _draw_moments(flow, view, moments, columns):
+def _say_state(picture, run):
+    state = states.state(run)
+    if state:
+        picture.suptitle(style.literal(state, states.LONGEST), fontsize=9, color=style.LINES[1])
+
+
+def _draw_moments(flow, view, moments, columns, marked=False):
+    """Draw moments; marked : whether with zones and the still level, and in the first one the places of probes."""
     limits = view.limits(moments)
     grid = flow.subplots(-(-len(moments) // columns), columns, squeeze=False, sharex=True, sharey=True)
     discs = [view.draw(axes, moment, limits, label=False) for axes, moment in zip(grid.flat, moments)]
+    for number, (axes, moment) in enumerate(zip(grid.flat, moments)):
+        if marked:
+            view.mark(axes, moment["time"], probes=number == 0)
     for axes in grid.flat[len(moments):]:
         axes.remove()
     for axes in grid.flat:
@@ -97,8 +108,11 @@ def _draw_series(series, run, panels):
         axes = series.add_subplot(grid[number // 2, number % 2])
         curves.draw_curves(axes, lines, unit)
         curves.time_label(axes, False, True)
+        curves.show_steps(axes, run)
     last = grid[-1, 1] if len(panels) % 2 else grid[-1, :]
-    _draw_steps(series.add_subplot(last), run.steps)
+    axes = series.add_subplot(last)
+    _draw_steps(axes, run.steps)
+    curves.show_steps(axes, run)
 
 
 def _draw_steps(axes, steps):

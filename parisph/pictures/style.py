@@ -20,7 +20,10 @@ from parisph.case.motion.oscillations import Roll
 from parisph.io.files import replacing
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import EllipseCollection
     from matplotlib.figure import Figure
+    from matplotlib.patheffects import AbstractPathEffect
 
 @dataclass(frozen=True)
 class Quantity:
@@ -223,12 +226,31 @@ def with_prefix(largest: float, unit: str) -> tuple[float, str]:
     return 1.0, unit
 
 
+def halo(width: float = 2.0) -> "list[AbstractPathEffect]":
+    """Return the path effects of text and lines with a white edge [points], which are seen on all colours."""
+    from matplotlib.patheffects import withStroke
+
+    return [withStroke(linewidth=width, foreground="white")]
+
+
 def drawing() -> ModuleType:
     """Return matplotlib's module `figure`. Raises MissingLibrary, which says how to get it."""
     libraries.require("matplotlib")
     from matplotlib import figure
 
     return figure
+
+
+def discs(axes: "Axes", x: np.ndarray, diameter: float, **how: Any) -> "EllipseCollection":
+    """Draw discs at x (n, 2), in the units of the axes, so that their size stays right when one zooms in."""
+    from matplotlib.collections import EllipseCollection
+
+    size = np.full(len(x), diameter)
+    drawn = EllipseCollection(size, size, np.zeros(len(x)), units="xy", offsets=x, offset_transform=axes.transData,
+                              **{"linewidths": 0.0, **how})
+    drawn.set_in_layout(False)
+    axes.add_collection(drawn)
+    return drawn
 
 
 def save_small(picture: "Figure", path: AnyPath, dpi: float = 90, colours: int = 64) -> None:

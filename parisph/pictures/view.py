@@ -9,13 +9,15 @@ import numpy as np
 from parisph.base.errors import CaseError, StoreError
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, WET
 from parisph.base.paths import AnyPath
+from parisph.case.bodies import Profile
 from parisph.case.shapes import Tank
 from parisph.geometry.build import domain
 from parisph.geometry.outline import outline_of
 from parisph.geometry.standing import standing
 from parisph.io.reader import Run, open_run
-from parisph.pictures import style
-from parisph.pictures.bodies_view import draw_bodies, of_dict
+from parisph.pictures import style, window
+from parisph.pictures.bodies_view import draw_bodies, draw_marks, of_dict
+from parisph.pictures.frames import TANK, Seen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +27,6 @@ if TYPE_CHECKING:
 # Diameters in spacings: a drawn particle; and the ground below those inside, which closes the gaps that
 # discs leave between them, without making the surface thicker than half a particle.
 DISC, GROUND = 1.05, 1.8
-FLAT = 5.5    # windows that are wider than this, over their height, are drawn stretched upwards, to this
 ABOVE = 1.5    # the order of particles: above solids, so that one that crosses a wall is seen
 
 
@@ -40,7 +41,9 @@ class Look:
     normalise : divide lengths by H, pressures by rho g H, velocities by sqrt(g H)
     limits : (lowest, highest) of the colours, in the picture's unit; None to fit the values
     colours : name of a matplotlib colour map, None for that of the quantity
-    zoom : (left, right, low, high) of the axes, in their unit; None for all of the fluid
+    zoom : (left, right, low, high) of the axes, in their unit; None for walls and fluid, but for spray outside them
+    frame : "tank", in whose frame the flow is computed, or "world", the room in which the tank moves; velocities too
+        are seen from there
 
     Raises
     ------
@@ -53,6 +56,7 @@ class Look:
     limits: tuple[float, float] | None = None
     colours: str | None = None
     zoom: tuple[float, float, float, float] | None = None
+    frame: str = TANK
 
     def __post_init__(self) -> None:
         style.quantity(self.field)
@@ -120,10 +124,11 @@ class FieldView:
             raise CaseError("this scene has no constant gravity: it has no sqrt(g H) to divide by")
         self.length = self.own.length if look.normalise else 1.0
         self.spacing = case["numerics"]["spacing"] / self.length
-        self.bodies = None if style.only_tank(case) else of_dict(case)
+        self.scene = of_dict(case)
+        self.bodies = None if style.only_tank(case) else self.scene
+        self.seen = Seen.of(self.scene, look.frame)
         self.window = self._window(snapshots)
-        (left, right), (low, high) = self.window
-        self.stretch = max(1, round((right - left) / (high - low) / FLAT))    # times that heights are drawn
+        self.stretch = window.stretch(self.window)    # times that heights are drawn
 
     def size(self, width: float = 8.0) -> tuple[float, float]:
         """Return the figure size [inch] for the window, with room for labels and colour bar."""
@@ -136,12 +141,14 @@ class FieldView:
         """Draw one snapshot into axes; return the coloured collection, or None for roles.
 
         limits : (lowest, highest) of the colours; label : whether to show the title of the case;
-        note : text behind the time
+        note : text that the title shows too
         """
+        snapshot = self.seen.snapshot(snapshot)
         x, values = snapshot["x"] / self.length, self.values(snapshot)
         fluid = snapshot["kind"] == FLUID
         ground = (fluid & (snapshot["role"] == INNER)) | self._walls_to_fill(snapshot)
-        layers = [(self._discs(axes, x[rows], size), values[rows]) for rows, size in ((ground, GROUND), (fluid, DISC))]
+        layers = [(style.discs(axes, x[rows], size * self.spacing), values[rows])
+                  for rows, size in ((ground, GROUND), (fluid, DISC))]
         # The ground is cut at the walls. Particles are not: one that crosses a wall is seen.
         self._draw_walls(axes, layers[0][0], snapshot["time"])
         layers[1][0].set_zorder(ABOVE)
@@ -155,8 +162,14 @@ class FieldView:
             self._name_roles(axes, snapshot["role"][fluid | ground])
         elif self.look.surface:
             self._ring(axes, x, snapshot)
-        self._finish(axes, snapshot["time"], label, note)
+        away = window.outside(x[fluid], self.window) if self.look.zoom is None else 0
+        self._finish(axes, snapshot["time"], label,
+                     [note, f"{away} particle{'s' * (away > 1)} outside" if away else ""])
         return None if roles else layers[1][0]
+
+    def mark(self, axes: "Axes", time: float, probes: bool = True) -> None:
+        """Draw into axes what the scene has besides fluid and walls: still level, zones, and places of probes."""
+        draw_marks(axes, self.scene, self.window, time, self.length, self.seen, probes)
 
     def values(self, snapshot: Mapping[str, Any]) -> np.ndarray:
         """The quantity in the picture's unit, (n,)."""
@@ -212,7 +225,7 @@ class FieldView:
         """The finite values (n,) of all that is drawn inside the window: fluid, and the walls that carry a pressure."""
         found = []
         (left, right), (low, high) = self.window
-        for snapshot in snapshots:
+        for snapshot in map(self.seen.snapshot, snapshots):
             x, values = snapshot["x"] / self.length, self.values(snapshot)
             inside = (x[:, 0] >= left) & (x[:, 0] <= right) & (x[:, 1] >= low) & (x[:, 1] <= high)
             shown = (snapshot["kind"] == FLUID) | self._walls_to_fill(snapshot)
@@ -235,23 +248,28 @@ class FieldView:
 
     def _window(self, snapshots):
         """((left, right), (low, high)) of the axes: as zoomed, or fluid of the snapshots and tank but its empty top."""
-        x = np.concatenate([snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots])
-        low, high = x.min(axis=0), x.max(axis=0)
-        box = self._walls_box()
-        if box is not None:
-            left, right = box
-            full = high[1] > left[1] + 0.7 * (right[1] - left[1])
-            top = right[1] if full else min(right[1], left[1] + 1.2 * (high[1] - left[1]))
-            low, high = np.minimum(low, left), np.maximum(high, (right[0], top))
-        margin = np.minimum(0.03 * np.max(high - low), 0.12 * (high - low))
-        low, high = (low - margin) / self.length, (high + margin) / self.length
+        box, spacing = self._walls_box(), self.case["numerics"]["spacing"]
+        fluid = [snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots]
+        fluid = [x[window.shown(x, spacing, box)] for x in fluid]
+        times = np.array([snapshot["time"] for snapshot in snapshots])
+        walls = [] if box is None else self.seen.course(self._walls_shown(box, fluid), times)
+        ends = window.of([self.seen.placed(x, t) for x, t in zip(fluid, times)], walls, self.length)
         if self.look.zoom is None:
-            return (low[0], high[0]), (low[1], high[1])
+            return ends
         left, right, bottom, top = self.look.zoom
-        if left >= high[0] or right <= low[0] or bottom >= high[1] or top <= low[1]:
+        if left >= ends[0][1] or right <= ends[0][0] or bottom >= ends[1][1] or top <= ends[1][0]:
             raise CaseError(f"--zoom {left:g} {right:g} {bottom:g} {top:g}: nothing is there; the scene reaches from "
-                            f"x = {low[0]:.4g} to {high[0]:.4g} and from y = {low[1]:.4g} to {high[1]:.4g}")
+                            f"x = {ends[0][0]:.4g} to {ends[0][1]:.4g} and from y = {ends[1][0]:.4g} to "
+                            f"{ends[1][1]:.4g}")
         return (left, right), (bottom, top)
+
+    def _walls_shown(self, box, fluid):
+        """The corners (4, 2) [m] around the walls, without the empty top of a tank that has no lid."""
+        (left, low), (right, top) = box
+        high = max((x[:, 1].max() for x in fluid if len(x)), default=top)
+        if not self.scene.lidded and high <= low + 0.7 * (top - low):
+            top = min(top, low + 1.2 * (high - low))
+        return np.array([(left, low), (right, low), (right, top), (left, top)])
 
     def _walls_box(self):
         """The lower and upper corner [m] of the box around all walls, None without any."""
@@ -268,18 +286,6 @@ class FieldView:
         wet = (snapshot["kind"] == WALL) & (snapshot["role"] == WET)
         return wet if self.quantity.needs in ("p", "role") else np.zeros_like(wet)
 
-    def _discs(self, axes, x, diameter, **how):
-        """Discs of the particles' size in the units of the axes, so that they stay right when one zooms in."""
-        from matplotlib.collections import EllipseCollection
-
-        size = np.full(len(x), diameter * self.spacing)
-        how = {"linewidths": 0.0, **how}
-        discs = EllipseCollection(size, size, np.zeros(len(x)), units="xy", offsets=x,
-                                  offset_transform=axes.transData, **how)
-        discs.set_in_layout(False)
-        axes.add_collection(discs)
-        return discs
-
     def _name_roles(self, axes, roles):
         from matplotlib.patches import Patch
 
@@ -292,20 +298,27 @@ class FieldView:
         from matplotlib.patches import Polygon, Rectangle
 
         if self.bodies is not None:
-            draw_bodies(axes, self.bodies, time, self.length, self.window[1][0] * self.length)
-            tanks = [wall for wall in standing(self.bodies) if isinstance(wall, Tank)]
-            if len(tanks) == 1:    # other walls are filled, and hide what is in them
-                around = tanks[0].motion.placed(outline_of(tanks[0]).points, time) / self.length
-                cut.set_clip_path(Polygon(around, transform=axes.transData))
+            (left, right), (low, high) = self.window
+            far = (right - left + high - low) * self.length
+            floor = low * self.length - (far if self.seen.moved else 0.0)    # below the axes wherever the tank is
+            draw_bodies(axes, self.bodies, time, self.length, floor, self.seen)
+            around = [_room(wall, time, far) for wall in standing(self.bodies)
+                      if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
+            if len(around) == 1:    # other walls are filled, and hide what is in them
+                cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
             return
         tank = next(iter(style.bodies_of(self.case)), None)
         if tank is None:
             return
-        left, low = np.array(tank["at"]) / self.length
-        width, height = tank["width"] / self.length, tank["height"] / self.length
-        right, top = left + width, low + height
-        corners = [(left, top), (left, low), (right, low), (right, top)] + ([(left, top)] if tank["lid"] else [])
-        axes.plot(*np.transpose(corners), color=style.WALL_COLOUR, linewidth=2.0, solid_joinstyle="miter", zorder=3)
+        (left, low), (right, top) = self._walls_box()
+        corners = np.array([(left, top), (left, low), (right, low), (right, top), (left, top)])
+        corners = self.seen.placed(corners, time) / self.length
+        axes.plot(*corners[:None if tank["lid"] else 4].T, color=style.WALL_COLOUR, linewidth=2.0,
+                  solid_joinstyle="miter", zorder=3)
+        if self.seen.moved:
+            cut.set_clip_path(Polygon(corners, transform=axes.transData))
+            return
+        (left, low), (right, top) = corners[1], corners[3]
         inside = np.clip([left, right], *self.window[0]), np.clip([low, top], *self.window[1])
         corner, size = [side[0] for side in inside], [side[1] - side[0] for side in inside]
         cut.set_clip_path(Rectangle(corner, *size, transform=axes.transData))
@@ -318,21 +331,41 @@ class FieldView:
             name, colour = style.ROLES[role]
             chosen = (snapshot["kind"] == FLUID) & (snapshot["role"] == role)
             if np.any(chosen):
-                self._discs(axes, x[chosen], DISC, facecolors="none", edgecolors=colour, linewidths=0.8, zorder=4)
+                style.discs(axes, x[chosen], DISC * self.spacing, facecolors="none", edgecolors=colour, linewidths=0.8,
+                            zorder=4)
                 handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="none",
                                       color=colour, label=name))
         if handles:
             axes.legend(handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2,
                         frameon=False, fontsize=9, borderaxespad=0.2, handletextpad=0.1)
 
-    def _finish(self, axes, time, label, note):
+    def _finish(self, axes, time, label, notes):
         axes.set_xlim(self.window[0])
         axes.set_ylim(self.window[1])
         axes.set_aspect(self.stretch)
         axes.set_xlabel("$x/H$" if self.look.normalise else "$x$ [m]")
         axes.set_ylabel("$y/H$" if self.look.normalise else "$y$ [m]")
         axes.tick_params(direction="in", top=True, right=True)
-        more = [f"heights drawn {self.stretch} times"] if self.stretch > 1 else []
-        when = ",   ".join([style.time_label(time, self.own), *more, *([note] if note else [])])
-        axes.set_title(f"{style.literal(self.case['title'])}\n{when}" if label else when, loc="left",
-                       fontsize=11 if label else 9)
+        more = ",   ".join(filter(None, [self.seen.note(time), window.said(self.stretch), *notes]))
+        title = [*([style.literal(self.case["title"])] if label else []), style.time_label(time, self.own),
+                 *([more] if more else [])]
+        axes.set_title("\n".join(title), loc="left", fontsize=11 if label else 9)
+        down = self.seen.down(time)
+        if down is not None:
+            _arrow(axes, down, "$g$")
+
+
+def _room(wall, time, far):
+    """Return points (n, 2) [m] around what is inside a tank, or above a bed and between its ends."""
+    x = wall.motion.placed(outline_of(wall).points, time)
+    top = x[:, 1].max() + far
+    return x if isinstance(wall, Tank) else np.concatenate([x, [(x[-1, 0], top), (x[0, 0], top)]])
+
+
+def _arrow(axes, direction, name):
+    """Draw an arrow in a direction (2,), with its name at the tail, in the upper right corner of the axes."""
+    arrow = axes.annotate(name, xy=(0.92, 0.82), xycoords="axes fraction", xytext=tuple(-24.0 * direction),
+                          textcoords="offset points", ha="center", va="center", fontsize=9, zorder=6,
+                          arrowprops={"arrowstyle": "-|>", "color": "black", "shrinkA": 6.0, "shrinkB": 0.0,
+                                      "path_effects": style.halo()}, path_effects=style.halo())
+    arrow.set_in_layout(False)

@@ -1,13 +1,12 @@
 """What a report says of a run in numbers, all of them from summary.json and case.json."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from parisph.base.text import named
 from parisph.case.probes import AnyProbe
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
-from parisph.pictures.style import REST, bodies_of
 from parisph.report.entries import Cell, Table, number
 
 SUMMARY, CASE = "summary.json", "case.json"
@@ -20,54 +19,9 @@ ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", 
               "samples", "least of others", "best shift [s]", "error if so shifted")
 PROFILE_HEAD = ("profiles", "reference", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
 AT_END = 0.999    # of the range of shifts: as near to its end as that, nothing says that the error rises beyond
-PARTICLES = (("particles", ["particles"]), ("of these, fluid", ["fluid_particles"]),
-             ("of these, on walls", ["wall_particles"]))
 Probes = Sequence[AnyProbe]
 AnyTruth = Truth | WaveTruth | Peaks | Profiles
 Content = Mapping[str, Any]    # of a JSON file
-
-
-def conditions(case: Content, summary: Content) -> Table:
-    """Return what was run: method, resolution, what is special of the scene, steps, ranks and versions."""
-    origin = [("scene of", number(case, CASE, ["source"]))] if case.get("source") else []
-    rows = [("status", number(summary, SUMMARY, ["status"])), *origin,
-            ("method", number(case, CASE, ["numerics", "method"])),
-            ("preset", number(case, CASE, ["numerics", "preset"])),
-            *((name, number(summary, SUMMARY, path, "d")) for name, path in PARTICLES if path[0] in summary),
-            ("spacing", number(case, CASE, ["numerics", "spacing"], ".6g", "m")), *_scene(case),
-            ("steps", number(summary, SUMMARY, ["steps"], "d")),
-            ("time step", Cell("adaptive") if case["numerics"].get("time_step") is None
-             else number(case, CASE, ["numerics", "time_step"], ".6g", "s")),
-            ("time reached", number(summary, SUMMARY, ["time"], ".6g", "s")),
-            ("ranks", number(summary, SUMMARY, ["ranks"], "d")),
-            ("parisph", number(summary, SUMMARY, ["parisph_version"])),
-            ("PETSc options", number(summary, SUMMARY, ["petsc_options"]))]
-    versions = summary.get("versions")
-    rows += [(name, number(summary, SUMMARY, ["versions", name])) for name in
-             (versions if isinstance(versions, dict) else ())]
-    return _named(rows)
-
-
-def _scene(case: Content) -> Iterator[tuple[str, Cell]]:
-    """Yield what a picture of the flow does not show: disorder of the particles, motions, and zones without waves."""
-    if case["numerics"].get("jitter"):
-        yield "jitter of the particles at the start", number(case, CASE, ["numerics", "jitter"], ".3g", "spacings")
-        yield "seed of the jitter", number(case, CASE, ["numerics", "seed"], "d")
-    if (case.get("frame") or REST)["kind"] != REST["kind"]:
-        yield "motion of the tank, in whose frame the flow is", number(case, CASE, ["frame", "kind"])
-    walls = case.get("walls")
-    places: list[list[Any]] = [["walls", k] for k in range(len(walls))] if isinstance(walls, list) else [["walls"]]
-    for body, place in zip(bodies_of(case), places):
-        name = body.get("name") or body.get("kind", "wall")
-        for what in ("motion", "wave"):    # a wavemaker has one of them
-            if (body.get(what) or REST)["kind"] != REST["kind"]:
-                yield f"{what} of {name}", number(case, CASE, [*place, what, "kind"])
-    if case.get("friction"):
-        yield "friction on walls, viscosity", number(case, CASE, ["friction", "viscosity"], ".3g", "m2/s")
-        yield "friction on walls, roughness", number(case, CASE, ["friction", "roughness"], ".3g", "m")
-    for k, zone in enumerate(case.get("absorb") or ()):
-        yield f"{zone['kind']} from x", number(case, CASE, ["absorb", k, "start"], ".4g", "m")
-        yield f"{zone['kind']}, length", number(case, CASE, ["absorb", k, "length"], ".4g", "m")
 
 
 def cost(summary: Content) -> Table:
@@ -81,7 +35,7 @@ def cost(summary: Content) -> Table:
     phases = summary.get("cpu_phases") or {}
     longest = sorted(phases, key=lambda name: -float(phases[name]))[:4]
     rows += [(f"CPU time, {name}", number(summary, SUMMARY, ["cpu_phases", name], ".4g", "s")) for name in longest]
-    return _named(rows)
+    return named_rows(rows)
 
 
 def errors(probes: Probes, case: Content, summary: Content) -> Table:
@@ -196,5 +150,6 @@ def _with_files(probe: AnyProbe) -> tuple[Truth | Profiles, ...]:
     return (truth, *truth.others) if isinstance(truth, (Truth, Profiles)) else ()
 
 
-def _named(rows: list[tuple[str, Cell]]) -> Table:
+def named_rows(rows: Iterable[tuple[str, Cell]]) -> Table:
+    """Return a table of (name, Cell)."""
     return Table((), tuple((Cell(name), cell) for name, cell in rows))

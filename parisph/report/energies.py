@@ -21,8 +21,8 @@ WHOLE = (
 MOVING = (
     "The energy in motion is the kinetic energy plus the potential energy above that of the fluid at rest: the energy "
     "of the waves and of the flow. Where it is a small part of the whole energy, it is a small difference of large "
-    "numbers: a little more or less volume, or a start that is no lattice, changes it more than the flow does. With "
-    "the preset gentle, in 2D and where the water fills the width of its tank, it is found from the elevation of the "
+    "numbers: a little more or less volume, or a start that is no lattice, changes it more than the flow does. In "
+    "2D, where the water fills the width of a tank that is all its walls, it is found from the elevation of the "
     "surface instead."
 )
 KINETIC = "No potential energy is computed for this body force: the energy is the kinetic energy alone."

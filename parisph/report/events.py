@@ -18,6 +18,18 @@ PASSED = (
     "splash that comes by counts as well."
 )
 ARRIVAL_HEAD = ("probe", "passes", "at")
+IMPACT_HEAD = ("probe", "greatest value", "at [s]", "lasts [s]", "mean over 5 ms", "greatest that lasts", "at [s]",
+               "mean over 5 ms")
+IMPACTS = (
+    "Greatest pressures [Pa] and forces [N/m, by size], and for how long they are above half of their rise. "
+    "A peak that is only one or two values of the pressure long, as of a cavity without air that collapses, is marked: "
+    "it depends on the time step and on chance, and the next one that lasts longer stands beside it."
+)
+PASSED_HEAD = ("probe", "event", "from [s]", "to [s]", "volume [m2]")
+LINES = (
+    "Volumes of water that have passed lines, per metre of width, positive from the left of a line to its right as "
+    "seen from its start to its end. An event ends when no water passes for the `pause` of its probe."
+)
 
 
 def peaks(probes: Probes, summary: Content) -> Table:
@@ -34,6 +46,8 @@ def peaks(probes: Probes, summary: Content) -> Table:
 
 def _remark(summary: Content, path: list[Any], name: str) -> str:
     """Return what is said behind a number of the table of peaks: a value that rises until the end has no peak."""
+    if name == "found" and number(summary, SUMMARY, [*path, "short"]).text == "True":
+        return f"(short: not resolved; {number(summary, SUMMARY, [*path, 'mean']).text} over 5 ms)"
     last = name == "time" and number(summary, SUMMARY, [*path, "last"]).text == "True"
     return "(last sample: the value may still rise)" if last else ""
 
@@ -45,6 +59,30 @@ def arrivals(case: Content, summary: Content) -> Table:
     return Table(ARRIVAL_HEAD, tuple(
         (Cell(name), levels.get(name, Cell("-")), number(summary, SUMMARY, ["arrivals", name], ".4g", "s"))
         for name in summary.get("arrivals") or ()))
+
+
+def impacts(summary: Content) -> Table:
+    """Return the greatest pressures and forces, which of them are too short to be resolved, and the next ones."""
+    rows = []
+    for name, found in (summary.get("peaks") or {}).items():
+        path = ["peaks", name]
+        short = " (short: not resolved)" * bool(found.get("short"))
+        rows.append((Cell(name + short), *(number(summary, SUMMARY, [*path, *inner], form) for inner, form in (
+            (["value"], ".4g"), (["time"], ".4g"), (["lasts"], ".2g"), (["mean"], ".4g"),
+            (["lasting", "value"], ".4g"), (["lasting", "time"], ".4g"), (["lasting", "mean"], ".4g")))))
+    return Table(IMPACT_HEAD, tuple(rows))
+
+
+def passed(summary: Content) -> Table:
+    """Return the volumes that have passed the lines of probes: in all, and in each event."""
+    rows = []
+    for name, found in (summary.get("passed") or {}).items():
+        path = ["passed", name]
+        rows.append((Cell(name), Cell("all"), Cell(""), Cell(""), number(summary, SUMMARY, [*path, "total"])))
+        rows += [(Cell(name), Cell(str(k + 1)), *(number(summary, SUMMARY, [*path, "events", k, what])
+                                                  for what in ("start", "end", "volume")))
+                 for k in range(len(found.get("events") or ()))]
+    return Table(PASSED_HEAD, tuple(rows))
 
 
 def _levels(case: Content) -> Iterator[tuple[str, str, list[Any]]]:

@@ -7,13 +7,15 @@ inside another, between two marks. Needs matplotlib, no MPI.
 from collections.abc import Sequence
 from pathlib import Path
 
-from parisph.base.errors import CaseError, StoreError
+from parisph.base.errors import StoreError
+from parisph.base.markdown import escaped, line, target
 from parisph.base.paths import AnyPath
 from parisph.base.text import named, plain
 from parisph.io.files import write_text
 from parisph.io.reader import Run
 from parisph.pictures import curves, overview, style
 from parisph.report import account, events, markup
+from parisph.report.between import Between
 from parisph.report.entries import Cell, Table, number
 from parisph.report.page import Subject, subject
 
@@ -48,7 +50,7 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
         path = _picture(about.run, _folder(place) / f"{name}.png")
         pages += [markup.heading(about.title), *([markup.picture(path, _caption(about.run))] if path else []),
                   markup.table(_facts(about)), *_shown(_table(about))]
-        texts += [f"## {about.title}", "", *_text(name, about, f"{name}.png" if path else "")]
+        texts += [f"## {line(about.title)}", "", *_text(name, about, f"{name}.png" if path else "")]
     try:
         write_text(place / "gallery.html", markup.page("Gallery", [markup.paragraph(_words()), *pages]))
         write_text(place / "gallery.md", "\n".join([*texts[:2], _words(), "", *texts[2:]]))
@@ -60,32 +62,25 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
 def put_into(folders: Sequence[AnyPath], file: AnyPath) -> list[Path]:
     """Put the gallery into a Markdown file, in place of what is between its lines START and END; return its path.
 
-    The pictures go to the folder `pictures` beside it. A section has the name of the run's folder.
+    The pictures go to the folder `pictures` beside it, or beside the file that it is a link to. A section has the name
+    of the run's folder. All other bytes of the file stay.
 
-    Raises CaseError for a file without the marks; otherwise as `write`.
+    Raises CaseError for a file without the marks, or with another encoding than UTF-8; otherwise as `write`.
     """
-    path, texts = Path(file), [START, "", _words(), ""]
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise StoreError(f"cannot read {named(path)}: {error.strerror}") from None
-    if not (START in lines and END in lines and lines.index(START) < lines.index(END)):
-        raise CaseError(f"{named(path)} has no line {START} with a line {END} below it: the gallery goes between them")
+    place, texts = Between(file, START, END, "the gallery"), ["", _words(), ""]
+    pictures = place.path.parent / PICTURES
     for name, about in _subjects(folders):
-        picture = _picture(about.run, _folder(path.parent / PICTURES) / f"{name}.png")
-        texts += [f"### {name}", "", *_text(about.title, about, f"{PICTURES}/{name}.png" if picture else "")]
-    lines[lines.index(START):lines.index(END)] = texts
-    try:
-        write_text(path, "\n".join(lines) + "\n")
-    except OSError as error:
-        raise StoreError(f"cannot write {path}: {error.strerror}") from None
-    return [path]
+        picture = _picture(about.run, _folder(pictures) / f"{name}.png")
+        texts += [f"### {line(name)}", "", *_text(about.title, about, f"{PICTURES}/{name}.png" if picture else "")]
+    place.put(texts)
+    return [Path(file)]
 
 
 def _subjects(folders: Sequence[AnyPath]) -> list[tuple[str, Subject]]:
     subjects = [subject(folder) for folder in found(folders)]
-    names = curves.folder_names([about.run.folder for about in subjects])
-    return list(zip((name.replace("/", "_") for name in names), subjects))
+    names = [name.replace("/", "_") for name in curves.folder_names([about.run.folder for about in subjects])]
+    return [(name if names.count(name) == 1 else f"{name}-{number}", about)
+            for number, (name, about) in enumerate(zip(names, subjects), 1)]
 
 
 def _words() -> str:
@@ -190,7 +185,7 @@ def _text(alternative: str, about: Subject, picture: str) -> list[str]:
     origin = f"{plain(about.case['source'])}. " if about.case.get("source") else ""
     told = (f"{about.title}. " if alternative == about.title else "") + origin + _in_words(_facts(about))
     content = _table(about)
-    return [*([f"![{alternative}]({picture})", ""] if picture else []), f"{told}.", "",
+    return [*([f"![{escaped(alternative)}]({target(picture)})", ""] if picture else []), line(f"{told}."), "",
             *([_markdown(content)] if content.rows else ["No truth."]), ""]
 
 
@@ -205,6 +200,6 @@ def _in_words(facts: Table) -> str:
 
 
 def _markdown(content: Table) -> str:
-    lines = [content.head, tuple("---" for _ in content.head),
-             *(tuple(cell.text.replace("|", "/") for cell in row) for row in content.rows)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    rows = [content.head, tuple("---" for _ in content.head),
+            *(tuple(escaped(cell.text) for cell in row) for row in content.rows)]
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)

@@ -15,9 +15,10 @@ from parisph.case import stored
 from parisph.case.probes import AnyProbe, ProbeArray
 from parisph.case.truths import intervals
 from parisph.io.files import write_text
+from parisph.io.folder import make_inside
 from parisph.io.reader import Run, open_run
 from parisph.pictures import beside, curves, overview, view
-from parisph.report import account, energies, events, markup
+from parisph.report import account, conditions, energies, events, flume, markup
 
 PAGE, FOLDER = "report.html", "report"
 LAST = 0.005    # of an interval: a greatest value this near to its end may go on to rise
@@ -61,12 +62,12 @@ def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
     about, place = subject(folder), Path(out if out is not None else folder)
     pictures = place / FOLDER
     try:
-        pictures.mkdir(parents=True, exist_ok=True)
+        make_inside(pictures)
     except OSError as error:
         raise StoreError(f"cannot make {pictures}: {error.strerror}") from None
     try:
         parts = [*_run(about), *_errors(about), *_series(about, pictures), *_flow(about, pictures),
-                 *_conserved(about), *_cost(about, pictures)]
+                 *_conserved(about), *_cost(about, pictures), *_made(about)]
     except (TypeError, KeyError, AttributeError, OverflowError) as error:
         raise StoreError(f"{about.run.folder / 'summary.json'} is damaged: its entries are not those of a summary "
                          f"({type(error).__name__})") from None
@@ -78,12 +79,12 @@ def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
 
 
 def _run(about: Subject) -> list[str]:
-    parts = [markup.paragraph(f"Run in {about.run.folder.resolve().name}. Every number of the tables is an entry of "
-                              "summary.json or case.json of this run: point at it to see which.", "small")]
+    parts = [markup.paragraph(f"Run in {named(about.run.folder.resolve().name)}. Every number of the tables is an "
+                              "entry of summary.json or case.json of this run: point at it to see which.", "small")]
     if not about.summary:
         parts.append(markup.paragraph("There is no summary.json: the run goes on, or was killed.", "warning"))
     parts += [markup.paragraph(f"Warning: {text}", "warning") for text in about.summary.get("warnings") or ()]
-    return [*parts, markup.heading("What was run"), markup.table(account.conditions(about.case, about.summary))]
+    return [*parts, markup.heading("What was run"), markup.table(conditions.conditions(about.case, about.summary))]
 
 
 def _errors(about: Subject) -> list[str]:
@@ -99,15 +100,23 @@ def _errors(about: Subject) -> list[str]:
     parts += [markup.paragraph(f"{name}: {note}", "small") for name, note in account.notes(about.probes)]
     for title, content, words in (("Profiles", account.profiles(about.probes, about.summary), ""),
                                   ("Peaks", events.peaks(about.probes, about.summary), events.PEAKS),
-                                  ("Arrivals", events.arrivals(about.case, about.summary), events.PASSED)):
+                                  ("Greatest pressures", events.impacts(about.summary), events.IMPACTS),
+                                  ("Arrivals", events.arrivals(about.case, about.summary), events.PASSED),
+                                  ("Water that passed lines", events.passed(about.summary), events.LINES)):
         if content.rows:
             parts += [markup.heading(title), markup.table(content)]
             parts += [markup.paragraph(words, "small")] if words else []
+    waves = list(flume.reflection(about.summary))
+    parts += [markup.heading("Incident and reflected waves")] if waves else []
+    for content, words in waves:
+        parts += [markup.table(content), *([markup.paragraph(words, "small")] if words else [])]
     return parts
 
 
 def _series(about: Subject, folder: Path) -> list[str]:
     parts, rest = [markup.heading("Probes")], []
+    parts += [markup.paragraph(f"{name}: {words}", "small")
+              for name, words in (about.summary.get("touched") or {}).items()]
     for probe in about.probes:
         if probe.name not in about.run.probe_names:
             continue
@@ -156,6 +165,10 @@ def _of_peak(about: Subject, name: str, value: float, time: float) -> str:
              ) if compared else ""
     if any(end - LAST * (end - start) <= time <= end for start, end in compared):
         where += ", at its end and so perhaps no peak"
+    known = (about.summary.get("peaks") or {}).get(name) or {}
+    if known.get("short"):
+        where += (f", a short peak that is not resolved (mean over {1e3 * known['mean_over']:g} ms: "
+                  f"{known['mean']:.4g} {unit})")
     return f"Pressure at the greatest value of {name}{where}: {value:.4g} {unit} at t = {time:.4g} s"
 
 
@@ -177,3 +190,11 @@ def _cost(about: Subject, folder: Path) -> list[str]:
     except (ParisphError, ValueError):    # no step was made
         return parts
     return [*parts, markup.picture(folder / "solver.png", "Iterations of the pressure solve, and time steps")]
+
+
+def _made(about: Subject) -> list[str]:
+    """Return by what the run was made, last and partly folded: the physics is above."""
+    values = conditions.parameters(about.case)
+    return [markup.heading("How it was made"), *([markup.table(values)] if values.rows else []),
+            markup.folded("Case file, machine, options and versions",
+                          markup.table(conditions.making(about.case, about.summary)))]

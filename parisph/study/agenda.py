@@ -8,7 +8,7 @@ from parisph.base import paths
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
 from parisph.base.text import named
-from parisph.driver import preview
+from parisph.driver import estimate
 from parisph.study import conduct, prepared, report, study_file
 from parisph.study.conduct import End
 from parisph.study.definition import Study
@@ -90,9 +90,9 @@ def listing(plan: Agenda) -> str:
         left, basis = left + (0.0 if done else found["seconds"]), found["basis"]
         rows.append([item.point.label, str(number), f"{item.spacing:.4g}", item.step_text,
                      str(item.case.numerics.seed), str(item.point.ranks), str(found["particles"]), str(found["steps"]),
-                     preview.duration(found["seconds"]), done.status if done else "to do"])
+                     estimate.duration(found["seconds"]), done.status if done else "to do"])
     head = ["run", "n", "spacing", "time step", "seed", "ranks", "particles", "steps", "CPU time", "state"]
     todo = sum(item.key not in ends for item in plan.chosen)
     return "\n\n".join([
         f"{plan.title}, into {plan.folder}", report.markdown(head, rows),
-        f"{len(rows)} runs, {todo} to do: about {preview.duration(left)} of CPU time (estimated from {basis})"])
+        f"{len(rows)} runs, {todo} to do: about {estimate.duration(left)} of CPU time (estimated from {basis})"])

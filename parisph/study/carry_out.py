@@ -22,6 +22,7 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from types import FrameType
 
+from parisph.base import markdown
 from parisph.base.errors import Interrupted, MissingLibrary, ParisphError, StoreError
 from parisph.base.text import clipped
 from parisph.io.files import write_json, write_text
@@ -101,7 +102,7 @@ def _conclude(plan: Agenda, found: Sequence[Result], show: Callable[[str], None]
     title = plan.title
     try:
         write_json(plan.folder / "required.json", {"required": limits.as_lines(verdicts)})
-        write_text(plan.folder / "results.md", f"# {title}\n\n" + "\n\n".join(parts) + "\n")
+        write_text(plan.folder / "results.md", f"# {markdown.line(title)}\n\n" + "\n\n".join(parts) + "\n")
     except OSError as error:
         raise StoreError(f"cannot write the table in {plan.folder}: {error.strerror}") from None
     made = _pictures(plan, found, tell)

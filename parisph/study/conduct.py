@@ -1,5 +1,6 @@
 """Make the runs of a study, a few at once; those that are finished already are not made again."""
 
+import json
 import os
 import tempfile
 import time
@@ -9,6 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from parisph.base.errors import ParisphError, StoreError
+from parisph.base.seal import MADE
 from parisph.base.text import plain
 from parisph.case.schema import Case
 from parisph.io import reader
@@ -135,7 +137,8 @@ def conduct(items: Sequence[Prepared], folder: Path, jobs: int, limit: float | N
 
 def _start(item: Prepared, folder: Path) -> processes.Process:
     case, out = folder / CASES / f"{item.folder}.json", folder / RUNS / item.folder
-    write_text(case, item.stored)
+    # with the parameters that made the case, which are no part of it and of its digest
+    write_text(case, json.dumps({**json.loads(item.stored), MADE: dict(item.case.origin)}))
     with suppress(FileNotFoundError):
         (folder / ENDS / f"{item.folder}.json").unlink()
     # what an interrupted attempt has left is moved aside

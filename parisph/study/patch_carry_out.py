@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from parisph.base import markdown
 from parisph.base.errors import Interrupted, MissingLibrary, ParisphError, StoreError
 from parisph.io.files import write_text
 from parisph.io.lock import Lock
@@ -74,7 +75,7 @@ def _conclude(found: Sequence[PatchResult], study: PatchStudy, file: Path, folde
     parts = [patch_report.table(found, study)] + ([f"{missing} tests have no result yet."] if missing else [])
     patch_report.save(found, study, folder, missing)
     try:
-        write_text(folder / "results.md", f"# {title}\n\n" + "\n\n".join(parts) + "\n")
+        write_text(folder / "results.md", f"# {markdown.line(title)}\n\n" + "\n\n".join(parts) + "\n")
     except OSError as error:
         raise StoreError(f"cannot write the table in {folder}: {error.strerror}") from None
     made = _pictures(found, study, title, folder, progress)

@@ -19,7 +19,7 @@ from parisph.case.faults import first_lines
 from parisph.case.numerics import Numerics
 from parisph.case.schema import Case
 from parisph.case.stored import to_json
-from parisph.driver import cost, preview
+from parisph.driver import cost, estimate
 from parisph.study import measuring, other_codes, plan, set_words
 from parisph.study.definition import Study
 from parisph.study.plan import SHORT, Point
@@ -84,7 +84,7 @@ class Prepared:
         """Return {"particles", "steps", "seconds", "basis"} as `parisph check` estimates them, of one rank."""
         numerics = self.case.numerics.resolved()
         particles = size.counts(self.case)["all"]
-        steps = preview.estimated_steps(self.case, numerics, scales.expected(self.case))
+        steps = estimate.estimated_steps(self.case, numerics, scales.expected(self.case))
         seconds, basis = cost.seconds_per_step(numerics, particles)
         return {"particles": particles, "steps": steps, "seconds": steps * seconds, "basis": basis}
 

@@ -45,7 +45,7 @@ def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column:
     Parameters
     ----------
     run : io.reader.Run
-    reference : path of a CSV file with one header line
+    reference : path of a text file with one header line, see base.reading.read_columns
     probe, column : name of the probe and of its column; may be left out where there is only one
     time, value : names of the reference's columns. By default its first, and the one named as the probe's
         or, where there is none, the first that is neither the time nor `step`

@@ -1,6 +1,7 @@
 """Incident and reflected waves from the elevations at two gauges or more, by least squares.
 
-Goda and Suzuki (1976) take two gauges, Mansard and Funke (1980) three. Nothing here is collective.
+Goda and Suzuki (1976) take two gauges, Mansard and Funke (1980) three. Nothing here is collective. What a run says of
+its gauges is in truth.reflected.
 """
 
 from collections.abc import Sequence
@@ -9,8 +10,14 @@ from typing import NamedTuple
 import numpy as np
 
 from parisph.base.arrays import Floats
+from parisph.case.waves.linear import wave_number
 
 SPREAD = 1e-3    # least singular value of the equations, over the greatest: gauges whole half waves apart tell nothing
+# the same for irregular waves, of which some are half a wave apart at any two gauges: errors grow with its inverse
+SPREAD_OF_MANY = 0.15
+TAPER = 0.1      # of a record, over which it begins, and over which it ends
+WITHIN = (0.5, 2.0)    # of the frequency of the peak: elsewhere there is hardly any energy
+BANDS = 12       # of equal width within that
 
 
 class Waves(NamedTuple):
@@ -29,9 +36,9 @@ class Waves(NamedTuple):
         return self.reflected / self.incident
 
 
-def separated(times: Floats, elevations: Floats, places: Sequence[float], period: float, wave_number: float,
+def separated(times: Floats, elevations: Floats, places: Sequence[float], period: float, k: float,
               harmonics: int = 2) -> Waves:
-    """Return the Waves of a period [s] and a wave number [1/m].
+    """Return the Waves of a period [s] and a wave number k [1/m].
 
     The first harmonic at each gauge is found by least squares, beside the mean, a linear trend and the further
     harmonics; with b_j its complex amplitude at x_j, sum |a exp(-i k x_j) + r exp(i k x_j) - b_j|^2 is least.
@@ -54,10 +61,99 @@ def separated(times: Floats, elevations: Floats, places: Sequence[float], period
         parts += [np.cos(n * phase), np.sin(n * phase)]
     found, *_ = np.linalg.lstsq(np.stack(parts, axis=1), rows.T, rcond=None)
     b = found[2] - 1j * found[3]    # elevation = Re(b exp(i omega t))
-    equations = np.stack([np.exp(-1j * wave_number * x), np.exp(1j * wave_number * x)], axis=1)
-    sizes = np.linalg.svd(equations, compute_uv=False)
-    if len(x) < 2 or sizes[-1] < SPREAD * sizes[0]:
+    equations = _equations(x, k)
+    if spread(x, k) < SPREAD:
         raise ValueError("the gauges are whole half waves apart, or at one place: they cannot tell the waves apart")
     waves, *_ = np.linalg.lstsq(equations, b, rcond=None)
     left = np.linalg.norm(equations @ waves - b) / max(np.linalg.norm(b), np.finfo(float).tiny)
     return Waves(float(abs(waves[0])), float(abs(waves[1])), float(left))
+
+
+class Spectra(NamedTuple):
+    """Irregular waves towards +x and towards -x, in bands of frequency.
+
+    frequencies : (n,) middles of the bands [Hz]
+    incident, reflected : (n,) densities [m2/Hz]; nan in a band in which the gauges cannot tell them apart
+    residual : what is left of the amplitudes at the gauges, relative to them (root mean square)
+    """
+
+    frequencies: Floats
+    incident: Floats
+    reflected: Floats
+    residual: float
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """Significant heights 4 sqrt(m0) of both [m]."""
+        width = self.frequencies[1] - self.frequencies[0]
+        return tuple(float(4.0 * np.sqrt(np.nansum(one) * width)) for one in (self.incident, self.reflected))
+
+    @property
+    def reflection(self) -> float:
+        """Reflected over incident significant height."""
+        incident, reflected = self.heights
+        return reflected / incident
+
+
+def spectra(times: Floats, elevations: Floats, places: Sequence[float], depth: float, g: float = 9.81) -> Spectra:
+    """Return the Spectra of irregular waves, each of whose components has the wave number of linear theory.
+
+    As `separated`, for each frequency of the records. Densities are means over bands from half the frequency of the
+    peak to twice that. Records begin and end over a tenth of their length, so that they are periodic.
+
+    times : (n,) [s], in any steps; elevations : (gauges, n), of any level; depth [m]; g [m/s2]
+
+    Raises ValueError if the gauges cannot tell the waves apart at the peak, or the records are too short.
+    """
+    times, rows, x = np.asarray(times, float), np.asarray(elevations, float), np.asarray(places, float)
+    even = np.linspace(times[0], times[-1], len(times))
+    lasts = even[-1] - even[0]
+    rows = np.array([np.interp(even, times, row) for row in rows])
+    rows = rows - np.array([np.polyval(np.polyfit(even, row, 1), even) for row in rows])
+    ends = np.clip(np.minimum(even - even[0], even[-1] - even) / (TAPER * lasts), 0.0, 1.0)
+    taper = np.sin(0.5 * np.pi * ends) ** 2
+    # eta = Re(b exp(i omega t)), with the energy of the record before the taper
+    b = 2.0 / len(even) * np.fft.rfft(rows * taper, axis=1) / np.sqrt((taper**2).mean())
+    frequencies = np.arange(b.shape[1]) / (lasts * len(even) / (len(even) - 1.0))
+    power = np.convolve((np.abs(b) ** 2).mean(axis=0), np.ones(5) / 5.0, "same")
+    peak = float(frequencies[1 + int(np.argmax(power[1:]))])
+    inside = np.flatnonzero((frequencies >= WITHIN[0] * peak) & (frequencies <= WITHIN[1] * peak))
+    if len(inside) < 2 * BANDS:
+        raise ValueError(f"the records last {lasts:.4g} s, {lasts * peak:.3g} periods of the peak: "
+                         f"{2 * BANDS / (WITHIN[1] - WITHIN[0]):.0f} are the least")
+    if spread(x, float(wave_number(2.0 * np.pi * peak, depth, g))) < SPREAD_OF_MANY:
+        raise ValueError(f"the gauges are about whole half waves apart for waves of the peak, {peak:.4g} Hz: "
+                         "they cannot tell the waves apart")
+    both, left, whole = np.full((2, len(inside)), np.nan), 0.0, 0.0
+    for n, j in enumerate(inside):
+        k = float(wave_number(2.0 * np.pi * frequencies[j], depth, g))
+        if spread(x, k) >= SPREAD_OF_MANY:
+            equations = _equations(x, k)
+            found = np.linalg.lstsq(equations, b[:, j], rcond=None)[0]
+            both[:, n] = 0.5 * np.abs(found) ** 2
+            left += float((np.abs(equations @ found - b[:, j]) ** 2).sum())
+            whole += float((np.abs(b[:, j]) ** 2).sum())
+    edges = peak * np.linspace(*WITHIN, BANDS + 1)
+    number = np.clip(np.searchsorted(edges, frequencies[inside], side="right") - 1, 0, BANDS - 1)
+    step = frequencies[1] - frequencies[0]
+    densities = np.array([[_mean(one[number == band]) / step for band in range(BANDS)] for one in both])
+    return Spectra(0.5 * (edges[:-1] + edges[1:]), *densities, float(np.sqrt(left / max(whole, np.finfo(float).tiny))))
+
+
+def spread(places: Sequence[float] | Floats, k: float) -> float:
+    """Return how well gauges at `places` [m] tell two waves of wave number k [1/m] apart: from 0, not at all, to 1."""
+    x = np.asarray(places, float)
+    if len(x) < 2:
+        return 0.0
+    # the singular values of the equations are the roots of n +- |sum exp(2ikx)|
+    alike = float(abs(np.exp(2j * k * x).sum())) / len(x)
+    return float(np.sqrt(max(1.0 - alike, 0.0) / (1.0 + alike)))
+
+
+def _equations(x, k):
+    return np.stack([np.exp(-1j * k * x), np.exp(1j * k * x)], axis=1)
+
+
+def _mean(values):
+    known = values[np.isfinite(values)]
+    return known.mean() if len(known) else np.nan

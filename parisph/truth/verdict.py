@@ -8,11 +8,11 @@ from parisph.base.errors import ParisphError
 from parisph.case.probes import AnyProbe, ProbeArray
 from parisph.case.schema import Case
 from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth, read_truth
-from parisph.truth import norms, profiled
+from parisph.truth import impacts, norms, profiled
 from parisph.truth.recorded import Recorded
 
 # The column that a truth is of; the first one of other probes.
-COLUMNS = {"energy": "total", "volume": "cell"}
+COLUMNS = {"energy": "total", "volume": "cell", "flux": "total"}
 SOUGHT = 0.05    # share of the compared time by which the run is shifted either way, for the best shift
 
 
@@ -30,8 +30,9 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     points : number of compared samples of the truth, or of the run if the truth is too coarse (norms.on_reference)
     start, end : of what was compared [s]
     peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, when [s], level, the greatest value
-        `found`, its `time` [s], whether it is the `last` sample, so that later ones may be greater, and by which share
-        of the nearer end it is `beyond` the band, 0 inside; both count from `level`
+        `found`, its `time` [s], whether it is the `last` sample, so that later ones may be greater, whether it is too
+        `short` to be resolved, its `mean` over 5 ms (truth.impacts), and by which share of the nearer end it is
+        `beyond` the band, 0 inside; both count from `level`
     others : {name: the same, without peaks} of the further references, also for Profiles
     best_shift, shifted_l2 : the shift [s] of the run's time with the least error, and this error; None if it is not
         defined
@@ -140,7 +141,8 @@ def _shifted(run, reference, level, error):
 
 def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray) -> dict[str, float | None]:
     """Return a band and the greatest value of the series in its interval; None if the run ends before it does."""
-    found: dict[str, float | None] = {**band.model_dump(), "found": None, "time": None, "last": None, "beyond": None}
+    found: dict[str, float | None] = {**band.model_dump(), "found": None, "time": None, "last": None, "beyond": None,
+                                        "short": None, "mean": None}
     if band.smooth is not None:
         values = norms.moving_mean(time, values, band.smooth)
     inside = np.flatnonzero((time >= band.start) & (time <= band.end)) if time[-1] >= band.end else ()
@@ -148,7 +150,9 @@ def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray) -> dict[str, flo
         k = inside[np.argmax(values[inside])]
         # the last pressure of a run is written twice; a level value is not one that rises
         last = k >= inside[-1] - 1 and values[k] == values[inside[-1]]
-        found.update(found=float(values[k]), time=float(time[k]), last=bool(last))
+        short = next(iter(impacts.greatest(time, values, np.isin(np.arange(len(time)), inside))), None)
+        found.update(found=float(values[k]), time=float(time[k]), last=bool(last),
+                     short=short is not None and short.short, mean=None if short is None else short.mean)
         if band.low is not None and band.high is not None:
             near = np.clip(values[k], band.low, band.high)
             found["beyond"] = float((values[k] - near) / (near - band.level))

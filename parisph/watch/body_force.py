@@ -4,15 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from parisph.base.errors import CaseError
 from parisph.base.fields import DRY, WALL
 from parisph.case import probes
 from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors
+from parisph.geometry.probe_places import force_elements
 from parisph.watch.sampling import WIDTH, OfPressure, Sampler, Scene, View
-from parisph.watch.wall_pressure import SIDES, Force
+from parisph.watch.wall_pressure import Force, about, at_rest, force_columns
 
 LAST = -1.0     # the first number of a row that tells the greatest number of a wall particle; else that of a node
-SQUARE = 0.9    # cosine of the angle between an element's normal and that of the side it belongs to
 
 
 class BodyForce(OfPressure):
@@ -22,27 +21,19 @@ class BodyForce(OfPressure):
     no pressure: there that along the element's side of the edge is continued linearly, or as it is beside a dry node.
     """
 
-    columns = Force.columns
     dims = (2,)
 
     def __init__(self, probe: probes.Force, scene: Scene, mesh: WallMesh) -> None:
+        self.columns = force_columns(probe)
         super().__init__(probe, scene)
         self.about, self._mesh = np.array(probe.about), mesh
-        number = [body.name for body in mesh.bodies].index(probe.on)
-        mine = mesh.element_body == number
-        if probe.side is not None:
-            axis, inward = SIDES[probe.side]
-            normal = area_vectors(mesh.corners())
-            mine &= inward * normal[:, axis] > SQUARE * np.linalg.norm(normal, axis=1)
-        self._elements = mesh.elements[mine]
-        if not len(self._elements):
-            raise CaseError(f"probe {probe.name!r}: no fluid touches {probe.on}; leave the probe out")
+        self._elements = force_elements(mesh, probe)
         self._needed = np.zeros(len(mesh.x0), dtype=bool)
         self._needed[self._elements] = True
         # of each end of an element: the node beyond its other end on the same body, or that end itself
         self._beyond = np.stack([_next(self._elements, end) for end in (0, 1)], axis=1)
         self.title = (f"Force of the pressure on {probe.on}{f', {probe.side} side' * bool(probe.side)}, and its moment "
-                      f"about ({', '.join(f'{a:g}' for a in probe.about)}) m")
+                      f"about {about(probe)}")
 
     def rows(self, view: View) -> np.ndarray:
         """Return a row (its number, x, y, pressure) for each wall particle here that may be a node of the body.
@@ -64,6 +55,15 @@ class BodyForce(OfPressure):
         x, p = np.zeros_like(self._mesh.x0), np.full(len(self._mesh.x0), np.inf)
         number = (nodes[:, 0] - (last + 1 - len(x))).astype(int)    # nodes are the last particles, in their order
         x[number], p[number] = nodes[:, 1:3], nodes[:, 3]
+        found = self._load(x, p)
+        if self.probe.still is None:
+            return found
+        rest = at_rest(self.probe, self.scene, x)
+        rest = self._load(x, np.where(np.isnan(p), np.nan, np.where(rest > 0.0, rest, np.inf)))
+        return (*found, *np.subtract(found, rest))
+
+    def _load(self, x, p):
+        """Return the force and the moment of pressures p at nodes x: inf at dry ones, nan on convex edges."""
         ends, pressure = x[self._elements], self._pressures(x, p)
         area = area_vectors(ends)
         force = -pressure.mean(axis=1)[:, None] * area

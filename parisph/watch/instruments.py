@@ -18,6 +18,7 @@ from parisph.kernels.energy import energy_sums
 from parisph.kernels.interior import interior_cells
 from parisph.kernels.volumes import current_volumes
 from parisph.watch.body_force import force_on
+from parisph.watch.discharge import Flux
 from parisph.watch.gauges import ColumnHeight, SurfaceGauge, WaterFront
 from parisph.watch.points import VelocityPoint, VelocityProfile
 from parisph.watch.run_up import run_up
@@ -163,5 +164,5 @@ SAMPLERS = {
     "surface_gauge": SurfaceGauge, "pressure_tap": pressure_tap, "water_front": WaterFront,
     "column_height": ColumnHeight, "energy": Energy, "momentum": Momentum, "volume": Volume,
     "velocity_profile": VelocityProfile, "velocity_point": VelocityPoint, "run_up": run_up, "force": force_on,
-    "probe_array": _array,
+    "flux": Flux, "probe_array": _array,
 }

@@ -43,9 +43,6 @@ def run_up(probe: probes.RunUp, scene: Scene) -> Sampler:
 
 
 def _side(probe: probes.RunUp, scene: Scene, at: float, motion: Motion = AtRest()) -> "SideRunUp":
-    if probe.film is not None:
-        raise CaseError(f"probe {probe.name!r}: film = {probe.film:g} m is of no use at a vertical side, where the "
-                        f"surface is that of a SurfaceGauge; leave it out, or give the points of a line")
     return SideRunUp(probe, scene, at, motion)
 
 

@@ -23,6 +23,7 @@ from parisph.geometry.mesh import CONVEX, WallMesh
 from parisph.geometry.standing import standing
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
+from parisph.watch.passages import Passages
 from parisph.watch.walls_now import WallsNow
 
 WIDTH = 5  # numbers of a row: its probe, what it is, and three more
@@ -246,6 +247,9 @@ class Sampler:
     def members(self) -> "Sequence[Sampler]":
         """The samplers of which its columns are: itself, but for an array of probes."""
         return (self,)
+
+    def follow(self, passages: "Passages") -> None:
+        """Take what is counted in every step of a run from here on. Not collective."""
 
     def sample(self, particles: Particles, domain: Domain, time: float) -> tuple[float, ...]:
         """Return the values, a tuple of floats in the order of `columns`. Collective; as sample_all."""

@@ -6,12 +6,9 @@ import numpy as np
 
 from parisph.case import probes
 from parisph.geometry.mesh import area_vectors
-from parisph.geometry.probe_places import tap_element
+from parisph.geometry.probe_places import SIDES, tap_element
 from parisph.kernels.tap import fitted_at_tap, tap_moments
 from parisph.watch.sampling import WIDTH, OfPressure, Scene, View
-
-# Sides of a tank: the axis across them, and the sign of the normal into the fluid.
-SIDES = {"left": (0, 1.0), "right": (0, -1.0), "bed": (1, 1.0), "lid": (1, -1.0)}
 
 FACE = 3.0    # radius [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
 FACING = 1e-6    # cosine between the normals of a tap and of a node of its wall; that of a sharp corner is small
@@ -131,33 +128,54 @@ def _chords(z, radius):
     return 0.5 * (z * half + radius**2 * np.arcsin(np.clip(z / radius, -1.0, 1.0))), -(half**3) / 3.0
 
 
+def force_columns(probe: probes.Force) -> dict[str, str]:
+    """Return the columns of a Force, without those of `acted`."""
+    columns = {"fx": "N/m", "fy": "N/m", "moment": "N m/m"}
+    dynamic = {} if probe.still is None else {f"{name}_dynamic": unit for name, unit in columns.items()}
+    return columns | dynamic
+
+
+def about(probe: probes.Force) -> str:
+    """Return the end of the title of a Force: the point of its moment, and what is in it."""
+    found = f"({', '.join(f'{a:g}' for a in probe.about)}) m, with the hydrostatic part"
+    return found if probe.still is None else f"{found}; dynamic: less that of water at rest up to y = {probe.still:g} m"
+
+
+def at_rest(probe: probes.Force, scene: Scene, x: np.ndarray) -> np.ndarray:
+    """Return the pressure (n,) [Pa] at x (n, 2) [m] of water at rest up to the still level; 0 above it."""
+    return -scene.density * scene.gravity[-1] * np.maximum(probe.still - x[:, -1], 0.0)
+
+
 class Force(OfPressure):
     """Force of the pressure on the walls of a tank alone, -sum p n A, and its moment about a point (2D).
 
     Each wall particle stands for a spacing of wall, and at the ends of a side for half of one: this is the trapezoidal
     rule, exact for the force by a pressure that is linear between particles. Dry walls have p = 0. Friction is not in
-    it.
+    it. The dynamic part is found by the same rule from the pressure less that of water at rest.
     """
 
-    columns = {"fx": "N/m", "fy": "N/m", "moment": "N m/m"}
     dims = (2,)
 
     def __init__(self, probe: probes.Force, scene: Scene) -> None:
+        self.columns = force_columns(probe)
         super().__init__(probe, scene)
         self.about = np.array(probe.about)
         self._sides = [side for name, side in SIDES.items()
                        if (probe.side in (None, name)) and (scene.lid or name != "lid")]
         self.title = (f"Force of the pressure on the {probe.side or 'whole'}{' of the' * bool(probe.side)} {probe.on}, "
-                      f"and its moment about ({', '.join(f'{a:g}' for a in probe.about)}) m")
+                      f"and its moment about {about(probe)}")
 
     def sums(self, view: View) -> np.ndarray:
         x, p = view.walls
-        arm = x - self.about
-        found = np.zeros(3)
+        arm, pressures = x - self.about, [p]
+        if self.probe.still is not None:
+            pressures.append(p - at_rest(self.probe, self.scene, x))
+        found = np.zeros((len(pressures), 3))
         for area in self._areas(x):
-            force = -p[:, None] * area
-            found += (*force.sum(axis=0), (arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum())
-        return found
+            for row, pressure in zip(found, pressures):
+                force = -pressure[:, None] * area
+                row += (*force.sum(axis=0), (arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum())
+        return found.ravel()
 
     def acting(self, sums: np.ndarray, rows: np.ndarray | None) -> np.ndarray:
         return sums

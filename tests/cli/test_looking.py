@@ -285,6 +285,7 @@ def test_plot_of_flow_and_probe_makes_two(folder, capsys):
     (["plot", "--zoom", "7", "8", "0", "1", "--time", "1"], 2, "--zoom 7 8 0 1: nothing is there"),
     (["plot", "--cmap", "viridiss"], 2, "no colour map 'viridiss' in matplotlib: try viridis"),
     (["plot", "--field", "role", "--cmap", "magma"], 2, "--cmap does not apply to the field role"),
+    (["plot", "--frame", "sea"], 2, "--frame: invalid choice: 'sea'"),
     (["movie", "--fps", "-3"], 2, "--fps -3: must be a number greater than 0"),
     (["movie", "--slow", "inf"], 2, "--slow: 'inf': must be a finite number"),
 ])
@@ -316,8 +317,8 @@ def test_plot_says_how_far_from_the_peak_the_picture_is(tmp_path, capsys):
 
 
 def test_movie_of_some_speed(folder, tmp_path, capsys):
-    assert main(["movie", str(folder), "-o", str(tmp_path / "a.gif"), "--slow", "2", "--fps", "5", "--zoom", "0", "1",
-                 "0", "1"]) == 0
+    assert main(["movie", str(folder), "-o", str(tmp_path / "a.gif"), "--slow", "2", "--fps", "5", "--frame", "world",
+                 "--zoom", "0", "1", "0", "1"]) == 0
     assert lines_of(capsys) == [str(tmp_path / "a.gif")]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Numerics, Output, Polygon, Tank
+from parisph import Box, Case, Fluid, Numerics, Obstacle, Output, Polygon, StillWater, Tank
 from parisph.driver import Simulation, describe, restart, run
 from parisph.driver.conservation import Conservation, Range
 from parisph.driver.summary import Account
@@ -159,6 +159,18 @@ def test_energy_in_motion_of_water_at_rest_and_of_a_column():
     assert in_motion(full)["start"] == pytest.approx(0.0, abs=1e-8)
     column = in_motion(scene("dam_break", spacing=0.05))["start"]    # H^2 L/2 - (L H/D)^2 D/2
     assert column == pytest.approx(9810.0 * (0.25 - 0.0625), rel=0.01)
+
+
+@pytest.mark.parametrize("preset", ["gentle", "violent"])
+def test_energy_in_motion_of_still_water_with_a_wave(preset):
+    """In a tank alone it is that of the surface, whatever the preset; not where a body stands in the water."""
+    due = 0.25 * 1000.0 * 9.81 * 0.025**2 * 2.0
+    raised = Case(title="raised", fluid=Fluid(StillWater(level=1.0), density=1000.0, elevation="0.025*cos(pi*x)"),
+                  walls=Tank(width=2.0, height=1.5), gravity=(0.0, -9.81),
+                  numerics=Numerics(spacing=0.1, preset=preset), end_time=1.0)
+    assert in_motion(raised)["start"] == pytest.approx(due, rel=0.05)
+    pier = Obstacle(Box(width=0.3, height=1.4, at=(0.8, 0.0)), name="pier")
+    assert in_motion(raised.changed(walls=(raised.walls, pier))) is None
 
 
 def test_energy_in_motion_of_low_waves_knows_no_moves_of_particles():

@@ -9,10 +9,23 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Disc, Fluid, Heave, Obstacle, StillWater, SurfaceGauge, Tank
-from parisph.driver import Simulation, run
+from parisph import (
+    Disc,
+    Fluid,
+    Heave,
+    Obstacle,
+    PressureTap,
+    ProbeArray,
+    StillWater,
+    SurfaceGauge,
+    Tank,
+    VelocityPoint,
+)
+from parisph.base.fields import FLUID, SURFACE
+from parisph.driver import Simulation, run, touched
 from parisph.driver.doubts import LIMITS, advice, heights, of_gauges
 from parisph.driver.summary import Account
+from parisph.io import info
 from tests.hard.tanks import swayed
 from tests.lasting import standing
 from tests.lasting.long import Setting
@@ -66,8 +79,69 @@ def test_waves_that_are_not_alike_and_a_smaller_spacing(tmp_path):
 def test_water_that_is_lost_and_higher_walls(tmp_path):
     low, high = (swayed(height, 0.08, lid=False, end=1.2).changed(**{"numerics.spacing": 0.05})
                  for height in (0.55, 0.9))
-    assert "% of the water left the tank" in status(low, tmp_path / "low")[1]
+    said, lines = status(low, tmp_path / "low")
+    assert lines.startswith("6 of 190 particles, 3.12% of the water, left the tank over its rim: make the walls higher")
+    assert said == "completed with warnings"
     assert "left the tank" not in status(high, tmp_path / "high")[1]
+
+
+def test_a_run_that_lost_a_good_part_of_its_water_does_not_read_as_completed(tmp_path):
+    """The loss is the first warning, and the last line; probes say that they were touched."""
+    probes = [SurfaceGauge("g", at=0.1), VelocityPoint("v", at=(0.3, 0.2)), PressureTap("tap", at=(0.0, 0.1))]
+    case = swayed(0.55, 0.3, lid=False, end=0.9).changed(**{"numerics.spacing": 0.05}, probes=probes)
+    summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    left, share = summary["left"]["particles"], summary["left"]["volume"] / 0.5
+    assert share > 0.1 and summary["status"] == f"completed with warnings: {share:.0%} of the water has left"
+    assert summary["warnings"][0].startswith(f"{left} of 190 particles, {share:.2%} of the water, left the tank over")
+    assert info.last_words(summary)[0].startswith(f"completed with warnings: {left} of 190 particles")
+    assert info.last_words({"status": "completed", "warnings": []}) == []
+    assert "out of range, above the walls, in " in summary["touched"]["g"]
+    table = info.table(summary)
+    assert any(line.startswith("probe g ") for line in table)
+    assert any(f"{left} of 190 particles over the rim" in line for line in table)
+
+
+def test_probes_that_were_emptied_or_out_of_the_water_are_named():
+    """With water at first; what was dry at the start, as behind a dam, is not emptied."""
+    gauges = ProbeArray("row", [SurfaceGauge("a", at=0.3), SurfaceGauge("b", at=0.8)])
+    taps = PressureTap("wet", at=(0.0, 0.1)), PressureTap("dry", at=(1.0, 0.1))
+    probes = (gauges, *taps, VelocityPoint("v", at=(0.3, 0.2)))
+    case = swayed(0.9, 0.0, lid=False, end=1.0).changed(probes=probes)
+    t, nan = np.arange(5.0), np.nan
+    series = {"row": {"a": [0.5, 0.4, 0.0, 0.0, 0.2], "b": [0.0, 0.1, 0.0, 1.0, 0.1]},
+              "wet": {"pressure": [3e3, 0.0, 2e3, 1.0, 1e3]}, "dry": {"pressure": [0.0, 0.0, 3e3, 0.0, 0.0]},
+              "v": {"u": [0.0, 0.1, nan, 0.1, 0.1], "v": [0.0, 0.0, nan, 0.0, 0.0], "p": [1.0, 1.0, nan, 1.0, 1.0]}}
+    tables = {name: np.rec.fromarrays([t, t.astype(int), *map(np.array, columns.values())],
+                                      names=["time", "step", *columns]) for name, columns in series.items()}
+    assert touched.probes(case, SimpleNamespace(probe=tables.__getitem__)) == {
+        "row.a": "emptied in 40% of its samples, first at t = 2 s",
+        "row.b": "out of range, above the walls, in 20% of its samples, first at t = 3 s",
+        "wet": "emptied in 20% of its samples, first at t = 1 s",
+        "v": "no value, outside the fluid, in 20% of its samples, first at t = 2 s"}
+
+
+def test_energy_in_motion_is_judged_by_the_surface():
+    """Particles that are moved inside change the whole energy, and no wave; a surface that rises does."""
+    s = Simulation(wave(10.0, 1.0), MPI.COMM_SELF)
+    s.solve_start()
+    account = Account.new()
+    account.start(s)
+    p = s.particles
+    inside = (p.kind == FLUID) & (p.role != SURFACE)
+    p.x[inside, 1] += 0.01
+    account.measure(s)
+    assert account.conservation.energy.extremes()["high"] > 0.005 and not account.warnings()
+    u = p.u.copy()
+    p.u *= 1.2
+    account.measure(s)
+    p.u[:] = u
+    assert any("the energy in motion was 1.4" in line for line in account.warnings())
+    assert json.loads(json.dumps(account.conservation.content()))["energy_in_motion"]["high"] > 0.0
+    p.role[inside] = SURFACE    # torn: the surface has no elevation, and the whole energy counts again
+    account.measure(s)
+    assert account.conservation.content()["energy_in_motion"]["end"] is None
+    assert any("the energy was +" in line for line in account.warnings())
+    s.destroy()
 
 
 def test_a_restart_knows_what_was_seen():

@@ -11,8 +11,7 @@ from parisph import driver
 from parisph.case import scales, waves
 from parisph.case.schema import Box, Case, Fluid, Numerics, Sway, Tank
 from parisph.driver import cost, describe
-from parisph.driver.preview import BRISK, IMPACT, estimated_steps
-from parisph.methods import timestep
+from parisph.driver.estimate import estimated_steps
 from tests.scenes import scene
 
 
@@ -61,8 +60,21 @@ def test_steps_and_seconds_of_real_runs(name):
     assert np.median(taken) / 3.0 < seconds < 3.0 * np.median(taken)
 
 
-def test_the_estimate_knows_the_factors_of_the_real_step():
-    assert (BRISK, IMPACT) == (timestep.BRISK, timestep.IMPACT)
+@pytest.mark.parametrize("phase", [0.0, 0.5 * np.pi])
+def test_steps_of_a_steep_gentle_wave_are_those_of_its_strain(phase):
+    """They were estimated at less than half of what they are."""
+    wave = waves.StandingWave(amplitude=0.05, length=1.0, depth=0.5, phase=phase)
+    case = Case(title="steep", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0, wave=wave),
+                walls=Tank(width=1.0, height=0.8), gravity=(0.0, -9.81), end_time=0.5 * np.pi / wave.omega,
+                numerics=Numerics(preset="gentle", spacing=0.05))
+    simulation, taken = driver.Simulation(case, MPI.COMM_SELF), []
+    while not simulation.finished():
+        simulation.advance()
+        taken.append(simulation.dt)
+    steps = estimated_steps(case, case.numerics.resolved(), scales.expected(case))
+    simulation.destroy()
+    last = case.end_time / min(taken)    # as all steps of the wave are, once its strain is seen
+    assert last / 1.3 < steps < 1.3 * last
 
 
 def test_fixed_steps_are_counted():
@@ -74,19 +86,23 @@ def test_fixed_steps_are_counted():
 def test_waves_of_a_shaken_tank_are_those_of_linear_theory(ratio):
     case = sloshing(0.001).changed(**{"frame.frequency": ratio * 5.1, "end_time": 10.0})
     eta = waves.sway_sloshing_elevation(0.0, np.linspace(0.0, 10.0, 2000), 1.0, 0.4, 0.001, ratio * 5.1)
-    assert scales.expected(case).wave == pytest.approx(np.abs(eta).max(), rel=0.2)
+    assert 0.5 * scales.expected(case).wave.height == pytest.approx(np.abs(eta).max(), rel=0.2)
 
 
 def test_waves_of_the_start():
     case = scene("standing_wave")    # a = s
-    assert scales.expected(case).wave == pytest.approx(case.numerics.spacing, rel=0.02)
+    wave = scales.expected(case).wave
+    assert 0.5 * wave.height == pytest.approx(case.numerics.spacing, rel=0.02)
+    assert wave.length == pytest.approx(2.0, rel=0.02)
     raised = case.changed(**{"fluid.velocity": (0.0, 0.0), "fluid.elevation": "0.03*cos(pi*x)"})
-    assert scales.expected(raised).wave == pytest.approx(0.03, rel=0.02)
+    assert 0.5 * scales.expected(raised).wave.height == pytest.approx(0.03, rel=0.02)
 
 
 def test_resolution_is_told():
     lines = dict(line.split(None, 1) for line in describe(sloshing()).splitlines() if not line.startswith(" "))
-    assert lines["resolution"].startswith("fluid 25 x 10 spacings, wave amplitude 5.8 spacings (about 0.23 m")
+    assert lines["resolution"] == "fluid 25 x 10 spacings"
+    assert lines["wave"].startswith("the start or the motion of the tank, height 0.462 m (12 spacings), length 2 m "
+                                    "(50), depth 0.4 m (10), about ")
     assert "tank 40 wide" in describe(scene("dam_break", spacing=1 / 20))
 
 

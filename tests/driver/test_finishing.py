@@ -215,6 +215,7 @@ def test_a_missing_case_is_written_again(run, capfd):
     check_whole(run, 12)
     after, due = json.loads((run / "case.json").read_text()), json.loads(before)
     assert (after.pop("end_time"), due.pop("end_time")) == (0.024, 0.02)
+    assert len(after["made"].pop("restarts")) == 1 and after.pop("made_digest") != due.pop("made_digest")
     assert after.pop("digest") and due.pop("digest") and after == due
     assert restart("--until", "0.028") == 0
     check_whole(run, 14)

@@ -129,9 +129,9 @@ def _as_text(random):
         "a huge integer": lambda text: text.replace(b'"end_time":', b'"end_time": ' + b"9" * 10_000 + b', "x":', 1),
         "nan": lambda text: text.replace(b'"end_time":', b'"end_time": NaN, "x":', 1),
         "Python": lambda text: b"def case():\n    pass\n",
-        "of a later release": lambda text: text.replace(b'"schema": 2', b'"schema": 99', 1),
+        "of a later release": lambda text: text.replace(b'"schema": 3', b'"schema": 99', 1),
         "another encoding": lambda text: text.replace(b"title", b"t\xeftle", 1),
-        "schema as text": lambda text: text.replace(b'"schema": 2', b'"schema": "one"', 1),
+        "schema as text": lambda text: text.replace(b'"schema": 3', b'"schema": "one"', 1),
     }
     what = str(random.choice(sorted(makers)))
     return what, ["bad/case.json"], lambda content: makers[what](json.dumps(_unsealed(content)).encode())

@@ -32,15 +32,16 @@ class Bench:
     def flow(self, case: Case, until: float | None = None, most: int | None = None) -> Iterator[Simulation]:
         """Yield the Simulation of a case at the start and after each step.
 
-        until : time [s] at which to end, met exactly by adaptive steps; None for the end of the case
+        until : time [s] at which to end, instead of the end of the case
         most : number of steps after which to end, None for any
         """
+        case = case if until is None else case.changed(end_time=until)
         begun, s = time.process_time(), Simulation(case, MPI.COMM_SELF)
         try:
             s.solve_start()
             yield s
-            while not self._over(s, until, most):
-                s.advance(until)
+            while not s.finished() and (most is None or s.steps < most):
+                s.advance()
                 self.steps += 1
                 yield s
         finally:
@@ -50,12 +51,6 @@ class Bench:
     def follow(self, case: Case, look: Callable, until: float | None = None, most: int | None = None) -> np.ndarray:
         """Return look(Simulation) at the start and after each step, one row each."""
         return np.array([look(s) for s in self.flow(case, until, most)])
-
-    @staticmethod
-    def _over(s, until, most):
-        if most is not None and s.steps >= most:
-            return True
-        return s.finished() if until is None else s.reached >= until
 
 
 class Measured:

@@ -12,6 +12,7 @@ from parisph.case.schema import (
     ColumnHeight,
     Disc,
     Energy,
+    Flux,
     Force,
     Momentum,
     Obstacle,
@@ -29,6 +30,7 @@ from parisph.kernels.cells import neighbour_lists
 from parisph.parallel.particles import Particles
 from parisph.watch import instruments
 from parisph.watch.sampling import Scene
+from tests.driver.test_flux import counted_and_behind, over_a_plate
 from tests.watched import DENSITY, G, Watch, scene
 
 ALL = [
@@ -38,7 +40,7 @@ ALL = [
     Energy(name="energy", current=True), Volume(name="volume"), Momentum(name="momentum"),
     VelocityProfile(name="line", start=(0.1, 0.3), end=(0.9, 0.2), points=9),
     VelocityPoint(name="point", at=(0.4, 0.3)), RunUp(name="left_side", side="left"),
-    Force(name="load", about=(0.3, 0.1)),
+    Force(name="load", about=(0.3, 0.1)), Flux(name="through", start=(0.4, 0.0), end=(0.5, 1.0)),
     RunUp(name="up", points=[(1.0, 0.0), (1.0, 1.0)]), PressureTap(name="disc", at=(0.45, 0.0), diameter=0.3),
     ProbeArray(name="several", probes=[SurfaceGauge(name="a", at=0.3), Force(name="b", side="bed"), Volume(name="c")]),
 ]
@@ -165,3 +167,8 @@ def test_a_surface_particle_of_another_rank_is_near(comm):
     count = same_as_on_one_rank(comm, watch, alone)["volume"][1]
     assert 0.7 * 39 * 39 < count < 39 * 39
     watch.destroy()
+
+
+def test_what_passed_a_rim_on_ranks_is_what_lies_behind_it(comm):
+    counted, behind = counted_and_behind(over_a_plate(0.36), comm)
+    assert behind > 0.0 and counted == pytest.approx([behind, -behind], rel=1e-12)

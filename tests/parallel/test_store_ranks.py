@@ -195,9 +195,9 @@ FAULTS = [
     (lambda path: path.write_text("not HDF5"), "no digest at its end"),
     (lambda path: h5py.File(path, "w").close(), "no digest at its end"),
     (is_foreign, "not a checkpoint of parisph"),
-    (lambda path: sealed(path, lambda file: file.attrs.update(version=1)),
-     "version 1 of the format, this parisph reads 2"),
-    (lambda path: sealed(path, lambda file: file["particles"].pop("volume")), "lacks volume"),
+    (lambda path: sealed(path, lambda file: file.attrs.update(version=3)),
+     "version 3 of the format, this parisph reads up to 2"),
+    (lambda path: sealed(path, lambda file: file["particles"].pop("volume")), "lacks the volumes"),
     (lambda path: sealed(path, lambda file: file.attrs.pop("dt")), "not a whole checkpoint"),
     (lambda path: sealed(path, lambda file: file.attrs.update(step=7)), "is the checkpoint of step 7"),
 ]

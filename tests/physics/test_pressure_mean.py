@@ -31,11 +31,12 @@ def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_f
     simulation = Simulation(scene("dam_break", spacing=0.1, end_time=1.0), MPI.COMM_SELF)
     p, s = simulation.particles, simulation.numerics.spacing
 
-    def told(force, acceleration=0.0):
-        return resolved_time(p.comm, p, s, np.tile([0.0, force], (p.n_owned, 1)), acceleration)
+    def told(force, acceleration=0.0, walls=None):
+        return resolved_time(p.comm, p, s, np.tile([0.0, force], (p.n_owned, 1)), acceleration, walls)
     assert told(0.0) == 0.0 and told(-9.81) == pytest.approx(TOLD_FALL * np.sqrt(s / 9.81))
     # fluid that nothing pulls, but walls that move
     assert told(0.0, 9.81) == told(-9.81, 2.0) == told(-9.81)
+    assert told(0.0, 2.0, np.array([[0.0, 0.0], [9.81, 0.0]])) == told(-9.81)
     one = np.flatnonzero(p.kind == FLUID)[3]
     p.u[one] = (3.0, -4.0)
     assert (told(0.0) == pytest.approx(TOLD_MOVE * s / 5.0)
@@ -88,12 +89,16 @@ def test_a_restart_shows_the_same(tmp_path):
     assert list(whole.probe("taps").dtype.names[2:]) == ["a", "b_pressure", "b_pressure_acted"]
 
 
-def test_without_gravity_the_force_is_in_time(tmp_path):
-    """A disc sways in a full tank: the forces on both are what changes the momentum of the fluid."""
-    frequency = 3.0 * np.pi
-    disc = Obstacle(Disc(radius=0.3, at=(1.0, 1.0)), name="disc", motion=Sway(amplitude=0.03, frequency=frequency))
-    case = Case(title="sway", fluid=Fluid(StillWater(level=2.0), density=1000.0),
-                walls=(Tank(width=2.2, height=2.0, lid=True), disc), gravity=(0.0, 0.0), end_time=0.68,
+@pytest.mark.parametrize("radius, size, amplitude", [(0.3, (2.2, 2.0), 0.03), (0.2, (3.0, 3.0), 0.01)])
+def test_without_gravity_the_force_is_in_time(tmp_path, radius, size, amplitude):
+    """A disc sways in a full tank: the forces on both are what changes the momentum of the fluid.
+
+    Also where the disc is small: then nearly all fluid is at rest.
+    """
+    frequency, at = 3.0 * np.pi, (size[1] / 2.0, size[1] / 2.0)
+    disc = Obstacle(Disc(radius=radius, at=at), name="disc", motion=Sway(amplitude=amplitude, frequency=frequency))
+    case = Case(title="sway", fluid=Fluid(StillWater(level=size[1]), density=1000.0),
+                walls=(Tank(*size, lid=True), disc), gravity=(0.0, 0.0), end_time=0.68,
                 numerics=Numerics(spacing=0.1),
                 probes=[Force("disc", on="disc"), Force("tank", on="tank"), Momentum("momentum")])
     run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)

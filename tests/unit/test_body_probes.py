@@ -45,11 +45,39 @@ def linear(arrays):
 ])
 def test_a_linear_pressure_lifts_a_body_by_its_gradient(shape, area, centre):
     about = (0.1, -0.3)
-    watch = Watch(scene([Force("load", on="stone", about=about)], Obstacle(shape, name="stone")), MPI.COMM_SELF, linear)
-    fx, fy, moment = watch.sample()["load"]
+    probe = Force("load", on="stone", about=about, still=LEVEL)
+    watch = Watch(scene([probe], Obstacle(shape, name="stone")), MPI.COMM_SELF, linear)
+    fx, fy, moment, *dynamic = watch.sample()["load"]
     lift, arm = -GRADIENT * area, np.array(centre) - about
     np.testing.assert_allclose((fx, fy), lift, rtol=1e-9)
     assert moment == pytest.approx(arm[0] * lift[1] - arm[1] * lift[0], rel=1e-9)
+    weight = DENSITY * G * area
+    still = np.subtract((fx, fy, moment), dynamic)
+    np.testing.assert_allclose(still, (0.0, weight, arm[0] * weight), atol=1e-9 * weight)
+
+
+def test_the_dynamic_force_of_water_at_rest_is_zero():
+    """On a pier that stands through the surface, a disc below it and the tank; and in a tank alone, on the lattice."""
+    bodies = Obstacle(Box(0.2, 1.0, at=(0.2, 0.0)), name="pier"), Obstacle(Disc(0.15, at=(0.8, 0.4)), name="disc")
+    probes = [Force(name, on=name, still=LEVEL, acted=True) for name in ("pier", "disc", "tank")]
+    alone = scene([Force("tank", still=LEVEL), Force("right", side="right", still=LEVEL)], rtol=1e-12).changed(
+        fluid=Fluid(Box(1.2, LEVEL), density=DENSITY))
+    for case in (scene(probes, *bodies, rtol=1e-12), alone):
+        simulation = Simulation(case, MPI.COMM_SELF)
+        simulation.solve_start()
+        samplers = build(case, simulation.comm)
+        found = sample_all(samplers, simulation.particles, simulation.domain, 0.0)
+        simulation.destroy()
+        for sampler in samplers:
+            values = dict(zip(sampler.columns, found[sampler.name]))
+            assert "with the hydrostatic part; dynamic: less that of water at rest up to y = 0.8 m" in sampler.title
+            assert sampler.name == "pier" or max(map(abs, values.values())) > 0.05 * DENSITY * G
+            assert all(abs(values[name]) < 1e-6 * DENSITY * G for name in values if "dynamic" in name), values
+
+
+def test_no_hydrostatic_part_where_gravity_is_not_straight_down():
+    with pytest.raises(CaseError, match="probe 'load': still = 0.8: there is no hydrostatic force"):
+        scene([Force("load", still=LEVEL)]).changed(gravity=(1.0, -G))
 
 
 def test_bodies_and_sides_of_the_tank_add_up_to_the_weight_of_the_water():

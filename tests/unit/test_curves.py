@@ -81,7 +81,7 @@ def test_velocity_and_pressure_of_a_point_are_named_each_on_its_own_axes(tmp_pat
         "velocity [m/s]": ["point: u", "point: v"], "pressure $p$ [Pa]": ["point: p"]}
 
 
-def test_several_runs_lie_over_each_other_by_the_names_of_their_folders(tmp_path):
+def test_several_runs_of_one_case_lie_over_each_other_by_the_names_of_their_folders(tmp_path):
     runs = [recorded(tmp_path / name) for name in ("coarse", "fine")] + [recorded(tmp_path / "other", ("P1", "front"))]
     found = panels(curves.plot_probe(runs, ["P1", "front"]))
     assert found == {"P1: pressure $p$ [Pa]": ["coarse", "fine", "other"],
@@ -104,6 +104,8 @@ def test_folders_of_one_name_are_told_apart(tmp_path):
 def test_each_run_is_normalised_by_its_own_scales(tmp_path):
     runs = [recorded(tmp_path / "low", height=0.5), recorded(tmp_path / "high", height=2.0)]
     axes = curves.plot_probe(runs, "P1", normalise=True).axes[0]
+    assert [line.get_label() for line in axes.lines] == ["shape.height 0.5", "shape.height 2"]
+    assert curves.run_labels([*runs, runs[0]]) == ["shape.height 0.5 (low)", "shape.height 2", "shape.height 0.5 (low)"]
     for line, height in zip(axes.lines, (0.5, 2.0)):
         time, pressure = line.get_data()
         assert (pressure[0] == pytest.approx(1000.0 / (9810.0 * height))

@@ -4,6 +4,8 @@ An example may use all these names, pi, and the file roll.csv in the current fol
 """
 
 import doctest
+import inspect
+import pydoc
 from math import pi
 from pathlib import Path
 
@@ -11,6 +13,7 @@ import pytest
 
 import parisph
 from parisph.case import bodies, motion, schema
+from parisph.case.model import Model
 
 CLASSES = {name: value for name in schema.__all__ if isinstance(value := getattr(schema, name), type)}
 CLASSES |= {value.__name__: value for value in (bodies.Profile, bodies.Obstacle, bodies.Plate, bodies.StillWater,
@@ -54,3 +57,23 @@ class Wrong:
 
 def test_a_wrong_example_is_found():
     assert "Expected" in failures(examples(Wrong))
+
+
+@pytest.mark.parametrize("name", [name for name, kind in CLASSES.items() if issubclass(kind, Model)])
+def test_a_record_has_the_signature_of_its_fields_and_help_of_its_own(name):
+    kind = CLASSES[name]
+    fields = {key: field for key, field in kind.model_fields.items() if key != "kind"}
+    found = inspect.signature(kind).parameters
+    assert list(found) == list(fields) and "Annotated" not in str(inspect.signature(kind))
+    for key, field in fields.items():
+        assert (found[key].default is inspect.Parameter.empty) == field.is_required()
+    page = pydoc.plain(pydoc.render_doc(kind))
+    assert f"{name}({next(iter(fields), '')}" in page
+    assert "model_dump" not in page and "pydantic_" not in page and "inherited from pydantic" not in page
+
+
+def test_the_signature_is_that_of_a_call():
+    assert str(inspect.signature(schema.Box)) == (
+        "(width: float, height: float, at: tuple[float, ...] = (0.0, 0.0))")
+    bound = inspect.signature(schema.Sway).bind(0.1, 2.0, ramp=1.0)
+    assert schema.Sway(*bound.args, **bound.kwargs) == schema.Sway(amplitude=0.1, frequency=2.0, ramp=1.0)

@@ -1,9 +1,12 @@
 """Motions of the tank: velocity and acceleration are the derivatives of the displacement."""
 
+from time import process_time
+
 import numpy as np
 import pytest
 
-from parisph.case.motion import AtRest, Moved, Series, Sway, Tabulated
+from parisph.case.motion import AtRest, Moved, PistonStroke, Roll, Series, Sway, Tabulated, course
+from parisph.case.waves import SolitaryWave
 
 
 def derivative(function, t, h=1e-5):
@@ -65,3 +68,43 @@ def test_a_motion_is_the_integral_of_a_column_of_velocities(tmp_path):
         assert motion.law(1.5) == pytest.approx((1.5**3, 3.0 * 1.5**2, 6.0 * 1.5))
         assert motion.law(9.0) == pytest.approx((8.0, 0.0, 0.0))
         assert motion.top_rate == pytest.approx(12.0)
+
+
+LONG = 300_000    # samples: five minutes at 1 kHz
+
+
+@pytest.mark.parametrize("make", [
+    lambda t, y: Roll(Series(times=t, values=y), centre=(0.45, 0.0)),
+    lambda t, y: Moved(Series(times=t, values=y, rate=True)),
+    lambda t, y: Tabulated(t, y),
+])
+def test_a_long_record_is_read_and_followed_quickly(make):
+    times = np.arange(LONG) / 1000.0
+    samples = tuple(times.tolist()), tuple((0.05 * np.sin(3.85 * times)).tolist())
+    start = process_time()
+    motion = make(*samples)
+    motion.law(0.0)
+    made = process_time()
+    laws = [motion.law(t) for t in np.linspace(1.0, 250.0, 2000)]
+    followed = process_time()
+    when, values = course(motion, 200.0)
+    seen = process_time()
+    assert made - start < 2.0 and followed - made < 1.0 and seen - followed < 1.0    # each evaluation took 7 ms
+    assert hash(motion) == hash(make(*samples)) and motion == make(*samples)
+    assert course(motion, 200.0)[1] is values
+    few = np.linspace(0, len(when) - 1, 50).astype(int)
+    assert values[few] == pytest.approx([motion.law(t)[0] for t in when[few]], abs=1e-15)
+    expected = 0.05 * np.sin(3.85 * np.linspace(1.0, 250.0, 2000))
+    if not isinstance(motion, Moved):
+        assert np.array(laws)[:, 0] == pytest.approx(expected, abs=1e-9)
+    else:
+        assert np.array(laws)[:, 1] == pytest.approx(expected, abs=1e-9)
+
+
+def test_the_piston_of_a_high_solitary_wave_takes_few_transforms(monkeypatch):
+    """It took 60,000 of them and five seconds."""
+    taken, transform = [], np.fft.rfft
+    monkeypatch.setattr(np.fft, "rfft", lambda *args: taken.append(1) or transform(*args))
+    stroke = PistonStroke(SolitaryWave(height=0.749, depth=1.0))
+    assert stroke.law(2.0)[1] > 0.0
+    assert 10 < len(taken) < 4000

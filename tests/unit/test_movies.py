@@ -1,10 +1,14 @@
 """How fast an animation goes, and what its title says of that."""
 
+import io
+import sys
+
 import numpy as np
 import pytest
 
-from parisph.base.errors import CaseError
-from parisph.pictures import movies
+from parisph.base import live_line
+from parisph.base.errors import CaseError, StoreError
+from parisph.pictures import movies, orders
 from parisph.pictures.movies import Pace
 from tests.unit.test_view import basin, water, written
 
@@ -83,3 +87,44 @@ def test_the_title_of_a_frame_says_the_factor(tmp_path, monkeypatch):
     run = written(tmp_path / "run", basin(), water())
     movies.movie(run, tmp_path / "a.gif", dpi=40)
     assert notes == 3 * ["speeded up 2 x"]
+
+
+class Terminal(io.StringIO):
+    """A terminal of which one second passes whenever somebody looks at the clock."""
+
+    now = 0.0
+
+    def isatty(self):
+        return True
+
+    def clock(self):
+        self.now += 1.0
+        return self.now
+
+
+def test_progress_says_how_many_frames_are_drawn_and_how_long_the_others_take(tmp_path, monkeypatch):
+    screen = Terminal()
+    monkeypatch.setattr(sys, "stderr", screen)
+    monkeypatch.setattr(live_line, "perf_counter", screen.clock)
+    run = written(tmp_path / "run", basin(), water())
+    movies.movie(run, tmp_path / "a.gif", dpi=20, progress=True)
+    lines = screen.getvalue().split("\r\x1b[2K")
+    assert lines[1].startswith("frame 1 of 3  0:0") and lines[1].endswith(" left")
+    assert lines[3] == "frame 3 of 3  0:00 left" and lines[-1] == ""
+    screen.truncate(0)
+    movies.movie(run, tmp_path / "b.gif", dpi=20)
+    assert screen.getvalue().strip("\0") == ""
+
+
+def test_without_ffmpeg_a_movie_is_a_gif_and_says_so(tmp_path, monkeypatch, capsys):
+    run = written(tmp_path / "run", basin(), water(), count=1)
+    monkeypatch.setattr(movies, "has_ffmpeg", lambda: False)
+    assert orders.animate(run) == tmp_path / "run" / "flow_pressure.gif"
+    assert "note: the movie is a .gif, because the program ffmpeg is not installed" in capsys.readouterr().err
+    with pytest.raises(StoreError, match="install it, such as by `apt install ffmpeg`, or write .*b.gif"):
+        movies.movie(run, tmp_path / "b.mp4")
+    written_by = []
+    monkeypatch.setattr(movies, "has_ffmpeg", lambda: True)
+    monkeypatch.setattr(movies, "movie", lambda run, path, **how: written_by.append(path))
+    orders.animate(run)
+    assert written_by == [tmp_path / "run" / "flow_pressure.mp4"]

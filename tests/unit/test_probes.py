@@ -15,6 +15,7 @@ from parisph.case.schema import (
     ColumnHeight,
     Disc,
     Energy,
+    Flux,
     Force,
     Momentum,
     PressureTap,
@@ -466,7 +467,8 @@ ALL = [SurfaceGauge(name="gauge", at=0.42), PressureTap(name="tap", at=(0.0, 0.2
        ColumnHeight(name="column", at=0.3), Energy(name="energy"), Volume(name="volume"), Momentum(name="momentum"),
        VelocityProfile(name="line", start=(0.5, 0.1), end=(0.5, 0.4), points=3), VelocityPoint("point", at=(0.4, 0.2)),
        RunUp("side", side="left"), RunUp("wall", points=[(1.0, 0.0), (1.0, 1.0)]), Force("load", side="left"),
-       PressureTap("disc", at=(0.0, 0.3), diameter=0.2),
+       PressureTap("disc", at=(0.0, 0.3), diameter=0.2), Force("dynamic", still=0.5, acted=True),
+       Flux("through", start=(0.5, 0.0), end=(0.5, 1.0)),
        ProbeArray("several", [SurfaceGauge("g", at=0.3), PressureTap("t", at=(0.0, 0.2)), Force("f"), Volume("v")])]
 
 

@@ -2,12 +2,14 @@
 
 import json
 import os
+import sys
+import types
 
 import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.base.errors import CaseError, StoreError
+from parisph.base.errors import CaseError, MissingLibrary, StoreError
 from parisph.base.seal import sealed
 from parisph.case.stored import to_json
 from parisph.io import checkpoint, snapshot
@@ -251,3 +253,31 @@ def test_a_case_that_this_release_would_not_run_is_still_read(folder):
         open_run(folder)
     (folder / "case.json").write_text(unsealed(text))
     assert open_run(folder).case["numerics"]["spacing"] == 0.0501
+
+
+def test_a_run_its_tables_and_snapshots_show_what_they_are(folder):
+    run = open_run(folder)
+    assert repr(run) == (f"<run {folder}: 'made up', status goes on, or was killed, snapshots 4, t = 0 to 1.5 s, "
+                         "probes P2>")
+    assert repr(run.probe("P2")) == "<P2: 4 rows, t = 0 to 1.5 s: time [s], step, pressure [Pa]>"
+    assert repr(run.steps).startswith("<steps: 4 rows, t = 0 to 1.5 s: time [s], step, dt [s], iterations")
+    assert repr(run.snapshot()).startswith("<snapshot at t = 1.5 s, step 3: 30 particles: ")
+    run.case["title"] = "<b>made up</b>"
+    pages = run._repr_html_(), run.probe("P2")._repr_html_(), run.snapshot()._repr_html_()
+    assert "&lt;b&gt;made up" in pages[0] and "<th>pressure [Pa]</th>" in pages[1] and "<td>30 x 2</td>" in pages[2]
+
+
+def test_tables_are_arrays_and_go_to_pandas(folder, monkeypatch):
+    table = open_run(folder).probe("P2")
+    assert type(table["pressure"]) is np.ndarray and table[1:]["pressure"].tolist() == [100.0, 200.0, 300.0]
+    assert len(table[table["time"] > 0.6]) == 2 and table[0]["step"] == 0 and table.units["pressure"] == "Pa"
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MissingLibrary, match="pandas is not installed; write pip install pandas"):
+        table.to_pandas()
+
+    class Frame(dict):
+        attrs = {}
+    monkeypatch.setitem(sys.modules, "pandas", types.SimpleNamespace(DataFrame=Frame))
+    frame = table.to_pandas()
+    assert list(frame) == ["time", "step", "pressure"] and frame.attrs["units"]["time"] == "s"
+    assert frame["pressure"].tolist() == [0.0, 100.0, 200.0, 300.0]

@@ -255,7 +255,7 @@ def test_strokes_have_the_second_harmonic():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: Roll(0.1), "frequency is missing: give the angular frequency .*, or a Series in place of the angle"),
+        (lambda: Roll(0.1), "frequency is missing: give the angular frequency .*, or a Series as amplitude"),
         (lambda: Roll(WAVY, 2.0), "frequency = 2: is that of a harmonic roll; leave it out with a Series"),
         (lambda: Roll(WAVY, ramp=2.0), "ramp = 2: is that of a harmonic roll; leave it out with a Series"),
         (lambda: Roll(0.1, 1.0, centre=(0.0,)), r"Roll.centre = .*: must be at least 2 values, not 1"),

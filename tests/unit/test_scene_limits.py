@@ -137,7 +137,8 @@ SILL = Obstacle(Box(0.2, 0.2, at=(1.0, 0.0)), name="sill")
      "fluid; give numerics.surface_rule = gap or "),
     (lambda: scene((TANK, SILL), numerics={"surface_rule": "divergence"}), "numerics.surface_rule = divergence: works"),
     (lambda: scene((TANK, Obstacle(Box(0.001, 0.001, at=(1.0, 0.1)), name="grain"))),
-     "walls, grain: is 0.0005 m thick, 0.01 spacings, must be at least 0.1, 0.005 m; give a Plate"),
+     "walls, grain: is 0.001 m thick, 0.02 spacings, must be at least 0.1, 0.005 m; give a Plate, which has no "
+     "thickness, make it thicker, or use a spacing of at most 0.01"),
     (lambda: scene((Profile([(0.0, 1.0), (0.0, 0.1), (1.0, 0.1)], name="one"),
                     Profile([(1.0, 0.1), (2.0, 0.0), (2.0, 1.0)], name="two"))),
      "walls, one and two: both end at (1, 0.1), and each goes on straight beyond its end, where the other lies; give "

@@ -63,7 +63,7 @@ def test_slices_json_and_estimates():
     assert case.changed(**{"fluid.wave": SolitaryWave(0.03, 0.3, at=2.0)}).fluid.wave.height == 0.03
     still = scene(None)
     assert stable_time_step(case)[0] < stable_time_step(still)[0], "it starts faster"
-    assert expected(case).wave == pytest.approx(0.03, rel=0.5) and expected(still).wave is None
+    assert 0.5 * expected(case).wave.height == pytest.approx(0.03, rel=0.5) and expected(still).wave is None
 
 
 @pytest.mark.parametrize(

@@ -64,3 +64,28 @@ def test_gaps_are_left_out(tmp_path):
     (tmp_path / "t.csv").write_text("\ufeffT, z\n0,1\n1,\n2,nan\n3,4\n", encoding="utf-8")
     time, value = table.read_reference(tmp_path / "t.csv", "T", "z")
     assert list(time) == [0.0, 3.0] and list(value) == [1.0, 4.0]
+
+
+@pytest.mark.parametrize("content", [
+    "T;z\n0,5;-1,25\n1;2,5e1\n", "T;z\n0.5;-1.25\n1;25\n", "T\tz\n0,5\t-1,25\n1\t25\n", "T  z\n 0.5 -1.25\n1\t25\n",
+    '"T" z\n0,5 -1,25\n1  25\n', 'T, z\n"0,5","-1,25"\n1, 25\n', "T;z;mean, of all\n"
+    "0,5;-1,25;3\n1;25;\n", "T;z;a,b\n0,5;-1,25;1,5\n1,0;25,0;2,5\n", "T;z\r\n0,5;-1,25\r\n1;25\r\n",
+])
+def test_columns_are_separated_by_what_splits_all_lines_and_decimals_may_have_commas(tmp_path, content):
+    (tmp_path / "t.csv").write_text(content, newline="")
+    time, value = table.read_reference(tmp_path / "t.csv", "T", "z")
+    assert time.tolist() == [0.5, 1.0] and value.tolist() == [-1.25, 25.0]
+
+
+@pytest.mark.parametrize("content, message", [
+    ("T,z\n0,1,0,5\n", "line 2 has 4 values, and there are 2 columns; where numbers have decimal commas, separate"),
+    ("T;z\n0,5;1\n1;1.5\n", "line 2 has a number with a comma, and line 3 one with a point: write all of them in one"),
+    ("T;z\n0;1.234,5\n", "line 2 has a number with marks between thousands: leave them out"),
+    ("T [s] z\n0 1\n", "line 2 has 2 values, and there are 3 columns; columns are separated by blanks: put names"),
+    ("T,a;z,b\nx,1;2,y\n", "may be separated by semicolons or by commas: put names with such characters in double"),
+    ("0 1\n1 2\n", "its first line has numbers: write a line with the names of the columns above it"),
+])
+def test_a_file_that_can_be_read_in_two_ways_is_refused_with_a_remedy(tmp_path, content, message):
+    (tmp_path / "t.csv").write_text(content)
+    with pytest.raises(StoreError, match=message):
+        table.read_reference(tmp_path / "t.csv", "T", "z")

@@ -313,6 +313,6 @@ def test_a_long_flume_is_drawn_stretched_and_says_so(tmp_path):
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     stretch = axes.get_aspect()
     assert stretch == round(stretch) > 1.0 and 4.0 < (right - left) / (high - low) / stretch < 7.5
-    assert f"heights drawn {stretch:.0f} times" in axes.get_title(loc="left")
+    assert f"vertical scale x{stretch:.0f}" in axes.get_title(loc="left")
     overview.plot_small(open_run(tmp_path / "run"), 0, tmp_path / "small.png")
     assert 1000 < (tmp_path / "small.png").stat().st_size < 60_000

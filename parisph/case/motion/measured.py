@@ -1,6 +1,5 @@
 """Measured motions: series of times and values, from a file or given as numbers."""
 
-from collections.abc import Sequence
 from typing import Annotated, Any, Union
 
 import numpy as np
@@ -17,6 +16,7 @@ from parisph.case.values import LARGEST, SMALLEST
 LEAST = 4    # points of a spline
 PARTS = 8    # of a stretch between two times: how often it is looked at how far a motion goes
 MANY = 2000  # times, from which on half a stretch is enough
+SEEN = 64    # values of a long series that its hash looks at
 
 
 def check_increasing(times: tuple[float, ...], values: tuple[float, ...], what: str) -> None:
@@ -78,8 +78,8 @@ class Series(Model):
         times, values = _columns(data["file"], options["time"], options["value"])
         return {
             **data,
-            "times": tuple(times * options["time_scale"]),
-            "values": tuple(options["offset"] + options["scale"] * values),
+            "times": tuple((times * options["time_scale"]).tolist()),
+            "values": tuple((options["offset"] + options["scale"] * values).tolist()),
         }
 
     @model_validator(mode="after")
@@ -90,6 +90,13 @@ class Series(Model):
     def law(self, t: float) -> tuple[float, float, float]:
         """Return the value, its rate and its second derivative at t [s]."""
         return law_of(self.times, self.values, self.rate, t)
+
+    def at(self, t: Floats) -> Floats:
+        """Return the values (n,) at t (n,) [s]."""
+        return values_of(self.times, self.values, self.rate, t)
+
+    def __hash__(self) -> int:
+        return hash_of(self.times, self.values)
 
     def knots(self, stop: float) -> Floats:
         """Return times (n,) [s] up to `stop` that show how far a motion of this series goes."""
@@ -106,9 +113,20 @@ def law_of(times: tuple[float, ...], values: tuple[float, ...], rate: bool, t: f
     curve = cubic(times, values)
     if not rate:
         return curve.at(t)
-    if t < times[0] or t > times[-1]:
-        return curve.integral(t), 0.0, 0.0
-    return curve.integral(t), *curve.at(t)[:2]
+    moved = float(curve.integrals(np.array([t]))[0])
+    return (moved, 0.0, 0.0) if t < times[0] or t > times[-1] else (moved, *curve.at(t)[:2])
+
+
+def values_of(times: tuple[float, ...], values: tuple[float, ...], rate: bool, t: Floats) -> Floats:
+    """Return the values (n,) at t (n,) [s] of such a motion."""
+    curve = cubic(times, values)
+    return curve.integrals(t) if rate else curve.values(t)
+
+
+def hash_of(times: tuple[float, ...], values: tuple[float, ...]) -> int:
+    """Return a hash of a series that looks at SEEN of its values: caches ask for it often."""
+    few = slice(None, None, max(1, len(times) // SEEN))
+    return hash((len(times), times[few], values[few]))
 
 
 def top_rate_of(times: tuple[float, ...], values: tuple[float, ...], rate: bool) -> float:
@@ -118,7 +136,7 @@ def top_rate_of(times: tuple[float, ...], values: tuple[float, ...], rate: bool)
 
 def between_knots(times: tuple[float, ...], stop: float) -> Floats:
     """Return times (n,) [s] in order, from 0 to `stop`, several in each stretch between those of a series."""
-    knots = np.unique(np.clip([0.0, *times, stop], 0.0, stop))
+    knots = np.unique(np.clip(np.concatenate([[0.0], times, [stop]]), 0.0, stop))
     parts = PARTS if len(knots) < MANY else 2
     found: Floats = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(parts) / parts).ravel(), stop)
     return found
@@ -141,22 +159,25 @@ def _columns(file: str, time: str, value: str) -> tuple[Floats, Floats]:
                 f"{field} = {shown(name)}: {named(file)} has no such column; it has {reading.listed(names)}"
             )
     columns = [names.index(time), names.index(value)]
-    found = np.array([_numbers(file, line, [cells[k] for k in columns]) for line, cells in lines.items()]).reshape(
-        -1, 2
-    )
-    return found[:, 0], found[:, 1]
-
-
-def _numbers(file: str, line: int, cells: Sequence[str]) -> list[float]:
+    cells = [[row[k] for k in columns] for row in lines.values()]
     try:
-        found = [float(cell) for cell in cells]
+        found = np.array([[float(one), float(other)] for one, other in cells]).reshape(-1, 2)
+        sound = (np.abs(found) <= LARGEST).all(axis=1)    # nor is any nan
     except ValueError:
-        found = [np.nan]
-    if not all(abs(number) <= LARGEST for number in found):    # nor is any nan
+        sound = np.array([all(map(_is_number, row)) for row in cells])
+    if not sound.all():
+        line = list(lines)[int(np.argmin(sound))]
         raise ValueError(
             f"file = {shown(file)}: line {line} holds something that is not a finite number of at most {LARGEST:g}"
         )
-    return found
+    return found[:, 0], found[:, 1]
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        return abs(float(cell)) <= LARGEST
+    except ValueError:
+        return False
 
 
 Amount = Union[float, Series]    # of an oscillation, or all of a measured motion

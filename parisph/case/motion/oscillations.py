@@ -1,16 +1,57 @@
 """Motions that tanks make: sway, heave and roll, harmonic or measured."""
 
-from typing import TYPE_CHECKING, Annotated, Literal, Optional, cast
+from functools import lru_cache
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Optional, cast
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from parisph.base.arrays import Floats
-from parisph.case.motion.measured import Amount, Series, between_knots, check_increasing, law_of, top_rate_of
-from parisph.case.motion.rigid import SHARE, Centre, Direction, Rotation, Translation, evenly
+from parisph.case.motion.measured import (
+    Amount,
+    Series,
+    between_knots,
+    check_increasing,
+    hash_of,
+    law_of,
+    top_rate_of,
+    values_of,
+)
+from parisph.case.motion.rigid import FINE, SHARE, Centre, Direction, Rotation, Translation, evenly
 from parisph.case.motion.splines import product, rise
+from parisph.case.values import SMALLEST
 
-Frequency = Annotated[Optional[float], Field(gt=0, description="angular frequency [rad/s]")]
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+Frequency = Annotated[float, Field(gt=0, description="angular frequency [rad/s], or period [s]")]
+Period = Annotated[Optional[float], Field(gt=0, description="period [s], in place of frequency")]
+Ramp = Annotated[Optional[float], Field(ge=0, description="time [s] in which the motion grows to its amplitude")]
+SAME = 1e-9    # of a frequency: that of a period, after rounding
+
+
+def _with_frequency(data: Any) -> Any:
+    """Return what is given for a motion with the frequency of its period, if that is given in its place."""
+    if not isinstance(data, dict) or data.get("frequency") is not None or data.get("period") is None:
+        return data
+    period = data["period"]    # a wrong one is found later, and then no frequency is missed
+    sound = isinstance(period, (int, float)) and abs(period) > SMALLEST
+    return {**data, "frequency": 2.0 * np.pi / abs(period) if sound else 1.0}
+
+
+def _check_period(frequency: Optional[float], period: Optional[float]) -> None:
+    """Raise ValueError if a period is given beside another frequency."""
+    if frequency is not None and period is not None and abs(frequency * period / (2.0 * np.pi) - 1.0) > SAME:
+        raise ValueError(f"frequency = {frequency:g} rad/s and period = {period:g} s: the period of this frequency is "
+                         f"{2.0 * np.pi / frequency:g} s; give one of the two")
+
+
+@lru_cache(maxsize=64)
+def _top_rate(motion: "_Harmonic | Roll", ramp: float) -> float:
+    """Return the greatest rate of an oscillation that grows in a time `ramp` [s], in which it may be the fastest."""
+    period = 2.0 * np.pi / cast(float, motion.frequency)
+    times = np.concatenate([np.linspace(0.0, ramp, FINE), ramp + np.linspace(0.0, period, FINE)])
+    return max(abs(motion.law(float(t))[1]) for t in times)
 
 
 class AtRest(Translation):
@@ -31,16 +72,29 @@ class AtRest(Translation):
 
 
 class _Harmonic(Translation):
-    """X = amplitude (1 - cos(frequency t)), from rest."""
+    """X = amplitude (1 - cos(frequency t)), from rest; with a ramp it grows to that."""
 
     if TYPE_CHECKING:    # see Translation
         amplitude: float
         frequency: float
+        period: Optional[float]
+        ramp: Optional[float]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _period_or_frequency(cls, data: Any) -> Any:
+        return _with_frequency(data)
+
+    @model_validator(mode="after")
+    def _one_frequency(self) -> "Self":
+        _check_period(self.frequency, self.period)
+        return self
 
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         a, w = self.amplitude, self.frequency
-        return a * (1.0 - np.cos(w * t)), a * w * np.sin(w * t), a * w * w * np.cos(w * t)
+        wave = a * (1.0 - np.cos(w * t)), a * w * np.sin(w * t), a * w * w * np.cos(w * t)
+        return product(rise(t, self.ramp), wave) if self.ramp else wave
 
     @property
     def longest_step(self) -> float:
@@ -50,105 +104,134 @@ class _Harmonic(Translation):
     @property
     def top_rate(self) -> float:
         """See Motion."""
-        return abs(self.amplitude) * self.frequency
-
+        return _top_rate(self, self.ramp) if self.ramp else abs(self.amplitude) * self.frequency
 
     def instants(self, stop: float) -> Floats:
-        """See Motion: one period shows all."""
-        return evenly(self.longest_step / SHARE, min(stop, 2.0 * np.pi / self.frequency))
+        """See Motion: one period after its growth shows all."""
+        return evenly(self.longest_step / SHARE, min(stop, (self.ramp or 0.0) + 2.0 * np.pi / self.frequency))
 
 
 class Sway(_Harmonic):
     """Harmonic sway from rest: X = amplitude (1 - cos(frequency t)) (Z14, Sec. 3.2).
 
-    amplitude [m], frequency [rad/s].
+    amplitude : [m]
+    frequency : angular [rad/s], or `period` [s]
+    direction : (x, y)
+    ramp : [s] in which it grows to its amplitude; default 0
 
     Examples
     --------
     >>> print(f"{Sway(amplitude=0.03, frequency=2 * pi).law(0.5)[0]:.3f} m")    # after half a period
     0.060 m
+    >>> print(f"{Sway(amplitude=0.03, period=1.0, ramp=3.0).law(3.5)[0]:.3f} m")
+    0.060 m
     """
 
     kind: Literal["sway"] = "sway"
     amplitude: float = Field(description="amplitude a0 of X = a0 (1 - cos(frequency t)) [m]")
-    frequency: float = Field(gt=0, description="angular frequency [rad/s]")
+    frequency: Frequency
     direction: Direction = (1.0, 0.0)
+    period: Period = None
+    ramp: Ramp = None
 
 
 class Heave(_Harmonic):
     """Harmonic heave from rest: Y = amplitude (1 - cos(frequency t)), upwards.
 
-    amplitude [m], frequency [rad/s].
+    amplitude, frequency or period, ramp : as of a Sway
 
     Examples
     --------
-    >>> print(f"{Heave(amplitude=0.03, frequency=2 * pi).law(0.5)[0]:.3f} m")
+    >>> print(f"{Heave(amplitude=0.03, period=1.0).law(0.5)[0]:.3f} m")
     0.060 m
     """
 
     kind: Literal["heave"] = "heave"
     amplitude: float = Field(description="amplitude a0 of Y = a0 (1 - cos(frequency t)) [m]")
-    frequency: float = Field(gt=0, description="angular frequency [rad/s]")
+    frequency: Frequency
     direction: Direction = (0.0, 1.0)
+    period: Period = None
+    ramp: Ramp = None
 
 
 class Roll(Rotation):
-    """A roll about `centre`: harmonic, angle sin(frequency t), or a measured one.
+    """A roll about `centre`: harmonic, amplitude sin(frequency t), or a measured one.
 
-    angle : amplitude [rad], or a Series of angles [rad] or of their rate
-    frequency : [rad/s], of a harmonic roll
+    amplitude : [rad], or a Series of angles [rad] or of their rate; its earlier name, angle, is understood too
+    frequency : angular [rad/s], or `period` [s], of a harmonic roll
     centre : (x, y) [m]
     ramp : [s] in which a harmonic roll grows to its amplitude; default one period. With 0 the body turns from the start
 
     Examples
     --------
-    >>> print(f"{Roll(angle=0.07, frequency=2 * pi, centre=(0.45, 0.0)).law(10.25)[0]:.3f} rad")
+    >>> print(f"{Roll(amplitude=0.07, frequency=2 * pi, centre=(0.45, 0.0)).law(10.25)[0]:.3f} rad")
     0.070 rad
     >>> measured = Roll(Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, 0.1, 0.1, 0.0)), centre=(0.45, 0.0))
     """
 
     kind: Literal["roll"] = "roll"
-    angle: Amount = Field(description="amplitude [rad], or a Series")
-    frequency: Frequency = None
+    amplitude: Amount = Field(description="amplitude [rad], or a Series")
+    frequency: Optional[Frequency] = None
     centre: Centre = (0.0, 0.0)
-    ramp: Optional[float] = Field(None, ge=0, description="time [s] in which a harmonic roll grows")
+    ramp: Ramp = None
+    period: Period = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _amplitude_and_frequency(cls, data: Any) -> Any:
+        if isinstance(data, dict) and "angle" in data:
+            if "amplitude" in data:
+                raise ValueError("angle is the earlier name of amplitude; give one of the two")
+            data = {"amplitude" if name == "angle" else name: value for name, value in data.items()}
+        return _with_frequency(data)
 
     @model_validator(mode="after")
     def _harmonic_or_measured(self) -> "Roll":
-        if isinstance(self.angle, Series):
-            given = [name for name in ("frequency", "ramp") if getattr(self, name) is not None]
+        if isinstance(self.amplitude, Series):
+            given = [name for name in ("period", "frequency", "ramp") if getattr(self, name) is not None]
             if given:
                 raise ValueError(
                     f"{given[0]} = {getattr(self, given[0]):g}: is that of a harmonic roll; leave it out with a Series"
                 )
         elif self.frequency is None:
-            raise ValueError(
-                "frequency is missing: give the angular frequency [rad/s], or a Series in place of the angle"
-            )
+            raise ValueError("frequency is missing: give the angular frequency [rad/s], or period [s], or a Series as "
+                             "amplitude")
+        _check_period(self.frequency, self.period)
         return self
+
+    @property
+    def angle(self) -> Amount:
+        """Its amplitude, under an earlier name."""
+        return self.amplitude
 
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
-        if isinstance(self.angle, Series):
-            return self.angle.law(t)
-        a, w = self.angle, self._omega
+        if isinstance(self.amplitude, Series):
+            return self.amplitude.law(t)
+        a, w = self.amplitude, self._omega
         wave = a * np.sin(w * t), a * w * np.cos(w * t), -a * w * w * np.sin(w * t)
         return product(rise(t, 2.0 * np.pi / w if self.ramp is None else self.ramp), wave)
+
+    def values_at(self, times: Floats) -> Floats:
+        """See Motion."""
+        return self.angle.at(times) if isinstance(self.angle, Series) else super().values_at(times)
 
     @property
     def longest_step(self) -> float:
         """See Motion."""
-        return np.inf if isinstance(self.angle, Series) or not self.angle else SHARE * 2.0 * np.pi / self._omega
+        return np.inf if isinstance(self.amplitude, Series) or not self.amplitude else SHARE * 2.0 * np.pi / self._omega
 
     @property
     def top_rate(self) -> float:
-        """See Motion; while it grows, a roll is less than a tenth faster."""
-        return self.angle.top_rate if isinstance(self.angle, Series) else abs(self.angle) * self._omega
+        """See Motion; while it grows over a period, a roll is less than a tenth faster."""
+        if isinstance(self.amplitude, Series):
+            return self.amplitude.top_rate
+        return _top_rate(self, self.ramp) if self.ramp else abs(self.amplitude) * self._omega
 
     def instants(self, stop: float) -> Floats:
         """See Motion: one period after its growth shows all."""
-        if isinstance(self.angle, Series):
-            return self.angle.knots(stop)
+        if isinstance(self.amplitude, Series):
+            return self.amplitude.knots(stop)
         period = 2.0 * np.pi / self._omega
         return evenly(self.longest_step / SHARE, min(stop, (period if self.ramp is None else self.ramp) + period))
 
@@ -174,6 +257,10 @@ class Moved(Translation):
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         return self.series.law(t)
+
+    def values_at(self, times: Floats) -> Floats:
+        """See Motion."""
+        return self.series.at(times)
 
     @property
     def top_rate(self) -> float:
@@ -216,6 +303,13 @@ class Tabulated(Translation):
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         return law_of(self.times, self.values, self.rate, t)
+
+    def values_at(self, times: Floats) -> Floats:
+        """See Motion."""
+        return values_of(self.times, self.values, self.rate, times)
+
+    def __hash__(self) -> int:
+        return hash_of(self.times, self.values)
 
     def instants(self, stop: float) -> Floats:
         """See Motion."""

@@ -51,6 +51,10 @@ class Motion(Model):
     def law(self, t: float) -> tuple[float, float, float]:
         """Return displacement [m] or angle [rad], its rate, and its second derivative at time t [s]."""
 
+    def values_at(self, times: Floats) -> Floats:
+        """Return the values (n,) of the law, [m] or [rad], at times (n,) [s]."""
+        return np.array([self.law(float(t))[0] for t in times])
+
     @abstractmethod
     def placed_by(self, x: Floats, value: float) -> Floats:
         """Return the positions (n, dim) [m] of points x (n, dim) [m] of the body at rest, where the law has this
@@ -206,7 +210,7 @@ def evenly(period: float, stop: float) -> Floats:
 def course(motion: Motion, stop: float) -> tuple[Floats, Floats]:
     """Return times [s] up to `stop` and the values of the law at these, [m] or [rad], that show how far it goes."""
     times = motion.instants(stop)
-    return times, np.array([motion.law(float(t))[0] for t in times])
+    return times, motion.values_at(times)
 
 
 def rotated(vectors: Floats, angle: float) -> Floats:

@@ -4,15 +4,15 @@ Cubic splines join measured values; their second derivative is continuous. Quint
 first two derivatives are known.
 """
 
-from functools import lru_cache
-from typing import Any
+from collections import deque
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from parisph.base.arrays import Floats
 
 Law = tuple[float, float, float]    # value, rate and second derivative
+Values = tuple[float, ...]
 
 
 class Cubic:
@@ -40,12 +40,21 @@ class Cubic:
         slope = (y[1] - y[0]) / h + ((3 * b * b - 1) * m[1] - (3 * a * a - 1) * m[0]) * h / 6.0
         return value, slope, a * m[0] + b * m[1]
 
-    def integral(self, t: float) -> float:
-        """Return the integral from the first time to t."""
-        k, h, a, b = self._place(min(max(t, self.t[0]), self.t[-1]))
-        (y0, y1), (m0, m1) = self.y[k : k + 2], self.m[k : k + 2]
-        cubes = m0 * ((1.0 - a**4) / 4.0 - (1.0 - a * a) / 2.0) + m1 * (b**4 / 4.0 - b * b / 2.0)
-        return float(self.sums[k] + h * (0.5 * (1.0 - a * a) * y0 + 0.5 * b * b * y1) + h**3 / 6.0 * cubes)
+    def values(self, t: Floats) -> Floats:
+        """Return the values (n,) at times (n,), as `at` does one by one."""
+        t = np.clip(t, self.t[0], self.t[-1])
+        k, h, a, b = self._places(t)
+        bend = (a**3 - a) * self.m[k] + (b**3 - b) * self.m[k + 1]
+        found: Floats = a * self.y[k] + b * self.y[k + 1] + bend * h * h / 6.0
+        return found
+
+    def integrals(self, t: Floats) -> Floats:
+        """Return the integrals (n,) from the first time to times (n,)."""
+        k, h, a, b = self._places(np.clip(t, self.t[0], self.t[-1]))
+        cubes = self.m[k] * ((1.0 - a**4) / 4.0 - (1.0 - a * a) / 2.0) + self.m[k + 1] * (b**4 / 4.0 - b * b / 2.0)
+        lines = 0.5 * (1.0 - a * a) * self.y[k] + 0.5 * b * b * self.y[k + 1]
+        found: Floats = self.sums[k] + h * lines + h**3 / 6.0 * cubes
+        return found
 
     def _place(self, t: float) -> tuple[int, float, float, float]:
         k = min(int(np.searchsorted(self.t, t, side="right")) - 1, len(self.t) - 2)
@@ -53,11 +62,31 @@ class Cubic:
         b = (t - self.t[k]) / h
         return k, h, 1.0 - b, b
 
+    def _places(self, t: Floats) -> tuple[NDArray[np.intp], Floats, Floats, Floats]:
+        k = np.minimum(np.searchsorted(self.t, t, side="right") - 1, len(self.t) - 2)
+        h = self.t[k + 1] - self.t[k]
+        b = (t - self.t[k]) / h
+        return k, h, 1.0 - b, b
 
-@lru_cache(maxsize=8)
-def cubic(times: tuple[float, ...], values: tuple[float, ...]) -> Cubic:
-    """Return the Cubic of a series; one for each series."""
-    return Cubic(times, values)
+
+class Curves:
+    """The Cubic of each of the last series, found by the tuples themselves: a hash or a comparison of long ones takes
+    longer than all that is asked of the curve."""
+
+    def __init__(self, most: int) -> None:
+        self._kept: deque[tuple[Values, Values, Cubic]] = deque(maxlen=most)
+
+    def of(self, times: Values, values: Values) -> Cubic:
+        """Return the Cubic of a series."""
+        for own_times, own_values, curve in self._kept:
+            if own_times is times and own_values is values:
+                return curve
+        curve = Cubic(times, values)
+        self._kept.append((times, values, curve))
+        return curve
+
+
+cubic = Curves(most=8).of
 
 
 def second_derivatives(t: Floats, y: Floats) -> Floats:
@@ -80,16 +109,15 @@ def second_derivatives(t: Floats, y: Floats) -> Floats:
 
 def _solve_tridiagonal(lower: Floats, diagonal: Floats, upper: Floats, rhs: Floats) -> Floats:
     """Solve by elimination; lower[0] and upper[-1] are not used."""
-    diagonal, rhs = diagonal.copy(), rhs.copy()
-    for k in range(1, len(rhs)):
-        factor = lower[k] / diagonal[k - 1]
-        diagonal[k] -= factor * upper[k - 1]
-        rhs[k] -= factor * rhs[k - 1]
-    for k in range(len(rhs) - 1, -1, -1):
-        if k + 1 < len(rhs):
-            rhs[k] -= upper[k] * rhs[k + 1]
-        rhs[k] /= diagonal[k]
-    return rhs
+    a, d, b, x = lower.tolist(), diagonal.tolist(), upper.tolist(), rhs.tolist()    # single numbers are faster as such
+    for k in range(1, len(x)):
+        factor = a[k] / d[k - 1]
+        d[k] -= factor * b[k - 1]
+        x[k] -= factor * x[k - 1]
+    x[-1] /= d[-1]
+    for k in range(len(x) - 2, -1, -1):
+        x[k] = (x[k] - b[k] * x[k + 1]) / d[k]
+    return np.array(x)
 
 
 class Quintic:
@@ -109,11 +137,13 @@ class Quintic:
         h = self.t[k + 1] - self.t[k]
         (y0, v0, a0), (y1, v1, a1) = self.points[k] * (1.0, h, h * h), self.points[k + 1] * (1.0, h, h * h)
         d, e, f = y1 - y0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0
-        piece: Any = np.polynomial.Polynomial(
-            [y0, v0, 0.5 * a0, 10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f]
-        )
+        g, i, j = 10.0 * d - 4.0 * e + 0.5 * f, -15.0 * d + 7.0 * e - f, 6.0 * d - 3.0 * e + 0.5 * f
         b = (t - self.t[k]) / h
-        return piece(b), piece.deriv()(b) / h, piece.deriv(2)(b) / h**2
+        return (
+            float(y0 + b * (v0 + b * (0.5 * a0 + b * (g + b * (i + b * j))))),
+            float(v0 + b * (a0 + b * (3.0 * g + b * (4.0 * i + b * 5.0 * j)))) / h,
+            float(a0 + b * (6.0 * g + b * (12.0 * i + b * 20.0 * j))) / h**2,
+        )
 
 
 def rise(t: float, duration: float) -> tuple[float, float, float]:

@@ -25,6 +25,8 @@ from parisph.case.waves.stokes import Stokes
 from parisph.case.waves.stream_function import StreamFunction
 from parisph.case.waves.wavefield import WaveField
 
+BLOCK = 1000    # times that are looked at together
+MANY = 1000     # periods of the peak of irregular waves that show how far their maker goes
 KNOTS = 600    # of the motion that makes a solitary wave
 LONGEST = 8.0 * np.pi**2 / 3.0    # height length^2/depth^3, above which a wave of second order has a second crest
 
@@ -113,12 +115,24 @@ def _sum(stroke: "PistonStroke | FlapStroke", t: float) -> Law:
     return product(rise(t, _train(stroke).period if stroke.ramp is None else stroke.ramp), wave)
 
 
+def _values(stroke: "PistonStroke | FlapStroke", times: Floats) -> Floats:
+    """Return the values (n,) of `_sum` at times (n,) [s]."""
+    a, w, phase = _cached_harmonics(stroke)
+    duration = _train(stroke).period if stroke.ramp is None else stroke.ramp
+    found = [np.sin(np.outer(part, w) - phase) @ a for part in np.array_split(times, 1 + len(times) // BLOCK)]
+    grown = np.minimum(np.maximum(times, 0.0) / duration, 1.0) if duration else np.ones(len(times))
+    values: Floats = np.concatenate(found) * grown**3 * (10.0 - 15.0 * grown + 6.0 * grown**2)
+    return values
+
+
 def _instants(stroke: "PistonStroke | FlapStroke", stop: float) -> Floats:
-    """Return times (n,) [s] up to `stop`; one period after its growth shows all of a regular motion."""
+    """Return times (n,) [s] up to `stop`; one period after its growth shows all of a regular motion.
+
+    Of an irregular one MANY periods do: it goes on, but hardly farther.
+    """
     wave = _train(stroke)
-    if not isinstance(wave, Jonswap):
-        stop = min(stop, (wave.period if stroke.ramp is None else stroke.ramp) + wave.period)
-    return evenly(wave.period, stop)
+    many = MANY if isinstance(wave, Jonswap) else 1
+    return evenly(wave.period, min(stop, (wave.period if stroke.ramp is None else stroke.ramp) + many * wave.period))
 
 
 def _scaled(scale: float, law: Law) -> Law:
@@ -191,6 +205,10 @@ class PistonStroke(Translation):
         if isinstance(self.wave, SolitaryWave):
             return _scaled(self._sign, _solitary(self.wave, self.tail)[0].at(t))
         return _scaled(self._sign, _sum(self, t))
+
+    def values_at(self, times: Floats) -> Floats:
+        """See Motion."""
+        return super().values_at(times) if isinstance(self.wave, SolitaryWave) else self._sign * _values(self, times)
 
     def instants(self, stop: float) -> Floats:
         """See Motion."""
@@ -269,8 +287,15 @@ class FlapStroke(Rotation):
 
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion: a displacement towards +x is a turn with the clock."""
-        scale = (1.0 if self.wave.leftward else -1.0) / self._arm
-        return _scaled(scale, _sum(self, t))
+        return _scaled(self._scale, _sum(self, t))
+
+    def values_at(self, times: Floats) -> Floats:
+        """See Motion."""
+        return self._scale * _values(self, times)
+
+    @property
+    def _scale(self) -> float:
+        return (1.0 if self.wave.leftward else -1.0) / self._arm
 
     def instants(self, stop: float) -> Floats:
         """See Motion."""

@@ -89,7 +89,8 @@ class StandingWave(WaveField):
     """A linear standing wave: eta = amplitude cos(k (x - at)) sin(omega t + phase), k = 2 pi/length (Z17 Eqs 36-38).
 
     amplitude, length, depth [m]; an antinode is `at` [m]. With phase = 0 the surface is flat at the start, with
-    phase = pi/2 the water is at rest.
+    phase = pi/2 the water is at rest. High waves start better flat: what the raised surface of linear theory lacks goes
+    along as free waves.
 
     Examples
     --------

@@ -4,7 +4,7 @@ The water is the conformal image of a strip of height 1. There the elevation sol
 
     F^2 C eta - eta = eta C eta + C(eta^2)/2,    C with the symbol k coth k,
 
-here by Petviashvili's iteration on a long period. Clamond & Dutykh (2013), Fast accurate computation of the fully
+here on a long period (babenko_solver.py). Clamond & Dutykh (2013), Fast accurate computation of the fully
 nonlinear solitary surface gravity waves, Computers & Fluids 84, 35-38.
 
 With omega = alpha + i beta in the strip, beta = 0 on the bed, z = x + i y is a series of sines with real coefficients,
@@ -20,17 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from parisph.base.arrays import Floats
+from parisph.case.waves import babenko_solver
 
 Complex = NDArray[np.complex128]
 Values = TypeVar("Values", Floats, Complex)
 
-HIGHEST = 0.75    # a/d, up to which the iteration was checked; the highest wave has 0.8332
+HIGHEST = 0.75    # a/d, up to which the solution was checked; the highest wave has 0.8332
 TAIL = 36.0    # the wave has decayed by exp(-TAIL) at the ends of the period
-CLOSE = 1e-14    # change of eta in the last iteration
 SMALL = 1e-14    # harmonics below this are left out
 STEP = 1e-8    # a step of Newton's method below this leaves an error of its square
 BLOCK = 2048    # points that are computed at a time, so that they stay in the cache
-MOST = 20_000    # iterations
 
 
 @dataclass(frozen=True)
@@ -70,17 +69,30 @@ class Solitary:
         return np.concatenate([[0.0], b]), np.concatenate([[1.0 + self.eta[0]], n * k * b]), k
 
     @cached_property
+    def _fine(self) -> tuple[Floats, Floats, Floats]:
+        """alpha, x and dx/dalpha (n,) of even points on the surface, from the crest to the end of the period."""
+        n, k = 4 * len(self.eta), np.arange(1, len(self.eta)) * np.pi / self.half
+        sines = self.eta[1:] / np.tanh(k)
+        room = np.zeros(n + 1 - len(self.eta))
+        x = np.fft.irfft(np.concatenate([[0.0], -1j * sines, room]), 2 * n)[: n + 1] * n
+        slope = np.fft.irfft(np.concatenate([[0.0], k * sines, room]), 2 * n)[: n + 1] * n
+        alpha, mean = np.arange(n + 1) * self.half / n, 1.0 + self.eta[0]
+        return alpha, mean * alpha + x, mean + slope
+
+    @cached_property
     def _crossings(self) -> tuple[Floats, Floats]:
         """x and alpha (n,) of points on the surface, from which Newton's method starts."""
-        alpha = np.linspace(-self.half, self.half, 4 * len(self.eta) + 1)
-        return self.place(alpha + 1j)[0].real, alpha
+        alpha, x, _ = self._fine
+        return np.concatenate([-x[:0:-1], x]), np.concatenate([-alpha[:0:-1], alpha])
 
     @cached_property
     def _area(self) -> tuple[float, Floats]:
         """Coefficients of the area between the crest and alpha on the surface: of alpha, and of sin(n k alpha)."""
-        n = 4 * len(self.eta)
-        z, slope = self.place(np.arange(n + 1) * self.half / n + 1j)
-        values = (z.imag - 1.0) * slope.real
+        slope = self._fine[2]
+        n = len(slope) - 1
+        room = np.zeros(n + 1 - len(self.eta))
+        eta = self.eta[0] + np.fft.irfft(np.concatenate([[0.0], self.eta[1:], room]), 2 * n)[: n + 1] * n
+        values = eta * slope
         a = np.fft.rfft(np.concatenate([values, values[-2:0:-1]])).real / n
         last = int(np.flatnonzero(np.abs(a) > SMALL)[-1]) + 1
         return 0.5 * a[0], np.concatenate([[0.0], a[1:last] / (np.arange(1, last) * np.pi / self.half)])
@@ -160,18 +172,12 @@ def _sums(b: Floats, c: Floats, theta: Values) -> tuple[Values, Values]:
 @lru_cache(maxsize=16)
 def solitary(height: float) -> Solitary:
     """Return the solitary wave of a height over depth, up to HIGHEST. Raises ValueError if it is not found."""
-    speed = 1.0 + height - height**2 / 20.0 - 3.0 * height**3 / 70.0
-    F, n = float(np.sqrt(speed)), 256
+    F = float(np.sqrt(1.0 + height - height**2 / 20.0 - 3.0 * height**3 / 70.0))
     half = TAIL / _decay(F)
-    eta = None
-    while n <= 16384:
-        F, eta = _of_height(height, F, half, n, eta)
-        harmonics = np.abs(np.fft.rfft(eta).real) / len(eta)
-        if harmonics[-n // 8 :].max() < 1e-14:
-            return _record(F, half, eta)
-        n *= 2
-        eta = _refined(eta)
-    raise ValueError(f"no solitary wave of a height of {height:g} depths was found")
+    found = babenko_solver.solve(height, F, half, _decay(F))
+    if found is None:
+        raise ValueError(f"no solitary wave of a height of {height:g} depths was found")
+    return _record(*found, half)
 
 
 def _decay(F: float) -> float:
@@ -183,51 +189,10 @@ def _decay(F: float) -> float:
     return m
 
 
-def _of_height(height: float, F: float, half: float, n: int, eta: Floats | None) -> tuple[float, Floats]:
-    """Return F and eta (2 n,) over alpha of the wave of a height, by the secant method."""
-    alpha = np.arange(-n, n) * half / n
-    if eta is None:
-        eta = height / np.cosh(0.5 * _decay(F) * alpha) ** 2
-    found = [(F, *_petviashvili(F, half, eta))]
-    F = 1.0 + (F - 1.0) * (1.0 - 1e-4)
-    for _ in range(40):
-        found.append((F, *_petviashvili(F, half, found[-1][1])))
-        (F0, _, a0), (F1, eta, a1) = found[-2:]
-        if abs(a1 - height) < 1e-14 or abs(F1 - F0) < 1e-15 or a1 == a0:
-            break
-        F = F1 - (a1 - height) * (F1 - F0) / (a1 - a0)
-    return F1, eta
-
-
-def _petviashvili(F: float, half: float, eta: Floats) -> tuple[Floats, float]:
-    """Return eta of the wave of speed F, and its height."""
-    k = np.arange(len(eta) // 2 + 1) * np.pi / half
-    symbol = np.concatenate([[1.0], k[1:] / np.tanh(k[1:])])
-    linear = F * F * symbol - 1.0
-
-    def transformed(values: Floats, factor: Floats) -> Floats:
-        return np.fft.irfft(factor * np.fft.rfft(values), len(eta))
-
-    for _ in range(MOST):
-        right = eta * transformed(eta, symbol) + 0.5 * transformed(eta * eta, symbol)
-        size = (eta @ transformed(eta, linear)) / (eta @ right)
-        change = size**2 * transformed(right, 1.0 / linear) - eta
-        eta = eta + change
-        if np.abs(change).max() < CLOSE:
-            break
-    return eta, float(eta[len(eta) // 2])
-
-
-def _refined(eta: Floats) -> Floats:
-    """Return eta on twice as many points."""
-    spectrum = np.fft.rfft(eta)
-    return 2.0 * np.fft.irfft(np.concatenate([spectrum, np.zeros(len(eta) // 2)]), 2 * len(eta))
-
-
-def _record(F: float, half: float, eta: Floats) -> Solitary:
+def _record(F: float, eta: Floats, half: float) -> Solitary:
     """Return the Solitary, with mass and energies by the trapezoidal rule, which is exact for periodic functions."""
     n = len(eta)
-    harmonics = np.fft.rfft(np.roll(eta, n // 2)).real / n
+    harmonics = np.fft.rfft(eta).real / n
     harmonics[1:] *= 2.0
     last = int(np.flatnonzero(np.abs(harmonics) > SMALL)[-1]) + 1
     k = np.arange(len(harmonics)) * np.pi / half

@@ -1,0 +1,60 @@
+"""Progress of long work, as a line that renews itself on a terminal, or as plain lines at growing intervals."""
+
+import sys
+from collections.abc import Callable
+from time import perf_counter
+from typing import TextIO
+
+TERMINAL, BATCH = 0.5, 15.0  # seconds between lines
+
+
+class LiveLine:
+    """One live line on a terminal; in a batch log plain lines, the first after two seconds.
+
+    Parameters
+    ----------
+    shown : whether to show anything
+    say : what shows a plain line; None to print it to the stream
+    stream : standard error by default
+    """
+
+    def __init__(self, shown: bool, say: Callable[[str], None] | None = None, stream: TextIO | None = None) -> None:
+        self.stream, self._say = stream or sys.stderr, say
+        self.shown, self.live = shown, shown and self.stream.isatty()
+        self.began = self._last = perf_counter()
+
+    def due(self) -> bool:
+        """Return whether it is time for a new line; it then is to be shown."""
+        now = perf_counter()
+        if not self.shown or now - self._last < (TERMINAL if self.live else min(BATCH, 2.0 + 0.1 * (now - self.began))):
+            return False
+        self._last = now
+        return True
+
+    @property
+    def elapsed(self) -> float:
+        """Seconds since the start."""
+        return perf_counter() - self.began
+
+    def show(self, text: str) -> None:
+        """Show a line."""
+        if self.live:
+            self.stream.write(f"\r\x1b[2K{text}")
+            self.stream.flush()
+        elif self._say is not None:
+            self._say(text)
+        else:
+            print(text, file=self.stream, flush=True)
+
+    def close(self) -> None:
+        """End the live line."""
+        if self.live:
+            self.stream.write("\r\x1b[2K")
+            self.stream.flush()
+
+
+def clock(seconds: float) -> str:
+    """Return a duration [s] as 0:05 or 1:02:03."""
+    minutes, seconds = divmod(int(seconds + 0.5), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"

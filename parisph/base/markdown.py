@@ -1,0 +1,29 @@
+"""Text and file names from outside as parts of Markdown."""
+
+import os
+import re
+from urllib.parse import quote
+
+from parisph.base.paths import AnyPath
+from parisph.base.text import plain
+
+# What has a meaning inside a line; an underscore inside a word has none, and names of files keep theirs.
+_INSIDE = re.compile(r"[\\`*\[\]<&|~$]|(?<![^\W_])_|_(?![^\W_])")
+# What has one at the begin of a line (lists, headings, quotations), or at the end of a heading, where it would vanish.
+_AT_ENDS = re.compile(r"^[-+=#>]|#(?=#*$)")
+_NUMBERED = re.compile(r"^([0-9]+)([.)])(?=\s|$)")
+
+
+def escaped(text: str) -> str:
+    """Return a text that Markdown shows as it stands inside a line or a cell: without links, markup and HTML."""
+    return _INSIDE.sub(r"\\\g<0>", plain(text))
+
+
+def line(text: str) -> str:
+    """Return a text as `escaped` does that is a whole line, or a heading."""
+    return _NUMBERED.sub(r"\1\\\2", _AT_ENDS.sub(r"\\\g<0>", escaped(text.strip())))
+
+
+def target(path: AnyPath) -> str:
+    """Return a relative path as the target of a link, in Markdown and HTML: blanks, brackets and so on in percent."""
+    return quote(os.fsencode(path), safe="/")

@@ -1,0 +1,158 @@
+"""What makes a case doubtful before it is run: waves that are not resolved, and numbers that are hardly meant.
+
+Each check yields one line per doubt, with field, value, limit and remedy. None of them refuses a case.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from parisph.case import scenery
+from parisph.case.absorb import Relaxation, Sponge
+from parisph.case.bodies import StillWater, motion_of
+from parisph.case.expressions import uniform_field
+from parisph.case.motion import Heave, Motion, Roll, Series, Sway
+from parisph.case.scene import Scene
+from parisph.case.scenery import fluid_names
+from parisph.case.shapes import Box
+from parisph.case.wave_sizes import Size
+from parisph.case.waves import Airy, Sloshing, SolitaryWave, StandingWave
+
+# {preset: length in spacings below which a standing wave with kd = pi loses 5 % of its height or more in a period}. In
+# three periods with `gentle`, H/s = .1 to 1, it loses 40 to 47 % at L/s = 6, 15 to 25 % at 8, 5 to 15 % at 10, 1 to 4 %
+# at 16, 1 to 2.4 % at 20; with `violent` 2 to 26 % at 10 with a frequency up to 1.5 % off, 7 to 15 % at 20, 2 to 9 % at
+# 40. Finer heights are no better: H/s = .1 is as good as its length.
+SHORTEST = {"gentle": 10.0, "solitary": 10.0, "violent": 20.0}
+# second harmonic over the first. A start without it has free waves of twice the wave number: .04, .08 and .13 of the
+# amplitude were measured where this is .04, .08 and .16 (kd = pi, start at the highest), and none at a flat start
+HARMONIC = 0.1
+# the same, from which on no linear wave lasts: heights of .91 to .97 in three periods at .6, within 1 % at .15. In deep
+# water it is a height of .19 of the length, and the highest standing wave has .2 to .22
+MOST_HARMONIC = 0.3
+FURTHEST = 0.5 * math.pi    # [rad]: a greater angle of a roll is rather one in degrees
+HARDEST = 10.0      # acceleration of a tank or a wall over gravity: a greater one is rather a mistake of units
+THIN = 1.5          # spacings: thinner fluid is one layer of particles
+
+
+def doubts(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
+    """Yield one line for each doubt.
+
+    waves : the sizes of the case's waves
+    """
+    for wave in waves:
+        yield from _short(case, wave)
+    yield from _started(case, waves)
+    yield from _sponges(case, waves)
+    yield from _motions(case)
+    yield from _gravity(case)
+    yield from _thin(case)
+
+
+def _short(case: Scene, wave: Size) -> Iterator[str]:
+    s, preset = case.numerics.spacing, case.numerics.preset
+    least = SHORTEST.get(preset)
+    if least is not None and wave.length < least * s * (1.0 - 1e-9):
+        yield (f"{wave.name}: its length of {wave.length:.3g} m is {wave.length / s:.2g} spacings: waves of less than "
+               f"{least:g} lose 5 % of their height or more in each period with preset {preset}; use a spacing of at "
+               f"most {_below(wave.length / least)}")
+
+
+def _started(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
+    """Waves of linear theory that start so high that the second order is missed."""
+    made = {f"{name}.wave" for name, _ in fluid_names(case)}
+    made |= {f"absorb[{number}].wave" for number, zone in enumerate(case.absorb) if isinstance(zone, Relaxation)}
+    for size in waves:
+        wave, part = size.wave, size.second_order
+        if size.name not in made:
+            continue
+        if isinstance(wave, Airy) and part > HARMONIC:
+            yield (f"{size.name}: a linear wave of this height lacks its second harmonic, {part:.0%} of its amplitude, "
+                   "which goes along as a free wave; use Stokes, or StreamFunction for a long one")
+        elif isinstance(wave, StandingWave) and part > MOST_HARMONIC:
+            yield (f"{size.name}: it is too high for linear theory, by which its second harmonic has {part:.0%} of its "
+                   f"amplitude, at most {MOST_HARMONIC:.0%}; use an amplitude of at most "
+                   f"{_below(0.5 * size.height * MOST_HARMONIC / part)}")
+        elif isinstance(wave, StandingWave) and (missed := part * math.sin(wave.phase) ** 2) > HARMONIC:
+            yield (f"{size.name}: with phase = {wave.phase:.3g} it starts raised by linear theory, without its second "
+                   f"harmonic, {missed:.0%} of its amplitude: as much goes along as free waves of twice the wave "
+                   "number; start with phase = 0, when the surface is flat and the second harmonic is least")
+
+
+def _sponges(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
+    """Zones that are shorter than the waves which come to them. Of solitary waves nothing was measured."""
+    longest = max((wave for wave in waves if not isinstance(wave.wave, (SolitaryWave, Sloshing))),
+                  key=lambda wave: wave.length, default=None)
+    for number, zone in enumerate(case.absorb):
+        own = getattr(zone, "wave", None)
+        if longest is not None and zone.length < longest.length * (1.0 - 1e-6):
+            told = ("more than 2.5 % of it comes back; 0.3 % does from one of two lengths" if isinstance(zone, Sponge)
+                    else "it comes out lower" if longest.wave == own else "more than 8 % of it comes back")
+            yield (f"absorb[{number}]: the {zone.kind} is {zone.length:.3g} m long, and {longest.name} has a wave of "
+                   f"{longest.length:.3g} m: {told}; use a length of at least {longest.length:.3g}")
+
+
+def _motions(case: Scene) -> Iterator[str]:
+    """Angles in degrees, and amplitudes in millimetres."""
+    named = [("frame", case.frame), *((f"walls, {name}: motion", motion_of(body)) for name, body
+                                      in zip(scenery.body_names(case.bodies), case.bodies))]
+    gravity = uniform_field(case.gravity)
+    g = 0.0 if gravity is None else float(np.linalg.norm(gravity))
+    for name, motion in named:
+        angle = _angle(motion, name == "frame")
+        if angle > FURTHEST:
+            yield (f"{name}: the angle of the Roll reaches {angle:.3g} rad, {math.degrees(angle):.3g} degrees: did you "
+                   f"mean {_radians(motion)}?")
+        pull = _acceleration(motion)
+        if 0.0 < HARDEST * g < pull:
+            yield (f"{name}: its acceleration reaches {pull:.3g} m/s2, {pull / g:.2g} times gravity: did you mean "
+                   "another unit? An amplitude is in m, a frequency in rad/s")
+
+
+def _angle(motion: Motion, frame: bool) -> float:
+    """Return the greatest angle [rad] of a Roll that goes to and fro; a wall may turn round and round by a Series."""
+    if not isinstance(motion, Roll):
+        return 0.0
+    if isinstance(motion.angle, Series):
+        return float(np.max(np.abs(motion.angle.values))) if frame and not motion.angle.rate else 0.0
+    return abs(motion.angle)
+
+
+def _radians(motion: Motion) -> str:
+    assert isinstance(motion, Roll)    # it has an angle
+    if isinstance(motion.angle, Series):
+        return "degrees, Series(..., scale=radians(1.0))"
+    return f"radians({motion.angle!r}), {math.radians(motion.angle):.3g} rad"
+
+
+def _acceleration(motion: Motion) -> float:
+    """Return the greatest acceleration [m/s2] of a harmonic translation, 0 for others."""
+    return abs(motion.amplitude) * motion.frequency**2 if isinstance(motion, (Sway, Heave)) else 0.0
+
+
+def _gravity(case: Scene) -> Iterator[str]:
+    gravity = uniform_field(case.gravity)
+    if gravity is None or case.walls is None or case.lidded or case.turns:
+        return
+    up = float(gravity[-1])
+    shown = f"gravity = ({', '.join(f'{value:g}' for value in gravity)})"
+    if up > 0.0:
+        yield (f"{shown}: it points upwards, out of an open tank, because y points up; on earth it is "
+               f"({', '.join(['0'] * (case.dim - 1) + ['-9.81'])})")
+    elif not gravity.any():
+        yield f"{shown}: nothing keeps the water in an open tank; on earth it is (0, -9.81), or give the tank a lid"
+
+
+def _thin(case: Scene) -> Iterator[str]:
+    s = case.numerics.spacing
+    for name, fluid in fluid_names(case):
+        lower, upper = case.bounds_of(fluid)
+        deep = float((upper - lower)[-1])
+        if isinstance(fluid.shape, (Box, StillWater)) and 0.0 < deep < THIN * s * (1.0 - 1e-9):
+            yield (f"{name}: it is {deep:.3g} m deep, {deep / s:.2g} spacings: all of it is surface, and the pressure "
+                   f"on its bed is 0; use a spacing of at most {_below(0.5 * deep)}")
+
+
+def _below(most: float) -> str:
+    """Return a number as text with three digits, no more than what is allowed."""
+    return f"{0.995 * most:.3g}"

@@ -1,0 +1,57 @@
+"""Where a case is from: its file, and the values of the parameters of its function. It is no part of the case."""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from parisph.base.paths import AnyPath
+from parisph.base.seal import KEY, MADE
+from parisph.base.text import named, shown
+
+PLAIN = (bool, int, float, str, type(None))
+
+
+class Origin(dict[str, Any]):
+    """What is known of the origin of a case, by name, as JSON can hold it. Equal to any other: cases are compared
+    without it."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Origin)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+
+def of_file(file: Path, path: AnyPath, parameters: Mapping[str, Any], given: Mapping[str, Any]) -> Origin:
+    """Return the Origin of a case that a Python file describes. Raises OSError.
+
+    path : the file as the user named it; parameters : all of its function; given : of these, those that were set
+    """
+    return Origin(case_file=named(path), case_digest=_digest(file),
+                  parameters={name: _plain(value) for name, value in parameters.items()}, given=sorted(given))
+
+
+def of_stored(file: Path, path: AnyPath, content: Mapping[str, Any]) -> Origin:
+    """Return the Origin of the case of an earlier run. Raises OSError.
+
+    content : of its case.json, in which everything may be edited
+    """
+    run, made = content.get("run"), content.get(MADE)
+    made = made if isinstance(made, dict) else {}
+    earlier = {name: value for name, value in made.items() if name != "restarts"}
+    kept = {name: earlier[name] for name in ("parameters", "given", "changed") if name in earlier}
+    return Origin(case_file=named(path), case_digest=_digest(file), edited=KEY not in content, **kept,
+                  repeats={"run": shown(run) if not isinstance(run, str) else named(run),
+                           **{name: value for name, value in earlier.items() if name not in kept}})
+
+
+def _digest(file: Path) -> str:
+    return hashlib.blake2b(file.read_bytes(), digest_size=16).hexdigest()
+
+
+def _plain(value: Any) -> Any:
+    """Return a value of a parameter as JSON can hold it: other objects as text."""
+    if isinstance(value, (tuple, list)):
+        return [_plain(item) for item in value]
+    return value if type(value) in PLAIN else shown(value)

@@ -1,0 +1,90 @@
+"""What is known of a case before it is run, the same to `parisph check` and to a run: why it cannot, and warnings."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from parisph.base.errors import CaseError
+from parisph.case import doubtful, scales
+from parisph.case.checks import stable_time_step
+from parisph.case.faults import first_lines
+from parisph.case.schema import Case
+from parisph.driver import cost, estimate
+from parisph.geometry import plain, scene_checks
+from parisph.methods import catalogue, velocities
+
+LONG = 1.25              # times the estimated limit: a fixed step that is warned of
+MONTH = 30.0 * 86400.0   # [s]: a longer run is warned of
+
+
+def check(case: Case) -> None:
+    """Raise CaseError if a case cannot be run, for reasons that need its geometry or its method. Not collective."""
+    scene_checks.check(case)
+    found = [*estimate.faults(case)]
+    if found:
+        raise CaseError(first_lines(found))
+    parts_of(case).check(case.dim, case.plain)
+
+
+def parts_of(case: Case) -> Any:
+    """Return the parts of the method of a case. Raises CaseError."""
+    return catalogue.parts_of(case.complete_numerics(), case.physics)
+
+
+def stages(case: Case) -> list[str]:
+    """Return the names of the stages that a step of this case has, in order."""
+    names: list[str] = parts_of(case).stages(case.closed)
+    return names
+
+
+def warnings(case: Case, count: Mapping[str, int], expected: scales.Scales) -> Iterator[str]:
+    """Yield all that `parisph check` warns of, one line each: of a method's limits, of the scene, of what is doubtful.
+
+    count : geometry.build.counts of the case; expected : its case.scales.Scales
+    """
+    if catalogue.warning(case.numerics):
+        yield f"method {case.numerics.method}: {catalogue.warning(case.numerics)}"
+    yield from catalogue.unread(case.numerics)
+    yield from scene_checks.warnings(case)
+    yield from _about_the_step(case)
+    yield from _about_flaps(case)
+    yield from doubts(case, count, expected)
+    if not case.closed and count["exact"] and case.plain and not plain.lattice(case).has_surface():
+        yield (f"none of the {count['fluid']} fluid particles is on a free surface, "
+               "so p = 0 is set only at the highest one; leave a spacing of air, "
+               "or fill the tank with a Box of its size, without elevation")
+
+
+def _about_the_step(case: Case) -> Iterator[str]:
+    """Warn of a fixed step clearly longer than waves or the fastest fluid allow, unless it is shortened in the run."""
+    (limit, reason), dt = stable_time_step(case), case.numerics.time_step
+    if dt is not None and LONG * limit < min(dt, estimate.stable_step(case)):
+        yield (f"numerics.time_step = {dt:.3g} s is {dt / limit:.3g} times the step of {limit:.3g} s that {reason}: "
+               "the flow may be wrong or diverge; give a shorter one, or None to adapt it")
+
+
+def _about_flaps(case: Case) -> Iterator[str]:
+    """Warn of a flap in whose corner particles are caught, as nothing keeps pairs of them apart."""
+    flaps = [body for body in case.bodies if body.kind == "flap"]
+    if flaps and velocities.Collisions.words not in stages(case):
+        yield ("walls: particles are caught in the corner between a Flap and the bed, and burst out of it, if no pairs "
+               "of them collide; set numerics.collision_distance=0.7 and restitution=0.2, and leave collisions in "
+               "numerics.regularisers")
+
+
+def doubts(case: Case, count: Mapping[str, int], expected: scales.Scales, ranks: int = 1) -> Iterator[str]:
+    """Yield what makes the results of a case doubtful before it is run, or its end far away, one line each.
+
+    ranks : that share the work
+    """
+    yield from doubtful.doubts(case, estimate.waves_of(case, expected))
+    numerics = case.numerics.resolved()
+    steps = estimate.estimated_steps(case, numerics, expected)
+    seconds = steps * cost.seconds_per_step(numerics, count["all"])[0] / ranks
+    if seconds > MONTH:
+        yield (f"the run would take about {estimate.duration(seconds)} on {ranks} rank{'s' * (ranks > 1)}, "
+               f"{estimate.rounded(steps)} steps of {count['all']:,} particles: use a larger spacing, a shorter "
+               "end_time, or more ranks")
+    step, every = case.end_time / max(steps, 1), case.output.every
+    if every is not None and every < step:
+        yield (f"output.every = {every:g} s: is shorter than a step, about {estimate.rounded(step)} s: the run would "
+               f"write {case.end_time / every:.2g} snapshots, which show no more; use a longer time")

@@ -1,0 +1,31 @@
+"""The velocity of walls along which water slips."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parisph.base.fields import WALL
+from parisph.kernels import gradient
+from parisph.methods import lengths
+
+if TYPE_CHECKING:
+    from parisph.methods.flow import Flow
+
+
+def write_wall_velocity(flow: "Flow", shear: np.ndarray, later: float = 0.0) -> None:
+    """Write the velocity of owned walls: that of the wall across it, that of the fluid along it. Not collective.
+
+    Where fluid sticks it is that of the wall. Ghosts keep theirs until the field "u" is updated.
+
+    shear : (n_owned, dim) [1/s] of Flow.wall_shear; later : time [s] after the one for which walls have their velocity
+    """
+    p, d = flow.particles, flow.domain
+    own = p.wall_u if "wall_u" in p.fields else np.zeros_like(p.u)
+    moved = flow.walls.acceleration(flow) if later else None
+    if moved is not None:
+        own = own + later * moved
+    gradient.wall_velocity(p.u_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, p.role_all, own, shear,
+                           lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+    if "no_slip" in p.fields:
+        sticky = (p.kind == WALL) & (p.no_slip == 1)
+        p.u[sticky] = own[sticky]

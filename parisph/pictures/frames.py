@@ -1,0 +1,85 @@
+"""From where a flow is seen: from its tank, in whose frame it is computed, or from the room in which the tank moves."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from parisph.base.arrays import Floats
+from parisph.base.errors import CaseError
+from parisph.case.expressions import uniform_field
+from parisph.case.motion import AtRest, Motion, Rotation
+from parisph.case.schema import Case
+
+TANK, WORLD = "tank", "world"
+BETWEEN = 100    # times between the first and the last picture at which it is looked where the tank is
+
+
+@dataclass(frozen=True)
+class Seen:
+    """How a picture shows what is known in the frame of the tank.
+
+    motion : of the tank; world : whether it is seen from the room; gravity : (2,) in the room, None if not uniform
+    """
+
+    motion: Motion
+    world: bool
+    gravity: Floats | None = None
+
+    @classmethod
+    def of(cls, case: Case, frame: str) -> "Seen":
+        """Return how a case is seen from a frame, "tank" or "world". Raises CaseError for another word."""
+        if frame not in (TANK, WORLD):
+            raise CaseError(f"--frame {frame}: must be {TANK} or {WORLD}")
+        return cls(case.frame, frame == WORLD, uniform_field(case.gravity))
+
+    @property
+    def moved(self) -> bool:
+        """Whether what is drawn is somewhere else than in the frame of the tank."""
+        return self.world and not isinstance(self.motion, AtRest)
+
+    def placed(self, x: Floats, time: float) -> Floats:
+        """Return where points (n, 2) [m] of the tank's frame are drawn at a time [s]."""
+        return self.motion.placed(x, time) if self.moved else np.asarray(x)
+
+    def snapshot(self, snapshot: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return a snapshot with places, and velocities if there are any, as they are seen."""
+        if not self.moved:
+            return snapshot
+        time = snapshot["time"]
+        found = {**snapshot, "x": self.placed(snapshot["x"], time)}
+        if "u" in snapshot:
+            found["u"] = self.motion.turned(snapshot["u"], time) + self.motion.velocity_at(found["x"], time)
+        return found
+
+    def course(self, corners: Floats, times: Floats) -> list[Floats]:
+        """Return corners (n, 2) [m] as they are drawn at times (k,) [s], and between the first and the last of them."""
+        if not self.moved:
+            return [np.asarray(corners)]
+        between = np.linspace(np.min(times), np.max(times), BETWEEN) if np.ptp(times) else times[:0]
+        return [self.placed(corners, float(t)) for t in (*times, *between)]
+
+    def note(self, time: float) -> str:
+        """Return from where the flow is seen, and where the tank is at a time [s]; "" for a tank at rest."""
+        if isinstance(self.motion, AtRest):
+            return ""
+        value = self.motion.law(time)[0]
+        if isinstance(self.motion, Rotation):
+            angle = np.rad2deg(value)
+            way = "anticlockwise" if angle > 0.0 else "clockwise"
+            where = f"turned {abs(angle):.1f}\N{DEGREE SIGN}" + (f" {way}" if abs(angle) >= 0.05 else "")
+        else:
+            along = self.motion.placed_by(np.zeros((1, 2)), value)[0]
+            where = f"moved by ({along[0] + 0.0:.3g}, {along[1] + 0.0:.3g}) m"
+        return f"seen from the room, tank {where}" if self.world else f"tank's frame, {where}"
+
+    def down(self, time: float) -> Floats | None:
+        """Return the direction (2,) of gravity in the picture at a time [s], None where it needs no arrow.
+
+        It needs one in a tank that turns.
+        """
+        if self.world or self.gravity is None or not isinstance(self.motion, Rotation) or not self.gravity.any():
+            return None
+        seen: Floats = self.motion.seen(self.gravity[None, :2], time)[0]
+        return seen / float(np.linalg.norm(seen))

@@ -1,0 +1,58 @@
+"""How a run has ended, or that it has not, for the titles of pictures."""
+
+import numpy as np
+
+from parisph.base.errors import StoreError
+from parisph.io.reader import Run
+
+LONGEST = 140   # characters of a state
+LAST = 0.03    # share of the samples of a run that has failed which may be those of its failure
+
+
+def state(run: Run) -> str:
+    """Return one line, such as "failed after t = 1.2 s: particle 7 ... outside the tank"; "" for a completed run."""
+    end, summary = last(run), _summary(run)
+    when = "before its first step" if end is None else f"after t = {end:.4g} s"
+    if summary is None:
+        return f"goes on, or was killed, {when} of {run.case['end_time']:.4g} s"
+    words = str(summary.get("status"))
+    if words.startswith("completed"):
+        return ""
+    if words.startswith("failed"):
+        why = words.removeprefix("failed").lstrip(": ").splitlines()
+        return f"failed {when}" + (f": {why[0]}" if why else "")
+    return f"{words} {when}"
+
+
+def failed(run: Run) -> bool:
+    """Return whether a run ended because its flow could not be computed further."""
+    return str((_summary(run) or {}).get("status")).startswith("failed")
+
+
+def last(run: Run) -> float | None:
+    """Return the end [s] of the last step that was completed, None if there is none."""
+    ends = span(run)
+    return None if ends is None else ends[1]
+
+
+def span(run: Run) -> tuple[float, float] | None:
+    """Return the start of the first and the end of the last step [s] that was completed, None if there is none."""
+    try:
+        steps = run.steps
+    except StoreError:
+        return None
+    if not len(steps):
+        return None
+    return float(steps["time"][0] - steps["dt"][0]), float(steps["time"][-1])
+
+
+def before_failure(samples: int) -> int:
+    """Return how many of the samples of a run that has failed are surely of its flow, not of the failure."""
+    return samples - min(max(int(np.ceil(LAST * samples)), 3), samples // 2)
+
+
+def _summary(run: Run) -> dict | None:
+    try:
+        return run.summary
+    except StoreError:    # parisph info says what is wrong with it
+        return {"status": "completed"}

@@ -1,0 +1,65 @@
+"""Replace the lines between two marks in a text file of the user, of which all other bytes stay. Not collective."""
+
+import errno
+import os
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from parisph.base.errors import CaseError, StoreError
+from parisph.base.paths import AnyPath, checked
+from parisph.base.reading import read_exactly
+from parisph.base.text import named
+from parisph.io.files import rewrite
+
+
+class Between:
+    """The place between a line `start` and a line `end` of a text file in UTF-8, checked before any work.
+
+    Attributes
+    ----------
+    path : pathlib.Path of the file itself, where `file` is a link to it
+    """
+
+    def __init__(self, file: AnyPath, start: str, end: str, what: str) -> None:
+        """file : as the user names it; what : what is put there, for the messages
+
+        Raises StoreError if the file cannot be read, is no regular file, or may not be written; CaseError if it is not
+        text in UTF-8, or if its marks are not one line `start` with one line `end` below it.
+        """
+        self._file, self._marks, self._what = file, (start, end), what
+        self.path = Path(os.path.realpath(checked(file, "FILE")))
+        self._found()
+        if not os.access(self.path, os.W_OK) or not os.access(self.path.parent, os.W_OK):
+            raise StoreError(f"cannot write {named(file)}: permission denied for it or for its folder")
+
+    def put(self, lines: Sequence[str]) -> None:
+        """Replace the lines between the marks. The file is read again: it may have been edited meanwhile.
+
+        lines : each may be several, with line breaks
+
+        Raises as __init__; the file is then unchanged.
+        """
+        before, newline, after = self._found()
+        text = before + "".join(f"{line}{newline}" for part in lines for line in part.split("\n")) + after
+        try:
+            rewrite(self.path, text)
+        except OSError as error:
+            raise StoreError(f"cannot write {named(self._file)}: {error.strerror}") from None
+
+    def _found(self) -> tuple[str, str, str]:
+        """Return (text before the place, what ends a line, text behind the place)."""
+        try:
+            text = read_exactly(self.path)
+        except OSError as error:
+            hint = ": convert it first, for example Latin-1 with iconv -f LATIN1 -t UTF-8" * (
+                error.errno == errno.EILSEQ and "UTF-8" in str(error.strerror))
+            raise StoreError(f"cannot read {named(self._file)}: {error.strerror}{hint}") from None
+        start, end = (list(re.finditer(rf"(?<![^\r\n\ufeff]){re.escape(mark)}[ \t]*(\r\n|\n|\r|\Z)", text))
+                      for mark in self._marks)
+        if len(start) != 1 or len(end) != 1 or start[0].end() > end[0].start():
+            there = "the second line is above the first" if len(start) == len(end) == 1 else \
+                f"it has {len(start)} and {len(end)} of these lines"
+            raise CaseError(f"{named(self._file)} must have one line {self._marks[0]} and, below it, one line "
+                            f"{self._marks[1]}: {self._what} goes between them; {there}")
+        return text[:start[0].end()], start[0][1], text[end[0].start():]

@@ -1,0 +1,151 @@
+"""What a report says of how a run was made: first the scene and its numbers, apart from them files and versions."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from parisph.base.errors import CaseError
+from parisph.base.seal import MADE
+from parisph.case.waves import AnyWave, wave_number
+from parisph.pictures.style import REST, bodies_of, fluids_of
+from parisph.report.account import CASE, SUMMARY, Content, named_rows
+from parisph.report.entries import Cell, Table, number
+
+# Numbers of waves and motions that are told, with their units.
+TOLD = {"height": "m", "amplitude": "m", "period": "s", "length": "m", "depth": "m", "frequency": "rad/s",
+        "angle": "rad", "ramp": "s", "gamma": "", "seed": ""}
+PARTICLES = (("particles", ["particles"]), ("of these, fluid", ["fluid_particles"]),
+             ("of these, on walls", ["wall_particles"]))
+LIMITED = 20    # bodies that are told of
+Rows = Iterator[tuple[str, Cell]]
+Place = list[Any]
+
+
+def conditions(case: Content, summary: Content) -> Table:
+    """Return what was run: the scene, its resolution, its duration, and the method."""
+    origin = [("scene of", number(case, CASE, ["source"]))] if case.get("source") else []
+    jitter = [("jitter of the particles at the start", number(case, CASE, ["numerics", "jitter"], ".3g", "spacings")),
+              ("seed of the jitter", number(case, CASE, ["numerics", "seed"], "d"))]
+    return named_rows([
+        ("status", number(summary, SUMMARY, ["status"])), *origin, *_scene(case),
+        ("spacing", number(case, CASE, ["numerics", "spacing"], ".6g", "m")),
+        *((name, number(summary, SUMMARY, path, "d")) for name, path in PARTICLES if path[0] in summary),
+        *(jitter if case["numerics"].get("jitter") else []),
+        ("duration", number(case, CASE, ["end_time"], ".6g", "s")),
+        ("time reached", number(summary, SUMMARY, ["time"], ".6g", "s")),
+        ("steps", number(summary, SUMMARY, ["steps"], "d")),
+        ("time step", Cell("adaptive") if case["numerics"].get("time_step") is None
+         else number(case, CASE, ["numerics", "time_step"], ".6g", "s")),
+        ("method", number(case, CASE, ["numerics", "method"])), ("preset", number(case, CASE, ["numerics", "preset"]))])
+
+
+def parameters(case: Content) -> Table:
+    """Return the parameters of the case file; without rows where they are not known."""
+    values, given = _made(case).get("parameters"), _made(case).get("given")
+    given = given if isinstance(given, list) else []
+    return Table(("parameter", "value", ""), tuple(
+        (Cell(name), number(case, CASE, [MADE, "parameters", name], ".6g") if value is not None else Cell("none"),
+         Cell("given" if name in given else "default")) for name, value in
+        (values.items() if isinstance(values, dict) else ())))
+
+
+def making(case: Content, summary: Content) -> Table:
+    """Return by what a run was made: case file, date, machine, command, options, versions."""
+    made = _made(case)
+    names = (("case file", "case_file"), ("digest of its text", "case_digest"), ("date", "date"), ("machine", "host"),
+             ("its cores", "cores"), ("command", "command"))
+    rows = [(name, number(case, CASE, [MADE, key], "d")) for name, key in names if made.get(key) is not None]
+    restarts = made.get("restarts")
+    rows += [("continued", number(case, CASE, [MADE, "restarts", k, "date"]))
+             for k in range(len(restarts) if isinstance(restarts, list) else 0)]
+    rows += [("ranks", number(summary, SUMMARY, ["ranks"], "d")),
+             ("parisph", number(summary, SUMMARY, ["parisph_version"])),
+             ("PETSc options", number(summary, SUMMARY, ["petsc_options"]))]
+    versions = summary.get("versions")
+    rows += [(name, number(summary, SUMMARY, ["versions", name])) for name in
+             (versions if isinstance(versions, dict) else ())]
+    return named_rows(rows)
+
+
+def _made(case: Content) -> dict[str, Any]:
+    made = case.get(MADE)
+    return made if isinstance(made, dict) else {}
+
+
+def _scene(case: Content) -> Rows:
+    """Yield (name, Cell) of tank, fluid, waves, motions, friction and zones."""
+    for body, place in _placed(case, "walls", bodies_of(case)):
+        name = body.get("name") or body.get("kind", "tank")
+        if body.get("kind", "tank") == "tank":
+            yield from _numbers(case, place, name, {"width": "m", "height": "m"})
+            if body.get("lid"):
+                yield f"{name}, lid", Cell("yes")
+    for fluid, place in _placed(case, "fluid", fluids_of(case)):
+        kind = (fluid.get("shape") or {}).get("kind", "")
+        name = "fluid" if isinstance(case["fluid"], dict) else f"fluid {place[-1] + 1}"
+        if kind == "box":
+            yield from _numbers(case, [*place, "shape"], name, {"width": "m"})
+            yield f"{name}, depth", number(case, CASE, [*place, "shape", "height"], ".6g", "m")
+        elif kind == "still_water":
+            yield f"{name}, level", number(case, CASE, [*place, "shape", "level"], ".6g", "m")
+        elif kind:
+            yield f"{name}, shape", number(case, CASE, [*place, "shape", "kind"])
+        yield f"{name}, density", number(case, CASE, [*place, "density"], ".6g", "kg/m3")
+        if fluid.get("viscosity"):
+            yield f"{name}, viscosity", number(case, CASE, [*place, "viscosity"], ".4g", "m2/s")
+        yield from _moves(case, [*place, "wave"], fluid.get("wave"), f"wave at the start in {name}")
+    yield from _moves(case, ["frame"], case.get("frame"), "motion of the tank, in whose frame the flow is")
+    for body, place in _placed(case, "walls", bodies_of(case)):
+        name = body.get("name") or body.get("kind", "wall")
+        for what in ("motion", "wave"):    # a wavemaker has one of them
+            yield from _moves(case, [*place, what], body.get(what), f"{what} of {name}")
+    if case.get("friction"):
+        yield "friction on walls, viscosity", number(case, CASE, ["friction", "viscosity"], ".3g", "m2/s")
+        yield "friction on walls, roughness", number(case, CASE, ["friction", "roughness"], ".3g", "m")
+    for k, zone in enumerate(case.get("absorb") or ()):
+        yield f"{zone['kind']} from x", number(case, CASE, ["absorb", k, "start"], ".4g", "m")
+        yield f"{zone['kind']}, length", number(case, CASE, ["absorb", k, "length"], ".4g", "m")
+        yield from _moves(case, ["absorb", k, "wave"], zone.get("wave"), f"wave of {zone['kind']}")
+
+
+def _placed(case: Content, field: str, items: list[Any]) -> Iterator[tuple[Any, Place]]:
+    """Yield each of the bodies of a case, of which there may be one or several, with its place in case.json."""
+    several = isinstance(case.get(field), list)
+    for k, item in enumerate(items[:LIMITED]):
+        yield item, [field, k] if several else [field]
+
+
+def _numbers(case: Content, place: Place, name: str, units: dict[str, str]) -> Rows:
+    for key, unit in units.items():
+        cell = number(case, CASE, [*place, key], ".6g", unit)
+        if cell.text != "-":
+            yield f"{name}, {key}", cell
+
+
+def _moves(case: Content, place: Place, what: Any, name: str) -> Rows:
+    """Yield the kind and the numbers of a wave or a motion (dict); nothing for one that is none."""
+    if not isinstance(what, dict) or what.get("kind", REST["kind"]) == REST["kind"]:
+        return
+    yield name, number(case, CASE, [*place, "kind"])
+    given = {key: unit for key, unit in TOLD.items() if isinstance(what.get(key), (int, float))}
+    yield from _numbers(case, place, name, given)
+    if isinstance(what.get("wave"), dict):    # of a stroke
+        yield from _moves(case, [*place, "wave"], what["wave"], f"wave of the {name}")
+    length = _length(what)
+    if length is not None and "length" not in given:
+        yield f"{name}, length", Cell(f"{length:.4g} m", f"{CASE}: {'/'.join(map(str, [*place, 'period']))}")
+
+
+def _length(wave: dict[str, Any]) -> float | None:
+    """Return the length of a wave (dict) with a period [m], of irregular waves that of the peak; None of others."""
+    if not {"period", "depth", "height"} <= wave.keys():
+        return None
+    try:
+        found = TypeAdapter(AnyWave).validate_python(wave)
+        known = getattr(found, "length", None)
+        return float(known) if known else 2.0 * math.pi / float(wave_number(2.0 * math.pi / wave["period"],
+                                                                            wave["depth"], wave.get("g", 9.81)))
+    except (CaseError, ValidationError, ValueError, TypeError, ZeroDivisionError):
+        return None

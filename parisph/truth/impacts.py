@@ -1,0 +1,127 @@
+"""The greatest pressures of a run and how long they last: the `peaks` of summary.json. Not collective.
+
+A pressure that lasts for one value, as of a cavity without air that collapses, depends on the step and on chance.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from parisph.base.arrays import Floats
+from parisph.base.errors import ParisphError
+from parisph.case.probes import Force, PressureTap, ProbeArray, singles
+from parisph.case.schema import Case
+from parisph.case.truths import intervals
+from parisph.truth import norms
+from parisph.truth.recorded import Recorded
+
+MEAN = 0.005     # [s] over which the mean beside a peak is taken, about what a sensor and its amplifier resolve
+AROUND = 10      # samples to either side of a peak: the larger one of their medians is the level around it
+ABOVE = 1.5      # times that level: a lower peak is no spike, however short
+VALUES = 2       # of the pressure above half of its rise: a peak that has no more of them is not resolved
+STRAIGHT = 1e-6  # of the greatest value: what lies off the line between its neighbours by less is no value of its own
+MOST = 20        # short peaks that are looked through for one that lasts
+
+
+class Peak(NamedTuple):
+    """A greatest value of a series.
+
+    value, time [s]; lasts : time [s] above half of its rise over the level around it; mean : over MEAN about it
+    short : whether it is a spike that particles and steps do not resolve
+    """
+
+    value: float
+    time: float
+    lasts: float
+    mean: float
+    short: bool
+
+
+def greatest(time: Floats, values: Floats, allowed: Floats | None = None) -> list[Peak]:
+    """Return the Peak with the greatest value, and further ones downwards until one is not short. Empty without any.
+
+    Between two values of the pressure its mean in time is a straight line (watch.means), so that samples on that line
+    are no values of their own.
+
+    time, values : (n,), finite ones count; allowed : (n,) bool, which samples may be a peak
+    """
+    there = np.isfinite(values)
+    time, values = time[there], values[there]
+    open_ = np.ones(len(time), bool) if allowed is None else allowed[there]
+    found: list[Peak] = []
+    if len(time) < 3:
+        return found
+    means, bends = norms.moving_mean(time, values, MEAN), _bends(time, values)
+    while open_.any() and len(found) < MOST:
+        k = int(np.argmax(np.where(open_, values, -np.inf)))
+        first, last, half, short = _extent(values, bends, k)
+        start = _crossing(time, values, max(first - 1, 0), first, half)
+        end = _crossing(time, values, min(last + 1, len(time) - 1), last, half)
+        found.append(Peak(float(values[k]), float(time[k]), float(end - start), float(means[k]), short))
+        if not short:
+            break
+        open_ = open_.copy()
+        open_[max(first - 1, 0):last + 2] = False
+    return found
+
+
+def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
+    """Return {probe: the greatest Peak as a dict, and with it `lasting`, the greatest one that is not short}.
+
+    For taps and, by size, the components of forces, named "load.fx"; probes in arrays as "row.P1". A truth limits the
+    times that count.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for probe in case.probes:
+        for name, one in singles([probe]):
+            if not isinstance(one, (PressureTap, Force)):
+                continue
+            try:
+                table = run.probe(probe.name)
+            except ParisphError:    # no file: the run has not come so far
+                continue
+            names = table.dtype.names or ()
+            for column in ("pressure",) if isinstance(one, PressureTap) else ("fx", "fy"):
+                inside = f"{one.name}_{column}" if f"{one.name}_{column}" in names else one.name
+                values = table[inside if isinstance(probe, ProbeArray) else column]
+                size = values if column == "pressure" else np.abs(values)
+                some = greatest(table["time"], size, _allowed(one.truth, table["time"]))
+                if some:
+                    lasting = None if some[-1].short else some[-1]._asdict()
+                    found[name if column == "pressure" else f"{name}.{column}"] = {
+                        **some[0]._asdict(), "mean_over": MEAN, "lasting": lasting}
+    return found
+
+
+def _allowed(truth: Any, time: Floats) -> Any:
+    where = intervals(truth)
+    return np.any([(time >= start) & (time <= end) for start, end in where], axis=0) if where else None
+
+
+def _bends(time, values):
+    """Return which samples (n,) are not on the straight line between their neighbours; the ends are not."""
+    share = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], np.finfo(float).tiny)
+    line = values[:-2] + share * (values[2:] - values[:-2])
+    off = np.abs(values[1:-1] - line) > STRAIGHT * np.abs(values).max(initial=0.0)
+    return np.r_[True, off, True]
+
+
+def _extent(values, bends, k):
+    """Return the first and the last sample of a peak above half of its rise, that half, and whether it is short."""
+    sides = values[max(k - AROUND, 0):k], values[k + 1:k + AROUND + 1]    # an impact has a high one behind it
+    around = max((float(np.median(side)) for side in sides if len(side)), default=0.0)
+    half = 0.5 * (values[k] + around)
+    first = last = k
+    while first > 0 and values[first - 1] >= half:
+        first -= 1
+    while last < len(values) - 1 and values[last + 1] >= half:
+        last += 1
+    inside = bool(0 < k < len(values) - 1)
+    short = inside and values[k] > ABOVE * max(around, 0.0) and np.count_nonzero(bends[first:last + 1]) <= VALUES
+    return first, last, half, bool(short)
+
+
+def _crossing(time, values, below, above, half):
+    """Return the time [s] at which the line between two samples is at half of a rise; that of one at an end."""
+    share = (half - values[below]) / (values[above] - values[below]) if values[above] != values[below] else 1.0
+    return time[below] + share * (time[above] - time[below])

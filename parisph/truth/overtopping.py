@@ -1,0 +1,49 @@
+"""What has passed the lines of a run's `Flux` probes: the `passed` of summary.json. Not collective."""
+
+from typing import Any
+
+import numpy as np
+
+from parisph.base.arrays import Floats
+from parisph.base.errors import ParisphError
+from parisph.case.probes import Flux, ProbeArray, singles
+from parisph.case.schema import Case
+from parisph.truth.recorded import Recorded
+
+
+def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
+    """Return {probe name: {"total" [m2], "events": list or None}}; probes in arrays are named as in "lines.over".
+
+    run : io.reader.Run. Events are those of `events`, None for a probe without `pause`.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for probe in case.probes:
+        for name, one in singles([probe]):
+            if not isinstance(one, Flux):
+                continue
+            try:
+                table = run.probe(probe.name)
+            except ParisphError:    # no file: the run has not come so far
+                continue
+            total = table[f"{one.name}_total" if isinstance(probe, ProbeArray) else "total"]
+            if len(total):
+                found[name] = {"total": float(total[-1]),
+                               "events": None if one.pause is None else events(table["time"], total, one.pause)}
+    return found
+
+
+def events(time: Floats, total: Floats, pause: float) -> list[dict[str, float]]:
+    """Return [{"start", "end" [s], "volume" [m2]}] of a volume that passes in events with pauses between.
+
+    An event lasts from the last sample before water passes to the first after which none does for at least a pause.
+    The volumes add up to the change of the total.
+
+    time, total : (n,) [s], [m2]; pause : [s]
+    """
+    changes = np.flatnonzero(np.diff(total) != 0.0)
+    if not len(changes):
+        return []
+    apart = np.flatnonzero(time[changes[1:]] - time[changes[:-1] + 1] >= pause)
+    firsts, lasts = changes[np.r_[0, apart + 1]], changes[np.r_[apart, len(changes) - 1]] + 1
+    return [{"start": float(time[first]), "end": float(time[last]), "volume": float(total[last] - total[first])}
+            for first, last in zip(firsts, lasts)]

@@ -1,0 +1,245 @@
+"""Incident and reflected waves of a run, from its gauges: the `reflection` of summary.json. Not collective."""
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import Any, Optional
+
+import numpy as np
+
+from parisph.base.arrays import Floats
+from parisph.base.errors import CaseError, ParisphError
+from parisph.base.reading import listed
+from parisph.base.text import shown
+from parisph.case.absorb import Relaxation, group_velocity
+from parisph.case.bodies import Flap, Piston
+from parisph.case.probes import SurfaceGauge, singles
+from parisph.case.schema import Case
+from parisph.case.shapes import Tank
+from parisph.case.waves import Jonswap, SolitaryWave
+from parisph.case.waves.linear import wave_number
+from parisph.geometry import build, columns
+from parisph.truth.recorded import Recorded
+from parisph.truth.reflection import separated, spectra, spread
+
+PERIODS = 10       # of a regular wave, at the end of the run, that are looked at
+SETTLED = 3.0      # periods after the front of the waves has come to the farthest gauge, until they are looked at
+LONG = 0.75        # wave lengths from the first to the last gauge that is chosen, at most
+MANY = 30          # gauges from which some are chosen
+PAIR, TRIPLE = 2, 3
+SAME_DEPTH = 0.01  # by which share the depth at a gauge may be another than that of the wavemaker
+ENOUGH = 0.02      # of the greatest incident density: a band with less has no coefficient
+
+
+def of_case(case: Case, run: Recorded) -> dict[str, Any] | None:
+    """Return `analysed` for a case with a wavemaker and gauges that suit; None for any other. With `reason` on failure.
+
+    run : io.reader.Run
+    """
+    if not _makers(case) or len(_gauges(case, float(_makers(case)[0][0].depth))) < PAIR:
+        return None
+    try:
+        return analysed(case, run)
+    except (ParisphError, ValueError) as problem:
+        return {"reason": str(problem)}
+
+
+def analysed(case: Case, run: Recorded, probes: Optional[Sequence[str]] = None, period: float | None = None,
+             depth: float | None = None, start: float | None = None, end: float | None = None) -> dict[str, Any]:
+    """Return incident and reflected waves as {entry: value}.
+
+    Parameters
+    ----------
+    case : Case; run : io.reader.Run
+    probes : names of two gauges or more, those in arrays as in "gauges.x1"; default the two or three that tell the
+        waves apart best
+    period : of regular waves [s]; default that of the wavemaker, irregular waves without a regular one
+    depth : of the water at the gauges [m]; default that of the wavemaker, or of the water at the start
+    start, end : of what is looked at [s]; default for regular waves the last ten periods at most, for irregular ones
+        all from their arrival at the farthest gauge on
+
+    Returns
+    -------
+    probes, places [m], depth [m], period, start, end [s]; length [m] of the waves; regular; incident, reflected :
+    heights [m], of irregular waves significant ones; coefficient, residual : relative. Towards +x is incident, unless
+    the wavemaker makes waves towards -x. Irregular waves have bands: frequency [Hz], incident, reflected [m2/Hz] and
+    coefficient of each, with None for what the gauges do not tell.
+
+    Raises CaseError for gauges or times that cannot be used.
+    """
+    made = next((wave for wave, _ in _makers(case)), None)
+    if period is not None and not period > 0.0:
+        raise CaseError(f"--period {period:g}: must be greater than 0")
+    if period is None and made is not None and not isinstance(made, (Jonswap, SolitaryWave)):
+        period = float(made.period)
+    regular, depth, g = period is not None, _depth(case, made, depth), _gravity(case)
+    peak = period or (float(made.period) if isinstance(made, Jonswap) else None)
+    k = _wave_number(made, peak, depth, g) if peak else None
+    names = _chosen(case, k, depth) if probes is None else list(probes)
+    places = [_gauge(case, name).at for name in names]
+    time, rows = _series(run, names)
+    start, end = _window(case, places, time, peak if regular else None, k, depth, (start, end))
+    inside = (time >= start) & (time <= end)
+    if np.count_nonzero(inside) < 3:
+        raise CaseError(f"from {start:.4g} to {end:.4g} s there are fewer than three samples: give other times")
+    time, rows = time[inside], rows[:, inside]
+    about = {"probes": names, "places": places, "depth": depth, "regular": regular,
+             "start": float(time[0]), "end": float(time[-1])}
+    backwards = made is not None and bool(getattr(made, "leftward", False))
+    try:
+        if regular and period and k:
+            found = separated(time, rows, places, period, k)
+            heights = (2.0 * found.incident, 2.0 * found.reflected)
+            about |= {"period": period, "length": 2.0 * np.pi / k, "residual": found.residual, "bands": None}
+        else:
+            many = spectra(time, rows, places, depth, g)
+            heights = many.heights
+            densities = (many.reflected, many.incident) if backwards else (many.incident, many.reflected)
+            about |= {"period": peak, "length": 2.0 * np.pi / k if k else None, "residual": many.residual,
+                      "bands": _bands(many.frequencies, *densities)}
+    except ValueError as problem:
+        raise CaseError(f"gauges {', '.join(names)}: {problem}; give others with --probes, or another time with "
+                        "--from and --to") from None
+    incident, reflected = heights[::-1] if backwards else heights
+    return about | {"incident": incident, "reflected": reflected,
+                    "coefficient": reflected / incident if incident > 0.0 else None}
+
+
+def text(found: Mapping[str, Any]) -> str:
+    """Return the result of `analysed` as lines."""
+    kind = "height" if found["regular"] else "significant height"
+    of = f"T = {found['period']:.4g} s, length {found['length']:.4g} m, " if found["period"] else ""
+    lines = [f"gauges {', '.join(found['probes'])} at x = {', '.join(f'{x:.6g}' for x in found['places'])} m, "
+             f"t = {found['start']:.6g} to {found['end']:.6g} s",
+             f"{'regular' if found['regular'] else 'irregular'} waves, {of}depth {found['depth']:.4g} m",
+             f"incident {kind:<20} {found['incident']:.4g} m",
+             f"reflected {kind:<19} {found['reflected']:.4g} m",
+             f"{'reflection coefficient':<29} {found['coefficient']:.3g}",
+             f"{'residual':<29} {found['residual']:.3g} of the amplitudes at the gauges"]
+    bands = found.get("bands") or ()
+    if bands:
+        lines.append(f"{'frequency [Hz]':>15}{'incident [m2/Hz]':>20}{'reflected [m2/Hz]':>20}{'coefficient':>14}")
+        lines += ["".join(f"{'-' if band[name] is None else format(band[name], '.4g'):>{width}}" for name, width in
+                          (("frequency", 15), ("incident", 20), ("reflected", 20), ("coefficient", 14)))
+                  for band in bands]
+    return "\n".join(lines)
+
+
+def _bands(frequencies, incident, reflected):
+    least = ENOUGH * np.nanmax(incident)
+    return [{"frequency": float(f), "incident": _known(a), "reflected": _known(b),
+             "coefficient": float(np.sqrt(b / a)) if a >= least else None}
+            for f, a, b in zip(frequencies, incident, reflected)]
+
+
+def _known(value):
+    return float(value) if np.isfinite(value) else None
+
+
+def _makers(case: Case) -> list[tuple[Any, float]]:
+    """Return (wave, x of what makes it [m]) of all wavemakers whose waves have a period."""
+    found = [(body.wave, body.place) for body in case.bodies if isinstance(body, (Piston, Flap))]
+    found += [(zone.wave, zone.end) for zone in case.absorb if isinstance(zone, Relaxation)]
+    return [(wave, place) for wave, place in found if wave is not None and hasattr(wave, "period")]
+
+
+def _gauges(case: Case, depth: float) -> dict[str, SurfaceGauge]:
+    """Return {name: gauge} of the gauges outside zones over a bed of that depth [m], upwards in x.
+
+    Over a bed that is not level, those from the wavemaker to the first gauge in another depth.
+    """
+    found = [(name, probe) for name, probe in singles(case.probes) if isinstance(probe, SurfaceGauge)
+             and not any(zone.start <= probe.at <= zone.end for zone in case.absorb)]
+    mesh = None if all(isinstance(body, (Tank, Piston, Flap)) for body in case.bodies) else build.scene_mesh(case)
+    if found and mesh is not None:
+        start = _makers(case)[0][1] if _makers(case) else -np.inf
+        found.sort(key=lambda one: abs(one[1].at - start))
+        beds = columns.beds(mesh.corners(), np.array([probe.at for _, probe in found]), np.inf)
+        wrong = np.abs(float(case.fluid_bounds[1][-1]) - beds - depth) > SAME_DEPTH * depth
+        found = found[:int(np.argmax(wrong)) if wrong.any() else None]    # behind a bar are other waves
+    return dict(sorted(found, key=lambda one: one[1].at))
+
+
+def _gauge(case: Case, name: str) -> SurfaceGauge:
+    there = {name: probe for name, probe in singles(case.probes) if isinstance(probe, SurfaceGauge)}
+    if name not in there:
+        raise CaseError(f"there is no SurfaceGauge {shown(name)} (there is {listed(list(there)) or 'none'})")
+    return there[name]
+
+
+def _chosen(case: Case, k: float | None, depth: float) -> list[str]:
+    """Return the names of the two or three gauges that tell waves apart best."""
+    gauges = dict(list(_gauges(case, depth).items())[:MANY])
+    if len(gauges) < PAIR:
+        raise CaseError(f"the run has {len(gauges) or 'no'} SurfaceGauge{'s' * (len(gauges) != 1)} over a level bed, "
+                        f"{depth:.4g} m deep, outside sponges: two or three are needed")
+    if k is None:
+        raise CaseError("the case has no wavemaker with a period: give the period of regular waves with --period, or "
+                        f"for irregular waves two or three gauges with --probes (there is {listed(list(gauges))})")
+    for count in (TRIPLE, PAIR):
+        groups = [group for group in combinations(gauges, count)
+                  if gauges[group[-1]].at - gauges[group[0]].at <= LONG * 2.0 * np.pi / k]
+        if groups:
+            return list(max(groups, key=lambda group: spread([gauges[name].at for name in group], k)))
+    raise CaseError(f"no two gauges are within {LONG:g} of the wave length, {2.0 * np.pi / k:.4g} m: put two or three "
+                    "gauges a tenth to a third of it apart, or give others with --probes")
+
+
+def _series(run: Recorded, names: Sequence[str]) -> tuple[Floats, Floats]:
+    """Return the times (n,) of the first gauge and the elevations of all then (gauges, n)."""
+    found: list[tuple[Floats, Floats]] = []
+    for name in names:
+        probe, _, inner = name.partition(".") if name not in run.probe_names else (name, "", "")
+        table = run.probe(probe)
+        found.append((table["time"], table[inner or "y"]))
+    time = found[0][0]
+    if not len(time):
+        raise CaseError(f"the gauge {names[0]} has no samples")
+    return time, np.array([np.interp(time, *one) for one in found])
+
+
+def _window(case: Case, places: Sequence[float], time: Floats, period: float | None, k: float | None, depth: float,
+            asked: tuple[float | None, float | None]) -> tuple[float, float]:
+    """Return start and end [s] of what is looked at."""
+    start, end = asked
+    end = float(time[-1]) if end is None else end
+    if start is None:
+        start = float(time[0])
+        if k is not None and _makers(case):
+            away = max(abs(place - _makers(case)[0][1]) for place in places)
+            length = 2.0 * np.pi / k
+            slow = group_velocity(length, depth, _gravity(case))
+            start = away / slow + SETTLED * (period or length / slow)
+        if period is not None:
+            whole = min(int((end - start) / period + 1e-6), PERIODS)
+            if whole < 1:
+                raise CaseError(f"the waves are settled at the farthest gauge from t = {start:.4g} s on, and the "
+                                f"samples end at {end:.4g} s, less than a period later: run longer, or give --from")
+            start = end - whole * period
+    if not start < end:
+        raise CaseError(f"from {start:.4g} to {end:.4g} s: there is no time between them; the samples end at "
+                        f"{time[-1]:.4g} s")
+    return start, end
+
+
+def _depth(case: Case, made: Any, depth: float | None) -> float:
+    if depth is not None:
+        if not depth > 0.0:
+            raise CaseError(f"--depth {depth:g}: must be greater than 0")
+        return depth
+    if made is not None:
+        return float(made.depth)
+    return float(case.fluid_bounds[1][-1] - case.fluid_bounds[0][-1])
+
+
+def _gravity(case: Case) -> float:
+    force = case.constant_force
+    if force is None or not force[-1] < 0.0:
+        raise CaseError("the waves have no dispersion relation: gravity is not constant, or does not point down")
+    return -float(force[-1])
+
+
+def _wave_number(made: Any, period: float, depth: float, g: float) -> float:
+    """Return that of the wave as it is made, or that of linear theory [1/m]."""
+    if made is not None and hasattr(made, "k") and made.period == period and made.depth == depth:
+        return float(made.k)
+    return float(wave_number(2.0 * np.pi / period, depth, g))

@@ -1,0 +1,94 @@
+"""Peaks of pressure that are too short to be resolved are told from those that last."""
+
+import json
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from parisph import Box, Case, Fluid, Force, Numerics, PeakBand, PressureTap, ProbeArray, Tank
+from parisph import Peaks as PeaksOf
+from parisph.io import info
+from parisph.io.reader import open_run
+from parisph.io.store import Store
+from parisph.pictures import curves
+from parisph.report import events
+from parisph.truth import impacts, verdict
+
+T = 0.002 * np.arange(500)
+
+
+def impact(start, greatest, decay=0.05):
+    """Return an impact: a rise over six values, and a slow fall."""
+    return greatest * np.interp(T, [start, start + 0.012], [0.0, 1.0]) * np.exp(-np.maximum(T - start, 0.0) / decay)
+
+
+def spike(time, greatest, values=1):
+    """Return a peak of one value, on lines that are so many samples long to either side."""
+    return greatest * np.maximum(1.0 - np.abs(T - time) / (0.002 * values), 0.0)
+
+
+RIPPLE = 7e3 + 300.0 * np.sin(1e3 * T)
+
+
+@pytest.mark.parametrize("values", [1, 2, 5])
+def test_a_peak_of_one_value_is_short_however_finely_it_is_sampled(values):
+    others = np.interp(T, T[::values], (RIPPLE * (T > 0.3) + impact(0.3, 9e3))[::values])
+    (first, lasting) = impacts.greatest(T, others + spike(0.8, 25e3, values))
+    assert first.short and first.time == pytest.approx(0.8) and first.value == pytest.approx(32e3, rel=0.02)
+    assert first.lasts == pytest.approx(0.002 * values, rel=0.1) and first.mean < 0.95 * first.value
+    assert not lasting.short and lasting.time == pytest.approx(0.312, abs=0.01) and lasting.lasts > 0.005
+
+
+def test_an_impact_a_crest_and_a_ripple_are_not_short():
+    """Nor is the head of an impact, behind which the pressure stays high."""
+    head = impact(0.3, 14e3, decay=0.5) + spike(0.314, 6e3)
+    for values in (impact(0.3, 20e3), head, 5e3 + 2e3 * np.sin(6.0 * T), RIPPLE, np.zeros_like(T), -RIPPLE):
+        (one,) = impacts.greatest(T, values)
+        assert not one.short
+
+
+def test_samples_without_a_number_and_others_than_those_allowed_do_not_count():
+    values = RIPPLE + spike(0.8, 25e3)
+    assert not impacts.greatest(T, values, T < 0.7)[0].short
+    values[values > 2e4] = np.nan
+    assert not impacts.greatest(T, values)[0].short
+    assert impacts.greatest(T, np.full_like(T, np.nan)) == [] and impacts.greatest(T[:2], values[:2]) == []
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """A run with a spike at two taps, and at a force that pulls."""
+    band = PeaksOf([PeakBand(start=0.5, end=0.9, low=6e3, high=1e4)])
+    probes = [PressureTap("P", at=(0.0, 0.1), truth=band), ProbeArray("row", [PressureTap("Q", at=(1.0, 0.1))]),
+              Force("load")]
+    case = Case(title="Basin", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 2.0), gravity=(0.0, -9.81),
+                numerics=Numerics(spacing=0.1), end_time=1.0, probes=probes)
+    folder = tmp_path_factory.mktemp("impacts") / "run"
+    store = Store.create(MPI.COMM_SELF, folder, case.model_dump_json())
+    units = {"P": {"pressure": "Pa"}, "row": {"Q": "Pa"}, "load": {"fx": "N/m", "fy": "N/m", "moment": "N m/m"}}
+    for name, columns in units.items():
+        store.add_series(f"probes/{name}", columns)
+    for step, (t, value) in enumerate(zip(T, RIPPLE + spike(0.8, 25e3))):
+        store.append(t, step, {"probes/P": [value], "probes/row": [value], "probes/load": [-value, 7e3, 0.0]})
+    summary = {"peaks": impacts.peaks(case, open_run(folder)), "errors": verdict.errors(case, open_run(folder))}
+    store.summary(summary)
+    store.close()
+    return case, open_run(folder)
+
+
+def test_the_table_the_report_and_the_picture_say_so(run):
+    case, found = run
+    summary = json.loads(json.dumps(found.summary))
+    assert {name: peak["short"] for name, peak in summary["peaks"].items()} == {
+        "P": True, "row.Q": True, "load.fx": True, "load.fy": False}
+    lines = [line for line in info.table(summary) if line.startswith("peak of")]
+    assert len(lines) == 3 and "Pa at 0.8 s lasts 2" in lines[0] and "the greatest that lasts: 7" in lines[0]
+    assert " N/m at " in lines[2]
+    assert [row[0].text for row in events.impacts(summary).rows][:2] == [f"{name} (short: not resolved)"
+                                                                         for name in ("P", "row.Q")]
+    assert "(short: not resolved; " in events.peaks(case.probes, summary).rows[0][4].text
+    pytest.importorskip("matplotlib")
+    axes = curves.plot_probe(found, ["P"]).axes[0]
+    labels = [line.get_label() for line in axes.lines]
+    assert labels[0] == "P" and "not resolved" in labels[1] and labels[2] == "its mean over 5 ms"
