@@ -102,7 +102,7 @@ def test_command_is_understood(line, first):
         assert {text.partition("=")[0] for text in args.set} <= set(known)
 
 
-@pytest.mark.parametrize("verb", sorted(set(re.findall(r"(?<!from )\bparisph ([a-z]+)", " ".join([*CODE, *SHELL])))))
+@pytest.mark.parametrize("verb", sorted(set(re.findall(r"(?<!from )\bparisph ([a-z]+)", "\n".join([*CODE, *SHELL])))))
 def test_verb_exists(verb):
     assert verb in _verbs()
 
