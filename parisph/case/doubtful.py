@@ -86,7 +86,8 @@ def _sponges(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
     for number, zone in enumerate(case.absorb):
         own = getattr(zone, "wave", None)
         if longest is not None and zone.length < longest.length * (1.0 - 1e-6):
-            told = ("more than 2.5 % of it comes back; 0.3 % does from one of two lengths" if isinstance(zone, Sponge)
+            told = ("more than 2.5 % of it comes back (0.3 % from a sponge of twice its length)"
+                    if isinstance(zone, Sponge)
                     else "it comes out lower" if longest.wave == own else "more than 8 % of it comes back")
             yield (f"absorb[{number}]: the {zone.kind} is {zone.length:.3g} m long, and {longest.name} has a wave of "
                    f"{longest.length:.3g} m: {told}; use a length of at least {longest.length:.3g}")

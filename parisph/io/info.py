@@ -168,6 +168,8 @@ def _reflection(found):
     """The waves of a flume, as two or three gauges tell them."""
     if not found or "reason" in found:
         return f"not known: {found['reason']}" if found else None
+    if found["coefficient"] is None:
+        return f"no waves at {', '.join(found['probes'])}"
     return (f"{found['coefficient']:.3g} of the incident {'' if found['regular'] else 'significant '}height, "
             f"{found['incident']:.4g} m, at {', '.join(found['probes'])} (residual {found['residual']:.2g})")
 

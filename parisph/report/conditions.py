@@ -1,6 +1,5 @@
 """What a report says of how a run was made: first the scene and its numbers, apart from them files and versions."""
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -8,7 +7,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from parisph.base.errors import CaseError
 from parisph.base.seal import MADE
-from parisph.case.waves import AnyWave, wave_number
+from parisph.case.wave_sizes import size_of
+from parisph.case.waves import AnyWave
 from parisph.pictures.style import REST, bodies_of, fluids_of
 from parisph.report.account import CASE, SUMMARY, Content, named_rows
 from parisph.report.entries import Cell, Table, number
@@ -143,9 +143,6 @@ def _length(wave: dict[str, Any]) -> float | None:
     if not {"period", "depth", "height"} <= wave.keys():
         return None
     try:
-        found = TypeAdapter(AnyWave).validate_python(wave)
-        known = getattr(found, "length", None)
-        return float(known) if known else 2.0 * math.pi / float(wave_number(2.0 * math.pi / wave["period"],
-                                                                            wave["depth"], wave.get("g", 9.81)))
+        return float(size_of("wave", TypeAdapter(AnyWave).validate_python(wave), 0.0).length)
     except (CaseError, ValidationError, ValueError, TypeError, ZeroDivisionError):
         return None

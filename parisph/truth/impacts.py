@@ -86,7 +86,7 @@ def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
                 values = table[inside if isinstance(probe, ProbeArray) else column]
                 size = values if column == "pressure" else np.abs(values)
                 some = greatest(table["time"], size, _allowed(one.truth, table["time"]))
-                if some and some[0].value > 0.0:
+                if some and some[0].value > 0.0:    # a component without any force has no peak
                     lasting = None if some[-1].short else some[-1]._asdict()
                     found[name if column == "pressure" else f"{name}.{column}"] = {
                         **some[0]._asdict(), "mean_over": MEAN, "lasting": lasting}

@@ -106,6 +106,7 @@ def analysed(case: Case, run: Recorded, probes: Optional[Sequence[str]] = None, 
 
 def text(found: Mapping[str, Any]) -> str:
     """Return the result of `analysed` as lines."""
+    share = "no incident waves" if found["coefficient"] is None else f"{found['coefficient']:.3g}"
     kind = "height" if found["regular"] else "significant height"
     of = f"T = {found['period']:.4g} s, length {found['length']:.4g} m, " if found["period"] else ""
     lines = [f"gauges {', '.join(found['probes'])} at x = {', '.join(f'{x:.6g}' for x in found['places'])} m, "
@@ -113,7 +114,7 @@ def text(found: Mapping[str, Any]) -> str:
              f"{'regular' if found['regular'] else 'irregular'} waves, {of}depth {found['depth']:.4g} m",
              f"incident {kind:<20} {found['incident']:.4g} m",
              f"reflected {kind:<19} {found['reflected']:.4g} m",
-             f"{'reflection coefficient':<29} {found['coefficient']:.3g}",
+             f"{'reflection coefficient':<29} {share}",
              f"{'residual':<29} {found['residual']:.3g} of the amplitudes at the gauges"]
     bands = found.get("bands") or ()
     if bands:

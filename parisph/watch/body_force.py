@@ -7,10 +7,13 @@ import numpy as np
 from parisph.base.fields import DRY, WALL
 from parisph.case import probes
 from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors
+from parisph.geometry.outline import outline_of
 from parisph.geometry.probe_places import force_elements
 from parisph.watch.sampling import WIDTH, OfPressure, Sampler, Scene, View
 from parisph.watch.wall_pressure import Force, about, at_rest, force_columns
 
+DRY_BEHIND = "piston", "flap"    # bodies behind which walls are never wet
+BESIDE = 1.0    # spacings: nodes of other walls that are dry so near in front of a wavemaker have no room for particles
 LAST = -1.0     # the first number of a row that tells the greatest number of a wall particle; else that of a node
 
 
@@ -30,6 +33,8 @@ class BodyForce(OfPressure):
         self._elements = force_elements(mesh, probe)
         self._needed = np.zeros(len(mesh.x0), dtype=bool)
         self._needed[self._elements] = True
+        self._faces = _faces(scene, probe.on) if probe.still is not None else []
+        self._needed[[node for face in self._faces for node in face]] = True
         # of each end of an element: the node beyond its other end on the same body, or that end itself
         self._beyond = np.stack([_next(self._elements, end) for end in (0, 1)], axis=1)
         self.title = (f"Force of the pressure on {probe.on}{f', {probe.side} side' * bool(probe.side)}, and its moment "
@@ -59,8 +64,17 @@ class BodyForce(OfPressure):
         if self.probe.still is None:
             return found
         rest = at_rest(self.probe, self.scene, x)
-        rest = self._load(x, np.where(np.isnan(p), np.nan, np.where(rest > 0.0, rest, np.inf)))
+        wet = (rest > 0.0) & ~(np.isposinf(p) & self._behind(x))
+        rest = self._load(x, np.where(np.isnan(p), np.nan, np.where(wet, rest, np.inf)))
         return (*found, *np.subtract(found, rest))
+
+    def _behind(self, x):
+        """Return which nodes x (n, 2) [m] lie behind a wavemaker, on its dry side, or at its foot."""
+        found = np.zeros(len(x), dtype=bool)
+        for start, end in self._faces:
+            way, off = x[end] - x[start], x - x[start]
+            found |= way[0] * off[:, 1] - way[1] * off[:, 0] < BESIDE * self.scene.spacing * np.linalg.norm(way)
+        return found
 
     def _load(self, x, p):
         """Return the force and the moment of pressures p at nodes x: inf at dry ones, nan on convex edges."""
@@ -92,6 +106,20 @@ def _next(elements, end):
     """Return, for each element, the node beyond its end 1 - `end`; that end itself if there is none."""
     after = {element[end]: element[1 - end] for element in elements.tolist()}
     return np.array([after.get(element[1 - end], element[1 - end]) for element in elements.tolist()])
+
+
+def _faces(scene, on):
+    """Return the nodes at the first and the last point of the face of each wavemaker but the body `on` itself.
+
+    Fluid is left of the way from one to the other.
+    """
+    mesh, found = scene.mesh, []
+    for number, body in enumerate(mesh.bodies):
+        if body.name != on and scene.kinds.get(body.name) in DRY_BEHIND:
+            own = np.unique(mesh.elements[mesh.element_body == number])
+            ends = outline_of(scene.now.walls[number]).points[[0, -1]]
+            found.append(tuple(own[np.argmin(np.linalg.norm(mesh.x0[own] - end, axis=1))] for end in ends))
+    return found
 
 
 def force_on(probe: probes.Force, scene: Scene) -> Sampler:

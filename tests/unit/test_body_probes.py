@@ -13,11 +13,13 @@ from parisph import (
     Force,
     Numerics,
     Obstacle,
+    Piston,
     Polygon,
     Profile,
     RunUp,
     Simulation,
     StillWater,
+    Sway,
     Tank,
 )
 from parisph.geometry.mesh import CONVEX
@@ -57,12 +59,16 @@ def test_a_linear_pressure_lifts_a_body_by_its_gradient(shape, area, centre):
 
 
 def test_the_dynamic_force_of_water_at_rest_is_zero():
-    """On a pier that stands through the surface, a disc below it and the tank; and in a tank alone, on the lattice."""
+    """On a pier that stands through the surface, a disc below it and the tank; in a tank alone, on the lattice; and in
+    a flume, whose bed behind the piston is dry."""
     bodies = Obstacle(Box(0.2, 1.0, at=(0.2, 0.0)), name="pier"), Obstacle(Disc(0.15, at=(0.8, 0.4)), name="disc")
     probes = [Force(name, on=name, still=LEVEL, acted=True) for name in ("pier", "disc", "tank")]
     alone = scene([Force("tank", still=LEVEL), Force("right", side="right", still=LEVEL)], rtol=1e-12).changed(
         fluid=Fluid(Box(1.2, LEVEL), density=DENSITY))
-    for case in (scene(probes, *bodies, rtol=1e-12), alone):
+    bed = [Force("bed", side="bed", still=LEVEL), Force("end", side="right", still=LEVEL)]
+    flume = scene(bed, Tank(1.5, 1.0, at=(-0.3, 0.0)), Piston(0.0, motion=Sway(amplitude=1e-9, frequency=1.0),
+                                                              name="board"), tank=False, rtol=1e-12)
+    for case in (scene(probes, *bodies, rtol=1e-12), alone, flume):
         simulation = Simulation(case, MPI.COMM_SELF)
         simulation.solve_start()
         samplers = build(case, simulation.comm)

@@ -61,16 +61,18 @@ def run(tmp_path_factory):
     """A run with a spike at two taps, and at a force that pulls."""
     band = PeaksOf([PeakBand(start=0.5, end=0.9, low=6e3, high=1e4)])
     probes = [PressureTap("P", at=(0.0, 0.1), truth=band), ProbeArray("row", [PressureTap("Q", at=(1.0, 0.1))]),
-              Force("load")]
+              Force("load"), Force("dry")]
     case = Case(title="Basin", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 2.0), gravity=(0.0, -9.81),
                 numerics=Numerics(spacing=0.1), end_time=1.0, probes=probes)
     folder = tmp_path_factory.mktemp("impacts") / "run"
     store = Store.create(MPI.COMM_SELF, folder, case.model_dump_json())
-    units = {"P": {"pressure": "Pa"}, "row": {"Q": "Pa"}, "load": {"fx": "N/m", "fy": "N/m", "moment": "N m/m"}}
+    units = {"P": {"pressure": "Pa"}, "row": {"Q": "Pa"},
+             **dict.fromkeys(("load", "dry"), {"fx": "N/m", "fy": "N/m", "moment": "N m/m"})}
     for name, columns in units.items():
         store.add_series(f"probes/{name}", columns)
     for step, (t, value) in enumerate(zip(T, RIPPLE + spike(0.8, 25e3))):
-        store.append(t, step, {"probes/P": [value], "probes/row": [value], "probes/load": [-value, 7e3, 0.0]})
+        store.append(t, step, {"probes/P": [value], "probes/row": [value], "probes/load": [-value, 7e3, 0.0],
+                               "probes/dry": [0.0, 0.0, 0.0]})
     summary = {"peaks": impacts.peaks(case, open_run(folder)), "errors": verdict.errors(case, open_run(folder))}
     store.summary(summary)
     store.close()

@@ -131,6 +131,8 @@ def test_a_flume_chooses_gauges_and_a_time():
     assert found["incident"] == pytest.approx(0.06, rel=1e-3) and found["coefficient"] == pytest.approx(0.2, abs=1e-3)
     assert found["end"] - found["start"] == pytest.approx(16.0, abs=0.06) and found["residual"] < 1e-3
     assert "reflection coefficient        0.2\n" in reflected.text(found)
+    flat = {**found, "incident": 0.0, "coefficient": None}    # the waves have not come so far
+    assert "no incident waves" in reflected.text(flat) and "no waves at" in "".join(info.table({"reflection": flat}))
     assert reflected.analysed(flume.case, flume, ["row.a", "row.b"])["coefficient"] == pytest.approx(0.2, abs=1e-3)
     head, row = next(flume_tables.reflection({"reflection": found}))[0].head, info.table({"reflection": found})
     assert "reflection coefficient" in head and row == ["reflection      0.2 of the incident height, 0.06 m, at g3.0, "
