@@ -22,6 +22,7 @@ class BodyForce(OfPressure):
 
     On each element the pressure is linear between its nodes, and the integrals are exact. A node on a convex edge has
     no pressure: there that along the element's side of the edge is continued linearly, or as it is beside a dry node.
+    So it is at the end of a line of elements, as the foot of a wavemaker, which no row belongs to, but not below 0.
     """
 
     dims = (2,)
@@ -31,6 +32,8 @@ class BodyForce(OfPressure):
         super().__init__(probe, scene)
         self.about, self._mesh = np.array(probe.about), mesh
         self._elements = force_elements(mesh, probe)
+        uses = np.bincount(mesh.elements.ravel(), minlength=len(mesh.x0))
+        self._ends = uses == 1
         self._needed = np.zeros(len(mesh.x0), dtype=bool)
         self._needed[self._elements] = True
         self._faces = _faces(scene, probe.on) if probe.still is not None else []
@@ -60,6 +63,7 @@ class BodyForce(OfPressure):
         x, p = np.zeros_like(self._mesh.x0), np.full(len(self._mesh.x0), np.inf)
         number = (nodes[:, 0] - (last + 1 - len(x))).astype(int)    # nodes are the last particles, in their order
         x[number], p[number] = nodes[:, 1:3], nodes[:, 3]
+        p[self._ends & np.isposinf(p)] = np.nan
         found = self._load(x, p)
         if self.probe.still is None:
             return found
@@ -98,6 +102,7 @@ class BodyForce(OfPressure):
             there = np.where(wet, p, 0.0)
             linear = wet[other] & wet[beyond] & (other != beyond)
             continued = there[other] + np.where(linear, share * (there[other] - there[beyond]), 0.0)
+            continued = np.where(self._ends[own], np.maximum(continued, 0.0), continued)
             found[:, end] = np.where(np.isnan(p[own]), continued, there[own])
         return found
 

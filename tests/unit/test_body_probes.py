@@ -60,12 +60,13 @@ def test_a_linear_pressure_lifts_a_body_by_its_gradient(shape, area, centre):
 
 def test_the_dynamic_force_of_water_at_rest_is_zero():
     """On a pier that stands through the surface, a disc below it and the tank; in a tank alone, on the lattice; and in
-    a flume, whose bed behind the piston is dry."""
+    a flume, whose bed behind the piston is dry. The foot of the piston has no row, but the force knows its pressure."""
     bodies = Obstacle(Box(0.2, 1.0, at=(0.2, 0.0)), name="pier"), Obstacle(Disc(0.15, at=(0.8, 0.4)), name="disc")
     probes = [Force(name, on=name, still=LEVEL, acted=True) for name in ("pier", "disc", "tank")]
     alone = scene([Force("tank", still=LEVEL), Force("right", side="right", still=LEVEL)], rtol=1e-12).changed(
         fluid=Fluid(Box(1.2, LEVEL), density=DENSITY))
-    bed = [Force("bed", side="bed", still=LEVEL), Force("end", side="right", still=LEVEL)]
+    bed = [Force("bed", side="bed", still=LEVEL), Force("end", side="right", still=LEVEL), Force("board", on="board",
+                                                                                               still=LEVEL)]
     flume = scene(bed, Tank(1.5, 1.0, at=(-0.3, 0.0)), Piston(0.0, motion=Sway(amplitude=1e-9, frequency=1.0),
                                                               name="board"), tank=False, rtol=1e-12)
     for case in (scene(probes, *bodies, rtol=1e-12), alone, flume):
@@ -79,6 +80,8 @@ def test_the_dynamic_force_of_water_at_rest_is_zero():
             assert "with the hydrostatic part; dynamic: less that of water at rest up to y = 0.8 m" in sampler.title
             assert sampler.name == "pier" or max(map(abs, values.values())) > 0.05 * DENSITY * G
             assert all(abs(values[name]) < 1e-6 * DENSITY * G for name in values if "dynamic" in name), values
+            if sampler.name == "board":
+                assert values["fx"] == pytest.approx(-0.5 * DENSITY * G * LEVEL**2, rel=1e-9)
 
 
 def test_no_hydrostatic_part_where_gravity_is_not_straight_down():
