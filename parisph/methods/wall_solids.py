@@ -11,12 +11,11 @@ from parisph.kernels import density, gradient, solids, wall_law, wetness
 from parisph.kernels.moving_mirrors import GONE, SLIPS, STICKS, Solids
 from parisph.methods import lengths
 from parisph.methods.boundary import Boundary, Directions
-from parisph.parallel.wall_elements import WallElements
+from parisph.parallel.wall_elements import BESIDE, WallElements
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-BESIDE = 0.4    # spacings in front of a wall that moves, within which the nodes of others are dry
 # spacings from a wall within which its datum helps out a gradient with too few neighbours. In the tip of water on a
 # flat beach the surface is the only layer, up to 1.5 spacings above the bed, and the nodes below it carry no row.
 DATUM = 1.4
@@ -39,17 +38,8 @@ class WallSolids(Boundary):
         wetness.covered_walls(p.covered, p.x_all, p.kind_all, p.normal_all, flow.spacing, d.indptr, d.indices,
                               flow.axes)
         if self.elements.moving:
-            p.covered *= np.clip(0.5 + self._before_moving(flow) / flow.spacing, 0.0, 1.0)
+            p.covered *= np.clip(0.5 + self.elements.before_moving(p) / flow.spacing, 0.0, 1.0)
         return ("covered",)
-
-    def _before_moving(self, flow):
-        """Return how far wall particles (n_owned,) are from walls that move against theirs [m], 0 behind these."""
-        p, e = flow.particles, self.elements
-        found, own = np.full(p.n_owned, np.inf), np.zeros(p.n_owned, np.int64)
-        walls = p.kind == WALL
-        own[walls] = e.node_motion[p.id[walls] - e.first]
-        wetness.before_moving_walls(found, p.x, p.kind, own, e.corners, e.motion, e.indptr, e.indices, flow.axes)
-        return found
 
     def counted(self, flow: "Flow", least: int) -> np.ndarray:
         """Return the part of each particle (n_all,) that counts: of walls `least` what is covered."""
@@ -123,7 +113,7 @@ class WallSolids(Boundary):
         p = flow.particles
         p.role[(p.kind == WALL) & (p.edge == CONVEX)] = DRY
         if self.elements.moving:
-            p.role[self._before_moving(flow) < BESIDE * flow.spacing] = DRY
+            p.role[self.elements.before_moving(p) < BESIDE * flow.spacing] = DRY
 
     def move(self, flow: "Flow", at: float, start: float, stop: float) -> None:
         if self.elements.moving:

@@ -4,12 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from parisph.base.fields import WALL
+from parisph.base.fields import DRY, WALL
 from parisph.case.motion import Motion
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh
-from parisph.kernels import solids
+from parisph.kernels import solids, wetness
+from parisph.kernels.jit import axes_of
 from parisph.parallel.particles import Particles
+
+BESIDE = 0.4    # spacings in front of a wall that moves, within which the nodes of others are dry
 
 
 class WallElements:
@@ -53,6 +56,32 @@ class WallElements:
     def edges(self) -> np.ndarray:
         """What edges the corners of the elements near this rank's particles are, (M, dim) int8 (geometry.mesh)."""
         return self.mesh.edge[self.mesh.elements[self._near]]
+
+    def before_moving(self, particles: Particles) -> np.ndarray:
+        """Return how far wall particles (n_owned,) are from walls that move against theirs [m], 0 behind these."""
+        p = particles
+        found, own = np.full(p.n_owned, np.inf), np.zeros(p.n_owned, np.int64)
+        walls = p.kind == WALL
+        own[walls] = self.node_motion[p.id[walls] - self.first]
+        wetness.before_moving_walls(found, p.x, p.kind, own, self.corners, self.motion, self.indptr, self.indices,
+                                    axes_of(p.dim))
+        return found
+
+    def without_room(self, particles: Particles) -> np.ndarray:
+        """Return which wall particles (n_owned,) are dry for want of room for fluid in front of them, not of water.
+
+        They are the nodes before and behind a wall that moves, and those at the ends of lines of elements, as the foot
+        of a wavemaker. The pressure of the water beside them goes on up to there, though they have none.
+        """
+        p = particles
+        ends = np.bincount(self.mesh.elements.ravel(), minlength=len(self.x)) == 1
+        found = p.role == DRY
+        walls = np.flatnonzero(found & (p.kind == WALL))
+        node = p.id[walls] - self.first
+        left_out = self.before_moving(p)[walls] < BESIDE * self.spacing if self.moving else False
+        found[:] = False
+        found[walls] = ends[node] | left_out
+        return found
 
     @property
     def moving(self) -> bool:

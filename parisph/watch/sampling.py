@@ -200,7 +200,8 @@ class View:
     def walls(self) -> tuple[np.ndarray, np.ndarray]:
         """Positions (n, dim) [m] and pressures (n,) [Pa] of the wall particles; dry ones have none.
 
-        Those on convex edges are left out: they carry no row, and so no pressure.
+        Those on convex edges are left out, and dry ones with water beside them but no room for any in front
+        (WallElements.without_room): they carry no row, and so no pressure.
         """
         p, wall = self.particles, self._wall
         return p.x.take(wall, axis=0), np.where(p.role.take(wall) == DRY, 0.0, p.p.take(wall))
@@ -214,7 +215,11 @@ class View:
     def _wall(self):
         p = self.particles
         there = p.kind == WALL
-        return np.flatnonzero(there & (p.edge != CONVEX) if "edge" in p.fields else there)
+        if "edge" in p.fields:
+            there &= p.edge != CONVEX
+        if self.domain.elements is not None:
+            there &= ~self.domain.elements.without_room(p)
+        return np.flatnonzero(there)
 
 
 class Sampler:
