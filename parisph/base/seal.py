@@ -12,10 +12,10 @@ KEY, MADE, OF_MADE = "digest", "made", "made_digest"
 
 
 def sealed(content: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a JSON object with its digest as the last entry."""
+    """Return a JSON object with its digest as the first entry, whose line may be removed without a comma too many."""
     content = {name: value for name, value in content.items() if name not in (KEY, OF_MADE)}
     made = content.get(MADE)
-    return {**content, **({OF_MADE: _digest(made)} if isinstance(made, dict) else {}), KEY: _digest(content)}
+    return {KEY: _digest(content), **content, **({OF_MADE: _digest(made)} if isinstance(made, dict) else {})}
 
 
 def opened(content: Mapping[str, Any]) -> tuple[dict[str, Any], bool]:

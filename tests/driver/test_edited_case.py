@@ -124,3 +124,13 @@ def test_an_edit_that_is_wrong_is_named(run, values, says):
     with pytest.raises((CaseError, StoreError), match=says):
         driver.restart(run, COMM, progress=False)
     assert files(run) == before
+
+
+def test_the_line_of_the_digest_can_be_removed_as_the_message_says(run):
+    path = run / "case.json"
+    lines = path.read_text().splitlines(keepends=True)
+    kept = [line.replace('"end_time": 0.02', '"end_time": 0.03') for line in lines if '"digest":' not in line]
+    assert len(kept) == len(lines) - 1 and kept != [line for line in lines if '"digest":' not in line]
+    path.write_text("".join(kept))
+    driver.restart(run, COMM, progress=False)
+    assert open_run(run).case["end_time"] == 0.03
