@@ -15,13 +15,17 @@ from parisph.base.text import named, shown
 from parisph.truth import norms
 from parisph.truth.recorded import Recorded
 
+EDGE = 0.99     # of the largest shift that is tried: a best one beyond is at the limit
+APART = 3.0     # times what run and reference vary by (standard deviation): distance of their means that is told
+FEW = 5         # samples, at least, of which that is told
+
 
 @dataclass(frozen=True)
 class Comparison:
     """A probe beside its reference.
 
     result : what `parisph compare` prints: probe, column, time and value (the columns of the reference), shift [s], and
-        what norms.judge returns
+        what norms.judge returns; `notes`, a list of str, on what is doubtful
     found, truth : (time (n,) [s], values (n,)) of the run, not shifted, and of the reference
     """
 
@@ -71,7 +75,8 @@ def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column:
         judged = norms.judge(found["time"], found[column], t, truth, rest, shift)
     except ValueError as error:
         raise CaseError(f"{probe} against {named(reference)}: {error}") from None
-    result = {"probe": probe, "column": column, "time": time, "value": value, "shift": shift, **judged}
+    notes = [*_at_its_limit(shift, best_shift), *_elsewhere(found["time"], found[column], t, truth, shift)]
+    result = {"probe": probe, "column": column, "time": time, "value": value, "shift": shift, **judged, "notes": notes}
     return Comparison(result, (found["time"], found[column]), (t, truth))
 
 
@@ -82,7 +87,23 @@ def text(result: Mapping[str, Any]) -> str:
             f"{result['samples']} samples, t = {result['start']:.6g} to "
             f"{result['end']:.6g} s, run shifted by {result['shift']:+.4g} s\n"
             f"relative L2 error  {result['relative_l2']:.4g} of {of}\n"
-            f"norm of Z14        {result['z14']:.4g}")
+            f"norm of Z14        {result['z14']:.4g}" + "".join(f"\nnote: {note}" for note in result.get("notes", ())))
+
+
+def _at_its_limit(shift, most):
+    """Yield a note if the best shift may lie beyond the limit [s] within which it was sought."""
+    if most and abs(shift) > EDGE * most:
+        yield (f"the best shift is at its limit of {most:g} s: allow more with --best-shift, or see whether time, "
+               "value, scale and offset of the reference are those of the run")
+
+
+def _elsewhere(time, values, reference_time, reference, shift):
+    """Yield a note if the means of run and reference are far apart, by how much both vary."""
+    at, ours, theirs = norms.on_reference(time, values, reference_time, reference, shift)
+    apart, spread = ours.mean() - theirs.mean(), max(ours.std(), theirs.std())
+    if len(at) > FEW and abs(apart) > APART * spread:
+        yield (f"the mean of the run is {ours.mean():.4g}, that of the reference {theirs.mean():.4g}: is another "
+               f"quantity, unit or level meant? --offset {apart:.4g} adds the difference to the reference")
 
 
 def _check_numbers(**numbers):

@@ -379,7 +379,19 @@ def test_compare_in_words(folder, reference, capsys):
     assert main(["compare", str(folder), reference, "--probe", "P2", "--shift", "0.02"]) == 0
     said = capsys.readouterr().out
     assert ("relative L2 error  0.01961 of the reference" in said
-            and "P2, pressure against the column p over t: " in said)
+            and "P2, pressure against the column p over t: " in said and "note" not in said)
+
+
+def test_compare_says_where_the_shift_ends_and_the_level_is_another(folder, reference, capsys):
+    words = ["compare", str(folder), reference, "--probe", "P2"]
+    assert main([*words, "--best-shift", "0.01"]) == 0
+    assert "note: the best shift is at its limit of 0.01 s: allow more with --best-shift" in capsys.readouterr().out
+    assert main([*words, "--offset", "1000"]) == 0
+    found = re.search(r"note: the mean of the run is .*unit or level meant\? --offset (\S+) ", capsys.readouterr().out)
+    assert found and float(found[1]) == pytest.approx(-1000.0, rel=0.01)
+    assert main([*words, "--best-shift", "0.05", "--offset", str(1000 + float(found[1]))]) == 0
+    assert "note" not in capsys.readouterr().out
+
 
 
 @pytest.mark.parametrize(("head", "column"), [
