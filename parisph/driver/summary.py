@@ -89,13 +89,12 @@ class Account:
 
     def _ahead(self, simulation: Simulation) -> list[str]:
         """Return what was doubtful before the run, the same on all ranks, and say it. Collective."""
-        found: list[str] = []
-        if simulation.comm.rank == 0:    # the estimate depends on the machine
-            case = simulation.case
-            found = [*ahead.doubts(case, build.counts(case), scales.expected(case), simulation.comm.size)]
-            for text in found:
-                logger.warning(text)
-        told: list[str] = simulation.comm.bcast(found)
+        comm, case = simulation.comm, simulation.case
+        found = on_first(comm, "look for what is doubtful in the case",    # the estimate depends on the machine
+                         lambda: [*ahead.doubts(case, build.counts(case), scales.expected(case), comm.size)])
+        told: list[str] = comm.bcast(found)
+        for text in told if comm.rank == 0 else ():
+            logger.warning(text)
         return told
 
     def measure(self, simulation: Simulation) -> None:
