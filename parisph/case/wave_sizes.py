@@ -6,9 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.base.arrays import Floats
+from parisph.base.errors import CaseError
 from parisph.case import absorb, scenery
-from parisph.case.bodies import motion_of
-from parisph.case.motion import FlapStroke, PistonStroke
+from parisph.case.bodies import Body, Flap, Piston, motion_of
+from parisph.case.expressions import uniform_field
+from parisph.case.motion import FlapStroke, PistonStroke, Roll, Sway
+from parisph.case.motion.measured import Series
+from parisph.case.motion.wavemaker import flap_ratio, piston_ratio
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
 from parisph.case.waves import (
@@ -64,9 +68,34 @@ def waves(case: Scene) -> Iterator[tuple[str, AnyWave]]:
         motion = motion_of(body)
         if isinstance(motion, (PistonStroke, FlapStroke)):
             yield f"walls, {name}: {'wave' if getattr(body, 'wave', None) else 'motion.wave'}", motion.wave
+        made = _made_by(body, case)
+        if made is not None:
+            yield f"walls, {name}: motion", made
     for number, zone in enumerate(case.absorb):
         if isinstance(zone, absorb.Relaxation):
             yield f"absorb[{number}].wave", zone.wave
+
+
+def _made_by(body: Body, case: Scene) -> Airy | None:
+    """Return the wave that a piston or a flap with a harmonic motion makes, by linear theory; None of other walls."""
+    motion, gravity = getattr(body, "motion", None), uniform_field(case.gravity)
+    if not isinstance(body, (Piston, Flap)) or not isinstance(motion, (Sway, Roll)) or gravity is None:
+        return None
+    if isinstance(motion.amplitude, Series) or not motion.frequency or not gravity[-1] < 0.0:
+        return None
+    lower, upper = case.fluid_bounds
+    depth, g = float(upper[-1] - lower[-1]), -float(gravity[-1])
+    k = float(wave_number(motion.frequency, depth, g))
+    height = 2.0 * abs(motion.amplitude)
+    if isinstance(motion, Sway):
+        height *= piston_ratio(k, depth)
+    else:
+        hinge = motion.centre[1] - float(lower[-1])
+        height *= (depth - hinge) * flap_ratio(k, depth, hinge)
+    try:
+        return Airy(height=height, period=2.0 * np.pi / motion.frequency, depth=depth, g=g)
+    except CaseError:    # one that would break
+        return None
 
 
 def sizes(case: Scene) -> list[Size]:
