@@ -1,4 +1,4 @@
-"""The waves that walls with a harmonic motion make: those of linear theory, as of a wavemaker that is given the wave."""
+"""The waves of walls with a harmonic motion, by linear theory, as of wavemakers that are given a wave."""
 
 from math import pi
 
