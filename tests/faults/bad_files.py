@@ -29,7 +29,7 @@ REFERENCES = {    # content, of which some lines are good, and what must be said
     b"t,pressure\n8,1\n9,2\n": "share fewer than two", b"t,pressure\n0,0\n0.1,0\n": "no meaning",
     b't,pressure\n0,"1\n1,2\n': "line 2",
     b"t,pressure\n0,1\x00\n1,2\n": "not text", b"t,pressure\n" + b"1" * 200_000 + b",1\n": "line 2",
-    b"t;pressure\n0;1\n1;2\n": "a time and a value",
+    b"t;pressure\n0;1,5\n1;2.5\n": "line 3 one with a point",
     b"\x1b[2J,pressure\n0,1\n1,2\n3,4\n\x1b,1\n": "line 5", b"t" * 300_000 + b"\n": "line 1|a time and a value",
     b"t,pressure\n0,\n1,nan\n": "empty",
     b"#only a comment\n": "no line with the names", b"t,pressure\n" + b"\n" * 100_000: "empty",
