@@ -181,6 +181,8 @@ def _look(args):
 def _report(args):
     from parisph.report import gallery, page
 
+    if args.into is not None and args.out is not None:
+        raise CaseError("-o: with --into the pictures go beside the file; leave out one of the two")
     if args.into is not None:
         written = gallery.put_into(args.runs, args.into)
     elif args.all:

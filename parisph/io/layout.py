@@ -16,7 +16,9 @@
 
 from pathlib import Path
 
+from parisph.base.errors import StoreError
 from parisph.base.paths import AnyPath
+from parisph.base.text import named
 
 INDEX = "flow.hdf.series"
 FILES = ("case.json", "summary.json", "steps.csv", INDEX, "run.log")
@@ -28,9 +30,12 @@ REPLACED = "replaced"
 def run_of(path: AnyPath) -> Path:
     """Return the folder (pathlib.Path) of the run that a checkpoint file is in; any other path is returned as it is.
 
-    The folder is relative if it is inside the current one, as users name it. Not collective.
+    The folder is relative if it is inside the current one, as users name it. Raises StoreError for a checkpoint that is
+    not there. Not collective.
     """
     path = Path(path)
+    if path.suffix == ".h5" and not path.exists():
+        raise StoreError(f"there is no checkpoint {named(path)}")
     if not path.is_file():
         return path
     folder, here = path.resolve().parent.parent, Path.cwd()

@@ -434,3 +434,13 @@ def test_compare_with_a_series_without_values(folder, tmp_path, capsys):
 def test_compare_that_cannot_be(folder, reference, capsys, words, code, says):
     assert main(["compare", str(folder), reference, *words]) == code
     assert says in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("words", "code", "says"), [
+    (["report", "RUN", "--into", "page.md", "-o", "pictures"], 2, "-o: with --into the pictures go beside the file"),
+    (["restart", "none/00000001.h5", "-o", "new"], 5, "there is no checkpoint none/00000001.h5"),
+])
+def test_what_cannot_be_done_is_said(folder, tmp_path, monkeypatch, capsys, words, code, says):
+    monkeypatch.chdir(tmp_path)
+    assert main([str(folder) if word == "RUN" else word for word in words]) == code
+    assert says in capsys.readouterr().err and not list(tmp_path.iterdir())
