@@ -29,7 +29,7 @@ IN_A_STEP = (
     "methods.projection:Projection._correct_velocity", "methods.projection:Projection._move",
     "methods.projection:Projection._report",
 )
-AROUND_A_STEP = ("driver.summary:Account.step", "driver.probing:Watch.after_step", "io.store:Store.append",
+AROUND_A_STEP = ("driver.summary:Account.step", "driver.probing:Watch.after_step", "io.store:Store.append_all",
                  "io.store:Store.checkpoint")
 BETWEEN = "between two calls"
 FAILING = """
