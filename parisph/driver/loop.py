@@ -290,7 +290,8 @@ class _Run:
             self.peaks.write(self.store, all_of_them=True)
             waiting, flows = self.peaks.waiting()
             state = {**self.account.state(s), "peaks": self.peaks.state(), "waiting": waiting,
-                     "watch": self.watch.state(), "left": vars(s.left), "passed": s.passages.state(), **s.method.state()}
+                     "watch": self.watch.state(), "left": vars(s.left), "passed": s.passages.state(),
+                     **s.method.state()}
             self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state, flows)
         self.saved_at, self.saved_step = perf_counter(), s.steps
         self.signals.left = (f"the last checkpoint is {self.last_checkpoint}; "

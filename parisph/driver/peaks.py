@@ -52,6 +52,10 @@ class Waiting:
     flow: Copied
     at_edge: bool
 
+    def copy(self) -> Copied:
+        """Return the flow."""
+        return self.flow
+
 
 class Peaks:
     """Keeps the flow at the greatest value of each probe with peak=True, within the window or bands of its truth.
@@ -84,8 +88,8 @@ class Peaks:
         self._seen = {name: dict(seen) for name, seen in (state or {}).items() if name in names}
         self._held: dict[str, Copied] = {}    # probe -> the flow at its greatest value, not yet written
         self._saved = set(self._seen)   # probes whose file the last checkpoint knows
-        self._waiting = [Waiting(*about[:3], _shared(simulation.particles.dim, flow), about[3])
-                         for about, flow in zip((waiting or {}).get("steps", ()), flows)]
+        self._waiting = [Waiting(pressure, time, step, _shared(simulation.particles.dim, flow), at_edge)
+                         for (pressure, time, step, at_edge), flow in zip((waiting or {}).get("steps", ()), flows)]
         self._last: dict[str, tuple[dict[str, Any], Copied]] = {}    # probe -> a peak among the last steps of the run
         self.replaced = [name for name in (waiting or {}).get("last", ()) if name in self._seen]    # by such a peak
         self._copy: tuple[int, Copied] | None = None    # of a step
@@ -108,8 +112,8 @@ class Peaks:
         if not mine:
             return
         before = self._waiting[-1] if self._waiting and self._waiting[-1].step == s.steps - 1 else None
-        count, counted = ([time is not None and _counts(sampler.probe.truth, time) for sampler in mine]
-                          for time in (s.pressure_time, before and before.pressure))
+        count, counted = ([_counts(sampler.probe.truth, time) for sampler in mine]
+                          for time in (s.pressure_time, before.pressure if before else -np.inf))
         if before is not None:
             before.at_edge |= count != counted
         if any(count):
@@ -117,8 +121,7 @@ class Peaks:
         ready = [one for one in self._waiting if one.pressure <= known]
         for one in ready:
             for sampler, value in self._agreed(means(one.pressure)):
-                self._judge(sampler, value, _counts(sampler.probe.truth, one.pressure), one.time, one.step,
-                            lambda flow=one.flow: flow)
+                self._judge(sampler, value, _counts(sampler.probe.truth, one.pressure), one.time, one.step, one.copy)
         if not ready:    # a window may have ended
             for sampler, value in self._agreed(means(known)):
                 self._judge(sampler, value, False, s.time, s.steps, self._flow)
@@ -178,7 +181,7 @@ class Peaks:
             self._saved.discard(name)
 
     def write_last(self, store: Store) -> None:
-        """Write the peaks among the last steps of the run, behind its last checkpoint. Collective. Raises StoreError."""
+        """Write the peaks among the last steps of the run, after its checkpoint. Collective. Raises StoreError."""
         for name, (seen, flow) in self._last.items():
             store.peak(flow, seen["time"], seen["step"], name, seen["greatest"], name in self._saved)
         self._last = {}

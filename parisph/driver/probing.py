@@ -155,7 +155,8 @@ class Watch:
         s, means, averaged = self.simulation, self._means, set()
         if means is not None:
             averaged = {sampler.name for sampler in self._pressures.samplers}
-            self.peaks.look_at_means(averaged, means.knots, means.known + s.rounding, lambda time: self._at(means, time))
+            self.peaks.look_at_means(averaged, means.knots, means.known + s.rounding,
+                                     lambda time: self._at(means, time))
             self.look_at_last()
         self.peaks.look({name: values for name, values in found.items() if name not in averaged})
 
