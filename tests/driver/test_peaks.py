@@ -252,7 +252,7 @@ def agrees(found):
     assert peak["step"] == line["step"] and peak["peak"] == pytest.approx(line["pressure"], rel=1e-9)
 
 
-def test_within_a_window_it_is_the_greatest_there(whole, tmp_path):
+def test_within_a_window_it_is_the_greatest_there(whole, tmp_path, capsys):
     """Windows that end before the peak, and begin behind it, both within the hat of a knot."""
     series, probes = whole.probe("P2"), [probe for probe in impact(2.0).probes if probe.name == "P2"]
     k = int(np.nanargmax(series["pressure"]))
@@ -265,6 +265,9 @@ def test_within_a_window_it_is_the_greatest_there(whole, tmp_path):
         due = series[inside][np.nanargmax(series["pressure"][inside])]
         assert found.peak(name)["step"] == due["step"]
         assert found.peak(name)["peak"] == pytest.approx(due["pressure"], rel=1e-9)
+    assert main(["plot", str(found.folder), "--peak", "before"]) == 0
+    said = capsys.readouterr().err
+    assert f"the run keeps the flow at t = {found.peak('before')['time']:.6g} s" in said and "peak=True" not in said
 
 
 def test_a_run_that_fails_leaves_the_peak_up_to_there(tmp_path, monkeypatch):
