@@ -28,7 +28,7 @@ from parisph.driver.simulation import Simulation, finished
 from parisph.driver.summary import Account
 from parisph.io import checkpoint
 from parisph.io import made as how
-from parisph.io.checkpoint import Checkpoint
+from parisph.io.checkpoint import Checkpoint, Share
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
 from parisph.io.store import Store, provenance
@@ -127,7 +127,7 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
                                                      f"{f'; earlier results are in {folder}' * elsewhere}"))
             account = Account.resumed(saved.state) if saved else Account.new()
             run = _Run(simulation, samplers, store, account, shown, saved.state if saved else None,
-                       folder if saved and elsewhere else None)
+                       folder if saved and elsewhere else None, saved.flows if saved else ())
             if saved and done:
                 run.saved_step, run.last_checkpoint = saved.step, found
             return run.go(signals, first=saved is None)
@@ -160,8 +160,9 @@ class _Run:
     """The steps of one run, and everything around them."""
 
     def __init__(self, simulation: Simulation, samplers: list[Sampler], store: Store, account: Account,
-                 progress: Progress, state: Mapping[str, Any] | None = None, source: Path | None = None) -> None:
-        """state : in the checkpoint; source : folder of the earlier run, if this one is another."""
+                 progress: Progress, state: Mapping[str, Any] | None = None, source: Path | None = None,
+                 flows: Sequence[Share] = ()) -> None:
+        """state, flows : in the checkpoint; source : folder of the earlier run, if this one is another."""
         self.simulation, self.store, self.account = simulation, store, account
         self.comm, self.case = simulation.comm, simulation.case
         self.progress = progress
@@ -170,7 +171,8 @@ class _Run:
         self.saved_at = perf_counter()
         self.clock = Clock()
         state, self.source = state or {}, source
-        self.peaks = Peaks(simulation, samplers, self.case.output.fields, state.get("peaks"))
+        self.peaks = Peaks(simulation, samplers, self.case.output.fields, state.get("peaks"),
+                           state.get("waiting"), flows)
         self.watch = Watch(simulation, samplers, self.case.output, self.peaks, state.get("watch"))
         self.snapshots = Times(self.case.output.every, self.case.output.times)
         self.checkpoints = Times(self.case.output.checkpoint_every)
@@ -217,6 +219,9 @@ class _Run:
             s.domain.refresh()
         if self.source is not None:
             self.peaks.bring(self.source)
+        elif self.peaks.replaced:
+            self.peaks.bring(self.store.folder, self.peaks.replaced)
+        self.watch.look_at_last()
         self.account.start(s, isolated)
         if first:
             self._write(self.watch.at_start())
@@ -283,9 +288,11 @@ class _Run:
             self.account.measure(s)
         with s.timers("store"):
             self.peaks.write(self.store, all_of_them=True)
-            state = {**self.account.state(s), "peaks": self.peaks.state(), "watch": self.watch.state(),
-                     "left": vars(s.left), "passed": s.passages.state(), **s.method.state()}
-            self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state)
+            waiting, flows = self.peaks.waiting()
+            state = {**self.account.state(s), "peaks": self.peaks.state(), "waiting": waiting,
+                     "watch": self.watch.state(), "left": vars(s.left), "passed": s.passages.state(),
+                     **s.method.state()}
+            self.last_checkpoint = self.store.checkpoint(s.particles, s.time, s.steps, s.dt or 0.0, state, flows)
         self.saved_at, self.saved_step = perf_counter(), s.steps
         self.signals.left = (f"the last checkpoint is {self.last_checkpoint}; "
                              f"continue with: parisph restart {self.store.folder}")
@@ -329,6 +336,7 @@ class _Run:
         try:
             if not isinstance(error, StoreError):
                 self.peaks.write(self.store, all_of_them=True)
+                self.peaks.write_last(self.store)
             summary = self.account.summary(self.simulation, self.store, status)
             self.store.summary(summary)
             self.store.close()

@@ -1,6 +1,6 @@
 """Snapshots of the flow at the greatest values of probes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from parisph.case.model import Model
 from parisph.case.truths import intervals
 from parisph.driver.simulation import Simulation
 from parisph.io import snapshot
+from parisph.io.checkpoint import Share
 from parisph.io.files import on_first
 from parisph.io.layout import BEFORE, PEAKS
 from parisph.io.store import Store
@@ -38,13 +39,35 @@ class Copied:
         return self.arrays[name]
 
 
+@dataclass
+class Waiting:
+    """The flow after a step whose means of pressures are not known yet.
+
+    pressure : time of its pressure [s]; time : of its end [s]; at_edge : whether what may be a peak begins or ends here
+    """
+
+    pressure: float
+    time: float
+    step: int
+    flow: Copied
+    at_edge: bool
+
+    def copy(self) -> Copied:
+        """Return the flow."""
+        return self.flow
+
+
 class Peaks:
     """Keeps the flow at the greatest value of each probe with peak=True, within the window or bands of its truth.
 
     When a probe has a new maximum, this rank's particles are copied in memory. They are written when
     the value has clearly fallen, at each checkpoint, and at the end of the run. Every step counts, and
-    the values are the same on all ranks. Means of pressures, which are known some steps later, do not count here, but
-    those over the last steps (watch.means.Means.lately), which may differ from them a little.
+    the values are the same on all ranks.
+
+    Means of pressures are known some steps later only. The line through them is straight between its knots, so that
+    it is greatest at one of these, or at the first or the last step of a window. The flows of these steps, one or two
+    at a time, wait in memory and in checkpoints until their means are known. Those at the end of a run are judged as
+    if it ended there, and once more if it goes on.
 
     Parameters
     ----------
@@ -52,10 +75,12 @@ class Peaks:
     samplers : list of Sampler, of all probes
     fields : names of the fields in snapshots
     state : dict of an earlier part of the run, from its checkpoint (see `state`)
+    waiting : likewise (see `waiting`); flows : of the same checkpoint, those that wait
     """
 
     def __init__(self, simulation: Simulation, samplers: Sequence[Sampler], fields: Sequence[str],
-                 state: Mapping[str, Any] | None = None) -> None:
+                 state: Mapping[str, Any] | None = None, waiting: Mapping[str, Any] | None = None,
+                 flows: Sequence[Share] = ()) -> None:
         self.simulation, self.samplers = simulation, [sampler for sampler in samplers if sampler.probe.peak]
         self._fields = ("x", *snapshot.check_fields(fields))
         self._computed = [name for name in fields if name in WRITTEN]
@@ -63,28 +88,87 @@ class Peaks:
         self._seen = {name: dict(seen) for name, seen in (state or {}).items() if name in names}
         self._held: dict[str, Copied] = {}    # probe -> the flow at its greatest value, not yet written
         self._saved = set(self._seen)   # probes whose file the last checkpoint knows
+        self._waiting = [Waiting(pressure, time, step, _shared(simulation.particles.dim, flow), at_edge)
+                         for (pressure, time, step, at_edge), flow in zip((waiting or {}).get("steps", ()), flows)]
+        self._last: dict[str, tuple[dict[str, Any], Copied]] = {}    # probe -> a peak among the last steps of the run
+        self.replaced = [name for name in (waiting or {}).get("last", ()) if name in self._seen]    # by such a peak
+        self._copy: tuple[int, Copied] | None = None    # of a step
 
     def look(self, found: Mapping[str, Sequence[float]]) -> None:
-        """Copy the flow if a probe has a new maximum. values : {probe: values} of this step. Collective."""
+        """Copy the flow if a probe has a new maximum. found : {probe: values} of this step, known now. Collective."""
         s = self.simulation
-        # all ranks write together or not at all: one of them says what the sums of all are, to the last bit
-        values = [found[sampler.name][0] for sampler in self.samplers]
-        if values and s.comm.size > 1:
-            values = s.comm.bcast(values)
-        computed = not self._computed
-        for sampler, value in zip(self.samplers, values):
-            counts = _counts(sampler.probe.truth, s.pressure_time if sampler.of_pressure else s.time)
-            if not np.isfinite(value) or not (counts or sampler.name in self._seen):
-                continue
-            seen = self._seen.setdefault(sampler.name, {"least": value, "greatest": -np.inf})
-            seen["least"] = min(seen["least"], value)
-            if counts and value > seen["greatest"]:
-                seen.update(greatest=value, time=s.time, step=s.steps)
-                if not computed:
-                    s.complete(self._computed)
-                    computed = True
-                self._held[sampler.name] = _copied(s.particles, self._fields)
-            seen["now"] = value
+        for sampler, value in self._agreed(found):
+            at = s.pressure_time if sampler.of_pressure else s.time
+            self._judge(sampler, value, _counts(sampler.probe.truth, at), s.time, s.steps, self._flow)
+
+    def look_at_means(self, names: Collection[str], knots: Sequence[float], known: float,
+                      means: Callable[[float], Mapping[str, Sequence[float]]]) -> None:
+        """Let the flow of this step wait, and judge those whose means have become known. Collective.
+
+        names : of probes of means; knots : times [s] of the line's knots behind what is known
+        known : time [s] up to which means are known; means : function of such a time, {probe: values}
+        """
+        s, mine = self.simulation, [sampler for sampler in self.samplers if sampler.name in names]
+        if not mine:
+            return
+        before = self._waiting[-1] if self._waiting and self._waiting[-1].step == s.steps - 1 else None
+        count, counted = ([_counts(sampler.probe.truth, time) for sampler in mine]
+                          for time in (s.pressure_time, before.pressure if before else -np.inf))
+        if before is not None:
+            before.at_edge |= count != counted
+        if any(count):
+            self._waiting.append(Waiting(s.pressure_time, s.time, s.steps, self._flow(), count != counted))
+        ready = [one for one in self._waiting if one.pressure <= known]
+        for one in ready:
+            for sampler, value in self._agreed(means(one.pressure)):
+                self._judge(sampler, value, _counts(sampler.probe.truth, one.pressure), one.time, one.step, one.copy)
+        if not ready:    # a window may have ended
+            for sampler, value in self._agreed(means(known)):
+                self._judge(sampler, value, False, s.time, s.steps, self._flow)
+        self._waiting = [one for one in self._waiting if one.pressure > known
+                         and (one.pressure in knots or one.at_edge or one.step == s.steps)]
+
+    def look_at_last(self, means: Callable[[float], Mapping[str, Sequence[float]]]) -> None:
+        """Judge the flows that wait by their means if the run ends here. Collective. means : as of `look_at_means`"""
+        self._last = {}
+        for one in self._waiting:
+            for sampler, value in self._agreed(means(one.pressure)):
+                seen = (self._last.get(sampler.name) or [self._seen.get(sampler.name, {"greatest": -np.inf})])[0]
+                if value > seen["greatest"] and _counts(sampler.probe.truth, one.pressure):
+                    peak = {**seen, "greatest": value, "time": one.time, "step": one.step}
+                    self._last[sampler.name] = peak, one.flow
+
+    def _agreed(self, found: Mapping[str, Sequence[float]]) -> list[tuple[Sampler, float]]:
+        """Return the probes that are found, with their values. Collective.
+
+        All ranks write together or not at all: one of them says what the sums of all are, to the last bit.
+        """
+        mine = [sampler for sampler in self.samplers if sampler.name in found]
+        values = [float(found[sampler.name][0]) for sampler in mine]
+        if values and self.simulation.comm.size > 1:
+            values = self.simulation.comm.bcast(values)
+        return list(zip(mine, values))
+
+    def _judge(self, sampler: Sampler, value: float, counts: bool, time: float, step: int,
+               flow: Callable[[], Copied]) -> None:
+        """Note the value of a probe in a step, and hold the flow if it is the greatest so far."""
+        if not np.isfinite(value) or not (counts or sampler.name in self._seen):
+            return
+        seen = self._seen.setdefault(sampler.name, {"least": value, "greatest": -np.inf})
+        seen["least"] = min(seen["least"], value)
+        if counts and value > seen["greatest"]:
+            seen.update(greatest=value, time=time, step=step)
+            self._held[sampler.name] = flow()
+        seen["now"] = value
+
+    def _flow(self) -> Copied:
+        """Return a copy of this rank's particles, the same one for all probes of a step. Collective."""
+        s = self.simulation
+        if self._copy is None or self._copy[0] != s.steps:
+            if self._computed:
+                s.complete(self._computed)
+            self._copy = s.steps, _copied(s.particles, self._fields)
+        return self._copy[1]
 
     def write(self, store: Store, all_of_them: bool = False) -> None:
         """Write the copies whose probes have clearly fallen since, or all copies. Collective.
@@ -96,18 +180,34 @@ class Peaks:
             store.peak(self._held.pop(name), seen["time"], seen["step"], name, seen["greatest"], keep)
             self._saved.discard(name)
 
+    def write_last(self, store: Store) -> None:
+        """Write the peaks among the last steps of the run, after its checkpoint. Collective. Raises StoreError."""
+        for name, (seen, flow) in self._last.items():
+            store.peak(flow, seen["time"], seen["step"], name, seen["greatest"], name in self._saved)
+        self._last = {}
+
+    def waiting(self) -> tuple[dict[str, Any], list[Copied]]:
+        """Return what a checkpoint needs of the flows whose means are not known yet, and these. Not collective."""
+        return ({"steps": [(one.pressure, one.time, one.step, one.at_edge) for one in self._waiting],
+                 "last": list(self._last)}, [one.flow for one in self._waiting])
+
     def state(self) -> dict[str, Any]:
         """Return the data that a checkpoint needs, after all copies have been written. Not collective."""
         self._saved = set(self._seen)
         return {name: dict(seen) for name, seen in self._seen.items()}
 
-    def bring(self, folder: Path) -> None:
-        """Read the flows at the peaks so far from another folder of the run, to write them again. Collective.
+    def bring(self, folder: Path, names: Collection[str] | None = None) -> None:
+        """Read the flows at the peaks so far from a folder of the run, to write them again. Collective.
 
         The log names missing files; they are not an error, and the greatest values stay known.
+
+        folder : another one, or the same for probes whose file is of a peak among the last steps that may be none now
+        names : of probes, all if None
         """
         s = self.simulation
-        for name, seen in self._seen.items():
+        names = list(self._seen) if names is None else names
+        for name in names:
+            seen = self._seen[name]
             found = on_first(s.comm, f"read the flow at the peak of {name} in {folder}",
                              lambda: self._read(folder, name, seen))
             total = s.comm.bcast(None if found is None else len(found["x"]))
@@ -120,7 +220,7 @@ class Peaks:
             mine = found or {key: s.particles.fields[key].empty(0, dim) for key in self._fields}
             self._held[name] = Copied(dim, n_owned=len(mine["x"]), offset=0 if found else total,
                                       n_global=total, arrays=mine)
-        self._saved = set()
+        self._saved -= set(names)
 
     def _read(self, folder: Path, name: str, seen: Mapping[str, Any]) -> dict[str, Array] | None:
         """Return {field: array} of the flow at the known peak, None if it is not in the folder. One rank."""
@@ -144,6 +244,10 @@ def _counts(truth: Model | None, time: float) -> bool:
     """Return whether the value of a probe at a time [s] may be its greatest: another event is not that of its truth."""
     where = intervals(truth)
     return not where or any(start <= time <= end for start, end in where)
+
+
+def _shared(dim: int, flow: Share) -> Copied:
+    return Copied(dim, len(flow.arrays["x"]), flow.offset, flow.total, flow.arrays)
 
 
 def _copied(particles: Particles, fields: Sequence[str]) -> Copied:

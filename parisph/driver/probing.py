@@ -51,7 +51,7 @@ class Watch:
     simulation : Simulation
     samplers : list of Sampler (io.probes.build)
     output : Output of the case
-    peaks : Peaks, which sees the values of its probes in every step: of means, those of the last steps
+    peaks : Peaks, which sees the values of its probes in every step: means when they are known
     state : of an earlier part of the run, from its checkpoint (see `state`)
     """
 
@@ -105,7 +105,7 @@ class Watch:
         found = self._sample(self.samplers)
         if self._averaged:
             self._means = Means(s.time, self._joined(found))
-        self.peaks.look(found)
+        self._look_at_peaks(found)
         return [(s.time, s.steps, found)]
 
     def before_step(self, after: float) -> None:
@@ -136,14 +136,34 @@ class Watch:
         lines: list[Line] = []
         if self._means is not None:
             lines = self._mean_lines(found, self._means)
-            found = found | self._values(self._means.lately)
-        self.peaks.look(found)
+        self._look_at_peaks(found)
         for clock, own in zip(self._clocks, due):
             if own:
                 before, clock.last = clock.last, (clock.now, found)
                 lines += [(time, s.steps, self._of(clock, number, _between(before, clock.last, time)))
                           for time, number in own]
         return lines
+
+    def look_at_last(self) -> None:
+        """Show the means of the last steps to the peaks, if the run has ended."""
+        means = self._means
+        if means is not None and self.simulation.finished():
+            self.peaks.look_at_last(lambda time: self._at(means, time, ended=True))
+
+    def _look_at_peaks(self, found: Values) -> None:
+        """Show the values of this step to the peaks, and the means that are known now."""
+        s, means, averaged = self.simulation, self._means, set()
+        if means is not None:
+            averaged = {sampler.name for sampler in self._pressures.samplers}
+            self.peaks.look_at_means(averaged, means.knots, means.known + s.rounding,
+                                     lambda time: self._at(means, time))
+            self.look_at_last()
+        self.peaks.look({name: values for name, values in found.items() if name not in averaged})
+
+    def _at(self, means: Means, time: float, ended: bool = False) -> Values:
+        """Return the values of the probes of pressures at a time [s] at which their means are known."""
+        mean, acted = means.at(time, ended)
+        return self._values(np.where(self._as_acted, acted, mean))
 
     def _mean_lines(self, found: Values, means: Means) -> list[Line]:
         """Return the lines of the pressures whose means have become known by the last step. Not collective."""
@@ -153,9 +173,7 @@ class Watch:
         known, lines = means.known + s.rounding, []
         for time, step, number in self._pending:
             if ended or time <= known:
-                mean, acted = means.at(time, ended)
-                values = self._values(np.where(self._as_acted, acted, mean))
-                lines.append((time, step, self._of(clock, number, values)))
+                lines.append((time, step, self._of(clock, number, self._at(means, time, ended))))
         # a run that goes on behind its end knows the last ones better, and has none after its last pressure
         self._pending = [line for line in self._pending if known < line[0] <= clock.now + s.rounding]
         return lines

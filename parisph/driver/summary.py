@@ -215,7 +215,7 @@ def _from_files(case: Case, store: Store) -> dict[str, Any]:
                           "max": int(counts.max())}
         return {"iterations": iterations, "errors": verdict.errors(case, run), "arrivals": arrivals.arrivals(case, run),
                 "passed": overtopping.passed(case, run), "reflection": reflected.of_case(case, run),
-                "peaks": impacts.peaks(case, run)}
+                "peaks": impacts.peaks(case, run), "greatest": impacts.asked(case, run)}
     except ParisphError as error:
         return {"iterations": None, "errors": {"unavailable": str(error)}, "arrivals": {}, "passed": {}}
 

@@ -1,6 +1,7 @@
 """Checkpoints: all data needed to continue a run on any number of ranks, in one plain HDF5 file.
 
-Layout: /particles/<field> (n, ...) for every field that migrates with its particle; attributes of
+Layout: /particles/<field> (n, ...) for every field that migrates with its particle; /flows/<number>/<field> (n, ...)
+of flows that may be at a peak of a probe; attributes of
 the root: format, version, time, step, dt, case (JSON), state (JSON), versions and options; behind the
 HDF5 part a digest of the file (parisph.io.digest), which is checked before HDF5 opens the file. The
 file gets its final name only when it is complete.
@@ -12,7 +13,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import h5py
 import numpy as np
@@ -34,6 +35,15 @@ _NAME = re.compile(r"([0-9]{8}|[1-9][0-9]{8,})\.h5")    # as `write` names them;
 
 
 @dataclass(frozen=True)
+class Share:
+    """This rank's share of a flow: {field: rows [offset, offset + n)}, of `total` rows of all ranks."""
+
+    arrays: dict[str, np.ndarray]
+    offset: int
+    total: int
+
+
+@dataclass(frozen=True)
 class Checkpoint:
     """The content of a checkpoint, with this rank's share of the particles.
 
@@ -45,6 +55,7 @@ class Checkpoint:
     dim : number of dimensions
     arrays : dict of field name -> rows [offset, offset + n) of this rank
     offset, total : first row of this rank, number of rows of all
+    flows : the Share of each of some earlier flows, with some of the fields
     """
 
     time: float
@@ -56,10 +67,20 @@ class Checkpoint:
     arrays: dict[str, np.ndarray]
     offset: int
     total: int
+    flows: Sequence[Share] = ()
+
+
+class Flow(Protocol):
+    """Particles of an earlier flow: fields `arrays`, of which this rank has the rows from `offset` on."""
+
+    arrays: dict[str, np.ndarray]
+    offset: int
+    n_global: int
 
 
 def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float, step: int, dt: float, case: str,
-          state: Mapping[str, Any], attributes: Mapping[str, str | float], earlier: Sequence[str] = ()) -> Path:
+          state: Mapping[str, Any], attributes: Mapping[str, str | float], earlier: Sequence[str] = (),
+          flows: Sequence[Flow] = ()) -> Path:
     """Write folder/NNNNNNNN.h5 (the step's number), and return the path. Collective.
 
     Of the run's checkpoints the last two are kept. The state lists them, so that a restart knows which of the
@@ -73,6 +94,7 @@ def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float
     state : dict that JSON can hold; rank 0's is written
     attributes : further dict of str, int or float for the root of the file
     earlier : file names of the run's checkpoints so far, oldest first; all but the last are removed
+    flows : earlier flows to write too
 
     Raises
     ------
@@ -87,6 +109,8 @@ def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float
              {"unit": particles.fields[name].unit})
         for name in particles.fields.migrating
     ]
+    arrays += [Slab(f"flows/{number}/{name}", np.ascontiguousarray(data), flow.offset, flow.n_global)
+               for number, flow in enumerate(flows) for name, data in flow.arrays.items()]
 
     def decorate(file):
         file.attrs.update({
@@ -172,9 +196,16 @@ def _read_share(path, rank, size, early):
                 state=json.loads(attrs["state"]), dim=int(attrs["dim"]), offset=first, total=total,
                 arrays={name: data[first:last] for name, data in file["particles"].items()
                         if name != "phi" or int(attrs["version"]) > 1},
+                flows=[_share_of(file[f"flows/{number}"], rank, size) for number in range(len(file.get("flows", ())))],
             )
     except (OSError, KeyError, ValueError) as error:
         raise StoreError(f"{path} is not a whole checkpoint of parisph: {error}") from None
+
+
+def _share_of(flow, rank, size):
+    total = len(flow["x"])
+    first, last = _share(total, rank, size)
+    return Share({name: data[first:last] for name, data in flow.items()}, first, total)
 
 
 def _check_format(path, file):

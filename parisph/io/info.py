@@ -118,8 +118,12 @@ def _entries(summary):
     for probe, time in (get("arrivals") or {}).items():
         yield f"arrival at {probe}", "not in this run" if time is None else f"{time:.6g} s"
     for probe, found in (get("peaks") or {}).items():
+        unit = "N/m" if "." in probe and probe.endswith(("fx", "fy")) else "Pa"
         if found.get("short"):
-            yield f"peak of {probe}", _short(found, "N/m" if "." in probe and probe.endswith(("fx", "fy")) else "Pa")
+            yield f"peak of {probe}", _short(found, unit)
+    for probe, found in (get("greatest") or {}).items():
+        if not ((get("peaks") or {}).get(probe) or {}).get("short"):
+            yield f"peak of {probe}", f"{found['value']:.4g} {found['unit']} at {found['time']:.4g} s"
     for probe, found in (get("passed") or {}).items():
         yield f"passed {probe}", _passed(found)
     yield "reflection", _reflection(get("reflection"))

@@ -165,10 +165,11 @@ class Store:
         snapshot.write(self.comm, path, particles, time, step, self._fields,
                        {**self.about, "probe": name, "peak": float(value)})
 
-    def checkpoint(self, particles: Particles, time: float, step: int, dt: float, state: Mapping[str, Any]) -> Path:
+    def checkpoint(self, particles: Particles, time: float, step: int, dt: float, state: Mapping[str, Any],
+                   flows: Sequence[checkpoint.Flow] = ()) -> Path:
         """Write a checkpoint and return its path; the last two are kept. See checkpoint.write."""
         path = checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case,
-                                state, self.about, self._checkpoints)
+                                state, self.about, self._checkpoints, flows)
         self._checkpoints = [*(name for name in self._checkpoints if name != path.name), path.name][-checkpoint.KEEP:]
         return path
 

@@ -43,12 +43,12 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
     Raises CaseError, StoreError.
     """
     found, others = verdict.series(probe, run), references(probe, run)
-    picture = style.drawing().Figure(figsize=(8.0, 3.6), layout="constrained")
+    picture = style.new_figure(figsize=(8.0, 3.6), layout="constrained")
     axes = picture.add_subplot()
     unit = next((unit for name, unit in run.units(probe.name).items() if name not in ("time", "step")), "")
     factor, shown = style.with_prefix(float(np.max(np.abs(found[1]), initial=0.0)), unit)
     axes.plot(found[0], factor * found[1], color=style.LINES[0], linewidth=1.2, label="run", zorder=3)
-    curves.draw_short_peak(axes, run, probe.name, 1.0, factor)
+    curves.draw_short_peak(axes, curves.Curve(run, "", probe.name, "", *found), style.LINES[0], 1.0, factor)
     for number, (name, (time, values)) in enumerate(others.items()):
         known = np.count_nonzero((time >= found[0][0]) & (time <= found[0][-1]))
         time, values = _over_the_run(time, values, found[0])
@@ -62,7 +62,7 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
     _mark(axes, probe.truth.window if isinstance(probe.truth, Truth | WaveTruth) else None, bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others, [band for band in bands if band.start < found[0][-1]])
     what = curves.KINDS.get(probe.kind, curves.UNITS.get(unit, probe.kind.replace("_", " ")))
-    axes.set_ylabel(f"{what} [{shown or '-'}]")
+    axes.set_ylabel(f"{what} [{style.written(shown) or '-'}]")
     axes.set_xlabel("$t$ [s]")
     curves.plain_axes(axes)
     axes.set_xlim(found[0][0], found[0][-1])
@@ -85,7 +85,7 @@ def plot_profiles(run: Run, probe: ProbeArray, path: AnyPath | None = None, colu
         raise CaseError(f"the run has reached the time of none of the profiles of {probe.name}")
     lines = [{time: (x, y) for time, x, y in read_profiles(truth)} for truth in truths]
     rows = -(-len(found) // columns)
-    picture = style.drawing().Figure(figsize=(9.0, 0.8 + 1.7 * rows), layout="constrained")
+    picture = style.new_figure(figsize=(9.0, 0.8 + 1.7 * rows), layout="constrained")
     grid = picture.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     drawn: dict[str, "Line2D"] = {}    # not every panel has every reference
     for axes, time in zip(grid.flat, sorted(found)):

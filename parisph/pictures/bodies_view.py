@@ -68,7 +68,7 @@ def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
     wide, high = (end - start for start, end in ends)
     height = 8.5 * times * high / wide
     width = 10.0 if height <= 7.5 else max(10.0 * 7.5 / height, 4.0)
-    picture = style.drawing().Figure(figsize=(width, min(height, 7.5) + 1.5), layout="constrained")
+    picture = style.new_figure(figsize=(width, min(height, 7.5) + 1.5), layout="constrained")
     axes = picture.add_subplot()
     x, size = places_of_water(case, float(np.prod(upper - lower)))
     style.discs(axes, x, 1.4 * size, facecolors=WATER, zorder=1.1)

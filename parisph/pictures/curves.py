@@ -35,6 +35,7 @@ COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment",
            ("flux", "total"): "volume passed", ("energy", "volume_now"): "volume"}  # where one column is something else
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force"}
 TALL = 4        # panels below each other; more of them stand two a row
+SHORT = "short peak"    # the mark of a peak that is not resolved
 BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside
 HIGH = 12       # lines in a column of such a legend: as many as a panel is high
 MOST = 4 * HIGH    # lines of the longest legend; of more of them only the first and the last are named
@@ -93,7 +94,7 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
                          "probes to draw")
     columns = 1 if len(panels) <= TALL else 2
     rows = -(-len(panels) // columns)
-    picture = style.drawing().Figure(figsize=(8.0 * columns ** 0.75, 1.2 + 2.6 * rows), layout="constrained")
+    picture = style.new_figure(figsize=(8.0 * columns ** 0.75, 1.2 + 2.6 * rows), layout="constrained")
     for number, ((_, unit), curves) in enumerate(panels):
         axes = picture.add_subplot(rows, columns, number + 1)
         draw_curves(axes, curves, unit, normalise, truth or {})
@@ -123,7 +124,7 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
     path : file to write, or None
     """
     start, end = difference[0][0], difference[0][-1]
-    picture = style.drawing().Figure(figsize=(8.0, 5.6), layout="constrained")
+    picture = style.new_figure(figsize=(8.0, 5.6), layout="constrained")
     upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     inside = [part[1][(part[0] >= start) & (part[0] <= end)] for part in (found, reference)]
     factor, shown = style.with_prefix(max(np.max(np.abs(part), initial=0.0) for part in inside), unit)
@@ -133,8 +134,9 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
     lower.axhline(0.0, color="black", linewidth=0.6)
     lower.plot(difference[0], factor * difference[1], color=style.LINES[1], linewidth=1.0,
                marker="." if len(difference[0]) < MARKS else "")
-    upper.set_ylabel(f"{label} [{shown or '-'}]")
-    lower.set_ylabel(f"run - reference [{shown or '-'}]")
+    shown = style.written(shown) or "-"
+    upper.set_ylabel(f"{label} [{shown}]")
+    lower.set_ylabel(f"run - reference [{shown}]")
     lower.set_xlabel("$t$ [s]")
     upper.legend(loc="best", fontsize=8, framealpha=0.8)
     for axes in (upper, lower):
@@ -228,9 +230,11 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
     looks = style.line_looks(len(runs), len(series))
     for curve, own, scale in zip(curves, scales, by):
         look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
+        if curve.column.endswith("_dynamic"):    # it may lie on the whole, which may be dashed among many
+            look = {**look, "linestyle": style.STYLES[3 if any(one["linestyle"] != "-" for one in looks) else 1]}
         axes.plot(curve.time / (own.time if normalise else 1.0), curve.values * (1.0 / scale if scale else factor),
                   linewidth=1.1, label=_line_label(curve, series), **look)
-        draw_short_peak(axes, curve.run, _peak_of(curve), 1.0 / (own.time if normalise else 1.0),
+        draw_short_peak(axes, curve, look["color"], 1.0 / (own.time if normalise else 1.0),
                         1.0 / scale if scale else factor)
     for name in dict.fromkeys(curve.probe for curve in curves):
         if name in (truth or {}):
@@ -240,10 +244,11 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
     axes.set_ylabel(_value_label(curves, series, unit, shown, bool(by[0])))
     plain_axes(axes)
     _leave_out_failures(axes, curves)
-    if len(axes.lines) > MOST:
-        first, last = (axes.lines[k].get_label() for k in (0, -1))
-        axes.set_title(f"{len(axes.lines)} lines, from {first} to {last}", loc="right", fontsize=8)
-    elif len(axes.lines) <= BESIDE:
+    named = _named(axes)
+    if len(named) > MOST:
+        first, last = (named[k].get_label() for k in (0, -1))
+        axes.set_title(f"{len(named)} lines, from {first} to {last}", loc="right", fontsize=8)
+    elif len(named) <= BESIDE:
         _legend_inside(axes)
     else:
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), fontsize=8, frameon=False, handlelength=3.0,
@@ -268,10 +273,15 @@ def _leave_out_failures(axes, curves):
         axes.set_title("the last values lie outside", loc="right", fontsize=8)
 
 
+def _named(axes):
+    """Return the lines that a legend names: of several peaks that are not resolved only the first."""
+    return [line for line in axes.lines if not str(line.get_label()).startswith("_")]
+
+
 def _legend_inside(axes):
     """Name a few lines: in a row above them if it is not too long, for which the axes get room."""
-    count = len(axes.lines)
-    if count == 1 or sum(LETTER * len(str(line.get_label())) + 0.5 for line in axes.lines) > ROW:
+    count = len(_named(axes))
+    if count == 1 or sum(LETTER * len(str(line.get_label())) + 0.5 for line in _named(axes)) > ROW:
         axes.legend(loc="best", fontsize=8, framealpha=0.8)
         return
     low, high = axes.get_ylim()
@@ -280,13 +290,14 @@ def _legend_inside(axes):
 
 
 def _legend_columns(axes):
-    return -(-len(axes.lines) // HIGH) if len(axes.lines) <= MOST else 0
+    count = len(_named(axes))
+    return -(-count // HIGH) if BESIDE < count <= MOST else 0
 
 
 def _further_columns(axes):
-    """Return the width [inch] of the columns of a legend after the first one, for which the picture must be wider."""
-    longest = max((len(str(line.get_label())) for line in axes.lines), default=0)
-    return (max(_legend_columns(axes), 1) - 1) * (LETTER * longest + 0.7)
+    """Return the width [inch] of a legend beside the axes, but for an inch, for which the picture must be wider."""
+    longest = max((len(str(line.get_label())) for line in _named(axes)), default=0)
+    return max(_legend_columns(axes) * (LETTER * longest + 0.7) - 1.0, 0.0)
 
 
 def own_scales(run: Run, normalise: bool) -> style.Scales:
@@ -327,19 +338,26 @@ def _peak_of(curve):
     return curve.probe if curve.column in ("", "pressure") else f"{curve.probe}.{curve.column}"
 
 
-def draw_short_peak(axes: "Axes", run: Run, name: str, by_time: float, factor: float) -> None:
+def draw_short_peak(axes: "Axes", curve: Curve, colour: str, by_time: float, factor: float) -> None:
     """Mark the greatest value of a probe if it is too short to be resolved, with its mean over 5 ms as a bar.
 
-    name : of an entry of the summary's `peaks`; by_time, factor : what times [s] and values are multiplied by
+    colour : of the line; by_time, factor : what times [s] and values are multiplied by
     """
-    found = ((run.summary or {}).get("peaks") or {}).get(name) or {}
+    found = ((curve.run.summary or {}).get("peaks") or {}).get(_peak_of(curve)) or {}
     if not found.get("short"):
         return
     when, over = found["time"], found["mean_over"]
-    axes.plot([by_time * when], [factor * found["value"]], linestyle="", marker="x", markersize=7, color="black",
-              label=f"lasts {1e3 * found['lasts']:.2g} ms: not resolved")
-    axes.plot([by_time * (when - over / 2), by_time * (when + over / 2)], 2 * [factor * found["mean"]], color="black",
-              linewidth=2.5, label=f"its mean over {1e3 * over:g} ms")
+    there = curve.values[np.abs(curve.time - when) == np.abs(curve.time - when).min(initial=np.inf)]
+    if len(there) and there[0] < 0.0:    # the peaks of forces are by size
+        factor = -factor
+    known = [line for line in axes.lines if line.get_gid() == SHORT]    # one name for all
+    for line in known:
+        line.set_label("short peaks: not resolved")
+    axes.plot([by_time * when], [factor * found["value"]], linestyle="", marker="x", markersize=7, color=colour,
+              zorder=4, gid=None if known else SHORT,
+              label="_" * bool(known) + f"lasts {1e3 * found['lasts']:.2g} ms: not resolved")
+    axes.plot([by_time * (when - over / 2), by_time * (when + over / 2)], 2 * [factor * found["mean"]], color=colour,
+              linewidth=2.5, zorder=4, label="_" * bool(known) + f"its mean over {1e3 * over:g} ms")
 
 
 def marks(samples: int) -> style.LineLook:
@@ -361,7 +379,7 @@ def _value_label(curves, series, unit, shown, scaled):
         what = what if series[0][0] in what else f"{series[0][0]}: {what}"
     if scaled:
         return what + {"Pa": r"$\,/\,(\rho g H)$", "m": r"$\,/\,H$", "m/s": r"$\,/\,\sqrt{gH}$"}[unit]
-    return f"{what} [{shown or '-'}]"
+    return f"{what} [{style.written(shown) or '-'}]"
 
 
 def plain_axes(axes: "Axes") -> None:

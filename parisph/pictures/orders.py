@@ -10,10 +10,12 @@ import numpy as np
 from parisph.base.errors import CaseError, ParisphError, StoreError
 from parisph.base.paths import AnyPath
 from parisph.base.text import clipped
+from parisph.io.layout import PEAKS
 from parisph.io.reader import Run
 from parisph.pictures import curves, movies, overview, view
 from parisph.truth.comparison import Comparison
 
+ROUNDED = 1e-9  # of a value: by as much a greatest value in a file may be above that of the run
 LONGEST = 100   # characters of the name of a file that is made up
 
 
@@ -147,7 +149,7 @@ def _at_peak(run, probe):
     """
     time, value = peak_of(run, probe)
     kept = run.peak(probe)
-    if kept is not None and kept["peak"] >= value:
+    if kept is not None and kept["peak"] >= value - ROUNDED * abs(value):
         return kept
     if time > 0.0:    # the flow is kept at the end of the step, whose pressure is of its middle
         ends = run.steps["time"]
@@ -156,8 +158,19 @@ def _at_peak(run, probe):
     if late:
         print(f"parisph: note: there is no snapshot at the peak of {probe}, t = {time:.6g} s: "
               f"the nearest one is drawn, which is {abs(late):.3g} s {'later' if late > 0.0 else 'earlier'}; "
-              "a probe with peak=True keeps the flow at its peak", file=sys.stderr)
+              f"{_why_not_kept(run, probe, kept)}", file=sys.stderr)
     return time
+
+
+def _why_not_kept(run, probe, kept):
+    about = next((one for one in run.case.get("probes", ()) if one["name"] == probe), {})
+    if kept is not None and about.get("truth"):
+        return f"the run keeps the flow at t = {kept['time']:.6g} s, the peak within the time that its truth is of"
+    if kept is not None:
+        return f"the flow that the run keeps is at t = {kept['time']:.6g} s, of {kept['peak']:.6g}"
+    if about.get("peak"):
+        return f"the flow that the run has kept is not in {run.folder / PEAKS}"
+    return "a probe with peak=True keeps the flow at its peak"
 
 
 def _warn_of_other_time(run, time):

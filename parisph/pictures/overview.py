@@ -29,7 +29,7 @@ def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = 
     view = FieldView(run.case, moments, look)
     columns = min(2, len(moments))
     heights = -(-len(moments) // columns) * _height(view, 5.2), 2.3 * (len(panels) // 2 + 1)
-    picture = style.drawing().Figure(figsize=(11.0, 1.0 + sum(heights)), layout="constrained")
+    picture = style.new_figure(figsize=(11.0, 1.0 + sum(heights)), layout="constrained")
     flow, series = picture.subfigures(2, 1, height_ratios=heights)
     _draw_moments(flow, view, moments, columns, marked=True)
     _draw_series(series, run, panels)
@@ -46,7 +46,7 @@ def plot_moments(run: Run, path: AnyPath | None = None, count: int = 6, columns:
     moments = [run.snapshot(int(number)) for number in np.unique(np.linspace(0, len(run) - 1, count).round())]
     view, columns = FieldView(run.case, moments, Look()), min(columns, len(moments))
     height = -(-len(moments) // columns) * _height(view, 10.4 / columns)
-    picture = style.drawing().Figure(figsize=(11.0, 0.4 + height), layout="constrained")
+    picture = style.new_figure(figsize=(11.0, 0.4 + height), layout="constrained")
     _draw_moments(picture, view, moments, columns)
     style.save(picture, path, dpi=110)
     return picture
@@ -60,7 +60,7 @@ def plot_small(run: Run, which: int, path: AnyPath, field: str = "pressure") -> 
     snapshot = run.snapshot(which)
     view = FieldView(run.case, [snapshot], Look(field))
     width, height = view.size(5.6)
-    picture = style.drawing().Figure(figsize=(width, height), layout="compressed")
+    picture = style.new_figure(figsize=(width, height), layout="compressed")
     axes = picture.add_subplot()
     discs = view.draw(axes, snapshot, view.limits([snapshot], whole=True), label=False)
     view.add_colour_bar(picture, axes, discs, [snapshot])
@@ -69,7 +69,7 @@ def plot_small(run: Run, which: int, path: AnyPath, field: str = "pressure") -> 
 
 def plot_solver(run: Run, path: AnyPath | None = None) -> "Figure":
     """Draw the iterations and the time steps of a run; return the matplotlib Figure."""
-    picture = style.drawing().Figure(figsize=(8.0, 2.6), layout="constrained")
+    picture = style.new_figure(figsize=(8.0, 2.6), layout="constrained")
     _draw_steps(picture.add_subplot(), run.steps)
     style.save(picture, path, dpi=110)
     return picture

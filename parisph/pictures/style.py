@@ -4,6 +4,7 @@ import difflib
 import io
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -73,6 +74,7 @@ STYLES = ("-", (0, (6, 2)), (0, (6, 2, 1, 2)), (0, (2, 1.5)))  # full, dashed, d
 LineLook = dict[str, Any]    # {"color", "linestyle"} of a line
 
 REST = {"kind": "at_rest"}    # of a tank stored by a release whose tanks had no motion of their own
+SCREEN = 90   # dots per inch of a picture in a notebook
 FEW = 6     # lines that differ in colour only; more of them also differ in line style
 
 
@@ -239,6 +241,29 @@ def drawing() -> ModuleType:
     from matplotlib import figure
 
     return figure
+
+
+def new_figure(**how: Any) -> "Figure":
+    """Return a new matplotlib Figure, which notebooks show as a picture. how : as of matplotlib's Figure"""
+    return _shown_in_notebooks()(**how)
+
+
+@cache
+def _shown_in_notebooks():
+    class Shown(drawing().Figure):
+        """A figure without pyplot, which alone tells notebooks how to show one."""
+
+        def _repr_png_(self) -> bytes:
+            drawn = io.BytesIO()
+            self.savefig(drawn, format="png", dpi=SCREEN, bbox_inches="tight")
+            return drawn.getvalue()
+
+    return Shown
+
+
+def written(unit: str) -> str:
+    """Return a unit as pictures write it: m^2/s as m²/s."""
+    return unit.replace("^2", "²").replace("^3", "³")
 
 
 def discs(axes: "Axes", x: np.ndarray, diameter: float, **how: Any) -> "EllipseCollection":

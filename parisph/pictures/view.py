@@ -102,7 +102,7 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
     run = run if isinstance(run, Run) else open_run(run)
     snapshot = which if isinstance(which, dict) else run.snapshot(which)
     view = FieldView(run.case, [snapshot], look)
-    picture = style.drawing().Figure(figsize=view.size(), layout="compressed")
+    picture = style.new_figure(figsize=view.size(), layout="compressed")
     axes = picture.add_subplot()
     view.add_colour_bar(picture, axes, view.draw(axes, snapshot, view.limits([snapshot], whole=True)), [snapshot])
     style.save(picture, path)

@@ -92,9 +92,9 @@ def _scene(case: Content) -> Rows:
             yield f"{name}, level", number(case, CASE, [*place, "shape", "level"], ".6g", "m")
         elif kind:
             yield f"{name}, shape", number(case, CASE, [*place, "shape", "kind"])
-        yield f"{name}, density", number(case, CASE, [*place, "density"], ".6g", "kg/m3")
+        yield f"{name}, density", number(case, CASE, [*place, "density"], ".6g", "kg/m³")
         if fluid.get("viscosity"):
-            yield f"{name}, viscosity", number(case, CASE, [*place, "viscosity"], ".4g", "m2/s")
+            yield f"{name}, viscosity", number(case, CASE, [*place, "viscosity"], ".4g", "m²/s")
         yield from _moves(case, [*place, "wave"], fluid.get("wave"), f"wave at the start in {name}")
     yield from _moves(case, ["frame"], case.get("frame"), "motion of the tank, in whose frame the flow is")
     for body, place in _placed(case, "walls", bodies_of(case)):
@@ -102,7 +102,7 @@ def _scene(case: Content) -> Rows:
         for what in ("motion", "wave"):    # a wavemaker has one of them
             yield from _moves(case, [*place, what], body.get(what), f"{what} of {name}")
     if case.get("friction"):
-        yield "friction on walls, viscosity", number(case, CASE, ["friction", "viscosity"], ".3g", "m2/s")
+        yield "friction on walls, viscosity", number(case, CASE, ["friction", "viscosity"], ".3g", "m²/s")
         yield "friction on walls, roughness", number(case, CASE, ["friction", "roughness"], ".3g", "m")
     for k, zone in enumerate(case.get("absorb") or ()):
         yield f"{zone['kind']} from x", number(case, CASE, ["absorb", k, "start"], ".4g", "m")

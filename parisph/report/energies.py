@@ -61,7 +61,7 @@ def lost(summary: Content) -> list[str]:
     if not count:
         return []
     many = "1 particle has" if count == 1 else f"{count} particles have"
-    return [f"{many} left over the rim, with a volume of {volume:.3g} in the unit of the scene."]
+    return [f"{many} left over the rim, with a volume of {volume:.3g} m³/m."]
 
 
 def drift_notes(case: Content, summary: Content) -> list[str]:

@@ -25,7 +25,7 @@ IMPACTS = (
     "A peak that is only one or two values of the pressure long, as of a cavity without air that collapses, is marked: "
     "it depends on the time step and on chance, and the next one that lasts longer stands beside it."
 )
-PASSED_HEAD = ("probe", "event", "from [s]", "to [s]", "volume [m2]")
+PASSED_HEAD = ("probe", "event", "from [s]", "to [s]", "volume [m²]")
 LINES = (
     "Volumes of water that have passed lines, per metre of width, positive from the left of a line to its right as "
     "seen from its start to its end. An event ends when no water passes for the `pause` of its probe."

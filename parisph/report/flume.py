@@ -7,7 +7,7 @@ from parisph.report.entries import Cell, Table, number
 
 HEAD = ("waves", "gauges", "from [s]", "to [s]", "depth [m]", "incident height [m]", "reflected height [m]",
         "reflection coefficient", "residual")
-BANDS = ("frequency [Hz]", "incident [m2/Hz]", "reflected [m2/Hz]", "reflection coefficient")
+BANDS = ("frequency [Hz]", "incident [m²/Hz]", "reflected [m²/Hz]", "reflection coefficient")
 WORDS = (
     "By least squares from the elevations at the gauges, as of Goda and Suzuki (two) and Mansard and Funke (three). "
     "Heights of irregular waves are significant ones, of frequencies from half that of the peak to twice that. The "

@@ -46,7 +46,7 @@ def draw(results: Sequence[Result], probe: str, study: Study, place: Path, path:
     across = min(len(panels), ACROSS)
     down = -(-len(panels) // across)
     width, height = (WIDE * across, 1.0 + 2.7 * down) if across > 1 else (1.8 * WIDE, 4.8)
-    picture = style.drawing().Figure(figsize=(width, height), layout="constrained")
+    picture = style.new_figure(figsize=(width, height), layout="constrained")
     grid = picture.subplots(down, across, sharex=True, sharey=True, squeeze=False)
     run = next(iter(panels.values()))[0][1]
     column = _column(run, probe)

@@ -47,7 +47,7 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
     names, curves = patch_report.names_in(results), patch_report.curves(results)
     down = -(-len(names) // ACROSS)
     size = SIZE[0] * ACROSS, (SIZE[1] + 0.12 * (len(curves) + 1)) * down
-    picture = style.drawing().Figure(figsize=size, layout="constrained")
+    picture = style.new_figure(figsize=size, layout="constrained")
     panels = picture.subplots(down, ACROSS, squeeze=False)
     looks = dict(zip(curves, style.line_looks(len(curves))))
     marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(curves)}
@@ -96,7 +96,7 @@ def draw_histogram(results: Sequence[PatchResult], histogram: Histogram, title: 
     if not found:
         return False
     names = patch_report.ranges(histogram)
-    picture = style.drawing().Figure(figsize=(max(7.0, 1.0 * len(names)), 4.6), layout="constrained")
+    picture = style.new_figure(figsize=(max(7.0, 1.0 * len(names)), 4.6), layout="constrained")
     axes, width = picture.subplots(), 0.84 / len(found)
     for number, ((label, seeds), look) in enumerate(zip(found.items(), style.line_looks(len(found)))):
         mean = seeds.mean(axis=0)

@@ -19,6 +19,7 @@ MEAN = 0.005     # [s] over which the mean beside a peak is taken, about what a 
 AROUND = 10      # samples to either side of a peak: the larger one of their medians is the level around it
 ABOVE = 1.5      # times that level: a lower peak is no spike, however short
 VALUES = 2       # of the pressure above half of its rise: a peak that has no more of them is not resolved
+FEW = 3          # steps: samples that are further apart do not tell how long a peak lasts
 STRAIGHT = 1e-6  # of the greatest value: what lies off the line between its neighbours by less is no value of its own
 MOST = 20        # short peaks that are looked through for one that lasts
 
@@ -37,13 +38,14 @@ class Peak(NamedTuple):
     short: bool
 
 
-def greatest(time: Floats, values: Floats, allowed: Floats | None = None) -> list[Peak]:
+def greatest(time: Floats, values: Floats, allowed: Floats | None = None, coarse: bool = False) -> list[Peak]:
     """Return the Peak with the greatest value, and further ones downwards until one is not short. Empty without any.
 
     Between two values of the pressure its mean in time is a straight line (watch.means), so that samples on that line
     are no values of their own.
 
     time, values : (n,), finite ones count; allowed : (n,) bool, which samples may be a peak
+    coarse : whether samples are too seldom to tell how long a peak lasts: then none is short
     """
     there = np.isfinite(values)
     time, values = time[there], values[there]
@@ -55,6 +57,7 @@ def greatest(time: Floats, values: Floats, allowed: Floats | None = None) -> lis
     while open_.any() and len(found) < MOST:
         k = int(np.argmax(np.where(open_, values, -np.inf)))
         first, last, half, short = _extent(values, bends, k)
+        short = short and not coarse
         start = _crossing(time, values, max(first - 1, 0), first, half)
         end = _crossing(time, values, min(last + 1, len(time) - 1), last, half)
         found.append(Peak(float(values[k]), float(time[k]), float(end - start), float(means[k]), short))
@@ -85,12 +88,41 @@ def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
                 inside = f"{one.name}_{column}" if f"{one.name}_{column}" in names else one.name
                 values = table[inside if isinstance(probe, ProbeArray) else column]
                 size = values if column == "pressure" else np.abs(values)
-                some = greatest(table["time"], size, _allowed(one.truth, table["time"]))
+                some = greatest(table["time"], size, _allowed(one.truth, table["time"]), _coarse(table))
                 if some and some[0].value > 0.0:    # a component without any force has no peak
                     lasting = None if some[-1].short else some[-1]._asdict()
                     found[name if column == "pressure" else f"{name}.{column}"] = {
                         **some[0]._asdict(), "mean_over": MEAN, "lasting": lasting}
     return found
+
+
+def asked(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
+    """Return {probe: {value, unit, time [s]}} of the greatest value of each probe with peak=True, in its first column.
+
+    A truth limits the times that count. Probes without a value are left out.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for probe in case.probes:
+        if not probe.peak:
+            continue
+        try:
+            table, units = run.probe(probe.name), run.units(probe.name)
+        except ParisphError:    # no file: the run has not come so far
+            continue
+        column = next(name for name in table.dtype.names or () if name not in ("time", "step"))
+        allowed = _allowed(probe.truth, table["time"])
+        values = np.where(True if allowed is None else allowed, table[column], np.nan)
+        if np.isfinite(values).any():
+            k = int(np.nanargmax(values))
+            found[probe.name] = {"value": float(values[k]), "unit": units[column], "time": float(table["time"][k])}
+    return found
+
+
+def _coarse(table: Any) -> bool:
+    """Return whether the samples of a probe are further apart than a sensor or the steps resolve."""
+    if len(table) < 2:
+        return False
+    return bool(np.median(np.diff(table["time"])) > MEAN or np.median(np.diff(table["step"])) > FEW)
 
 
 def _allowed(truth: Any, time: Floats) -> Any:

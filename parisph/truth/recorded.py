@@ -14,3 +14,6 @@ class Recorded(Protocol):
 
     def probe(self, name: str) -> np.ndarray:
         """Return the series of a probe, a structured array (samples,) with the columns `time`, `step` and its own."""
+
+    def units(self, name: str) -> dict[str, str]:
+        """Return {column: unit} of a probe."""

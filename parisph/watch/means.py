@@ -63,13 +63,9 @@ class Means:
         return self._line[-1][0]
 
     @property
-    def lately(self) -> Floats:
-        """The mean (n,) of what has acted since the last knot at which the line is known."""
-        if not self._steps:
-            return self._line[-1][1]
-        first = self._knots[0]
-        spans = np.array([end - max(start, first) for start, end, _ in self._steps])
-        return np.asarray(spans @ np.array([values for *_, values in self._steps]) / spans.sum())
+    def knots(self) -> list[float]:
+        """Times [s] of the knots behind the known part of the line, and of the last one in it."""
+        return self._knots
 
     def at(self, time: float, ended: bool = False) -> tuple[Floats, Floats]:
         """Return the line (n,) at a time [s] that is known, and the values (n,) that acted, linear between middles.

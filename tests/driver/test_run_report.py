@@ -278,8 +278,8 @@ def test_what_a_picture_does_not_show_is_told_of_the_scene(tmp_path):
 
 @pytest.mark.parametrize("left, told", [
     (None, []), ({"particles": 0, "volume": 0.0}, []),
-    ({"particles": 1, "volume": 7.57e-5}, ["1 particle has left over the rim, with a volume of 7.57e-05"]),
-    ({"particles": 12, "volume": 0.5}, ["12 particles have left over the rim, with a volume of 0.5"])])
+    ({"particles": 1, "volume": 7.57e-5}, ["1 particle has left over the rim, with a volume of 7.57e-05 m³/m"]),
+    ({"particles": 12, "volume": 0.5}, ["12 particles have left over the rim, with a volume of 0.5 m³/m"])])
 def test_what_has_left_is_told(left, told):
     found = energies.lost({} if left is None else {"left": left})
     assert len(found) == len(told) and all(text.startswith(due) for text, due in zip(found, told))

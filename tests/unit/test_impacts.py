@@ -11,7 +11,7 @@ from parisph import Peaks as PeaksOf
 from parisph.io import info
 from parisph.io.reader import open_run
 from parisph.io.store import Store
-from parisph.pictures import curves
+from parisph.pictures import curves, style
 from parisph.report import events
 from parisph.truth import impacts, verdict
 
@@ -53,6 +53,8 @@ def test_samples_without_a_number_and_others_than_those_allowed_do_not_count():
     assert not impacts.greatest(T, values, T < 0.7)[0].short
     values[values > 2e4] = np.nan
     assert not impacts.greatest(T, values)[0].short
+    assert impacts.greatest(T, RIPPLE + spike(0.8, 25e3))[0].short
+    assert not impacts.greatest(T, RIPPLE + spike(0.8, 25e3), coarse=True)[0].short
     assert impacts.greatest(T, np.full_like(T, np.nan)) == [] and impacts.greatest(T[:2], values[:2]) == []
 
 
@@ -60,8 +62,8 @@ def test_samples_without_a_number_and_others_than_those_allowed_do_not_count():
 def run(tmp_path_factory):
     """A run with a spike at two taps, and at a force that pulls."""
     band = PeaksOf([PeakBand(start=0.5, end=0.9, low=6e3, high=1e4)])
-    probes = [PressureTap("P", at=(0.0, 0.1), truth=band), ProbeArray("row", [PressureTap("Q", at=(1.0, 0.1))]),
-              Force("load"), Force("dry")]
+    probes = [PressureTap("P", at=(0.0, 0.1), truth=band, peak=True),
+              ProbeArray("row", [PressureTap("Q", at=(1.0, 0.1))]), Force("load", peak=True), Force("dry")]
     case = Case(title="Basin", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 2.0), gravity=(0.0, -9.81),
                 numerics=Numerics(spacing=0.1), end_time=1.0, probes=probes)
     folder = tmp_path_factory.mktemp("impacts") / "run"
@@ -73,7 +75,8 @@ def run(tmp_path_factory):
     for step, (t, value) in enumerate(zip(T, RIPPLE + spike(0.8, 25e3))):
         store.append(t, step, {"probes/P": [value], "probes/row": [value], "probes/load": [-value, 7e3, 0.0],
                                "probes/dry": [0.0, 0.0, 0.0]})
-    summary = {"peaks": impacts.peaks(case, open_run(folder)), "errors": verdict.errors(case, open_run(folder))}
+    summary = {"peaks": impacts.peaks(case, open_run(folder)), "greatest": impacts.asked(case, open_run(folder)),
+               "errors": verdict.errors(case, open_run(folder))}
     store.summary(summary)
     store.close()
     return case, open_run(folder)
@@ -85,12 +88,30 @@ def test_the_table_the_report_and_the_picture_say_so(run):
     assert {name: peak["short"] for name, peak in summary["peaks"].items()} == {
         "P": True, "row.Q": True, "load.fx": True, "load.fy": False}
     lines = [line for line in info.table(summary) if line.startswith("peak of")]
-    assert len(lines) == 3 and "Pa at 0.8 s lasts 2" in lines[0] and "the greatest that lasts: 7" in lines[0]
-    assert " N/m at " in lines[2]
+    assert len(lines) == 4 and "Pa at 0.8 s lasts 2" in lines[0] and "the greatest that lasts: 7" in lines[0]
+    assert " N/m at " in lines[2] and lines[3].startswith("peak of load") and lines[3].count(" at ") == 1
     assert [row[0].text for row in events.impacts(summary).rows][:2] == [f"{name} (short: not resolved)"
                                                                          for name in ("P", "row.Q")]
     assert "(short: not resolved; " in events.peaks(case.probes, summary).rows[0][4].text
     pytest.importorskip("matplotlib")
     axes = curves.plot_probe(found, ["P"]).axes[0]
     labels = [line.get_label() for line in axes.lines]
+    load = curves.plot_probe(found, ["load"]).axes[0]
+    line, cross, bar = load.lines[:3]
+    assert cross.get_ydata()[0] == line.get_ydata().min() < bar.get_ydata()[0] < 0.0, "where the force pulls"
+    assert cross.get_color() == bar.get_color() == line.get_color()
     assert labels[0] == "P" and "not resolved" in labels[1] and labels[2] == "its mean over 5 ms"
+
+
+def test_samples_further_apart_than_a_few_steps_do_not_judge_how_long_a_peak_lasts():
+    table = np.zeros(9, [("time", float), ("step", int)])
+    for apart, each, coarse in ((0.001, 1, False), (0.001, 3, False), (0.001, 4, True), (0.006, 1, True)):
+        table["time"], table["step"] = apart * np.arange(9), each * np.arange(9)
+        assert impacts._coarse(table) is coarse
+
+
+def test_figures_show_themselves_and_their_units_in_notebooks():
+    pytest.importorskip("matplotlib")
+    picture = style.new_figure(figsize=(1.0, 1.0))
+    assert picture._repr_png_().startswith(b"\x89PNG") and type(picture) is type(style.new_figure())
+    assert (style.written("m^2/s"), style.written("m^2"), style.written("Pa")) == ("m²/s", "m²", "Pa")
