@@ -20,6 +20,7 @@ from parisph.case.waves import StandingWave, angular_frequency
 SAMPLES = 400        # points, or times, at which a field of the case is looked at
 PER_PERIOD = 40      # steps of the oscillator in one period of the first mode
 RUN_UP = 2.0         # speed of waves at a wall or a beach over that of the wall that makes them, or of the start
+LOOKS = 33           # times at which the body force is tried out for the greatest speed
 MOST_STEPS = 20_000  # of the oscillator; a longer run is judged by its beginning
 
 
@@ -79,6 +80,20 @@ def expected(case: Case) -> Scales:
 def _calm(case: Case) -> bool:
     """Return whether all fluid is still water with at most a wave on it, in walls of which only wavemakers may move."""
     return isinstance(case.frame, AtRest) and all(isinstance(fluid.shape, StillWater) for fluid in case.fluids)
+
+
+def top_speed(case: Case) -> float:
+    """Return the speed [m/s] that fluid has at most, but for jets: of its start, of walls and frame, and of a fall.
+
+    The fall is through the whole scene along each axis, by the largest body force there is until the end; without
+    walls it lasts until the end.
+    """
+    x, bounds = np.concatenate(_sample(case)), case.wall_bounds
+    force = np.max([np.abs(case.body_force(x, t)).max(axis=0) for t in np.linspace(0.0, case.end_time, LOOKS)], axis=0)
+    if bounds is None:
+        return _start_speed(case) + float(np.linalg.norm(force)) * case.end_time
+    fall = float(np.sqrt(2.0 * force @ (np.asarray(bounds[1]) - np.asarray(bounds[0]))))
+    return _start_speed(case) + wall_speed(case) + case.frame.top_speed(*bounds) + fall
 
 
 def fall_time(case: Case) -> float:

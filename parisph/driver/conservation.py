@@ -141,21 +141,28 @@ class Conservation:
 
     def warnings(self) -> list[str]:
         """Return one line for each warning. Not collective."""
-        found = []
+        return [*self.passed().values()]
+
+    def passed(self) -> dict[str, str]:
+        """Return {limit that was passed: the line that says so}. Not collective."""
+        found = {}
         volume, energy = self.volume.extremes(), self.energy.extremes()
         for name in ("low", "high"):
             if volume and abs(volume[name]) > VOLUME_LIMIT:
-                found.append(f"the volume was {volume[name]:+.1%} off its start at t = {volume[name + '_time']:.4g} s, "
-                             f"more than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step")
+                found[f"volume {name}"] = (
+                    f"the volume was {volume[name]:+.1%} off its start at t = {volume[name + '_time']:.4g} s, more "
+                    f"than {VOLUME_LIMIT:.0%}: use a smaller spacing or time step")
         judged = self.by_surface and not self.motion.missing    # by driver.doubts, as energy in motion
         if energy and not self.driven and not judged and energy["high"] > ENERGY_LIMIT:
-            found.append(f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, "
-                         "though nothing does work on the fluid: use a smaller spacing or time step")
+            found["energy"] = (
+                f"the energy was {energy['high']:+.2%} above its start at t = {energy['high_time']:.4g} s, though "
+                "nothing does work on the fluid: use a smaller spacing or time step")
         for name, reason in REASONS.items():
             gaps = getattr(self, name)
             if gaps.missing and gaps.low is not None:
-                found.append(f"the {name} was not a number {gaps.missing} time{'s' * (gaps.missing > 1)}, "
-                             f"first at t = {gaps.missing_since:.4g} s: {reason}")
+                found[f"{name} missing"] = (
+                    f"the {name} was not a number {gaps.missing} time{'s' * (gaps.missing > 1)}, first at "
+                    f"t = {gaps.missing_since:.4g} s: {reason}")
         return found
 
     def _look_at_energy(self, simulation: Simulation, whole: bool = False) -> None:

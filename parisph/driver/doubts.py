@@ -143,7 +143,11 @@ class Doubts:
 
     def warnings(self, conservation: Conservation) -> list[str]:
         """Return one line for each limit that was passed on the way. Not collective."""
-        return [*self._of_motion(conservation), *self._of_level(), *self._of_pairs()]
+        return [*self.passed(conservation).values()]
+
+    def passed(self, conservation: Conservation) -> dict[str, str]:
+        """Return {limit that was passed on the way: the line that says so}. Not collective."""
+        return dict((*self._of_motion(conservation), *self._of_level(), *self._of_pairs()))
 
     @property
     def lost(self) -> float:
@@ -170,33 +174,33 @@ class Doubts:
         if abs(seen.mean) > abs(seen.off):
             seen.off, seen.off_time, seen.off_height = seen.mean, time, seen.high
 
-    def _of_motion(self, conservation: Conservation) -> Iterator[str]:
+    def _of_motion(self, conservation: Conservation) -> Iterator[tuple[str, str]]:
         start, high = conservation.motion.start, conservation.kinetic.high
         limit, noise = LIMITS["motion"], self._noise + CALM * abs(conservation.energy.start or 0.0)
         if conservation.driven or not start or start <= 0.0 or high is None:
             return
         if high > limit.value * start + noise:
-            yield (f"the kinetic energy was {high / start:.3g} times all energy in motion at the start, at "
-                   f"t = {conservation.kinetic.high_time:.4g} s, though nothing does work on the fluid: "
-                   f"{advice(limit, self._preset)}")
+            yield "motion", (f"the kinetic energy was {high / start:.3g} times all energy in motion at the start, at "
+                             f"t = {conservation.kinetic.high_time:.4g} s, though nothing does work on the fluid: "
+                             f"{advice(limit, self._preset)}")
         limit, most = LIMITS["grown"], conservation.motion.high or 0.0
         if conservation.by_surface and most > limit.value * start + noise:
-            yield (f"the energy in motion was {most / start:.3g} times that at the start, at "
-                   f"t = {conservation.motion.high_time:.4g} s, though nothing does work on the fluid: "
-                   f"{advice(limit, self._preset)}")
+            yield "grown", (f"the energy in motion was {most / start:.3g} times that at the start, at "
+                            f"t = {conservation.motion.high_time:.4g} s, though nothing does work on the fluid: "
+                            f"{advice(limit, self._preset)}")
 
-    def _of_level(self) -> Iterator[str]:
+    def _of_level(self) -> Iterator[tuple[str, str]]:
         seen, limit, spacing = self._seen, LIMITS["level"], self._spacing
         if abs(seen.off) > RESOLVED * spacing and abs(seen.off) > limit.value * max(seen.off_height, LOWEST * spacing):
-            yield (f"the mean level was {seen.off:+.3g} m off at t = {seen.off_time:.4g} s, more than "
-                   f"{limit.value:.0%} of the height of the waves, {seen.off_height:.3g} m: "
-                   f"{advice(limit, self._preset)}")
+            yield "level", (f"the mean level was {seen.off:+.3g} m off at t = {seen.off_time:.4g} s, more than "
+                            f"{limit.value:.0%} of the height of the waves, {seen.off_height:.3g} m: "
+                            f"{advice(limit, self._preset)}")
 
-    def _of_pairs(self) -> Iterator[str]:
+    def _of_pairs(self) -> Iterator[tuple[str, str]]:
         seen, limit = self._seen, LIMITS["pair"]
         if seen.pair < limit.value:
-            yield (f"two particles were {seen.pair:.2g} spacings apart at t = {seen.pair_time:.4g} s, closer than "
-                   f"{limit.value:g}: {advice(limit, self._preset)}")
+            yield "pair", (f"two particles were {seen.pair:.2g} spacings apart at t = {seen.pair_time:.4g} s, closer "
+                           f"than {limit.value:g}: {advice(limit, self._preset)}")
 
     @staticmethod
     def _volume(simulation: Simulation) -> float:

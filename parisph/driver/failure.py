@@ -15,11 +15,13 @@ WORST = 5       # particles that are named
 HUGE = 1e300    # faster than any particle
 
 
-def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path | None) -> ParisphError:
+def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path | None,
+              note: str | None = None) -> ParisphError:
     """Return the error, extended by the step, the worst particles and the last checkpoint. Collective.
 
     error : ParisphError, on every rank
     last_checkpoint : path or None
+    note : a further line, for a particle that is lost and a flow that has diverged
     """
     if isinstance(error, (Interrupted, StoreError)):
         return error
@@ -32,6 +34,8 @@ def explained(error: ParisphError, simulation: Simulation, last_checkpoint: Path
     found = suspects(s, bad[0] if bad else None)
     if found:
         lines += ["  particles to look at:", *(f"    {line}" for line in found)]
+    if note and isinstance(error, (ParticleLost, SolverDiverged)):
+        lines.append(note)
     for_waves = s.numerics.wave_step or s.numerics.surface_rule == "frozen"
     if not bad and for_waves and isinstance(error, (ParticleLost, SolverDiverged)):
         lines.append(f"  {_beyond_range(s.numerics)}")
@@ -45,7 +49,7 @@ def _beyond_range(numerics: Numerics) -> str:
     frozen = numerics.surface_rule == "frozen"
     chosen = 'surface_rule="frozen"' if frozen else f'preset="{numerics.preset}"'
     instead = 'surface_rule="gap"' if frozen else 'preset="violent"'
-    return f"{chosen} fails if waves break: use {instead}, or a smaller amplitude"
+    return f"{chosen} fails if waves break: use {instead}, a smaller spacing, or a smaller amplitude"
 
 
 def suspects(simulation: Simulation, bad_force: float | None = None, count: int = WORST) -> list[str]:

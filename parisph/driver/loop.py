@@ -17,7 +17,7 @@ from parisph.base.paths import AnyPath, checked
 from parisph.base.signals import Signals
 from parisph.case.schema import Case
 from parisph.case.stored import to_json
-from parisph.driver import begin
+from parisph.driver import begin, exploded
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
 from parisph.driver.peaks import Peaks
@@ -197,7 +197,8 @@ class _Run:
             if not isinstance(problem, ParisphError) or not self.simulation.agreed(problem):
                 self._abandon(problem)
                 raise
-            error = explained(problem, self.simulation, self.last_checkpoint)
+            error = explained(problem, self.simulation, self.last_checkpoint,
+                              exploded.first_rise(self.account.passed))
         return self._close(error)
 
     def _open(self, first: bool) -> None:
@@ -243,9 +244,19 @@ class _Run:
             self.peaks.write(self.store)
         with s.timers("probes"):
             self.account.step(s, report)
+        self._judge()
         self.clock.step()
         self.progress.step(s, report)
         self._pause(self.checkpoints.due(s.nearest))
+
+    def _judge(self) -> None:
+        """Say once which limits the flow has passed, and stop if it has exploded. Raises SolverDiverged on all ranks.
+        """
+        for line in self.account.news(self.simulation.time):
+            self.progress.close()
+            log.logger.warning(line)
+        if self.account.conservation is not None:
+            exploded.check(self.account.conservation, self.simulation.numerics.preset)
 
     def _write(self, lines: Sequence[Line], of_step: Mapping[str, Any] | None = None) -> None:
         """Write the lines of probes, after those of the step itself. Collective."""

@@ -50,6 +50,8 @@ class Account:
         self._touched: dict[str, str] = {}               # probes, the same
         self._notes = list(before.get("notes", ()))
         self._isolated = before.get("isolated", [0, 0.0])    # the most in a step, and when [s]
+        # {limit: time [s] at which it was passed}
+        self.passed: dict[str, float] = dict(before.get("passed", {}))
         self._fluid = 0
         self._walls: int | None = None    # how many particles are on walls, from `start` on
 
@@ -122,6 +124,15 @@ class Account:
         if self._doubts is not None:
             self._doubts.step(simulation)
 
+    def news(self, time: float) -> list[str]:
+        """Return one line for each limit that is passed for the first time, now at `time` [s]. Not collective."""
+        if self.conservation is None or self._doubts is None:
+            return []
+        found = {**self.conservation.passed(), **self._doubts.passed(self.conservation)}
+        new = [name for name in found if name not in self.passed]
+        self.passed.update(dict.fromkeys(new, time))
+        return [found[name] for name in new]
+
     def status(self) -> str:
         """Return the status of a run that has come to its end. Not collective."""
         lost = self._doubts.lost if self._doubts is not None else 0.0
@@ -154,6 +165,7 @@ class Account:
             "phases": _sums(self.before["phases"], wall),
             "cpu_phases": _sums(self.before["cpu_phases"], timers.reduce_cpu(comm)),
             "fallbacks": self.before["fallbacks"] + self.fallbacks, "notes": self._notes, "isolated": self._isolated,
+            "passed": self.passed,
             "conservation": self.conservation.state() if self.conservation else self.before.get("conservation", {}),
             "doubts": self._doubts.state() if self._doubts else self.before.get("doubts", {}),
         }}

@@ -61,11 +61,11 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     fastest, gravity, lost = _largest_of_all(comm, _fastest(particles), gravity)
     if lost:
         raise SolverDiverged("the velocity of a particle is no longer a number")
-    move = _longest_move(numerics)
+    move = longest_move(numerics)
     dt = np.inf if fastest == 0.0 else move / fastest
     if dt < shortest:
         raise SolverDiverged(f"a particle has reached {fastest:.3g} m/s, for which the time step would have to "
-                             f"be {dt:.3g} s: the flow is far too fast for this scene")
+                             f"be {dt:.3g} s: the flow is far too fast for this scene; use a smaller spacing")
     largest, mean = accelerations
     violent = _accurate(numerics, IMPACT * mean, length)
     if numerics.fall and strain_rate > 0.0:
@@ -98,7 +98,7 @@ def first_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, acceler
     force_at : function of a time after the start [s], the largest body force on this rank's fluid then [m/s^2]
     length : as of `next_step`
     """
-    move, fluid = _longest_move(numerics), particles.kind == FLUID
+    move, fluid = longest_move(numerics), particles.kind == FLUID
     u, a = (sizes(v[fluid]) for v in (particles.u, acceleration))
     inverse = ((u + np.sqrt(u * u + 4.0 * move / GENTLE * a)) / (2.0 * move)).max(initial=0.0)
     mine = np.array([inverse, a.max(initial=0.0), force_at(0.0)])
@@ -142,10 +142,11 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: n
 
 def rest_step(numerics: Numerics) -> float:
     """Return the time [s] in which a particle on earth falls from rest as far as it may move in an adaptive step."""
-    return float(_fall(_longest_move(numerics), REST))
+    return float(_fall(longest_move(numerics), REST))
 
 
-def _longest_move(numerics):
+def longest_move(numerics: Numerics) -> float:
+    """Return how far the fastest particle may move in an adaptive step [m]."""
     return numerics.cfl * numerics.spacing
 
 

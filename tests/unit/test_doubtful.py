@@ -1,5 +1,7 @@
 """What `parisph check` and a run say of a case that is not resolved, hardly meant, or cannot be run."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -18,6 +20,7 @@ from parisph import (
     Output,
     Piston,
     PistonStroke,
+    Plate,
     Relaxation,
     Roll,
     RunUp,
@@ -30,9 +33,14 @@ from parisph import (
     Sway,
     Tank,
 )
+from parisph.case.doubtful import doubts
+from parisph.case.load import load
 from parisph.case.wave_sizes import size_of, sizes, strain_rate
 from parisph.driver import Simulation, ahead, describe, run
+from tests.lasting import obstacles
+from tests.lasting.long import Setting
 
+CASES = Path(__file__).parents[2] / "cases"
 STILL = Fluid(StillWater(level=0.5), density=1000.0)
 TANK = Tank(width=4.0, height=0.9)
 AIRY = Airy(height=0.05, period=1.2, depth=0.5)    # 2.05 m long
@@ -68,6 +76,16 @@ def rolled(angle, **values):
 
 def series(size):
     return Roll(Series(times=(0.0, 1.0, 2.0, 3.0), values=(0.0, size, size, 0.0)))
+
+
+def plate(length):
+    return Plate(((2.0, 0.25), (2.0 + length, 0.25)), name="rod")
+
+
+def over(body, **values):
+    """Return a solitary wave that comes to a body, a box with so many metres a side or a plate."""
+    body = body if isinstance(body, Plate) else Obstacle(Box(width=body, height=body, at=(2.0, 0.2)), name="rod")
+    return waves(SolitaryWave(height=0.1, depth=0.5), walls=(TANK, body), **values)
 
 
 DEGREES = "the angle of the Roll reaches 4 rad, 229 degrees: did you mean "
@@ -106,6 +124,10 @@ DOUBTS = {
                    lambda: scene(gravity=(0.0, 0.0), walls=Tank(width=4.0, height=0.9, lid=True))),
     "one layer": ("fluid: it is 0.03 m deep, 0.6 spacings: all of it is surface, and the pressure on its bed is 0; use "
                   "a spacing of at most 0.0149", lambda: still(0.03), lambda: still(0.03, spacing=0.0149)),
+    "a small body": ("walls, rod: fluid.wave moves water by 0.5", lambda: over(0.1),
+                     lambda: over(0.1, preset="violent")),
+    "a plate that lies": ("walls, rod: fluid.wave moves water by 0.5", lambda: over(plate(0.2)),
+                          lambda: over(plate(0.6))),
     "snapshots": ("output.every = 1e-05 s: is shorter than a step", lambda: scene(output=Output(every=1e-5)),
                   lambda: scene(output=Output(every=0.1))),
     "a century": ("the run would take about ", lambda: scene(end_time=1e5, spacing=0.005),
@@ -196,3 +218,11 @@ def test_a_run_carries_what_was_doubtful(tmp_path):
     summary = run(case, MPI.COMM_SELF, str(tmp_path / "run"), progress=False)
     assert len(told) == 1 and summary["warnings"] == told and summary["status"] == "completed with warnings"
     assert told[0] in (tmp_path / "run" / "run.log").read_text()
+
+
+def test_waves_past_bodies_that_are_large_enough_are_not_doubtful():
+    """The bar is a bed; the obstacles last for 40 periods (tests/lasting)."""
+    for case in (load(CASES / "submerged_bar.py"),
+                 *(obstacles.long({"obstacle": kind, "height": 0.1, "kd": 1.0, "depth": 10.0},
+                                  Setting(None, None, 40.0)).case for kind in ("submerged", "piercing"))):
+        assert not any("moves water" in line for line in doubts(case, sizes(case)))
