@@ -7,8 +7,9 @@ from urllib.parse import quote
 from parisph.base.paths import AnyPath
 from parisph.base.text import plain
 
-# What has a meaning inside a line; an underscore inside a word has none, and names of files keep theirs.
-_INSIDE = re.compile(r"[\\`*\[\]<&|~$]|(?<![^\W_])_|_(?![^\W_])")
+# What has a meaning inside a line; an underscore inside a word has none, and names of files keep theirs. An & has one
+# before a name with a semicolon only.
+_INSIDE = re.compile(r"[\\`*\[\]<|~$]|&(?=#?\w+;)|(?<![^\W_])_|_(?![^\W_])")
 # What has one at the begin of a line (lists, headings, quotations), or at the end of a heading, where it would vanish.
 _AT_ENDS = re.compile(r"^[-+=#>]|#(?=#*$)")
 _NUMBERED = re.compile(r"^([0-9]+)([.)])(?=\s|$)")
