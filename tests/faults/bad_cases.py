@@ -97,7 +97,7 @@ OWN = {    # beside those of the kind; what is said then names the field, or wha
     "gravity": ("('1e29', 0.0) -> steps", "('z', 0.0)"), "seed": ("2**63",), "probe_every": ("0",),
 }
 KINDS = {
-    NEEDED: "width height density tank_width tank_height spacing cfl end_time",
+    NEEDED: "width height density tank_width tank_height spacing end_time",
     POSITIVE: "rtol every checkpoint_every max_time_step time_step",
     NUMBER: "gamma kappa shift filter kappa_strain shift_strain filter_strain residual_strain volume_time "
             "pressure_mean fall surface_offset collision_distance wall_guard jitter", TEXT: "title",
