@@ -64,6 +64,11 @@ class WallMesh:
         """2 or 3."""
         return self.x0.shape[1]
 
+    @property
+    def ends(self) -> np.ndarray:
+        """Which nodes (N,) are at the end of a line of elements: in one element only."""
+        return np.bincount(self.elements.ravel(), minlength=len(self.x0)) == 1
+
     def corners(self, x: np.ndarray | None = None) -> np.ndarray:
         """Return the corners (M, dim, dim) [m] of the elements, with the nodes at x (N, dim) [m], or at rest."""
         return (self.x0 if x is None else x)[self.elements]

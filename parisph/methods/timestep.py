@@ -122,8 +122,7 @@ def resolved_time(comm: MPI.Comm, particles: Particles, spacing: float, force: n
 
     It is the time in which the fastest one moves TOLD_MOVE spacings, at most TOLD_FALL sqrt(s/a), with the largest one
     of the body force, of the acceleration of the fluid by pressure and of that of walls as a; 0 if nothing moves or
-    pulls. Within it,
-    pressure consists of the pulses of single particles that come to a wall or to the surface.
+    pulls. Within it, pressure consists of the pulses of single particles that come to a wall or to the surface.
 
     force : (n_owned, dim), body force per unit mass [m/s^2]; that on walls does not count
     acceleration : of fluid by pressure, in the mean on all ranks [m/s^2]: in a tank without gravity whose walls sway,

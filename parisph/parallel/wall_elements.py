@@ -39,7 +39,7 @@ class WallElements:
     """
 
     def __init__(self, mesh: WallMesh, first: int, spacing: float, motions: Sequence[Motion] = ()) -> None:
-        self.mesh, self.first, self.spacing = mesh, first, spacing
+        self.mesh, self.first, self.spacing, self._ends = mesh, first, spacing, mesh.ends
         self.x, self.normal, self._vectors = mesh.x0.copy(), mesh.normal0.copy(), mesh.vector_area.copy()
         self.u, self.a, self.turn = np.zeros_like(mesh.x0), np.zeros_like(mesh.x0), np.zeros_like(mesh.x0)
         self.node_motion = np.array([body.motion for body in mesh.bodies], np.int64)[mesh.body]
@@ -74,13 +74,11 @@ class WallElements:
         of a wavemaker. The pressure of the water beside them goes on up to there, though they have none.
         """
         p = particles
-        ends = np.bincount(self.mesh.elements.ravel(), minlength=len(self.x)) == 1
-        found = p.role == DRY
-        walls = np.flatnonzero(found & (p.kind == WALL))
+        found = np.zeros(p.n_owned, bool)
+        walls = np.flatnonzero((p.role == DRY) & (p.kind == WALL))
         node = p.id[walls] - self.first
         left_out = self.before_moving(p)[walls] < BESIDE * self.spacing if self.moving else False
-        found[:] = False
-        found[walls] = ends[node] | left_out
+        found[walls] = self._ends[node] | left_out
         return found
 
     @property

@@ -30,10 +30,8 @@ class BodyForce(OfPressure):
     def __init__(self, probe: probes.Force, scene: Scene, mesh: WallMesh) -> None:
         self.columns = force_columns(probe)
         super().__init__(probe, scene)
-        self.about, self._mesh = np.array(probe.about), mesh
+        self.about, self._mesh, self._ends = np.array(probe.about), mesh, mesh.ends
         self._elements = force_elements(mesh, probe)
-        uses = np.bincount(mesh.elements.ravel(), minlength=len(mesh.x0))
-        self._ends = uses == 1
         self._needed = np.zeros(len(mesh.x0), dtype=bool)
         self._needed[self._elements] = True
         self._faces = _faces(scene, probe.on) if probe.still is not None else []
