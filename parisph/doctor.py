@@ -90,7 +90,7 @@ def _cannot_run(findings):
 def _without_mpi(findings):
     """Return what parisph can do without MPI, and what it needs for the rest."""
     absent = {finding.name for finding in findings if finding.absent}
-    look, rest = ("info", "compare"), ("plot", "movie", "report")
+    look, rest = ("info", "compare", "reflection"), ("plot", "movie", "report")
     works = ["check", *(look if "HDF5" not in absent else ()), *(rest if not {"HDF5", "matplotlib"} & absent else ())]
     lines = [f"This machine has no MPI and no PETSc. What works here: {', '.join(works)}. What does not: run, restart, "
              "study."]
@@ -181,9 +181,10 @@ def _judge_kernels(answer):
         detail += f"; {damaged} damaged, which the next run compiles again ({answer['damaged'][0]})"
     if write is None:
         places = f" in {' and '.join(answer['read'])}" if count else ""
-        return count > 0, f"{detail}{places}; no folder for further ones can be written", (
+        return count > 0, f"{detail}{places}; there is no folder that can be written for further ones", (
             "set NUMBA_CACHE_DIR to a folder that you can write: else every run compiles for a minute")
-    return True, f"{detail}, in {write}" if count else f"{detail}; the first run does, for a minute, into {write}", ""
+    where = f", in {write}" if count else f"; the first run takes a minute for it, and writes to {write}"
+    return True, f"{detail}{where}", ""
 
 
 def _judge_mpi(answer):

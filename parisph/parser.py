@@ -9,7 +9,7 @@ from parisph.base.errors import CaseError
 from parisph.base.text import clipped, plain
 
 FORCE = "Use DIR although run.lock names a process on another host or in another container, which may still write to it"
-QUIET = "Show no progress, nor that kernels are compiled for a minute; warnings are shown all the same"
+QUIET = "Show neither progress nor that kernels are compiled; warnings are still shown"
 EXIT_CODES = "Exit codes: 0 done, 2 bad case or usage, 3 diverged, 4 interrupted, 5 file error, 1 other errors."
 
 

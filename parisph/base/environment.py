@@ -68,7 +68,7 @@ def _prepare_any(environ: MutableMapping[str, str]) -> None:
 def _find_folders(environ: MutableMapping[str, str]) -> None:
     """Let MPI use the folder for temporary files that Python uses, where it would take one that cannot be written.
 
-    It also needs a home, which a user that is none of the machine's has not, as in a container.
+    It also needs a home folder. A user that the machine does not know, as in a container, has none.
     """
     with suppress(OSError):    # there is no such folder
         folder = tempfile.gettempdir()
@@ -83,7 +83,7 @@ def _home(environ: Mapping[str, str]) -> Path | None:
         return Path(environ["HOME"]) if environ["HOME"] else None
     try:
         return Path.home()
-    except RuntimeError:    # this user is none of the machine's
+    except RuntimeError:    # the machine does not know this user
         return None
 
 
@@ -93,7 +93,7 @@ def cache_folder(environ: Mapping[str, str] = os.environ) -> Path:
     Raises OSError where there is no home folder.
     """
     given = environ.get("XDG_CACHE_HOME", "")
-    if os.path.isabs(given):    # else it is to be ignored, says its definition
+    if os.path.isabs(given):    # the definition of this variable says to ignore any other path
         return Path(given) / "parisph"
     home = _home(environ)
     if home is None:

@@ -14,7 +14,7 @@ from parisph.base.errors import MissingLibrary
 ENGINE = ("mpi4py.MPI", "petsc4py", "h5py")    # what a run needs
 
 SETUP = ("run_scripts/setup in a clone of parisph (on Debian, or on a cluster with its modules loaded), "
-          "or conda install -c conda-forge mpi4py petsc4py h5py")
+         "or conda install -c conda-forge mpi4py petsc4py h5py")
 _REMEDIES = {
     ENGINE: f"to run cases, use {SETUP}",
     ("h5py",): f"to look at runs, pip install 'parisph[look]'; to run cases too, use {SETUP}",

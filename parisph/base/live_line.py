@@ -16,17 +16,23 @@ class LiveLine:
     shown : whether to show anything
     say : what shows a plain line; None to print it to the stream
     stream : standard error by default
+    now : returns a time [s]; that of a clock by default
     """
 
-    def __init__(self, shown: bool, say: Callable[[str], None] | None = None, stream: TextIO | None = None) -> None:
-        self.stream, self._say = stream or sys.stderr, say
-        self.shown, self.live = shown, shown and self.stream.isatty()
-        self.began = self._last = perf_counter()
+    def __init__(self, shown: bool, say: Callable[[str], None] | None = None, stream: TextIO | None = None,
+                 now: Callable[[], float] | None = None) -> None:
+        self.stream, self._say, self._now = stream or sys.stderr, say, now or perf_counter
+        self.shown, self._live = shown, shown and self.stream.isatty()
+        self.begin()
+
+    def begin(self) -> None:
+        """Let the work begin now."""
+        self._began = self._last = self._now()
 
     def due(self) -> bool:
-        """Return whether it is time for a new line; it then is to be shown."""
-        now = perf_counter()
-        if not self.shown or now - self._last < (TERMINAL if self.live else min(BATCH, 2.0 + 0.1 * (now - self.began))):
+        """Return whether it is time for a new line. If it is, the caller shows one."""
+        now = self._now()
+        if not self.shown or now - self._last < (TERMINAL if self._live else min(BATCH, 2.0 + 0.1 * self.elapsed)):
             return False
         self._last = now
         return True
@@ -34,11 +40,11 @@ class LiveLine:
     @property
     def elapsed(self) -> float:
         """Seconds since the start."""
-        return perf_counter() - self.began
+        return self._now() - self._began
 
     def show(self, text: str) -> None:
         """Show a line."""
-        if self.live:
+        if self._live:
             self.stream.write(f"\r\x1b[2K{text}")
             self.stream.flush()
         elif self._say is not None:
@@ -48,7 +54,7 @@ class LiveLine:
 
     def close(self) -> None:
         """End the live line."""
-        if self.live:
+        if self._live:
             self.stream.write("\r\x1b[2K")
             self.stream.flush()
 

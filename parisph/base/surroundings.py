@@ -72,12 +72,26 @@ def _limit(name: str) -> int | None:
     except ImportError:
         return None
     found = resource.getrlimit(getattr(resource, f"RLIMIT_{name}"))[0]
-    return found if found >= 0 else None
+    return None if found == resource.RLIM_INFINITY else found
 
 
 def _files() -> BadEnvironment:
-    return BadEnvironment(f"this process may have only {_limit('NOFILE')} files open (ulimit -n), and a run needs "
+    limit = _limit("NOFILE")
+    if limit is None or limit >= FILES:
+        return BadEnvironment("no more files can be opened: this process, or the whole machine, has as many open as it "
+                              f"may (ulimit -n is {_words(limit)}). End other programs, or raise the limit")
+    return BadEnvironment(f"this process may have only {limit} files open (ulimit -n), and a run needs "
                           f"{FILES}: ulimit -n 1024, in a new shell if this one refuses it")
+
+
+def _threads() -> BadEnvironment:
+    return BadEnvironment("no thread can be started: your programs, or those of this machine or container, have as "
+                          f"many as they may (ulimit -u is {_words(_limit('NPROC'))}). End other programs, or raise "
+                          "the limit")
+
+
+def _words(limit: int | None) -> str:
+    return "unlimited" if limit is None else str(limit)
 
 
 def _memory() -> BadEnvironment:
@@ -106,8 +120,7 @@ def explained(error: BaseException) -> BadEnvironment | None:
         if number == errno.ENOMEM or ((unloaded or isinstance(cause, MemoryError)) and _limit("AS") is not None):
             return _memory()
         if isinstance(cause, RuntimeError) and "can't start new thread" in text:
-            return BadEnvironment(f"no thread can be started: your processes may have {_limit('NPROC')} threads in all "
-                                  "(ulimit -u). End other programs of yours, or raise the limit")
+            return _threads()
         if isinstance(cause, RuntimeError) and "determine home directory" in text:
             return BadEnvironment("your user has no home folder here: set HOME to a folder that you can write")
         if isinstance(cause, ValueError) and "is not a valid value for backend" in text and "MPLBACKEND" in os.environ:

@@ -1,11 +1,10 @@
 """Progress of a run, shown by rank 0."""
 
-import sys
 from collections import deque
 from time import perf_counter
 from typing import TextIO
 
-from parisph.base.live_line import BATCH, TERMINAL, clock
+from parisph.base.live_line import LiveLine, clock
 from parisph.base.log import logger
 from parisph.driver.simulation import Simulation
 from parisph.kernels import jit, kept
@@ -18,7 +17,8 @@ STEPS, SECONDS, LONG = 10, 1.0, 30.0    # a rate is taken from so many steps and
 class Progress:
     """One live line on a terminal; in a batch log plain lines, at growing intervals.
 
-    Inside `with`, a line says so before kernels are compiled, and another one after the first step how long it took.
+    Inside `with`, one line says that kernels are about to be compiled. After the first step, another one says how long
+    that took.
 
     Parameters
     ----------
@@ -28,16 +28,14 @@ class Progress:
     """
 
     def __init__(self, end_time: float, wanted: bool, first: bool = True, stream: TextIO | None = None) -> None:
-        self.end_time, self.stream, self.wanted = end_time, stream or sys.stderr, wanted
-        self.shown = wanted and first
-        self.live = self.shown and self.stream.isatty()
-        self._began = self._last = 0.0      # [s] of `_now`, when the first step had ended; of the last line
+        self.end_time, self.wanted = end_time, wanted
+        self._line = LiveLine(wanted and first, logger.info, stream, _now)    # begins when the first step has ended
         self._compiled: tuple[int, float] | None = None    # kernels, and the seconds they took, before this run
-        # [s] of `_now`, time of the flow [s], steps: at the first step, and from time to time since
+        # [s] since the first step, time of the flow [s], steps: at the first step, and from time to time since
         self._marks: deque[tuple[float, float, int]] = deque()
 
     def __enter__(self) -> "Progress":
-        if self.shown:
+        if self._line.shown:
             jit.COMPILATION.before = self._compiling
         return self
 
@@ -46,29 +44,18 @@ class Progress:
 
     def step(self, simulation: Simulation, report: StepReport) -> None:
         """Show the progress after a step, if it is time for a new line. Not collective."""
-        if not self.shown:
+        if not self._line.shown:
             return
-        now = _now()
         if not self._marks:
             self._after_compiling()
-            self._began = self._last = now
-            self._marks.append((now, simulation.time, simulation.steps))
-        elapsed = now - self._began
-        if now - self._last < (TERMINAL if self.live else min(BATCH, 2.0 + 0.1 * elapsed)):
-            return
-        self._last = now
-        text = self._text(simulation, report, now)
-        if self.live:
-            self.stream.write(f"\r\x1b[2K{text}")
-            self.stream.flush()
-        else:
-            logger.info(text)
+            self._line.begin()
+            self._marks.append((0.0, simulation.time, simulation.steps))
+        if self._line.due():
+            self._line.show(self._text(simulation, report, self._line.elapsed))
 
     def close(self) -> None:
         """End the live line."""
-        if self.live:
-            self.stream.write("\r\x1b[2K")
-            self.stream.flush()
+        self._line.close()
 
     def _compiling(self) -> None:
         compilation = jit.COMPILATION
@@ -81,25 +68,25 @@ class Progress:
         if logger.handlers:
             logger.info(text)
         else:
-            print(text, file=self.stream, flush=True)
+            print(text, file=self._line.stream, flush=True)
 
     def _after_compiling(self) -> None:
         if self._compiled is not None:
             count, seconds = jit.COMPILATION.count - self._compiled[0], jit.COMPILATION.seconds - self._compiled[1]
             logger.info(f"compiled {count} kernel{'s' * (count != 1)} in {seconds:.1f} s")
 
-    def _text(self, simulation: Simulation, report: StepReport, now: float) -> str:
+    def _text(self, simulation: Simulation, report: StepReport, elapsed: float) -> str:
         """Return the line; with rate and time left once there is enough to tell them from.
 
         They are those of the second half of the steps so far: the first ones may be shorter, or cost more.
         """
-        while len(self._marks) > 1 and self._marks[1][0] <= 0.5 * (self._began + now):
+        while len(self._marks) > 1 and self._marks[1][0] <= 0.5 * elapsed:
             self._marks.popleft()
         then, time, steps = self._marks[0]
-        if now - self._marks[-1][0] > 0.02 * (now - self._began):
-            self._marks.append((now, simulation.time, simulation.steps))
+        if elapsed - self._marks[-1][0] > 0.02 * elapsed:
+            self._marks.append((elapsed, simulation.time, simulation.steps))
         rate = left = ""
-        count, seconds = simulation.steps - steps, now - then
+        count, seconds = simulation.steps - steps, elapsed - then
         if ((count >= STEPS and seconds >= SECONDS) or seconds >= LONG) and simulation.time > time:
             rate = f"{count / seconds:.{1 if count >= seconds else 2}f} steps/s  "
             speed = (simulation.time - time) / seconds

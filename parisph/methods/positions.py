@@ -110,7 +110,7 @@ def voids(flow: "Flow") -> np.ndarray:
             flow.found["pressed"] = np.zeros_like(error)
             flow.walls.surplus(flow.found["pressed"], np.zeros_like(p.x), p.lack_all, flow)
         error -= flow.found["pressed"]
-    flow.found.pop("shares", None)    # which are in the field that is written now
+    flow.found.pop("shares", None)    # a view of the field that is written now
     p.lack[:] = compression(flow, error, flow.doubt)
     d.update("lack")
     found = np.zeros(p.n_owned)

@@ -118,10 +118,10 @@ KERNELS = {"kernels": 83, "bytes": 5_490_000, "damaged": [], "write": "/cache", 
 
 @pytest.mark.parametrize(("change", "ok", "says"), [
     ({}, True, "83 compiled, 5.49 MB, in /cache"),
-    ({"kernels": 0}, True, "none compiled yet; the first run does, for a minute, into /cache"),
+    ({"kernels": 0}, True, "none compiled yet; the first run takes a minute for it, and writes to /cache"),
     ({"damaged": ["/cache/a.kernel"]}, True, "; 1 damaged, which the next run compiles again (/cache/a.kernel)"),
-    ({"write": None, "read": ["/theirs"]}, True, "in /theirs; no folder for further ones can be written"),
-    ({"write": None, "kernels": 0, "read": []}, False, "no folder for further ones can be written"),
+    ({"write": None, "read": ["/theirs"]}, True, "in /theirs; there is no folder that can be written for further ones"),
+    ({"write": None, "kernels": 0, "read": []}, False, "there is no folder that can be written for further ones"),
 ])
 def test_judging_the_cache_of_kernels(change, ok, says):
     found_ok, detail, remedy = doctor._judge_kernels({**KERNELS, **change})
@@ -148,7 +148,7 @@ def absent(*names):
 
 
 @pytest.mark.parametrize(("missing", "code", "says"), [
-    (("MPI", "PETSc"), 0, "What works here: check, info, compare, plot, movie, report. What does not: run"),
+    (("MPI", "PETSc"), 0, "What works here: check, info, compare, reflection, plot, movie, report. What does not: run"),
     (("MPI", "PETSc", "HDF5"), 0, "What works here: check. What"),
     (("PETSc",), 1, "PROBLEM PETSc"),
     (("MPI", "PETSc", "numba"), 1, "PROBLEM numba"),

@@ -79,16 +79,18 @@ def test_limits(monkeypatch, name, limits, says):
 
 
 @pytest.mark.parametrize(("error", "says"), [
-    (OSError(errno.EMFILE, os.strerror(errno.EMFILE), "file"), "files open"),
-    (ImportError("libx.so: cannot open shared object file: Too many open files"), "files open"),
+    (OSError(errno.EMFILE, os.strerror(errno.EMFILE), "file"), "as many open as it may (ulimit -n is 1024)"),
+    (ImportError("libx.so: cannot open shared object file: Too many open files"), "no more files can be opened"),
     (OSError(errno.ENOMEM, "Cannot allocate memory"), "no memory left"),
-    (RuntimeError("can't start new thread"), "ulimit -u"),
+    (RuntimeError("can't start new thread"), "ulimit -u is unlimited"),
     (RuntimeError("Could not determine home directory."), "set HOME"),
     (ValueError("numpy.dtype size changed, may indicate binary incompatibility. Expected 96, got 88"), "this numpy"),
     (ImportError("A module that was compiled using NumPy 1.x cannot be run in NumPy 2.4.6"), "this numpy"),
     (ValueError("a value of a case"), None), (MemoryError(), None), (FileNotFoundError(errno.ENOENT, "x"), None),
 ])
-def test_what_an_exception_says_of_the_environment(error, says):
+def test_what_an_exception_says_of_the_environment(monkeypatch, error, says):
+    """A limit that is high enough, or none, is not what is wrong with this process alone."""
+    monkeypatch.setattr(surroundings, "_limit", {"NOFILE": 1024}.get)
     for raised in (error, CaseError("dam.py, line 1: something")):
         raised.__cause__ = None if raised is error else error
         found = surroundings.explained(raised)
