@@ -73,8 +73,8 @@ def read_columns(path: AnyPath) -> tuple[list[str], dict[int, list[str]]]:
     lines = {number: _cells(rows[number], separator, number) for number in others}
     for number, cells in lines.items():
         if len(cells) != len(names):
-            raise ValueError(f"line {number} has {len(cells)} values, and there are {len(names)} columns"
-                             f"{_hint(separator, rows[first], len(cells) > len(names))}")
+            raise ValueError(f"line {number} has {len(cells)} value{'s' * (len(cells) != 1)}, and there are "
+                             f"{len(names)} columns{_hint(separator, rows[first], len(cells) > len(names))}")
     return names, _with_points(lines)
 
 

@@ -64,6 +64,7 @@ def test_it_is_not_ready_once_numpy_has_been_replaced(clone, file):
 
 def test_pip_in_the_environment_keeps_to_the_versions_of_the_machine(clone):
     """And what is in front of them is removed, and installed again what was installed for it."""
+    (clone / ".venv" / "pip.conf").write_text("[global]\nindex-url = https://mirror/%20simple\n")
     (clone / ".venv" / "lib" / "python3" / "site-packages" / "numpy-99.0.dist-info").mkdir(parents=True)
     done = do(clone, f'log="$root/log" unfit=; keep_versions "{sys.executable}" ""; cat "$log"')
     assert done.returncode == 0 and done.stdout.endswith("-m pip uninstall --yes numpy\n"), done.stderr
@@ -71,4 +72,5 @@ def test_pip_in_the_environment_keeps_to_the_versions_of_the_machine(clone):
     conf = configparser.RawConfigParser()    # as pip does
     conf.read(clone / ".venv" / "pip.conf")
     address = conf["global"]["constraint"]    # pip would take a path with blanks for two
+    assert conf["global"]["index-url"] == "https://mirror/%20simple"
     assert url2pathname(urlparse(address).path) == str(clone / ".venv" / "constraints.txt") and " " not in address

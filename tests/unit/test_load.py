@@ -250,7 +250,7 @@ def test_truth_files_are_found_beside_the_case_and_checked(write, tmp_path):
         ("t,h\n0,1\n1,2\n", "truth.value = 'eta': .* has no such column; it has t, h"),
         ("t,eta\n0,a\n1,2\n", "line 2 holds something that is not"), ("t,eta\n0,1\n", "at least two"),
         ("t,eta\n1,1\n0,1\n", "increasing"), ("t,eta\n0,1\n1,nan\n", "line 3 .* finite"),
-        ("", "no line with the names of columns"), ("t,eta\n0,1\n1\n", "line 3 has 1 values, and there are 2 columns"),
+        ("", "no line with the names of columns"), ("t,eta\n0,1\n1\n", "line 3 has 1 value, and there are 2 columns"),
         ("t,eta,t\n0,1,2\n1,2,3\n", "two columns are named 't'"), ("t,eta,\n0,1,\n1,2,\n", "column 3 has no name"),
         ("t,eta\n0,1e200\n1,2\n", "line 2 .* finite number of at most 1e.30"),
         ("t,eta\n0,\"1\n1,2\n", "line 2 is not one of a CSV file"), ("t,eta\n0,1\0\n1,2\n", "it is not text"),

@@ -32,7 +32,7 @@ def test_a_missing_file_is_named(tmp_path):
     (b"\xff\xfe\x00T,z", "it is not text in UTF-8: see byte 0"), (b"T,z\n0,\0\n", "it is not text: see character"),
     (b"", "no line with the names"), (b"# only\n\n", "no line with the names"),
     (b"T,z,T\n0,1,2\n", "two columns are named 'T'"), (b"T,z,\n0,1,\n", "column 3 has no name"),
-    (b"T,z\n0,1\n1\n", "line 3 has 1 values, and there are 2 columns"),
+    (b"T,z\n0,1\n1\n", "line 3 has 1 value, and there are 2 columns"),
     (b"T,z\n0,1\n# gap\n1,1e300\n", "line 4 of column 'z' holds a number of more than 1e.30"),
     (b"T,z\n0,inf\n", "line 2 of column 'z'"), (b'T,z\n0,"1\n', "line 2 is not one of a CSV file"),
     (b"T,z\n0," + b"1" * 200_000, "line 2 is not one of a CSV file"), (b"z\n1\n", "no column 'T' .it has: z"),
