@@ -118,9 +118,8 @@ def _entries(summary):
     for probe, time in (get("arrivals") or {}).items():
         yield f"arrival at {probe}", "not in this run" if time is None else f"{time:.6g} s"
     for probe, found in (get("peaks") or {}).items():
-        unit = "N/m" if "." in probe and probe.endswith(("fx", "fy")) else "Pa"
         if found.get("short"):
-            yield f"peak of {probe}", _short(found, unit)
+            yield f"peak of {probe}", _short(found, found.get("unit", ""))
     for probe, found in (get("greatest") or {}).items():
         if not ((get("peaks") or {}).get(probe) or {}).get("short"):
             yield f"peak of {probe}", f"{found['value']:.4g} {found['unit']} at {found['time']:.4g} s"

@@ -70,7 +70,7 @@ class Run:
 
     def __repr__(self) -> str:
         rows = {name.lower(): text for name, text in self._rows()}
-        return plain(f"<run {self.folder}: {rows.pop('title')!r}, {', '.join(f'{k} {v}' for k, v in rows.items())}>")
+        return plain(f"<run {self.folder}: {rows.pop('title', '')!r}, {', '.join(f'{k} {v}' for k, v in rows.items())}>")
 
     def _repr_html_(self) -> str:
         return rows_as_html(str(self.folder), [], self._rows())
