@@ -13,7 +13,7 @@ from parisph.watch.sampling import WIDTH, OfPressure, Sampler, Scene, View
 from parisph.watch.wall_pressure import Force, about, at_rest, force_columns
 
 DRY_BEHIND = "piston", "flap"    # bodies behind which walls are never wet
-BESIDE = 1.0    # spacings: nodes of other walls that are dry so near in front of a wavemaker have no room for particles
+FOOT = 1.0      # spacings in front of a wavemaker: dry nodes of other walls there are at its foot, not above the water
 LAST = -1.0     # the first number of a row that tells the greatest number of a wall particle; else that of a node
 
 
@@ -75,7 +75,7 @@ class BodyForce(OfPressure):
         found = np.zeros(len(x), dtype=bool)
         for start, end in self._faces:
             way, off = x[end] - x[start], x - x[start]
-            found |= way[0] * off[:, 1] - way[1] * off[:, 0] < BESIDE * self.scene.spacing * np.linalg.norm(way)
+            found |= way[0] * off[:, 1] - way[1] * off[:, 0] < FOOT * self.scene.spacing * np.linalg.norm(way)
         return found
 
     def _load(self, x, p):
