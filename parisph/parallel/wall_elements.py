@@ -68,7 +68,7 @@ class WallElements:
         return found
 
     def without_room(self, particles: Particles) -> np.ndarray:
-        """Return which wall particles (n_owned,) are dry for want of room for fluid in front of them, not of water.
+        """Return which wall particles (n_owned,) are dry because fluid has no room in front of them.
 
         They are the nodes before and behind a wall that moves, and those at the ends of lines of elements, as the foot
         of a wavemaker. The pressure of the water beside them goes on up to there, though they have none.
