@@ -5,6 +5,7 @@ from typing import Any
 
 from parisph.base.errors import CaseError
 from parisph.case import doubtful, scales
+from parisph.case.bodies import Flap
 from parisph.case.checks import stable_time_step
 from parisph.case.faults import first_lines
 from parisph.case.schema import Case
@@ -64,7 +65,7 @@ def _about_the_step(case: Case) -> Iterator[str]:
 
 def _about_flaps(case: Case) -> Iterator[str]:
     """Warn of a flap in whose corner particles are caught, as nothing keeps pairs of them apart."""
-    flaps = [body for body in case.bodies if body.kind == "flap"]
+    flaps = any(isinstance(body, Flap) for body in case.bodies)
     if flaps and velocities.Collisions.words not in stages(case):
         yield ("walls: particles are caught in the corner between a Flap and the bed, and burst out of it, if no pairs "
                "of them collide; set numerics.collision_distance=0.7 and restitution=0.2, and leave collisions in "
@@ -86,5 +87,5 @@ def doubts(case: Case, count: Mapping[str, int], expected: scales.Scales, ranks:
                "end_time, or more ranks")
     step, every = case.end_time / max(steps, 1), case.output.every
     if every is not None and every < step:
-        yield (f"output.every = {every:g} s: is shorter than a step, about {estimate.rounded(step)} s: the run would "
-               f"write {case.end_time / every:.2g} snapshots, which show no more; use a longer time")
+        yield (f"output.every = {every:g} s: is shorter than a step, about {estimate.rounded(step)} s: "
+               f"{case.end_time / every:.2g} snapshots would show no more than one of each step; use a longer time")

@@ -1,4 +1,4 @@
-"""How many steps a case takes, how long these are, and when that is more than anybody waits for."""
+"""How many steps a case takes, how long these are, and which cases would never end."""
 
 import math
 from collections.abc import Iterator

@@ -11,6 +11,7 @@ from parisph.case.motion import AtRest
 from parisph.case.numerics import WORDS, Numerics
 from parisph.case.scenery import body_names
 from parisph.case.schema import Case
+from parisph.case.waves import Jonswap, SolitaryWave
 from parisph.driver import ahead, cost
 from parisph.driver.ahead import stages
 from parisph.driver.estimate import duration, estimated_steps, longest_of, rounded, stable_step, waves_of
@@ -125,7 +126,7 @@ def _waves(case: Case, expected: scales.Scales, steps: int) -> Iterator[tuple[st
     """Yield the sizes of the waves in spacings, and how many steps they have in a period."""
     s = case.numerics.spacing
     for wave in waves_of(case, expected):
-        irregular, alone = wave.wave.kind == "jonswap", wave.wave.kind == "solitary"
+        irregular, alone = isinstance(wave.wave, Jonswap), isinstance(wave.wave, SolitaryWave)
         yield "wave", (f"{wave.name}, {'significant ' * irregular}height {wave.height:.3g} m ({wave.height / s:.2g} "
                        f"spacings), {'peak ' * irregular}length {wave.length:.3g} m ({wave.length / s:.3g}), depth "
                        f"{wave.depth:.3g} m ({wave.depth / s:.3g}), about "

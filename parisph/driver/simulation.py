@@ -44,7 +44,7 @@ LIST_SKIN = 0.04  # spacings a particle moves until the neighbour lists are rebu
 SAME_VORTICITY = 1e-6    # part of the largest by which vorticities of a fluid that rotates as a whole differ, at most
 SETTLE = 10.0     # time that weakly compressible water at rest settles before the start, over that of a fall
 # of the step that fluid allows at the top speed of the case (scales.top_speed): a run that needs a shorter one has
-# diverged. Dam breaks, falls against a box and free drops come to 1.7 times that speed, and to 50 times none
+# diverged. Dam breaks, falls against a box and free drops come to 1.7 times that speed; none comes to 50 times
 SHORTEST = 0.02
 
 Options = ParamSpec("Options")
@@ -281,12 +281,13 @@ class Simulation:
 
     def _limit(self) -> float:
         """Return the time step that the case and the flow allow [s], the same on all ranks."""
-        dt = next_step(self.comm, self.particles, self.numerics, self._strongest_force(), self.dt, self._shortest,
-                       self.method.accelerations, self.method.strain_rate, self._length, self.method.flow.wave_time)
+        flow = self.method.flow
+        dt = next_step(flow, self._strongest_force(), self.dt, self._shortest, self.method.accelerations,
+                       self.method.strain_rate, self._length)
         dt = min(dt, self.method.longest_step())
         if self.numerics.time_step is not None:
             return dt
-        dt = min(dt, self.method.flow.walls.longest_step(self.method.flow, self.time))
+        dt = min(dt, flow.walls.longest_step(flow, self.time))
         dt = min(dt, self.case.frame.longest_step)    # a small force between two turns says nothing of what comes
         return dt if self.dt is not None else self._first(dt)
 

@@ -229,7 +229,8 @@ def _from_files(case: Case, store: Store) -> dict[str, Any]:
                 "passed": overtopping.passed(case, run), "reflection": reflected.of_case(case, run),
                 "peaks": impacts.peaks(case, run), "greatest": impacts.asked(case, run)}
     except ParisphError as error:
-        return {"iterations": None, "errors": {"unavailable": str(error)}, "arrivals": {}, "passed": {}}
+        return {"iterations": None, "errors": {"unavailable": str(error)}, "arrivals": {}, "passed": {},
+                "reflection": None, "peaks": {}, "greatest": {}}
 
 
 def _looked_back(case: Case, store: Store) -> tuple[list[str], dict[str, str]]:

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from parisph.base.arrays import Flags, Floats
-from parisph.base.errors import ParisphError
-from parisph.case.probes import ColumnHeight, PressureTap, ProbeArray, SurfaceGauge, singles
+from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge
 from parisph.case.schema import Case
 from parisph.io.reader import Run
+from parisph.truth.recorded import parts
 from parisph.watch.sampling import Scene
 
 DRY = 1e-6    # of the spacing above the bed, or of the greatest pressure: a gauge or a tap with no more is dry
@@ -22,21 +22,14 @@ def probes(case: Case, run: Run) -> dict[str, str]:
     """
     found = {}
     scene = Scene.of(case)
-    for probe in case.probes:
-        try:
-            table = run.probe(probe.name)
-        except ParisphError:    # no file: the run has not come so far
+    for part in parts(case, run, lambda probe: True):
+        if not part.columns or not len(part.table):
             continue
-        for name, one in singles([probe]):
-            columns = [column for column in table.dtype.names or () if column not in ("time", "step") and (
-                not isinstance(probe, ProbeArray) or column == one.name or column.startswith(f"{one.name}_"))]
-            if not columns or not len(table):
-                continue
-            values = np.stack([np.asarray(table[column], float) for column in columns])
-            words = [f"{what} in {_share(when)} of its samples, first at t = {table['time'][when][0]:.4g} s"
-                     for what, when in _touches(case, scene, one, values) if when.any()]
-            if words:
-                found[name] = "; ".join(words)
+        time, values = part.table["time"], np.stack([np.asarray(part.table[name], float) for name in part.columns])
+        words = [f"{what} in {_share(when)} of its samples, first at t = {time[when][0]:.4g} s"
+                 for what, when in _touches(case, scene, part.probe, values) if when.any()]
+        if words:
+            found[part.name] = "; ".join(words)
     return found
 
 

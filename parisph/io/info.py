@@ -115,14 +115,19 @@ def _entries(summary):
     # where work is done on the fluid a change of its energy is no error
     yield "energy change" if get("driven") else "energy drift", _drift(get("energy_drift"), get("energy_range"))
     yield "in motion", _motion(get("energy_in_motion"))
+    yield from _of_probes(get)
+
+
+def _of_probes(get):
+    """Yield what a summary says of single probes."""
+    peaks = get("peaks") or {}
     for probe, time in (get("arrivals") or {}).items():
         yield f"arrival at {probe}", "not in this run" if time is None else f"{time:.6g} s"
-    for probe, found in (get("peaks") or {}).items():
-        unit = "N/m" if "." in probe and probe.endswith(("fx", "fy")) else "Pa"
+    for probe, found in peaks.items():
         if found.get("short"):
-            yield f"peak of {probe}", _short(found, unit)
+            yield f"peak of {probe}", _short(found, found.get("unit", ""))
     for probe, found in (get("greatest") or {}).items():
-        if not ((get("peaks") or {}).get(probe) or {}).get("short"):
+        if not (peaks.get(probe) or {}).get("short"):
             yield f"peak of {probe}", f"{found['value']:.4g} {found['unit']} at {found['time']:.4g} s"
     for probe, found in (get("passed") or {}).items():
         yield f"passed {probe}", _passed(found)

@@ -31,8 +31,8 @@ def repeated(case: Case) -> list[str]:
     first = case.origin.get("repeats")
     if not isinstance(first, dict):
         return []
-    return [f"the case is that of the run {first.get('run')} in {case.origin.get('case_file')}"
-            + f", which {first['case_file']} has made" * ("case_file" in first)
+    by = f", which {first['case_file']} has made" if "case_file" in first else ""    # a script's run has none
+    return [f"the case is that of the run {first.get('run')} in {case.origin.get('case_file')}{by}"
             + ", edited by hand since" * bool(case.origin.get("edited"))]
 
 

@@ -70,7 +70,8 @@ class Run:
 
     def __repr__(self) -> str:
         rows = {name.lower(): text for name, text in self._rows()}
-        return plain(f"<run {self.folder}: {rows.pop('title')!r}, {', '.join(f'{k} {v}' for k, v in rows.items())}>")
+        title = rows.pop("title", "")    # which an edited case.json may lack
+        return plain(f"<run {self.folder}: {title!r}, {', '.join(f'{name} {text}' for name, text in rows.items())}>")
 
     def _repr_html_(self) -> str:
         return rows_as_html(str(self.folder), [], self._rows())

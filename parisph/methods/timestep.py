@@ -11,6 +11,7 @@ from parisph.base.errors import SolverDiverged
 from parisph.base.fields import FLUID
 from parisph.case.numerics import Numerics
 from parisph.kernels import record
+from parisph.methods.flow import Flow
 from parisph.methods.step_numbers import BRISK, IMPACT, STRAIN, WAVE_LEAST, WAVE_STRAIN
 from parisph.parallel.particles import Particles
 
@@ -24,9 +25,9 @@ REST = 9.81     # [m/s^2] that sets the first step of fluid which nothing moves
 TOLD_MOVE, TOLD_FALL = 0.3, 0.025  # spacings, and times sqrt(s/g): particles do not resolve what is shorter
 
 
-def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity: float, previous: float | None = None,
-              shortest: float = 0.0, accelerations: tuple[float, float] = (0.0, 0.0),
-              strain_rate: float = 0.0, length: float | None = None, wave_time: float = np.inf) -> float:
+def next_step(flow: Flow, gravity: float, previous: float | None = None, shortest: float = 0.0,
+              accelerations: tuple[float, float] = (0.0, 0.0), strain_rate: float = 0.0,
+              length: float | None = None) -> float:
     """Return the time step [s]: fixed, or limited by velocity, acceleration and body force. Collective.
 
     No fluid particle moves by more than `numerics.cfl` spacings, neither by its velocity (|u| dt) nor from rest (g
@@ -50,15 +51,15 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     strain_rate : of fluid in the last step, sqrt(2 S:S) in the mean on all ranks [1/s]; with `wave_step` the largest
         of the last waves
     length : l [m], see case.checks.flow_length; None for the spacing
-    wave_time : of the shortest waves [s], see case.checks.wave_time; infinite without any
 
     Raises
     ------
     SolverDiverged on every rank: a velocity is not a number, or so large that the step is below `shortest`.
     """
+    numerics, particles = flow.numerics, flow.particles
     if numerics.time_step is not None:
         return numerics.time_step
-    fastest, gravity, lost = _largest_of_all(comm, _fastest(particles), gravity)
+    fastest, gravity, lost = _largest_of_all(particles.comm, _fastest(particles), gravity)
     if lost:
         raise SolverDiverged("the velocity of a particle is no longer a number")
     move = longest_move(numerics)
@@ -73,7 +74,7 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     if fastest > 0.0:
         violent = max(violent, LEAST_MOVE * numerics.spacing / fastest)
     dt = min(dt, _fall(move, gravity), _accurate(numerics, min(BRISK * largest, gravity), length), violent,
-             _of_waves(numerics, gravity, strain_rate, fastest, wave_time))
+             _of_waves(numerics, gravity, strain_rate, fastest, flow.wave_time))
     if numerics.max_time_step is not None:
         dt = min(dt, numerics.max_time_step)
     if previous is not None:

@@ -11,7 +11,7 @@ from parisph.kernels import density, gradient, solids, wall_law, wetness
 from parisph.kernels.moving_mirrors import GONE, SLIPS, STICKS, Solids
 from parisph.methods import lengths
 from parisph.methods.boundary import Boundary, Directions
-from parisph.parallel.wall_elements import BESIDE, WallElements
+from parisph.parallel.wall_elements import NO_ROOM, WallElements
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -113,7 +113,7 @@ class WallSolids(Boundary):
         p = flow.particles
         p.role[(p.kind == WALL) & (p.edge == CONVEX)] = DRY
         if self.elements.moving:
-            p.role[self.elements.before_moving(p) < BESIDE * flow.spacing] = DRY
+            p.role[self.elements.before_moving(p) < NO_ROOM * flow.spacing] = DRY
 
     def move(self, flow: "Flow", at: float, start: float, stop: float) -> None:
         if self.elements.moving:

@@ -12,7 +12,7 @@ from parisph.kernels import solids, wetness
 from parisph.kernels.jit import axes_of
 from parisph.parallel.particles import Particles
 
-BESIDE = 0.4    # spacings in front of a wall that moves, within which the nodes of others are dry
+NO_ROOM = 0.4    # spacings in front of a wall that moves: nodes of others there are dry, as no particle fits between
 
 
 class WallElements:
@@ -77,7 +77,7 @@ class WallElements:
         found = np.zeros(p.n_owned, bool)
         walls = np.flatnonzero((p.role == DRY) & (p.kind == WALL))
         node = p.id[walls] - self.first
-        left_out = self.before_moving(p)[walls] < BESIDE * self.spacing if self.moving else False
+        left_out = self.before_moving(p)[walls] < NO_ROOM * self.spacing if self.moving else False
         found[walls] = self._ends[node] | left_out
         return found
 

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from parisph.base.errors import ParisphError
-from parisph.case.probes import ProbeArray, singles
+from parisph.case.probes import Probe, singles
 from parisph.case.schema import Case
-from parisph.truth.recorded import Recorded
+from parisph.truth.recorded import Recorded, parts
 
 
 def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
@@ -13,23 +12,14 @@ def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
 
     run : io.reader.Run. The first column of a probe counts; probes in arrays have names as in "gauges.x1".
     """
-    found = {}
-    for probe in case.probes:
-        for name, one in singles([probe]):
-            value = getattr(one, "arrival", None)
-            if value is None:
-                continue
-            try:
-                table = run.probe(probe.name)
-            except ParisphError:    # no file: the run has not come so far
-                found[name] = None
-                continue
-            columns = [column for column in table.dtype.names or () if column not in ("time", "step")]
-            mine = columns[0]
-            if isinstance(probe, ProbeArray):
-                mine = next(column for column in columns if column == one.name or column.startswith(f"{one.name}_"))
-            found[name] = first_passing(table["time"], table[mine], value)
+    found: dict[str, float | None] = {name: None for name, probe in singles(case.probes) if _has_arrival(probe)}
+    for part in parts(case, run, _has_arrival):
+        found[part.name] = first_passing(part.table["time"], part.table[part.columns[0]], part.probe.arrival)
     return found
+
+
+def _has_arrival(probe: Probe) -> bool:
+    return getattr(probe, "arrival", None) is not None
 
 
 def first_passing(time: np.ndarray, values: np.ndarray, level: float) -> float | None:

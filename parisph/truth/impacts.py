@@ -9,12 +9,12 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.base.errors import ParisphError
-from parisph.case.probes import Force, PressureTap, ProbeArray, singles
 from parisph.case.schema import Case
 from parisph.case.truths import intervals
 from parisph.truth import norms
-from parisph.truth.recorded import Recorded
+from parisph.truth.recorded import Recorded, parts
 
+JUDGED = {"pressure_tap": {"pressure": "Pa"}, "force": {"fx": "N/m", "fy": "N/m"}}    # columns of probes, their units
 MEAN = 0.005     # [s] over which the mean beside a peak is taken, about what a sensor and its amplifier resolve
 AROUND = 10      # samples to either side of a peak: the larger one of their medians is the level around it
 ABOVE = 1.5      # times that level: a lower peak is no spike, however short
@@ -38,14 +38,14 @@ class Peak(NamedTuple):
     short: bool
 
 
-def greatest(time: Floats, values: Floats, allowed: Floats | None = None, coarse: bool = False) -> list[Peak]:
+def greatest(time: Floats, values: Floats, allowed: Floats | None = None, seldom: bool = False) -> list[Peak]:
     """Return the Peak with the greatest value, and further ones downwards until one is not short. Empty without any.
 
     Between two values of the pressure its mean in time is a straight line (watch.means), so that samples on that line
     are no values of their own.
 
     time, values : (n,), finite ones count; allowed : (n,) bool, which samples may be a peak
-    coarse : whether samples are too seldom to tell how long a peak lasts: then none is short
+    seldom : whether samples are too seldom to tell how long a peak lasts (`coarse`): then none is short
     """
     there = np.isfinite(values)
     time, values = time[there], values[there]
@@ -57,7 +57,7 @@ def greatest(time: Floats, values: Floats, allowed: Floats | None = None, coarse
     while open_.any() and len(found) < MOST:
         k = int(np.argmax(np.where(open_, values, -np.inf)))
         first, last, half, short = _extent(values, bends, k)
-        short = short and not coarse
+        short = short and not seldom
         start = _crossing(time, values, max(first - 1, 0), first, half)
         end = _crossing(time, values, min(last + 1, len(time) - 1), last, half)
         found.append(Peak(float(values[k]), float(time[k]), float(end - start), float(means[k]), short))
@@ -69,30 +69,22 @@ def greatest(time: Floats, values: Floats, allowed: Floats | None = None, coarse
 
 
 def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
-    """Return {probe: the greatest Peak as a dict, and with it `lasting`, the greatest one that is not short}.
+    """Return {probe: the greatest Peak as a dict with its unit, and `lasting`, the greatest one that is not short}.
 
     For taps and, by size, the components of forces, named "load.fx"; probes in arrays as "row.P1". A truth limits the
     times that count.
     """
     found: dict[str, dict[str, Any]] = {}
-    for probe in case.probes:
-        for name, one in singles([probe]):
-            if not isinstance(one, (PressureTap, Force)):
-                continue
-            try:
-                table = run.probe(probe.name)
-            except ParisphError:    # no file: the run has not come so far
-                continue
-            names = table.dtype.names or ()
-            for column in ("pressure",) if isinstance(one, PressureTap) else ("fx", "fy"):
-                inside = f"{one.name}_{column}" if f"{one.name}_{column}" in names else one.name
-                values = table[inside if isinstance(probe, ProbeArray) else column]
-                size = values if column == "pressure" else np.abs(values)
-                some = greatest(table["time"], size, _allowed(one.truth, table["time"]), _coarse(table))
-                if some and some[0].value > 0.0:    # a component without any force has no peak
-                    lasting = None if some[-1].short else some[-1]._asdict()
-                    found[name if column == "pressure" else f"{name}.{column}"] = {
-                        **some[0]._asdict(), "mean_over": MEAN, "lasting": lasting}
+    for part in parts(case, run, lambda probe: probe.kind in JUDGED):
+        time = part.table["time"]
+        for column, unit in JUDGED[part.probe.kind].items():
+            values = part.values(column)
+            size = values if column == "pressure" else np.abs(values)
+            some = greatest(time, size, _allowed(part.probe.truth, time), coarse(part.table))
+            if some and some[0].value > 0.0:    # a component without any force has no peak
+                lasting = None if some[-1].short else some[-1]._asdict()
+                found[part.name if column == "pressure" else f"{part.name}.{column}"] = {
+                    **some[0]._asdict(), "unit": unit, "mean_over": MEAN, "lasting": lasting}
     return found
 
 
@@ -118,7 +110,7 @@ def asked(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     return found
 
 
-def _coarse(table: Any) -> bool:
+def coarse(table: Any) -> bool:
     """Return whether the samples of a probe are further apart than a sensor or the steps resolve."""
     if len(table) < 2:
         return False

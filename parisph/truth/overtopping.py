@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.base.errors import ParisphError
-from parisph.case.probes import Flux, ProbeArray, singles
+from parisph.case.probes import Flux
 from parisph.case.schema import Case
-from parisph.truth.recorded import Recorded
+from parisph.truth.recorded import Recorded, parts
 
 
 def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
@@ -17,18 +16,11 @@ def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     run : io.reader.Run. Events are those of `events`, None for a probe without `pause`.
     """
     found: dict[str, dict[str, Any]] = {}
-    for probe in case.probes:
-        for name, one in singles([probe]):
-            if not isinstance(one, Flux):
-                continue
-            try:
-                table = run.probe(probe.name)
-            except ParisphError:    # no file: the run has not come so far
-                continue
-            total = table[f"{one.name}_total" if isinstance(probe, ProbeArray) else "total"]
-            if len(total):
-                found[name] = {"total": float(total[-1]),
-                               "events": None if one.pause is None else events(table["time"], total, one.pause)}
+    for part in parts(case, run, lambda probe: isinstance(probe, Flux)):
+        total, pause = part.values("total"), part.probe.pause
+        if len(total):
+            found[part.name] = {"total": float(total[-1]),
+                                "events": None if pause is None else events(part.table["time"], total, pause)}
     return found
 
 

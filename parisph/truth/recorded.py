@@ -1,9 +1,14 @@
 """What comparisons with a truth use of a run. io.reader.Run, which stands above, has it."""
 
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+
+from parisph.base.errors import ParisphError
+from parisph.case.probes import ProbeArray, singles
+from parisph.case.schema import Case
 
 
 class Recorded(Protocol):
@@ -17,3 +22,42 @@ class Recorded(Protocol):
 
     def units(self, name: str) -> dict[str, str]:
         """Return {column: unit} of a probe."""
+
+
+class Part(NamedTuple):
+    """What a run has recorded of one probe.
+
+    name : in an array as in "gauges.x1"; probe : its description
+    table : the series of its file; columns : those of this probe, in their order; prefix : of their names, in an array
+    """
+
+    name: str
+    probe: Any
+    table: np.ndarray
+    columns: list[str]
+    prefix: str
+
+    def values(self, column: str) -> np.ndarray:
+        """Return one of its columns (samples,). In an array the only column of a probe has the name of the probe."""
+        return self.table[self.columns[0] if len(self.columns) == 1 else self.prefix + column]
+
+
+def parts(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> Iterator[Part]:
+    """Yield what a run has recorded of each probe that is wanted, those in arrays too. Not collective.
+
+    Probes without a file are left out: the run has not come so far. Files of other probes are not read.
+    """
+    for probe in case.probes:
+        mine = [(name, one) for name, one in singles([probe]) if wanted(one)]
+        if not mine:
+            continue
+        try:
+            table = run.probe(probe.name)
+        except ParisphError:
+            continue
+        columns = [column for column in table.dtype.names or () if column not in ("time", "step")]
+        for name, one in mine:
+            prefix = f"{one.name}_" if isinstance(probe, ProbeArray) else ""
+            own = [one.name] if prefix and one.name in columns else [
+                column for column in columns if column.startswith(prefix)]
+            yield Part(name, one, table, own, prefix)

@@ -192,6 +192,9 @@ def _series(run: Recorded, names: Sequence[str]) -> tuple[Floats, Floats]:
         probe, _, inner = name.partition(".") if name not in run.probe_names else (name, "", "")
         table = run.probe(probe)
         found.append((table["time"], table[inner or "y"]))
+        if not np.isfinite(found[-1][1]).all():
+            raise CaseError(f"the gauge {name} has no value at some times, as where there was no water: give others "
+                            "with --probes")
     time = found[0][0]
     if not len(time):
         raise CaseError(f"the gauge {names[0]} has no samples")

@@ -45,9 +45,14 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
 
 def series(probe: AnyProbe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
     """Return the times (n,) [s] and values (n,) of a probe's column that a truth is of."""
-    found = run.probe(probe.name)
-    column = COLUMNS.get(probe.kind, next(name for name in found.dtype.names if name not in ("time", "step")))
+    found, column = _recorded(probe, run)
     return found["time"], found[column]
+
+
+def _recorded(probe, run):
+    """Return the table of a probe, and the name of the column that a truth is of."""
+    found = run.probe(probe.name)
+    return found, COLUMNS.get(probe.kind, next(name for name in found.dtype.names if name not in ("time", "step")))
 
 
 def prepared(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
@@ -71,10 +76,11 @@ def _error(probe, run):
     try:
         if isinstance(probe, ProbeArray):
             return _of_profiles(probe, run)
-        time, values = series(probe, run)
+        table, column = _recorded(probe, run)
+        time, values, seldom = table["time"], table[column], impacts.coarse(table)
         if isinstance(truth, Peaks):
             return {"relative_l2": None, "reason": "others report only greatest values",
-                    "peaks": [_peak(band, time, values) for band in truth.bands]}
+                    "peaks": [_peak(band, time, values, seldom) for band in truth.bands]}
         if isinstance(truth, WaveTruth):
             compared = time if truth.window is None else norms.cut(time, values, truth.window)[0]
             return _judged((time, values), (compared, truth.series(probe.at, compared)), truth.level)
@@ -82,7 +88,7 @@ def _error(probe, run):
     except (ParisphError, ValueError) as problem:
         return _not_judged(problem)
     if truth.peaks:
-        found["peaks"] = [_peak(band, time, values) for band in truth.peaks]
+        found["peaks"] = [_peak(band, time, values, seldom) for band in truth.peaks]
     if truth.others:
         found["others"] = {other.name: _other(other, time, values) for other in truth.others}
     return found
@@ -139,8 +145,11 @@ def _shifted(run, reference, level, error):
         return {"best_shift": None, "shifted_l2": None, "shift_sought": None}
 
 
-def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray) -> dict[str, float | None]:
-    """Return a band and the greatest value of the series in its interval; None if the run ends before it does."""
+def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray, seldom: bool) -> dict[str, float | None]:
+    """Return a band and the greatest value of the series in its interval; None if the run ends before it does.
+
+    seldom : as of impacts.greatest
+    """
     found: dict[str, float | None] = {**band.model_dump(), "found": None, "time": None, "last": None, "beyond": None,
                                         "short": None, "mean": None}
     if band.smooth is not None:
@@ -150,7 +159,7 @@ def _peak(band: PeakBand, time: np.ndarray, values: np.ndarray) -> dict[str, flo
         k = inside[np.argmax(values[inside])]
         # the last pressure of a run is written twice; a level value is not one that rises
         last = k >= inside[-1] - 1 and values[k] == values[inside[-1]]
-        short = next(iter(impacts.greatest(time, values, np.isin(np.arange(len(time)), inside))), None)
+        short = next(iter(impacts.greatest(time, values, np.isin(np.arange(len(time)), inside), seldom)), None)
         found.update(found=float(values[k]), time=float(time[k]), last=bool(last),
                      short=short is not None and short.short, mean=None if short is None else short.mean)
         if band.low is not None and band.high is not None:

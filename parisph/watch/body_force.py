@@ -13,7 +13,7 @@ from parisph.watch.sampling import WIDTH, OfPressure, Sampler, Scene, View
 from parisph.watch.wall_pressure import Force, about, at_rest, force_columns
 
 DRY_BEHIND = "piston", "flap"    # bodies behind which walls are never wet
-BESIDE = 1.0    # spacings: nodes of other walls that are dry so near in front of a wavemaker have no room for particles
+FOOT = 1.0      # spacings in front of a wavemaker: dry nodes of other walls there are at its foot, not above the water
 LAST = -1.0     # the first number of a row that tells the greatest number of a wall particle; else that of a node
 
 
@@ -32,10 +32,8 @@ class BodyForce(OfPressure):
         super().__init__(probe, scene)
         self.about, self._mesh, self._ends = np.array(probe.about), mesh, mesh.ends
         self._elements = force_elements(mesh, probe)
-        self._needed = np.zeros(len(mesh.x0), dtype=bool)
-        self._needed[self._elements] = True
         self._faces = _faces(scene, probe.on) if probe.still is not None else []
-        self._needed[[node for face in self._faces for node in face]] = True
+        self._bodies = np.unique(mesh.body[[*self._elements.flat, *(node for face in self._faces for node in face)]])
         # of each end of an element: the node beyond its other end on the same body, or that end itself
         self._beyond = np.stack([_next(self._elements, end) for end in (0, 1)], axis=1)
         self.title = (f"Force of the pressure on {probe.on}{f', {probe.side} side' * bool(probe.side)}, and its moment "
@@ -49,7 +47,7 @@ class BodyForce(OfPressure):
         p = view.particles
         wall = np.flatnonzero(p.kind == WALL)
         last = p.id[wall].max(initial=-1)
-        wall = wall[np.isin(p.body[wall], np.unique(self._mesh.body[self._needed]))]
+        wall = wall[np.isin(p.body[wall], self._bodies)]
         rows = np.empty((len(wall) + 1, WIDTH - 1))
         rows[0] = LAST, last, 0.0, 0.0
         rows[1:, 0], rows[1:, 1:3] = p.id[wall], p.x[wall]
@@ -75,7 +73,7 @@ class BodyForce(OfPressure):
         found = np.zeros(len(x), dtype=bool)
         for start, end in self._faces:
             way, off = x[end] - x[start], x - x[start]
-            found |= way[0] * off[:, 1] - way[1] * off[:, 0] < BESIDE * self.scene.spacing * np.linalg.norm(way)
+            found |= way[0] * off[:, 1] - way[1] * off[:, 0] < FOOT * self.scene.spacing * np.linalg.norm(way)
         return found
 
     def _load(self, x, p):

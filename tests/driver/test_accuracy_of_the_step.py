@@ -45,7 +45,7 @@ def test_an_impact_has_shorter_steps():
     s = Simulation(column(), MPI.COMM_SELF)
 
     def step(mean):
-        return timestep.next_step(s.comm, s.particles, s.numerics, G, accelerations=(1000.0 * G, mean))
+        return timestep.next_step(s.method.flow, G, accelerations=(1000.0 * G, mean))
     calm = 0.05 * sqrt(SPACING / G)
     assert step(0.5 * G) == pytest.approx(calm)
     assert step(12.8 * G) == pytest.approx(calm / 4.0)
@@ -61,7 +61,7 @@ def test_a_flow_of_many_fine_particles_sets_its_own_time_scale():
     fine = column().changed(**{"fluid.shape": Box(width=0.5, height=0.5), "numerics.spacing": 0.0125})
     assert largest(fine, 30) == pytest.approx(0.05 * sqrt(0.025 / G))
     s = Simulation(column(), MPI.COMM_SELF)
-    found = [timestep.next_step(s.comm, s.particles, s.numerics, G, accelerations=(G, 0.5 * G), length=length)
+    found = [timestep.next_step(s.method.flow, G, accelerations=(G, 0.5 * G), length=length)
              for length in (None, SPACING, 4.0 * SPACING)]
     s.destroy()
     assert found[0] == found[1] == pytest.approx(0.5 * found[2])

@@ -62,6 +62,15 @@ def test_a_run_of_a_stored_case_says_so_and_keeps_the_parameters(place):
     assert re.search("the case is that of the run [0-9a-f]{16} in .*first/case.json, which swayed.py has made\n", log)
 
 
+def test_a_run_that_no_case_file_has_made_is_repeated(place, tmp_path):
+    """As that of a script, or of an earlier release."""
+    run_case(load(place / "swayed.py").of({}), COMM, tmp_path / "first", progress=False)
+    run_case(load(tmp_path / "first" / "case.json"), COMM, tmp_path / "second", progress=False)
+    log = (tmp_path / "second" / "run.log").read_text()
+    assert re.search("the case is that of the run [0-9a-f]{16} in .*first/case.json\n", log)
+    assert "made by an unknown case file" in info.describe(open_run(tmp_path / "second"))
+
+
 def test_it_is_no_part_of_the_case_and_of_its_digest(place):
     own, again = load(place / "swayed.py", ["amplitude=0.03"]), load(place / "first" / "case.json")
     assert own.origin["given"] == ["amplitude"] and own == own.of({}) and to_json(own) == to_json(own.of({}))

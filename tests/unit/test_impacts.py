@@ -1,6 +1,7 @@
 """Peaks of pressure that are too short to be resolved are told from those that last."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from parisph.io.store import Store
 from parisph.pictures import curves, style
 from parisph.report import events
 from parisph.truth import impacts, verdict
+from parisph.truth.recorded import parts
 
 T = 0.002 * np.arange(500)
 
@@ -54,7 +56,7 @@ def test_samples_without_a_number_and_others_than_those_allowed_do_not_count():
     values[values > 2e4] = np.nan
     assert not impacts.greatest(T, values)[0].short
     assert impacts.greatest(T, RIPPLE + spike(0.8, 25e3))[0].short
-    assert not impacts.greatest(T, RIPPLE + spike(0.8, 25e3), coarse=True)[0].short
+    assert not impacts.greatest(T, RIPPLE + spike(0.8, 25e3), seldom=True)[0].short
     assert impacts.greatest(T, np.full_like(T, np.nan)) == [] and impacts.greatest(T[:2], values[:2]) == []
 
 
@@ -89,6 +91,7 @@ def test_the_table_the_report_and_the_picture_say_so(run):
         "P": True, "row.Q": True, "load.fx": True, "load.fy": False}
     lines = [line for line in info.table(summary) if line.startswith("peak of")]
     assert len(lines) == 4 and "Pa at 0.8 s lasts 2" in lines[0] and "the greatest that lasts: 7" in lines[0]
+    assert lines[0].count(" Pa") == 3 and lines[2].count(" N/m") == 3
     assert " N/m at " in lines[2] and lines[3].startswith("peak of load") and lines[3].count(" at ") == 1
     assert [row[0].text for row in events.impacts(summary).rows][:2] == [f"{name} (short: not resolved)"
                                                                          for name in ("P", "row.Q")]
@@ -107,7 +110,24 @@ def test_samples_further_apart_than_a_few_steps_do_not_judge_how_long_a_peak_las
     table = np.zeros(9, [("time", float), ("step", int)])
     for apart, each, coarse in ((0.001, 1, False), (0.001, 3, False), (0.001, 4, True), (0.006, 1, True)):
         table["time"], table["step"] = apart * np.arange(9), each * np.arange(9)
-        assert impacts._coarse(table) is coarse
+        assert impacts.coarse(table) is coarse
+    probe = PressureTap("P", at=(0.0, 0.1), truth=PeaksOf([PeakBand(start=0.5, end=0.9, low=6e3, high=1e4)]))
+    every = np.rec.fromarrays([T, np.arange(len(T)), RIPPLE + spike(0.8, 25e3)], names=["time", "step", "pressure"])
+    for step, short in ((1, True), (4, False)):
+        every["step"] = step * np.arange(len(T))
+        found = verdict.errors(SimpleNamespace(probes=[probe]), SimpleNamespace(probe=lambda name: every))
+        assert found["P"]["peaks"][0]["short"] is short
+
+
+def test_probes_of_an_array_have_the_columns_of_their_names():
+    """Also where the name of one begins with that of another."""
+    inside = [PressureTap("P", at=(0.0, 0.1)), PressureTap("P_1", at=(0.0, 0.2)), Force("F")]
+    names = ["time", "step", "P", "P_1", "F_fx", "F_fy", "F_moment"]
+    run = SimpleNamespace(probe=lambda name: np.zeros(1, [(name, float) for name in names]))
+    found = list(parts(SimpleNamespace(probes=[ProbeArray("row", inside)]), run, lambda probe: True))
+    assert [(part.name, part.columns) for part in found] == [
+        ("row.P", ["P"]), ("row.P_1", ["P_1"]), ("row.F", names[4:])]
+    assert len(found[0].values("pressure")) == len(found[2].values("fy")) == 1
 
 
 def test_figures_show_themselves_and_their_units_in_notebooks():

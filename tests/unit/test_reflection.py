@@ -164,6 +164,11 @@ def test_gauges_and_times_that_do_not_do_are_refused_with_a_remedy():
     with pytest.raises(CaseError, match="no wavemaker with a period: give the period .* with --period, or"):
         reflected.analysed(still, flume)
     assert reflected.analysed(still, flume, period=1.6)["coefficient"] == pytest.approx(0.2, abs=1e-3)
+    dry, whole = flume.probe("g3.4"), flume.probe
+    dry["y"][5] = np.nan
+    flume.probe = lambda name: dry if name == "g3.4" else whole(name)
+    with pytest.raises(CaseError, match="the gauge g3.4 has no value at some times"):
+        reflected.analysed(flume.case, flume, ["g3.0", "g3.4"])
 
 
 def test_gauges_over_a_bar_are_not_chosen():
