@@ -120,21 +120,21 @@ def _angle(motion: Motion, frame: bool) -> float:
     """Return the greatest angle [rad] of a Roll that goes to and fro; a wall may turn round and round by a Series."""
     if not isinstance(motion, Roll):
         return 0.0
-    if isinstance(motion.angle, Series):
-        return float(np.max(np.abs(motion.angle.values))) if frame and not motion.angle.rate else 0.0
-    return abs(motion.angle)
+    if isinstance(motion.amplitude, Series):
+        return float(np.max(np.abs(motion.amplitude.values))) if frame and not motion.amplitude.rate else 0.0
+    return abs(motion.amplitude)
 
 
 def _radians(motion: Motion) -> str:
     assert isinstance(motion, Roll)    # it has an angle
-    if isinstance(motion.angle, Series):
+    if isinstance(motion.amplitude, Series):
         return "degrees, Series(..., scale=radians(1.0))"
-    return f"radians({motion.angle!r}), {math.radians(motion.angle):.3g} rad"
+    return f"radians({motion.amplitude!r}), {math.radians(motion.amplitude):.3g} rad"
 
 
 def _acceleration(motion: Motion) -> float:
     """Return the greatest acceleration [m/s2] of a harmonic translation, 0 for others."""
-    return abs(motion.amplitude) * motion.frequency**2 if isinstance(motion, (Sway, Heave)) else 0.0
+    return abs(motion.amplitude) * motion.omega**2 if isinstance(motion, (Sway, Heave)) else 0.0
 
 
 def _small_bodies(case: Scene, waves: Sequence[Size]) -> Iterator[str]:

@@ -244,7 +244,7 @@ def _short(chains, walls, names, spacing) -> Iterator[str]:
         for start, way in stretches(chain):
             body, pieces = int(chain.body[start % len(chain.body)]), len(chain.body)
             beside = [chain.body[k % pieces] for k in (start - 1, start, start + len(way) - 1)]
-            if any(isinstance(walls[k], Filled) for k in beside):    # what a filled tip cuts off is nobody's step
+            if any(isinstance(walls[k], Filled) for k in beside):    # a filled tip cuts it off
                 continue
             length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
             if length < least.get(body, (SHORT * spacing, None))[0]:
