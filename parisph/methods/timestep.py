@@ -49,8 +49,8 @@ def next_step(comm: MPI.Comm, particles: Particles, numerics: Numerics, gravity:
     accelerations : of fluid in the last step, on all ranks [m/s^2]: the largest, and the root of their mean square
     strain_rate : of fluid in the last step, sqrt(2 S:S) in the mean on all ranks [1/s]; with `wave_step` the largest
         of the last waves
-    length : l [m], see case.checks.flow_length; None for the spacing
-    wave_time : of the shortest waves [s], see case.checks.wave_time; infinite without any
+    length : l [m], see case.time_scales.flow_length; None for the spacing
+    wave_time : of the shortest waves [s], see case.time_scales.wave_time; infinite without any
 
     Raises
     ------
