@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from parisph.base.text import rounded_down
 from parisph.case.bodies import Obstacle, Profile, StillWater
 from parisph.case.lattice import FIT
 from parisph.case.shapes import Shape
@@ -150,12 +151,6 @@ def _thickness(outline):
     """Return the shorter side [m] of the rectangle with the area and the circumference of an outline."""
     quarter = 0.25 * float(np.linalg.norm(outline.ends - outline.starts, axis=1).sum())
     return quarter - np.sqrt(max(quarter**2 - abs(signed_area(outline.points)), 0.0))
-
-
-def rounded_down(value: float) -> str:
-    """Return a positive number as text with three digits that is not above it, so that what is said holds."""
-    unit = 10.0 ** (np.floor(np.log10(value)) - 2)
-    return f"{np.floor(value / unit + 1e-9) * unit:.3g}"
 
 
 def _parted(walls, names, spacing) -> Iterator[str]:
