@@ -15,6 +15,7 @@ from parisph.case.scenery import wall_speed
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
 from parisph.case.time_scales import LOOKS
+from parisph.case.values import SMALLEST
 from parisph.case.wave_sizes import LINEAR, Size, size_of
 from parisph.case.waves import StandingWave, angular_frequency
 
@@ -183,7 +184,8 @@ def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tu
     acceleration = acceleration + angular_frequency(own, depth, g) * start
     amplitude = min(eta + of_start, depth)
     cap = np.sqrt(2.0 * (g * depth + _push(case) * length))
-    wave = _standing(amplitude, own if of_start > eta else np.pi / length, depth, g) if amplitude > 0.0 else None
+    k = own if of_start > eta else np.pi / length
+    wave = _standing(amplitude, k, depth, g) if amplitude >= SMALLEST else None
     return wave, np.minimum(speed, cap), acceleration
 
 

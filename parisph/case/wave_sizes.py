@@ -15,6 +15,7 @@ from parisph.case.motion.measured import Series
 from parisph.case.motion.wavemaker import flap_ratio, piston_ratio
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
+from parisph.case.values import SMALLEST
 from parisph.case.waves import (
     Airy,
     AnyWave,
@@ -130,7 +131,7 @@ def strain_rate(size: Size, width: float) -> float:
     """
     wave, d = size.wave, size.depth
     middle = getattr(wave, "at", 0.0)
-    if size.height == 0.0:
+    if 0.5 * size.height < SMALLEST:
         return 0.0
     if isinstance(wave, Sloshing):
         wave, middle = StandingWave(amplitude=0.5 * size.height, length=size.length, depth=d, g=wave.g), 0.0
