@@ -1,5 +1,6 @@
 """Text from outside, prepared for messages: on one line, without control characters, not too long."""
 
+import math
 import reprlib
 import unicodedata
 from collections.abc import Iterable
@@ -77,6 +78,12 @@ def class_name(value: object) -> str:
 def named(text: object, limit: int = LONGEST) -> str:
     """Return a name or path for a message: without quotes, on one line, of at most `limit` characters."""
     return clipped(plain(str(text)), limit)
+
+
+def rounded_down(value: float) -> str:
+    """Return a positive number as text with three digits that is not above it, so that what is said holds."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return f"{math.floor(value / unit + 1e-9) * unit:.3g}"
 
 
 def of_error(error: BaseException, limit: int = 300) -> str:

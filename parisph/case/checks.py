@@ -12,34 +12,21 @@ from parisph.base import vocabulary
 from parisph.base.arrays import Floats
 from parisph.base.memory import amount
 from parisph.base.text import shown
-from parisph.case import absorb, probe_checks, scenery, size, wave_sizes
+from parisph.case import absorb, probe_checks, scenery, size, time_checks, wave_sizes
 from parisph.case.bodies import Body, StillWater
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import check_components
 from parisph.case.lattice import FIT, misfit, nearest_spacings
 from parisph.case.methods import METHODS
-from parisph.case.motion import SHARE, Translation
+from parisph.case.motion import Translation
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
-from parisph.case.shapes import Box, Disc, Lid, Tank
+from parisph.case.shapes import Box, Tank
+from parisph.case.time_scales import SAMPLES, sample
 from parisph.case.values import LARGEST
 
-SOUND = 10.0    # speed of sound of weakly compressible fluid, over the fastest speed to expect
-LEAP = 0.5      # spacings that a wall may move in a fixed time step
-ABSURD = 10.0   # a fixed time step this many times the stable one is taken for a mistake
 LEAST = 4       # particles in a body of fluid
 FAR = 1e9       # spacings from the origin at which float64 still tells places apart well
-SAMPLES = 9     # points along each edge at which an expression is tried out
-STEADY = 0.3        # spacings that the fastest violent fluid should move in a fixed step
-# spacings of thickness from which on the flow sets the time scale, and not its particles: the dam break at H/s = 80
-# has errors of P2 of .040 and .063 (Basilisk, interFoam; means of three starts) with it and .990 of its energy at
-# t* = 2; .046, .054 and .989 without. It takes .73 of the steps
-FINE = 20.0
-FASTEST = 1480.0    # [m/s], of sound in water: water that is faster is compressible
-LOOKS = 33          # times at which the body force is tried out
-MOST_STEPS = 1e8    # of a run: far beyond what any machine computes in a year
-MOST_FILES = 1e6    # of one kind that a run writes
-MOST_SAMPLES = 1e8  # of a probe
 
 
 def problems(case: Scene) -> list[str]:
@@ -53,7 +40,7 @@ def problems(case: Scene) -> list[str]:
         found += [*_turning(case), *_absorbing(case), *_viscosity(case), *_friction(case), *_surface(case),
                   *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
     if not found:
-        found += [*_speeds(case)] or [*_times(case), *_steps(case), *_files(case)]
+        found += time_checks.problems(case)
     return found
 
 
@@ -305,15 +292,9 @@ def _wave(case: Scene) -> Iterator[str]:
                    "deepest; change one of them")
 
 
-def _sample(case: Scene) -> list[Floats]:
-    """Return points (n, dim) [m] of each body of fluid, all over the box around it."""
-    many = 8 if any(fluid.wave is not None for fluid in case.fluids) else 1    # a wave may be short in a long tank
-    return case.points(SAMPLES * many, SAMPLES)
-
-
 def _finite(case: Scene) -> Iterator[str]:
     """Expressions must give finite numbers where there is fluid."""
-    x = _sample(case)
+    x = sample(case)
     asked = [(f"{name}.velocity", fluid.velocity, False, own) for (name, fluid), own in zip(fluid_names(case), x)]
     for name, components, with_time, places in (*asked, ("gravity", case.gravity, True, np.concatenate(x))):
         values = vector_field(components, with_time)(places)
@@ -331,159 +312,3 @@ def _probes(case: Scene) -> Iterator[str]:
         if count > 1:
             yield f"probes: the name {name!r} is given {count} times; give each probe a name of its own"
     yield from probe_checks.problems(case)
-
-
-def _speeds(case: Scene) -> Iterator[str]:
-    """Nothing may be as fast as sound in water, which is as good as incompressible far below that only."""
-    u, g = _start(case)
-    lower, upper = case.fluid_bounds
-    high = float((upper - lower)[-1])
-    bounds = (lower, upper) if case.wall_bounds is None else case.wall_bounds
-    for speed, what, remedy in (
-        (u, "fluid.velocity", "use a lower one"),
-        (case.frame.top_speed(*bounds), f"frame = {case.frame.kind}", "use a smaller amplitude or frequency"),
-        (scenery.wall_speed(case), "the fastest of the walls", "use a smaller amplitude or frequency"),
-        (abs(case.tank.lid.velocity) if case.tank is not None and isinstance(case.tank.lid, Lid) else 0.0,
-         "walls.lid.velocity", "use a lower one"),
-        (float(np.sqrt(2.0 * g * high)), f"gravity = {g:.3g} m/s2: a fall of {high:.3g} m, the height of the fluid,",
-         "use less of one of them"),
-    ):
-        if speed > FASTEST:
-            yield (f"{what} reaches {speed:.3g} m/s, must be below {FASTEST:g}, the speed of sound in water, beyond "
-                   f"which no water is incompressible; lengths are in m, times in s, frequencies in rad/s; {remedy}")
-
-
-def _times(case: Scene) -> Iterator[str]:
-    limit, reason = stable_time_step(case)
-    dt = case.numerics.time_step
-    if dt is not None and dt > ABSURD * limit:
-        yield (
-            f"numerics.time_step = {dt:g} s: is {dt / limit:.0f} times the step of {limit:.3g} s that {reason}; "
-            "use a smaller one, or None to adapt it"
-        )
-    speed = scenery.wall_speed(case)
-    if dt is not None and speed * dt > LEAP * case.numerics.spacing:
-        yield (f"numerics.time_step = {dt:g} s: a wall at its greatest speed of {speed:.3g} m/s moves "
-               f"{speed * dt / case.numerics.spacing:.2g} spacings in a step, at most {LEAP:g}; use at most "
-               f"{LEAP * case.numerics.spacing / speed:.2g} s, or None to adapt it")
-    for name, value in (("numerics.time_step", dt), ("numerics.max_time_step", case.numerics.max_time_step)):
-        if value is not None and value > case.end_time:
-            yield f"{name} = {value:g} s: is longer than the run, end_time = {case.end_time:g} s"
-    for time in case.output.times:
-        if time > case.end_time:
-            yield (
-                f"output.times: {time:g} s is after the end of the run, end_time = {case.end_time:g} s; "
-                "leave it out or run longer"
-            )
-
-
-def _steps(case: Scene) -> Iterator[str]:
-    """A run that would not end in a year is a mistake, and so is its time step."""
-    dt, why = min(_time_steps(case), key=lambda item: item[0])
-    if case.end_time > MOST_STEPS * dt:
-        yield (
-            f"{why} takes steps of {dt:.2g} s: some {case.end_time / dt:.1e} of them until end_time "
-            f"= {case.end_time:g} s, at most {MOST_STEPS:g} can be computed; change that, or run shorter"
-        )
-
-
-def _time_steps(case: Scene) -> Iterator[tuple[float, str]]:
-    """Yield the time steps [s] that a case requires, each with the field that requires it and the reason."""
-    n, frame = case.numerics.resolved(), case.frame
-    if n.time_step is not None:
-        yield n.time_step, f"numerics.time_step = {n.time_step:g} s"
-        return
-    limit, reason = stable_time_step(case)
-    yield limit, f"gravity, fluid.velocity and numerics.spacing: a step that {reason}"
-    longest = scenery.longest_step(case)
-    yield longest, (f"{'frame' if longest == frame.longest_step else 'walls'}: {1 / SHARE:.0f} steps in a period of "
-                    f"{longest / SHARE:.2g} s")
-    speed = frame.top_speed(*case.wall_bounds) if case.wall_bounds is not None else 0.0
-    if speed > 0.0 and n.cfl is not None:
-        yield n.cfl * n.spacing / speed, f"frame: a tank that moves at {speed:.2g} m/s"
-    wall = scenery.wall_speed(case)
-    if wall > 0.0 and n.cfl is not None:
-        yield n.cfl * n.spacing / wall, f"walls: one that moves at {wall:.2g} m/s"
-    if n.max_time_step is not None:
-        yield n.max_time_step, f"numerics.max_time_step = {n.max_time_step:g} s"
-
-
-def _files(case: Scene) -> Iterator[str]:
-    for name, every in (("every", case.output.every), ("checkpoint_every", case.output.checkpoint_every)):
-        if every is not None and case.end_time > MOST_FILES * every:
-            yield (
-                f"output.{name} = {every:g} s: makes {case.end_time / every:.1e} files until end_time "
-                f"= {case.end_time:g} s, at most {MOST_FILES:g} are written; use a longer time"
-            )
-    interval = case.output.probe_interval
-    if interval is not None and case.end_time > MOST_SAMPLES * interval:
-        yield (
-            f"output.probe_interval = {interval:g} s: takes {case.end_time / interval:.1e} samples until "
-            f"end_time = {case.end_time:g} s, at most {MOST_SAMPLES:g} are written; use a longer time"
-        )
-
-
-def sound_speed(case: Scene) -> float:
-    """Return the speed of sound of weakly compressible fluid [m/s]: by default SOUND times the fastest to expect."""
-    return case.numerics.sound_speed or SOUND * fastest(case)
-
-
-def _start(case: Scene) -> tuple[float, float]:
-    """Return the largest speed of the fluid [m/s] and body force [m/s2] at the start."""
-    x = _sample(case)
-    u = [np.linalg.norm(fluid.start_velocity(own), axis=1).max(initial=0.0) for fluid, own in zip(case.fluids, x)]
-    force = np.linalg.norm(vector_field(case.gravity, True)(np.concatenate(x)), axis=1)
-    return float(max(u)), float(force.max(initial=0.0))
-
-
-def fastest(case: Scene) -> float:
-    """Return the speed [m/s] to expect from the case alone: that of the start, and of a fall from the fluid's height.
-
-    In waves that do not break, it is that of long waves.
-    """
-    speed, g = _start(case)
-    lower, upper = case.fluid_bounds
-    fall = 2.0 if case.numerics.preset == "violent" else 1.0
-    return speed + float(np.sqrt(fall * g * (upper - lower)[-1]))
-
-
-def stable_time_step(case: Scene) -> tuple[float, str]:
-    """Estimate the largest sensible time step [s] from the case alone, and say where it comes from.
-
-    For waves, sqrt(s/g), the time scale of the shortest waves on the lattice. For violent flows also
-    cfl s/u with u = |u0| + sqrt(2 g H), the speed after a fall from the height of the fluid (Z14 Sec. 3.1.2), and for a
-    fixed step a cfl of at most STEADY: nothing shortens it in an impact.
-    """
-    s, (speed, g) = case.numerics.spacing, _start(case)
-    lower, upper = case.fluid_bounds
-    cfl = case.numerics.resolved().cfl
-    if case.numerics.preset == "violent":
-        if cfl is not None and case.numerics.time_step is not None:
-            cfl = min(cfl, STEADY)
-        speed += np.sqrt(2.0 * g * (upper - lower)[-1])
-    by_waves = np.sqrt(s / g) if g > 0.0 else np.inf
-    by_speed = cfl * s / speed if speed > 0.0 and cfl is not None else np.inf
-    if by_speed < by_waves:
-        return by_speed, f"moves the fastest fluid by {cfl:g} spacings"
-    return by_waves, "resolves the shortest waves on the lattice"
-
-
-def wave_time(case: Scene) -> float:
-    """Return sqrt(s/g) [s], the time scale of the shortest waves on the lattice; infinite without a force.
-
-    g is the largest body force on the fluid at LOOKS times until the end, in the frame of the tank.
-    """
-    x = np.concatenate(_sample(case))
-    if case.same_force_everywhere:
-        x = x[:1]
-    g = max(np.linalg.norm(case.body_force(x, t), axis=1).max(initial=0.0)
-            for t in np.linspace(0.0, case.end_time, LOOKS))
-    return float(np.sqrt(case.numerics.spacing / g)) if g > 0.0 else np.inf
-
-
-def flow_length(case: Scene) -> float:
-    """Return the length l [m] of which sqrt(l/a) is the time scale of violent flow: the spacing, or the FINE-th part of
-    the smallest extent of any body of fluid at the start, if all are boxes, discs or still water, without holes."""
-    whole = all(isinstance(fluid.shape, (Box, Disc, StillWater)) and not fluid.holes for fluid in case.fluids)
-    thickness = min(float(np.min(high - low)) for low, high in map(case.bounds_of, case.fluids))
-    return max(case.numerics.spacing, thickness / FINE if whole else 0.0)

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from parisph.base.text import rounded_down
 from parisph.case import scenery
 from parisph.case.absorb import Relaxation, Sponge
 from parisph.case.bodies import Obstacle, Plate, StillWater, motion_of
@@ -61,7 +62,7 @@ def _short(case: Scene, wave: Size) -> Iterator[str]:
     if least is not None and wave.length < least * s * (1.0 - 1e-9):
         yield (f"{wave.name}: its length of {wave.length:.3g} m is {wave.length / s:.2g} spacings: waves of less than "
                f"{least:g} lose 5 % of their height or more in each period with preset {preset}; use a spacing of at "
-               f"most {_below(wave.length / least)}")
+               f"most {rounded_down(wave.length / least)}")
 
 
 def _started(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
@@ -78,7 +79,7 @@ def _started(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
         elif isinstance(wave, StandingWave) and part > MOST_HARMONIC:
             yield (f"{size.name}: it is too high for linear theory, by which its second harmonic has {part:.0%} of its "
                    f"amplitude, at most {MOST_HARMONIC:.0%}; use an amplitude of at most "
-                   f"{_below(0.5 * size.height * MOST_HARMONIC / part)}")
+                   f"{rounded_down(0.5 * size.height * MOST_HARMONIC / part)}")
         elif isinstance(wave, StandingWave) and (missed := part * math.sin(wave.phase) ** 2) > HARMONIC:
             yield (f"{size.name}: with phase = {wave.phase:.3g} it starts raised by linear theory, without its second "
                    f"harmonic, {missed:.0%} of its amplitude: as much goes along as free waves of twice the wave "
@@ -120,21 +121,21 @@ def _angle(motion: Motion, frame: bool) -> float:
     """Return the greatest angle [rad] of a Roll that goes to and fro; a wall may turn round and round by a Series."""
     if not isinstance(motion, Roll):
         return 0.0
-    if isinstance(motion.angle, Series):
-        return float(np.max(np.abs(motion.angle.values))) if frame and not motion.angle.rate else 0.0
-    return abs(motion.angle)
+    if isinstance(motion.amplitude, Series):
+        return float(np.max(np.abs(motion.amplitude.values))) if frame and not motion.amplitude.rate else 0.0
+    return abs(motion.amplitude)
 
 
 def _radians(motion: Motion) -> str:
     assert isinstance(motion, Roll)    # it has an angle
-    if isinstance(motion.angle, Series):
+    if isinstance(motion.amplitude, Series):
         return "degrees, Series(..., scale=radians(1.0))"
-    return f"radians({motion.angle!r}), {math.radians(motion.angle):.3g} rad"
+    return f"radians({motion.amplitude!r}), {math.radians(motion.amplitude):.3g} rad"
 
 
 def _acceleration(motion: Motion) -> float:
     """Return the greatest acceleration [m/s2] of a harmonic translation, 0 for others."""
-    return abs(motion.amplitude) * motion.frequency**2 if isinstance(motion, (Sway, Heave)) else 0.0
+    return abs(motion.amplitude) * motion.omega**2 if isinstance(motion, (Sway, Heave)) else 0.0
 
 
 def _small_bodies(case: Scene, waves: Sequence[Size]) -> Iterator[str]:
@@ -194,9 +195,4 @@ def _thin(case: Scene) -> Iterator[str]:
         deep = float((upper - lower)[-1])
         if isinstance(fluid.shape, (Box, StillWater)) and 0.0 < deep < THIN * s * (1.0 - 1e-9):
             yield (f"{name}: it is {deep:.3g} m deep, {deep / s:.2g} spacings: all of it is surface, and the pressure "
-                   f"on its bed is 0; use a spacing of at most {_below(0.5 * deep)}")
-
-
-def _below(most: float) -> str:
-    """Return a number as text with three digits, no more than what is allowed."""
-    return f"{0.995 * most:.3g}"
+                   f"on its bed is 0; use a spacing of at most {rounded_down(0.5 * deep)}")

@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +52,7 @@ def _digest(file: Path) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value of a parameter as JSON can hold it: other objects as text."""
+    """Return a value of a parameter as JSON can hold it: other objects as text, also nan and inf, which it lacks."""
     if isinstance(value, (tuple, list)):
         return [_plain(item) for item in value]
-    return value if type(value) in PLAIN else shown(value)
+    return value if type(value) in PLAIN and not (isinstance(value, float) and not isfinite(value)) else shown(value)

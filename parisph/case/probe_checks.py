@@ -34,7 +34,7 @@ def problems(case: Scene) -> Iterator[str]:
             yield from found
             if isinstance(probe, Flux) and not found:
                 middle = tuple(0.5 * (a + b) for a, b in zip(probe.start, probe.end))
-                yield from _within(case, what, "start and end", [middle, probe.start, probe.end])
+                yield from _within(case, what, "the middle of the line", [middle, probe.start, probe.end])
         elif isinstance(probe, VelocityPoint):
             found = list(_components(case, what, at=probe.at))
             yield from found or _within(case, what, "at", [probe.at])

@@ -14,13 +14,14 @@ from parisph.case.motion import AtRest
 from parisph.case.scenery import wall_speed
 from parisph.case.schema import Case
 from parisph.case.shapes import Box
+from parisph.case.time_scales import LOOKS
+from parisph.case.values import SMALLEST
 from parisph.case.wave_sizes import LINEAR, Size, size_of
 from parisph.case.waves import StandingWave, angular_frequency
 
 SAMPLES = 400        # points, or times, at which a field of the case is looked at
 PER_PERIOD = 40      # steps of the oscillator in one period of the first mode
 RUN_UP = 2.0         # speed of waves at a wall or a beach over that of the wall that makes them, or of the start
-LOOKS = 33           # times at which the body force is tried out for the greatest speed
 MOST_STEPS = 20_000  # of the oscillator; a longer run is judged by its beginning
 
 
@@ -183,7 +184,8 @@ def _waves(case: Case, level: Box, g: float, times: Floats, start: Floats) -> tu
     acceleration = acceleration + angular_frequency(own, depth, g) * start
     amplitude = min(eta + of_start, depth)
     cap = np.sqrt(2.0 * (g * depth + _push(case) * length))
-    wave = _standing(amplitude, own if of_start > eta else np.pi / length, depth, g) if amplitude > 0.0 else None
+    k = own if of_start > eta else np.pi / length
+    wave = _standing(amplitude, k, depth, g) if amplitude >= SMALLEST else None
     return wave, np.minimum(speed, cap), acceleration
 
 

@@ -57,7 +57,7 @@ class Scene(Model):
     @classmethod
     def _a_vector(cls, gravity: object) -> object:
         if isinstance(gravity, (int, float, str)) and not isinstance(gravity, bool):
-            down = f"-{abs(gravity):g}" if isinstance(gravity, (int, float)) else repr(gravity)
+            down = f"{0.0 - abs(gravity):g}" if isinstance(gravity, (int, float)) else repr(gravity)
             raise ValueError(f"must have two components (x, y) [m/s2], of which y points up, not {shown(gravity)}; "
                              f"write gravity=(0, {down})")
         return gravity

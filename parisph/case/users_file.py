@@ -85,11 +85,12 @@ def _where(error: BaseException, file: Path, path: AnyPath) -> str:
 def _of_a_library(error: BaseException, file: Path, path: AnyPath) -> BadEnvironment | None:
     """Return what to say of an import of an installed library that fails inside it; None of any other error."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [place for place, frame in enumerate(frames) if frame.filename == str(file)]
+    # of the user: the file, and other files that it imports
+    own = [place for place, frame in enumerate(frames) if frame.filename == str(file) or not _installed(frame.filename)]
     beyond = frames[own[-1] + 1:] if own else []
-    inside = [frame for frame in beyond if not frame.filename.startswith("<frozen ")]
+    inside = [frame for frame in beyond if not frame.filename.startswith("<")]
     importing = any(frame.name == "<module>" or frame.filename.startswith("<frozen importlib") for frame in beyond)
-    if not importing or not inside or not _installed(inside[0].filename):
+    if not importing or not inside:
         return None
     where = f"{named(inside[-1].filename)}, line {inside[-1].lineno}"
     return BadEnvironment(f"{named(path)} imports what cannot be loaded here: {what(error)} ({where}). The "
@@ -99,8 +100,8 @@ def _of_a_library(error: BaseException, file: Path, path: AnyPath) -> BadEnviron
 def _installed(file: str) -> bool:
     """Return whether a file is one of parisph, of another installed library, or of Python."""
     path = Path(file)
-    return (bool({"site-packages", "dist-packages"} & set(path.parts)) or path.is_relative_to(_PACKAGE)
-            or path.is_relative_to(sysconfig.get_path("stdlib")))
+    return (file.startswith("<") or bool({"site-packages", "dist-packages"} & set(path.parts))
+            or path.is_relative_to(_PACKAGE) or path.is_relative_to(sysconfig.get_path("stdlib")))
 
 
 def what(error: BaseException) -> str:

@@ -15,6 +15,7 @@ from parisph.case.motion.measured import Series
 from parisph.case.motion.wavemaker import flap_ratio, piston_ratio
 from parisph.case.scene import Scene
 from parisph.case.scenery import fluid_names
+from parisph.case.values import SMALLEST
 from parisph.case.waves import (
     Airy,
     AnyWave,
@@ -77,15 +78,18 @@ def waves(case: Scene) -> Iterator[tuple[str, AnyWave]]:
 
 
 def _made_by(body: Body, case: Scene) -> Airy | None:
-    """Return the wave that a piston or a flap with a harmonic motion makes, by linear theory; None of other walls."""
+    """Return the wave that a piston or a flap with a harmonic motion makes, by linear theory; None of other walls.
+
+    There is none either where gravity is not straight down.
+    """
     motion, gravity = getattr(body, "motion", None), uniform_field(case.gravity)
     if not isinstance(body, (Piston, Flap)) or not isinstance(motion, (Sway, Roll)) or gravity is None:
         return None
-    if isinstance(motion.amplitude, Series) or not motion.frequency or not gravity[-1] < 0.0:
+    if isinstance(motion.amplitude, Series) or gravity[:-1].any() or not gravity[-1] < 0.0:
         return None
     lower, upper = case.fluid_bounds
     depth, g = float(upper[-1] - lower[-1]), -float(gravity[-1])
-    k = float(wave_number(motion.frequency, depth, g))
+    k = float(wave_number(motion.omega, depth, g))
     height = 2.0 * abs(motion.amplitude)
     if isinstance(motion, Sway):
         height *= piston_ratio(k, depth)
@@ -93,7 +97,7 @@ def _made_by(body: Body, case: Scene) -> Airy | None:
         hinge = motion.centre[1] - float(lower[-1])
         height *= (depth - hinge) * flap_ratio(k, depth, hinge)
     try:
-        return Airy(height=height, period=2.0 * np.pi / motion.frequency, depth=depth, g=g)
+        return Airy(height=height, period=2.0 * np.pi / motion.omega, depth=depth, g=g)
     except CaseError:    # one that would break
         return None
 
@@ -127,7 +131,7 @@ def strain_rate(size: Size, width: float) -> float:
     """
     wave, d = size.wave, size.depth
     middle = getattr(wave, "at", 0.0)
-    if size.height == 0.0:
+    if 0.5 * size.height < SMALLEST:
         return 0.0
     if isinstance(wave, Sloshing):
         wave, middle = StandingWave(amplitude=0.5 * size.height, length=size.length, depth=d, g=wave.g), 0.0

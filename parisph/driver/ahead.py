@@ -6,9 +6,9 @@ from typing import Any
 from parisph.base.errors import CaseError
 from parisph.case import doubtful, scales
 from parisph.case.bodies import Flap
-from parisph.case.checks import stable_time_step
 from parisph.case.faults import first_lines
 from parisph.case.schema import Case
+from parisph.case.time_scales import stable_time_step
 from parisph.driver import cost, estimate
 from parisph.geometry import plain, scene_checks
 from parisph.methods import catalogue, velocities

@@ -6,11 +6,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from parisph.case import scales
-from parisph.case.checks import MOST_STEPS, flow_length, sound_speed
 from parisph.case.methods import METHODS
 from parisph.case.numerics import Numerics
 from parisph.case.scenery import longest_step, wall_speed
 from parisph.case.schema import Case
+from parisph.case.time_checks import MOST_STEPS
+from parisph.case.time_scales import flow_length, sound_speed
 from parisph.case.wave_sizes import Size, sizes, strain_rate
 from parisph.kernels import viscous, weakly
 from parisph.methods import lengths
@@ -24,7 +25,7 @@ def waves_of(case: Case, expected: scales.Scales) -> list[Size]:
 
 
 def faults(case: Case) -> Iterator[str]:
-    """Yield what makes a run endless that case.checks cannot see: the steps of viscous fluid."""
+    """Yield what makes a run endless that case.time_checks cannot see: the steps of viscous fluid."""
     n, limit = case.numerics.resolved(), stable_step(case)
     if METHODS[n.method].step != "compressible" and case.end_time > MOST_STEPS * limit:
         most = 0.95 * viscous.STABLE * n.spacing**2 * MOST_STEPS / case.end_time    # as it is rounded

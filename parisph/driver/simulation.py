@@ -13,9 +13,9 @@ from parisph.base.arrays import Array, Floats, sizes
 from parisph.base.errors import CaseError, ParisphError, agree
 from parisph.base.fields import FLUID, FieldSet
 from parisph.case import scales
-from parisph.case.checks import flow_length, sound_speed, wave_time
 from parisph.case.numerics import Numerics
 from parisph.case.schema import Case
+from parisph.case.time_scales import flow_length, sound_speed, wave_time
 from parisph.driver import astray, room, solid_walls, warmup
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.rim import Left, OpenTank

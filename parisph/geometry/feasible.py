@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from parisph.base.text import rounded_down
 from parisph.case.bodies import Obstacle, Profile, StillWater
 from parisph.case.lattice import FIT
 from parisph.case.shapes import Shape
@@ -152,12 +153,6 @@ def _thickness(outline):
     return quarter - np.sqrt(max(quarter**2 - abs(signed_area(outline.points)), 0.0))
 
 
-def rounded_down(value: float) -> str:
-    """Return a positive number as text with three digits that is not above it, so that what is said holds."""
-    unit = 10.0 ** (np.floor(np.log10(value)) - 2)
-    return f"{np.floor(value / unit + 1e-9) * unit:.3g}"
-
-
 def _parted(walls, names, spacing) -> Iterator[str]:
     """Profiles that end at one place or in one line, but lie behind each other, as each goes on beyond its ends."""
     profiles = [(wall, name, outline_of(wall).points) for wall, name in zip(walls, names) if isinstance(wall, Profile)]
@@ -244,7 +239,7 @@ def _short(chains, walls, names, spacing) -> Iterator[str]:
         for start, way in stretches(chain):
             body, pieces = int(chain.body[start % len(chain.body)]), len(chain.body)
             beside = [chain.body[k % pieces] for k in (start - 1, start, start + len(way) - 1)]
-            if any(isinstance(walls[k], Filled) for k in beside):    # what a filled tip cuts off is nobody's step
+            if any(isinstance(walls[k], Filled) for k in beside):    # a filled tip cuts it off
                 continue
             length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
             if length < least.get(body, (SHORT * spacing, None))[0]:

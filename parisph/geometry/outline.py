@@ -106,10 +106,9 @@ def _ways(points, beyond):
 def _meets_itself(points, first, last):
     """Return whether rays from the ends of a line through points, in these directions, meet it or each other."""
     a, b = points[:-1], points[1:]
-    if _ray_meets(points[0], first, a[1:], b[1:] - a[1:], 1.0) or _ray_meets(points[-1], last, a[:-1], b[:-1] - a[:-1],
-                                                                              1.0):
-        return True
-    return _ray_meets(points[0], first, points[-1:], last[None], np.inf)
+    way = b - a
+    return (_ray_meets(points[0], first, a[1:], way[1:], 1.0) or _ray_meets(points[-1], last, a[:-1], way[:-1], 1.0)
+            or _ray_meets(points[0], first, points[-1:], last[None], np.inf))
 
 
 def _ray_meets(start, way, at, along, most):

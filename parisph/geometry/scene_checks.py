@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from parisph.base.errors import CaseError
+from parisph.base.text import rounded_down
 from parisph.case.bodies import Flap, Piston, Profile, StillWater
 from parisph.case.faults import first_lines
 from parisph.case.lattice import FIT, misfit
@@ -101,7 +102,7 @@ def _filled(case: Case) -> Iterator[str]:
         else:
             yield (f"{_names(walls, pair)}: at {at} only {tip.gap:.3g} m are between them, {tip.gap / s:.2g} spacings. "
                    f"The gap is closed over {tip.length:.2g} m: particles have no room in it; to let fluid through, "
-                   f"use a spacing of at most {feasible.rounded_down(tip.gap / feasible.GAP)}")
+                   f"use a spacing of at most {rounded_down(tip.gap / feasible.GAP)}")
     for pair, found in wedges.items():
         places = " and ".join(dict.fromkeys(f"({tip.at[0]:.2g}, {tip.at[1]:.2g})" for tip in found[:2]))
         more = f" and {len(found) - 2} more places" if len(found) > 2 else ""
@@ -157,7 +158,7 @@ def _neared(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
             yield (f"walls, {one.name}: its {_moves(one)} leaves {met.distance:.3g} m, {met.distance / s:.2g} spacings,"
                    f" between it and {other.name} at t = {met.time:.3g} s, at ({met.at[0]:.3g}, {met.at[1]:.3g}): flow "
                    f"through it needs {feasible.GAP:g}; move less far, or use a spacing of at most "
-                   f"{met.distance / feasible.GAP:.3g}")
+                   f"{rounded_down(met.distance / feasible.GAP)}")
 
 
 def _met(walls: tuple[Wall, ...], case: Case) -> tuple[Encounter, ...]:

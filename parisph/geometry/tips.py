@@ -10,6 +10,7 @@ left as it is: water rests there, and lifts what is above it.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import count
 
 import numpy as np
 
@@ -59,19 +60,17 @@ def tips(walls: tuple[Wall, ...], spacing: float) -> tuple[Tip, ...]:
         slip = "none" if all(getattr(walls[body], "slip", "free") == "none" for body in (one, other)) else "free"
         try:
             solid = Filled(shape=Polygon(points=tuple(map(tuple, corners.tolist()))), motion=walls[one].motion,
-                           name=_name(walls, len(found)), slip=slip, beside=(one, other))
+                           name=_name([*walls, *(tip.solid for tip in found)]), slip=slip, beside=(one, other))
         except CaseError:    # its sides cross, as in a pocket of about its size
             continue
         found.append(Tip(solid, (float(at[0]), float(at[1])), gap, length))
     return tuple(found)
 
 
-def _name(walls: Sequence[Wall], number: int) -> str:
-    """Return a name that no body has."""
+def _name(walls: Sequence[Wall]) -> str:
+    """Return a name that no wall has."""
     used = {wall.name for wall in walls}
-    while f"filled{number + 1}" in used:
-        number += len(walls)
-    return f"filled{number + 1}"
+    return next(name for number in count(1) if (name := f"filled{number}") not in used)
 
 
 Found = tuple[int, int, Floats, float, Floats, float]    # bodies, place, gap, corners, length

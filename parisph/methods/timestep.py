@@ -50,7 +50,7 @@ def next_step(flow: Flow, gravity: float, previous: float | None = None, shortes
     accelerations : of fluid in the last step, on all ranks [m/s^2]: the largest, and the root of their mean square
     strain_rate : of fluid in the last step, sqrt(2 S:S) in the mean on all ranks [1/s]; with `wave_step` the largest
         of the last waves
-    length : l [m], see case.checks.flow_length; None for the spacing
+    length : l [m], see case.time_scales.flow_length; None for the spacing
 
     Raises
     ------

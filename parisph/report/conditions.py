@@ -130,6 +130,8 @@ def _moves(case: Content, place: Place, what: Any, name: str) -> Rows:
         return
     yield name, number(case, CASE, [*place, "kind"])
     given = {key: unit for key, unit in TOLD.items() if isinstance(what.get(key), (int, float))}
+    if "amplitude" in given and "centre" in what:    # of a turn about it
+        given["amplitude"] = "rad"
     yield from _numbers(case, place, name, given)
     if isinstance(what.get("wave"), dict):    # of a stroke
         yield from _moves(case, [*place, "wave"], what["wave"], f"wave of the {name}")

@@ -97,17 +97,22 @@ def test_what_an_exception_says_of_the_environment(monkeypatch, error, says):
         assert (found is None) == (says is None) and (says or "") in str(found or "")
 
 
+@pytest.mark.parametrize("beside", [False, True])
 @pytest.mark.parametrize(("inside", "kind", "says"), [
     ("raise RuntimeError('of the library')", BadEnvironment, "The installation is at fault, and not this file"),
     ("raise ValueError('numpy.dtype size changed, may indicate')", BadEnvironment, "cannot be loaded with this numpy"),
     ("", CaseError, "line 1: ImportError: cannot import name 'thing'"),
 ])
-def test_a_library_that_fails_is_not_the_fault_of_the_case_that_imports_it(tmp_path, monkeypatch, inside, kind, says):
+def test_a_library_that_fails_is_not_the_fault_of_the_case_that_imports_it(
+        tmp_path, monkeypatch, inside, kind, says, beside):
     (tmp_path / "site-packages").mkdir()
     (tmp_path / "site-packages" / "broken_library.py").write_text(inside)
     monkeypatch.syspath_prepend(tmp_path / "site-packages")
     monkeypatch.delitem(sys.modules, "broken_library", raising=False)
-    (tmp_path / "dam.py").write_text("from broken_library import thing")
+    imports = "from broken_library import thing"
+    (tmp_path / "dam.py").write_text("import beside_the_dam" if beside else imports)
+    (tmp_path / "beside_the_dam.py").write_text(imports)
+    monkeypatch.delitem(sys.modules, "beside_the_dam", raising=False)
     with pytest.raises(kind, match=says):
         load(tmp_path / "dam.py")
 

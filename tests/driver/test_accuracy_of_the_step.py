@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, Simulation, Tank
 from parisph.base.fields import FLUID
-from parisph.case.checks import flow_length
+from parisph.case.time_scales import flow_length
 from parisph.methods import timestep
 from tests.scenes import scene
 

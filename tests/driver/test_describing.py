@@ -12,7 +12,7 @@ from parisph import Airy, Case, Flap, Fluid, Numerics, Profile, StillWater
 from parisph.base import memory
 from parisph.base.errors import CaseError
 from parisph.case import elsewhere
-from parisph.case.checks import stable_time_step
+from parisph.case.time_scales import stable_time_step
 from parisph.driver import describe, progress
 from parisph.driver.phases import PhaseTimers
 from parisph.driver.progress import Progress

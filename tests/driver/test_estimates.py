@@ -89,6 +89,10 @@ def test_waves_of_a_shaken_tank_are_those_of_linear_theory(ratio):
     assert 0.5 * scales.expected(case).wave.height == pytest.approx(np.abs(eta).max(), rel=0.2)
 
 
+def test_a_wave_that_is_smaller_than_any_number_of_a_case_is_none():
+    assert scales.expected(sloshing(0.001).changed(**{"frame.amplitude": 1e-35})).wave is None
+
+
 def test_waves_of_the_start():
     case = scene("standing_wave")    # a = s
     wave = scales.expected(case).wave

@@ -8,7 +8,7 @@ import re
 import pytest
 from mpi4py import MPI
 
-from parisph import StoreError, driver, load
+from parisph import Roll, StoreError, driver, load
 from parisph import run as run_case
 from parisph.base.seal import opened, sealed
 from parisph.case.stored import from_json, to_json
@@ -129,3 +129,16 @@ def test_waves_are_told_with_height_period_and_length():
     told = {"fluid, level": "0.4 m", "wave of piston": "stream_function", "wave of piston, height": "0.02 m",
             "wave of piston, period": "2.02 s", "wave of piston, length": "3.74 m"}
     assert {name: rows[name] for name in told} == told
+
+
+def test_parameters_that_json_lacks_are_kept_as_text(tmp_path):
+    (tmp_path / "dam.py").write_text(FILE.replace("pair: tuple[float, float] = (1.0, 2.0)", "stop=(1.0, float('inf'))"))
+    case = load(tmp_path / "dam.py")
+    assert json.loads(json.dumps(case.origin, allow_nan=False))["parameters"]["stop"] == [1.0, "inf"]
+
+
+def test_the_amplitude_of_a_roll_is_an_angle(place):
+    case = load(place / "swayed.py").changed(frame=Roll(amplitude=0.07, period=2.0))
+    rows = {row[0].text: row[1].text for row in conditions.conditions(json.loads(case.model_dump_json()), {}).rows}
+    frame = "motion of the tank, in whose frame the flow is"
+    assert (rows[frame], rows[f"{frame}, amplitude"], rows[f"{frame}, period"]) == ("roll", "0.07 rad", "2 s")

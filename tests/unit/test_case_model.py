@@ -25,9 +25,9 @@ from parisph import (
     Tank,
     Truth,
 )
-from parisph.case.checks import stable_time_step
 from parisph.case.methods import METHODS
 from parisph.case.schema import PRESETS
+from parisph.case.time_scales import stable_time_step
 from parisph.case.truths import read_truth
 
 

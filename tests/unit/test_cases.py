@@ -11,10 +11,10 @@ from parisph import CaseError, load
 from parisph.base import reading
 from parisph.base.fields import CONTACT, SURFACE, WET
 from parisph.case import elsewhere, waves
-from parisph.case.checks import stable_time_step
 from parisph.case.load import parameters
 from parisph.case.profiles import read_profiles
 from parisph.case.schema import Case
+from parisph.case.time_scales import stable_time_step
 from parisph.case.truths import read_truth
 from parisph.geometry import build as geometry
 from parisph.geometry import scene_checks

@@ -123,7 +123,7 @@ DOUBTS = {
     "no gravity": ("gravity = (0, 0): nothing keeps the water in an open tank", lambda: scene(gravity=(0.0, 0.0)),
                    lambda: scene(gravity=(0.0, 0.0), walls=Tank(width=4.0, height=0.9, lid=True))),
     "one layer": ("fluid: it is 0.03 m deep, 0.6 spacings: all of it is surface, and the pressure on its bed is 0; use "
-                  "a spacing of at most 0.0149", lambda: still(0.03), lambda: still(0.03, spacing=0.0149)),
+                  "a spacing of at most 0.015", lambda: still(0.03), lambda: still(0.03, spacing=0.015)),
     "a small body": ("walls, rod: fluid.wave moves water by 0.5", lambda: over(0.1),
                      lambda: over(0.1, preset="violent")),
     "a plate that lies": ("walls, rod: fluid.wave moves water by 0.5", lambda: over(plate(0.2)),

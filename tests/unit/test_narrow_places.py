@@ -127,6 +127,12 @@ def test_what_is_filled_is_said(gap, words):
         assert len(standing(finer)) == 2
 
 
+def test_what_is_filled_has_names_of_its_own():
+    discs = [Obstacle(Disc(0.1, at=(x, 0.1)), name=name) for x, name in ((0.5, "filled1"), (1.0, "b"), (1.5, "c"))]
+    names = [wall.name for wall in standing(scene(TANK, *discs))]
+    assert len(set(names)) == len(names) == 10
+
+
 def test_walls_that_an_earlier_release_divided_otherwise_are_not_taken_for_the_same(monkeypatch):
     case = in_tank(Disc(S, at=(1.0, 0.3)))
     mesh._wall_mesh.cache_clear()

@@ -33,8 +33,8 @@ from parisph import (
     Tank,
 )
 from parisph.case import stored
-from parisph.case.checks import stable_time_step
 from parisph.case.scenery import body_names, longest_step, wall_speed
+from parisph.case.time_scales import stable_time_step
 from parisph.driver import describe
 from parisph.geometry import scene_checks
 

@@ -5,8 +5,8 @@ import pytest
 
 from parisph import Airy, Box, Case, CaseError, Disc, Fluid, Numerics, SolitaryWave, StandingWave, Tank
 from parisph.base.fields import SURFACE, WET
-from parisph.case.checks import stable_time_step
 from parisph.case.scales import expected
+from parisph.case.time_scales import stable_time_step
 from parisph.case.waves import standing_wave_start
 from parisph.geometry import build as geometry
 

@@ -12,9 +12,9 @@ WAVE = Airy(height=0.05, period=1.2, depth=0.5)
 TANK = Tank(width=4.5, height=0.9, at=(-0.5, 0.0))
 
 
-def size(maker):
+def size(maker, gravity=(0.0, -9.81)):
     case = Case(title="flume", fluid=Fluid(StillWater(level=0.5), density=1000.0), walls=(TANK, maker),
-                gravity=(0.0, -9.81), end_time=1.0, numerics=Numerics(preset="gentle", spacing=0.05))
+                gravity=gravity, end_time=1.0, numerics=Numerics(preset="gentle", spacing=0.05))
     found = sizes(case)
     return [(one.height, one.length, one.period) for one in found]
 
@@ -28,3 +28,4 @@ def test_a_piston_that_sways_and_a_flap_that_rolls_make_the_wave_that_is_asked_f
     roll = Roll(amplitude=0.5 * stroke / 0.4, frequency=2.0 * pi / 1.2, centre=(0.0, 0.1))
     assert size(Flap(hinge=(0.0, 0.1), motion=roll)) == due
     assert size(Piston(0.0, motion=Sway(amplitude=5.0, period=1.2))) == []    # one that would break
+    assert size(Piston(0.0, motion=sway), gravity=(0.1, -9.81)) == []    # a flume that slopes, by its gravity

@@ -38,7 +38,7 @@ def test_oscillations_take_the_same_words(kind):
     one, other = kind(amplitude=0.1, period=2.0, ramp=1.5), kind(0.1, frequency=np.pi, ramp=1.5)
     t = np.linspace(0.0, 8.0, 801)
     law = np.array([one.law(x) for x in t])
-    assert one.law(3.3) == other.law(3.3) and one.frequency == np.pi
+    assert one.law(3.3) == other.law(3.3) and one.omega == np.pi
     assert np.gradient(law[:, 0], t)[1:-1] == pytest.approx(law[1:-1, 1], abs=1e-3)
     assert np.gradient(law[:, 1], t)[1:-1] == pytest.approx(law[1:-1, 2], abs=1e-2)
     assert np.abs(law[:, 1]).max() <= 1.1 * one.top_rate and one.instants(99.0)[-1] == pytest.approx(3.5)
@@ -46,6 +46,10 @@ def test_oscillations_take_the_same_words(kind):
     assert fast.top_rate >= 0.99 * max(abs(fast.law(x)[1]) for x in t)
     case = Case(**GOOD, frame=one)
     assert from_json(to_json(case)).frame == one
+    assert case.changed(**{"frame.period": 3.0}).frame == kind(amplitude=0.1, period=3.0, ramp=1.5)
+    with_both = json.loads(to_json(case))    # as cases were stored for some days
+    with_both["frame"]["frequency"] = np.pi
+    assert from_json(json.dumps(with_both)).frame.law(3.3) == one.law(3.3)
 
 
 def test_a_roll_has_an_amplitude_and_understands_its_angle():

@@ -19,37 +19,35 @@ from parisph.case.motion.measured import (
 )
 from parisph.case.motion.rigid import FINE, SHARE, Centre, Direction, Rotation, Translation, evenly
 from parisph.case.motion.splines import product, rise
-from parisph.case.values import SMALLEST
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-Frequency = Annotated[float, Field(gt=0, description="angular frequency [rad/s], or period [s]")]
+Frequency = Annotated[Optional[float], Field(gt=0, description="angular frequency [rad/s], or period [s]")]
 Period = Annotated[Optional[float], Field(gt=0, description="period [s], in place of frequency")]
 Ramp = Annotated[Optional[float], Field(ge=0, description="time [s] in which the motion grows to its amplitude")]
-SAME = 1e-9    # of a frequency: that of a period, after rounding
+SAME = 1e-9    # of a frequency: that of a period, after rounding; a stored case may have both
 
 
-def _with_frequency(data: Any) -> Any:
-    """Return what is given for a motion with the frequency of its period, if that is given in its place."""
-    if not isinstance(data, dict) or data.get("frequency") is not None or data.get("period") is None:
-        return data
-    period = data["period"]    # a wrong one is found later, and then no frequency is missed
-    sound = isinstance(period, (int, float)) and abs(period) > SMALLEST
-    return {**data, "frequency": 2.0 * np.pi / abs(period) if sound else 1.0}
-
-
-def _check_period(frequency: Optional[float], period: Optional[float]) -> None:
-    """Raise ValueError if a period is given beside another frequency."""
+def _check_one(motion: "_Harmonic | Roll", missing: str) -> None:
+    """Raise ValueError unless a motion has a frequency, a period, or both of one oscillation. missing : the message"""
+    frequency, period = motion.frequency, motion.period
+    if frequency is None and period is None:
+        raise ValueError(missing)
     if frequency is not None and period is not None and abs(frequency * period / (2.0 * np.pi) - 1.0) > SAME:
         raise ValueError(f"frequency = {frequency:g} rad/s and period = {period:g} s: the period of this frequency is "
                          f"{2.0 * np.pi / frequency:g} s; give one of the two")
 
 
+def _omega(motion: "_Harmonic | Roll") -> float:
+    """Return the angular frequency [rad/s] of a motion that _check_one has seen."""
+    return 2.0 * np.pi / cast(float, motion.period) if motion.frequency is None else motion.frequency
+
+
 @lru_cache(maxsize=64)
-def _top_rate(motion: "_Harmonic | Roll", ramp: float) -> float:
-    """Return the greatest rate of an oscillation that grows in a time `ramp` [s], in which it may be the fastest."""
-    period = 2.0 * np.pi / cast(float, motion.frequency)
+def _top_rate(motion: "_Harmonic | Roll") -> float:
+    """Return the greatest rate of an oscillation with a ramp, in which it may be the fastest."""
+    ramp, period = cast(float, motion.ramp), 2.0 * np.pi / motion.omega
     times = np.concatenate([np.linspace(0.0, ramp, FINE), ramp + np.linspace(0.0, period, FINE)])
     return max(abs(motion.law(float(t))[1]) for t in times)
 
@@ -76,39 +74,39 @@ class _Harmonic(Translation):
 
     if TYPE_CHECKING:    # see Translation
         amplitude: float
-        frequency: float
+        frequency: Optional[float]
         period: Optional[float]
         ramp: Optional[float]
 
-    @model_validator(mode="before")
-    @classmethod
-    def _period_or_frequency(cls, data: Any) -> Any:
-        return _with_frequency(data)
-
     @model_validator(mode="after")
     def _one_frequency(self) -> "Self":
-        _check_period(self.frequency, self.period)
+        _check_one(self, f"{type(self).__name__}.frequency is missing: give angular frequency [rad/s], or period [s]")
         return self
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency [rad/s], given as such or by a period."""
+        return _omega(self)
 
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
-        a, w = self.amplitude, self.frequency
+        a, w = self.amplitude, self.omega
         wave = a * (1.0 - np.cos(w * t)), a * w * np.sin(w * t), a * w * w * np.cos(w * t)
         return product(rise(t, self.ramp), wave) if self.ramp else wave
 
     @property
     def longest_step(self) -> float:
         """See Motion: a share of the period; infinite where the amplitude is zero."""
-        return SHARE * 2.0 * np.pi / self.frequency if self.amplitude else np.inf
+        return SHARE * 2.0 * np.pi / self.omega if self.amplitude else np.inf
 
     @property
     def top_rate(self) -> float:
         """See Motion."""
-        return _top_rate(self, self.ramp) if self.ramp else abs(self.amplitude) * self.frequency
+        return _top_rate(self) if self.ramp else abs(self.amplitude) * self.omega
 
     def instants(self, stop: float) -> Floats:
         """See Motion: one period after its growth shows all."""
-        return evenly(self.longest_step / SHARE, min(stop, (self.ramp or 0.0) + 2.0 * np.pi / self.frequency))
+        return evenly(self.longest_step / SHARE, min(stop, (self.ramp or 0.0) + 2.0 * np.pi / self.omega))
 
 
 class Sway(_Harmonic):
@@ -129,7 +127,7 @@ class Sway(_Harmonic):
 
     kind: Literal["sway"] = "sway"
     amplitude: float = Field(description="amplitude a0 of X = a0 (1 - cos(frequency t)) [m]")
-    frequency: Frequency
+    frequency: Frequency = None
     direction: Direction = (1.0, 0.0)
     period: Period = None
     ramp: Ramp = None
@@ -148,7 +146,7 @@ class Heave(_Harmonic):
 
     kind: Literal["heave"] = "heave"
     amplitude: float = Field(description="amplitude a0 of Y = a0 (1 - cos(frequency t)) [m]")
-    frequency: Frequency
+    frequency: Frequency = None
     direction: Direction = (0.0, 1.0)
     period: Period = None
     ramp: Ramp = None
@@ -171,19 +169,19 @@ class Roll(Rotation):
 
     kind: Literal["roll"] = "roll"
     amplitude: Amount = Field(description="amplitude [rad], or a Series")
-    frequency: Optional[Frequency] = None
+    frequency: Frequency = None
     centre: Centre = (0.0, 0.0)
     ramp: Ramp = None
     period: Period = None
 
     @model_validator(mode="before")
     @classmethod
-    def _amplitude_and_frequency(cls, data: Any) -> Any:
+    def _amplitude_or_angle(cls, data: Any) -> Any:
         if isinstance(data, dict) and "angle" in data:
             if "amplitude" in data:
                 raise ValueError("angle is the earlier name of amplitude; give one of the two")
-            data = {"amplitude" if name == "angle" else name: value for name, value in data.items()}
-        return _with_frequency(data)
+            return {"amplitude" if name == "angle" else name: value for name, value in data.items()}
+        return data
 
     @model_validator(mode="after")
     def _harmonic_or_measured(self) -> "Roll":
@@ -193,10 +191,9 @@ class Roll(Rotation):
                 raise ValueError(
                     f"{given[0]} = {getattr(self, given[0]):g}: is that of a harmonic roll; leave it out with a Series"
                 )
-        elif self.frequency is None:
-            raise ValueError("frequency is missing: give the angular frequency [rad/s], or period [s], or a Series as "
+        else:
+            _check_one(self, "frequency is missing: give the angular frequency [rad/s], or period [s], or a Series as "
                              "amplitude")
-        _check_period(self.frequency, self.period)
         return self
 
     @property
@@ -204,40 +201,41 @@ class Roll(Rotation):
         """Its amplitude, under an earlier name."""
         return self.amplitude
 
+    @property
+    def omega(self) -> float:
+        """Angular frequency [rad/s] of a harmonic roll, given as such or by a period."""
+        return _omega(self)
+
     def law(self, t: float) -> tuple[float, float, float]:
         """See Motion."""
         if isinstance(self.amplitude, Series):
             return self.amplitude.law(t)
-        a, w = self.amplitude, self._omega
+        a, w = self.amplitude, self.omega
         wave = a * np.sin(w * t), a * w * np.cos(w * t), -a * w * w * np.sin(w * t)
         return product(rise(t, 2.0 * np.pi / w if self.ramp is None else self.ramp), wave)
 
     def values_at(self, times: Floats) -> Floats:
         """See Motion."""
-        return self.angle.at(times) if isinstance(self.angle, Series) else super().values_at(times)
+        return self.amplitude.at(times) if isinstance(self.amplitude, Series) else super().values_at(times)
 
     @property
     def longest_step(self) -> float:
         """See Motion."""
-        return np.inf if isinstance(self.amplitude, Series) or not self.amplitude else SHARE * 2.0 * np.pi / self._omega
+        return np.inf if isinstance(self.amplitude, Series) or not self.amplitude else SHARE * 2.0 * np.pi / self.omega
 
     @property
     def top_rate(self) -> float:
         """See Motion; while it grows over a period, a roll is less than a tenth faster."""
         if isinstance(self.amplitude, Series):
             return self.amplitude.top_rate
-        return _top_rate(self, self.ramp) if self.ramp else abs(self.amplitude) * self._omega
+        return _top_rate(self) if self.ramp else abs(self.amplitude) * self.omega
 
     def instants(self, stop: float) -> Floats:
         """See Motion: one period after its growth shows all."""
         if isinstance(self.amplitude, Series):
             return self.amplitude.knots(stop)
-        period = 2.0 * np.pi / self._omega
+        period = 2.0 * np.pi / self.omega
         return evenly(self.longest_step / SHARE, min(stop, (period if self.ramp is None else self.ramp) + period))
-
-    @property
-    def _omega(self) -> float:
-        return cast(float, self.frequency)    # _harmonic_or_measured has seen that a harmonic roll has it
 
 
 class Moved(Translation):

@@ -1,0 +1,90 @@
+"""What the speeds and forces of a case say of its time step, before any particle is there."""
+
+import numpy as np
+
+from parisph.base.arrays import Floats
+from parisph.case.bodies import StillWater
+from parisph.case.expressions import vector_field
+from parisph.case.scene import Scene
+from parisph.case.shapes import Box, Disc
+
+SOUND = 10.0     # speed of sound of weakly compressible fluid, over the fastest speed to expect
+SAMPLES = 9      # points along each edge at which an expression is tried out
+LOOKS = 33       # times at which the body force is tried out
+STEADY = 0.3     # spacings that the fastest violent fluid should move in a fixed step
+# spacings of thickness from which on the flow sets the time scale, and not its particles: the dam break at H/s = 80
+# has errors of P2 of .040 and .063 (Basilisk, interFoam; means of three starts) with it and .990 of its energy at
+# t* = 2; .046, .054 and .989 without. It takes .73 of the steps
+FINE = 20.0
+
+
+def sample(case: Scene) -> list[Floats]:
+    """Return points (n, dim) [m] of each body of fluid, all over the box around it."""
+    many = 8 if any(fluid.wave is not None for fluid in case.fluids) else 1    # a wave may be short in a long tank
+    return case.points(SAMPLES * many, SAMPLES)
+
+
+def start(case: Scene) -> tuple[float, float]:
+    """Return the largest speed of the fluid [m/s] and body force [m/s2] at the start."""
+    x = sample(case)
+    u = [np.linalg.norm(fluid.start_velocity(own), axis=1).max(initial=0.0) for fluid, own in zip(case.fluids, x)]
+    force = np.linalg.norm(vector_field(case.gravity, True)(np.concatenate(x)), axis=1)
+    return float(max(u)), float(force.max(initial=0.0))
+
+
+def sound_speed(case: Scene) -> float:
+    """Return the speed of sound of weakly compressible fluid [m/s]: by default SOUND times the fastest to expect."""
+    return case.numerics.sound_speed or SOUND * fastest(case)
+
+
+def fastest(case: Scene) -> float:
+    """Return the speed [m/s] to expect from the case alone: that of the start, and of a fall from the fluid's height.
+
+    In waves that do not break, it is that of long waves.
+    """
+    speed, g = start(case)
+    lower, upper = case.fluid_bounds
+    fall = 2.0 if case.numerics.preset == "violent" else 1.0
+    return speed + float(np.sqrt(fall * g * (upper - lower)[-1]))
+
+
+def stable_time_step(case: Scene) -> tuple[float, str]:
+    """Estimate the largest sensible time step [s] from the case alone, and say where it comes from.
+
+    For waves, sqrt(s/g), the time scale of the shortest waves on the lattice. For violent flows also
+    cfl s/u with u = |u0| + sqrt(2 g H), the speed after a fall from the height of the fluid (Z14 Sec. 3.1.2), and for a
+    fixed step a cfl of at most STEADY: nothing shortens it in an impact.
+    """
+    s, (speed, g) = case.numerics.spacing, start(case)
+    lower, upper = case.fluid_bounds
+    cfl = case.numerics.resolved().cfl
+    if case.numerics.preset == "violent":
+        if cfl is not None and case.numerics.time_step is not None:
+            cfl = min(cfl, STEADY)
+        speed += np.sqrt(2.0 * g * (upper - lower)[-1])
+    by_waves = np.sqrt(s / g) if g > 0.0 else np.inf
+    by_speed = cfl * s / speed if speed > 0.0 and cfl is not None else np.inf
+    if by_speed < by_waves:
+        return by_speed, f"moves the fastest fluid by {cfl:g} spacings"
+    return by_waves, "resolves the shortest waves on the lattice"
+
+
+def wave_time(case: Scene) -> float:
+    """Return sqrt(s/g) [s], the time scale of the shortest waves on the lattice; infinite without a force.
+
+    g is the largest body force on the fluid at LOOKS times until the end, in the frame of the tank.
+    """
+    x = np.concatenate(sample(case))
+    if case.same_force_everywhere:
+        x = x[:1]
+    g = max(np.linalg.norm(case.body_force(x, t), axis=1).max(initial=0.0)
+            for t in np.linspace(0.0, case.end_time, LOOKS))
+    return float(np.sqrt(case.numerics.spacing / g)) if g > 0.0 else np.inf
+
+
+def flow_length(case: Scene) -> float:
+    """Return the length l [m] of which sqrt(l/a) is the time scale of violent flow: the spacing, or the FINE-th part of
+    the smallest extent of any body of fluid at the start, if all are boxes, discs or still water, without holes."""
+    whole = all(isinstance(fluid.shape, (Box, Disc, StillWater)) and not fluid.holes for fluid in case.fluids)
+    thickness = min(float(np.min(high - low)) for low, high in map(case.bounds_of, case.fluids))
+    return max(case.numerics.spacing, thickness / FINE if whole else 0.0)
