@@ -20,6 +20,7 @@ from parisph.pictures import states, style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
 
