@@ -34,7 +34,8 @@ KINDS = {
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
 COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment",
            ("flux", "total"): "volume passed", ("energy", "volume_now"): "volume"}  # where one column is something else
-UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force"}
+UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force",
+         "N m/m": "moment", "m^2/s": "volume rate", "m^2": "volume"}
 TALL = 4        # panels below each other; more of them stand two a row
 SHORT = "short peak"    # the mark of a peak that is not resolved
 BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside

@@ -99,7 +99,9 @@ def test_the_table_the_report_and_the_picture_say_so(run):
     axes = curves.plot_probe(found, ["P"]).axes[0]
     labels = [line.get_label() for line in axes.lines]
     for name in ("load", "pair"):    # alone, and in an array
-        line, cross, bar = curves.plot_probe(found, [name]).axes[0].lines[:3]
+        picture = curves.plot_probe(found, [name])
+        line, cross, bar = picture.axes[0].lines[:3]
+        assert [axes.get_ylabel() for axes in picture.axes if axes.lines][1].endswith("moment [N m/m]")
         assert cross.get_ydata()[0] == line.get_ydata().min() < bar.get_ydata()[0] < 0.0, "where the force pulls"
         assert cross.get_color() == bar.get_color() == line.get_color()
     assert labels[0] == "P" and "not resolved" in labels[1] and labels[2] == "its mean over 5 ms"
