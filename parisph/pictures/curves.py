@@ -20,6 +20,7 @@ from parisph.pictures import states, style
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
 
@@ -33,7 +34,8 @@ KINDS = {
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
 COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment",
            ("flux", "total"): "volume passed", ("energy", "volume_now"): "volume"}  # where one column is something else
-UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force"}
+UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force",
+         "N m/m": "moment", "m^2/s": "volume rate", "m^2": "volume"}
 TALL = 4        # panels below each other; more of them stand two a row
 SHORT = "short peak"    # the mark of a peak that is not resolved
 BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside
@@ -228,14 +230,17 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
     series = list(dict.fromkeys((curve.probe, curve.column) for curve in curves))
     runs = list(dict.fromkeys(curve.label for curve in curves))
     looks = style.line_looks(len(runs), len(series))
+    drawn: list["Line2D"] = []
     for curve, own, scale in zip(curves, scales, by):
         look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
         if curve.column.endswith("_dynamic"):    # it may lie on the whole, which may be dashed among many
             look = {**look, "linestyle": style.STYLES[3 if any(one["linestyle"] != "-" for one in looks) else 1]}
-        axes.plot(curve.time / (own.time if normalise else 1.0), curve.values * (1.0 / scale if scale else factor),
-                  linewidth=1.1, label=_line_label(curve, series), **look)
+        drawn += axes.plot(curve.time / (own.time if normalise else 1.0),
+                           curve.values * (1.0 / scale if scale else factor),
+                           linewidth=1.1, label=_line_label(curve, series), **look)
         draw_short_peak(axes, curve, look["color"], 1.0 / (own.time if normalise else 1.0),
                         1.0 / scale if scale else factor)
+    known = len(axes.lines)
     for name in dict.fromkeys(curve.probe for curve in curves):
         if name in (truth or {}):
             first = next(k for k, curve in enumerate(curves) if curve.probe == name)
@@ -243,7 +248,7 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
                         scales[first].time if normalise else 1.0)
     axes.set_ylabel(_value_label(curves, series, unit, shown, bool(by[0])))
     plain_axes(axes)
-    _leave_out_failures(axes, curves)
+    _leave_out_failures(axes, curves, drawn, axes.lines[known:])
     named = _named(axes)
     if len(named) > MOST:
         first, last = (named[k].get_label() for k in (0, -1))
@@ -255,12 +260,16 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
                     ncols=_legend_columns(axes))
 
 
-def _leave_out_failures(axes, curves):
-    """Let the axes show the flow of runs that have failed: their last samples may be a hundred times as large."""
+def _leave_out_failures(axes, curves, drawn, references):
+    """Let the axes show the flow of runs that have failed: their last samples may be a hundred times as large.
+
+    drawn : the lines of the curves; references : lines of references. Marks of short peaks do not count: the greatest
+    value of such a run is that of its failure.
+    """
     bad = {curve.run.folder for curve in curves if states.failed(curve.run)}
     if not bad:
         return
-    fits = [line.get_ydata() for line in axes.lines]
+    fits = [line.get_ydata() for line in (*drawn, *references)]
     for k, curve in enumerate(curves):
         if curve.run.folder in bad:
             fits[k] = fits[k][:states.before_failure(len(fits[k]))]
@@ -334,8 +343,12 @@ def _draw_truth(axes, curve, series, factor, by_time):
 
 
 def _peak_of(curve):
-    """Return the name that a curve has among the `peaks` of a summary."""
-    return curve.probe if curve.column in ("", "pressure") else f"{curve.probe}.{curve.column}"
+    """Return the name that a curve has among the `peaks` of a summary: "load.fx", in an array "row.load.fx"."""
+    about = next((one for one in curve.run.case.get("probes", ()) if one["name"] == curve.probe), {})
+    members = [one["name"] for one in about.get("probes", ()) if f"{curve.column}_".startswith(f"{one['name']}_")]
+    member = max(members, key=len, default="")
+    column = curve.column.removeprefix(member).removeprefix("_")
+    return ".".join(filter(None, (curve.probe, member, "" if column == "pressure" else column)))
 
 
 def draw_short_peak(axes: "Axes", curve: Curve, colour: str, by_time: float, factor: float) -> None:

@@ -73,7 +73,7 @@ def _place(axes, labels, texts, left_out, lines, dots, renderer):
         corner = left_out.get_window_extent(renderer)
         taken.append(np.array([corner.x0, corner.y0, corner.x1, corner.y1]))
         missing = _put(axes, labels, texts, inside, along, taken, pixels, renderer)
-        left_out.set_text(f"and {missing} more names")
+        left_out.set_text(f"and {missing} more name{'s' * (missing != 1)}")
 
 
 def _put(axes, labels, texts, inside, along, taken, pixels, renderer):

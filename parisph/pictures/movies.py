@@ -161,8 +161,8 @@ def _check_ending(path):
     if path.suffix.lower() not in (".gif", ".mp4"):
         raise CaseError(f"{path}: a movie ends in .gif or .mp4")
     if path.suffix.lower() == ".mp4" and not has_ffmpeg():
-        raise StoreError(f"{path}: an .mp4 needs the program ffmpeg, which is not installed here: install it, such as "
-                         f"by `apt install ffmpeg`, or write {path.with_suffix('.gif')}")
+        raise StoreError(f"{path}: an .mp4 needs the program ffmpeg, which is not installed here: install it, for "
+                         f"example by `apt install ffmpeg`, or write {path.with_suffix('.gif')}")
 
 
 def _writer(path, fps):

@@ -165,7 +165,7 @@ def _at_peak(run, probe):
 def _why_not_kept(run, probe, kept):
     about = next((one for one in run.case.get("probes", ()) if one["name"] == probe), {})
     if kept is not None and about.get("truth"):
-        return f"the run keeps the flow at t = {kept['time']:.6g} s, the peak within the time that its truth is of"
+        return f"the run keeps the flow at t = {kept['time']:.6g} s, the peak within the time of its truth"
     if kept is not None:
         return f"the flow that the run keeps is at t = {kept['time']:.6g} s, of {kept['peak']:.6g}"
     if about.get("peak"):

@@ -18,6 +18,9 @@ TOLD = {"height": "m", "amplitude": "m", "period": "s", "length": "m", "depth": 
         "angle": "rad", "ramp": "s", "gamma": "", "seed": ""}
 PARTICLES = (("particles", ["particles"]), ("of these, fluid", ["fluid_particles"]),
              ("of these, on walls", ["wall_particles"]))
+# Lengths of walls, and of shapes of fluid, which are told where there are any: {entry: name}.
+LENGTHS = {"width": "width", "height": "height"}
+OF_FLUID = {"width": "width", "height": "depth", "radius": "radius", "level": "level"}
 LIMITED = 20    # bodies that are told of
 Rows = Iterator[tuple[str, Cell]]
 Place = list[Any]
@@ -78,20 +81,13 @@ def _scene(case: Content) -> Rows:
     """Yield (name, Cell) of tank, fluid, waves, motions, friction and zones."""
     for body, place in _placed(case, "walls", bodies_of(case)):
         name = body.get("name") or body.get("kind", "tank")
-        if body.get("kind", "tank") == "tank":
-            yield from _numbers(case, place, name, {"width": "m", "height": "m"})
-            if body.get("lid"):
-                yield f"{name}, lid", Cell("yes")
+        yield from _lengths(case, place, name, LENGTHS)
+        if body.get("lid"):
+            yield f"{name}, lid", Cell("yes")
     for fluid, place in _placed(case, "fluid", fluids_of(case)):
-        kind = (fluid.get("shape") or {}).get("kind", "")
         name = "fluid" if isinstance(case["fluid"], dict) else f"fluid {place[-1] + 1}"
-        if kind == "box":
-            yield from _numbers(case, [*place, "shape"], name, {"width": "m"})
-            yield f"{name}, depth", number(case, CASE, [*place, "shape", "height"], ".6g", "m")
-        elif kind == "still_water":
-            yield f"{name}, level", number(case, CASE, [*place, "shape", "level"], ".6g", "m")
-        elif kind:
-            yield f"{name}, shape", number(case, CASE, [*place, "shape", "kind"])
+        lengths = list(_lengths(case, [*place, "shape"], name, OF_FLUID))
+        yield from lengths or [(f"{name}, shape", number(case, CASE, [*place, "shape", "kind"]))]
         yield f"{name}, density", number(case, CASE, [*place, "density"], ".6g", "kg/m³")
         if fluid.get("viscosity"):
             yield f"{name}, viscosity", number(case, CASE, [*place, "viscosity"], ".4g", "m²/s")
@@ -117,11 +113,12 @@ def _placed(case: Content, field: str, items: list[Any]) -> Iterator[tuple[Any, 
         yield item, [field, k] if several else [field]
 
 
-def _numbers(case: Content, place: Place, name: str, units: dict[str, str]) -> Rows:
-    for key, unit in units.items():
-        cell = number(case, CASE, [*place, key], ".6g", unit)
+def _lengths(case: Content, place: Place, name: str, told: dict[str, str]) -> Rows:
+    """Yield those of the lengths [m] of a body that it has. told : {entry: what it is called}"""
+    for key, called in told.items():
+        cell = number(case, CASE, [*place, key], ".6g", "m")
         if cell.text != "-":
-            yield f"{name}, {key}", cell
+            yield f"{name}, {called}", cell
 
 
 def _moves(case: Content, place: Place, what: Any, name: str) -> Rows:
@@ -132,7 +129,8 @@ def _moves(case: Content, place: Place, what: Any, name: str) -> Rows:
     given = {key: unit for key, unit in TOLD.items() if isinstance(what.get(key), (int, float))}
     if "amplitude" in given and "centre" in what:    # of a turn about it
         given["amplitude"] = "rad"
-    yield from _numbers(case, place, name, given)
+    for key, unit in given.items():
+        yield f"{name}, {key}", number(case, CASE, [*place, key], ".6g", unit)
     if isinstance(what.get("wave"), dict):    # of a stroke
         yield from _moves(case, [*place, "wave"], what["wave"], f"wave of the {name}")
     length = _length(what)

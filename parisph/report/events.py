@@ -37,19 +37,20 @@ def peaks(probes: Probes, summary: Content) -> Table:
     columns = (("start", ".4g"), ("end", ".4g"), ("smooth", ".3g"), ("found", ".4g"), ("time", ".4g"),
                ("low", ".4g"), ("high", ".4g"), ("level", ".4g"), ("beyond", "+.0%"), ("when", ".4g"))
     return Table(PEAK_HEAD, tuple(
-        (Cell(probe.name), *(number(summary, SUMMARY, [*path, name], form, _remark(summary, path, name))
+        (Cell(probe.name), *(number(summary, SUMMARY, [*path, name], form, remarks.get(name, ""))
                              for name, form in columns), Cell(name_of(probe.truth)))
         for probe in probes if probe.truth is not None
         for path in (["errors", probe.name, "peaks", k] for k in range(len(bands_of(probe.truth))))
+        for remarks in (_remarks(summary, path),)
     ))
 
 
-def _remark(summary: Content, path: list[Any], name: str) -> str:
-    """Return what is said behind a number of the table of peaks: a value that rises until the end has no peak."""
-    if name == "found" and number(summary, SUMMARY, [*path, "short"]).text == "True":
-        return f"(short: not resolved; {number(summary, SUMMARY, [*path, 'mean']).text} over 5 ms)"
-    last = name == "time" and number(summary, SUMMARY, [*path, "last"]).text == "True"
-    return "(last sample: the value may still rise)" if last else ""
+def _remarks(summary: Content, path: list[Any]) -> dict[str, str]:
+    """Return {column: what is said behind its number} of a peak: one that rises until the end is none."""
+    mean = number(summary, SUMMARY, [*path, "mean"]).text
+    said = {"short": ("found", f"(short: not resolved; {mean} over 5 ms)"),
+            "last": ("time", "(last sample: the value may still rise)")}
+    return dict(said[flag] for flag in said if number(summary, SUMMARY, [*path, flag]).text == "True")
 
 
 def arrivals(case: Content, summary: Content) -> Table:

@@ -47,7 +47,7 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
         return False
     both = axis is not None and len({dot.x for group in dots.values() for dot in group}) > 1
     picture = style.new_figure(figsize=(10.4 if both else 6.0, 4.6 + 0.11 * max(0, len(dots) - MANY)),
-                                     layout="constrained")
+                               layout="constrained")
     panels = picture.subplots(1, 2 if both else 1, sharey=True, squeeze=False)[0]
     looks = dict(zip(report.curves(results), style.line_looks(len(report.curves(results)))))
     marks = {curve: MARKS[k % len(MARKS)] for k, curve in enumerate(report.curves(results))}

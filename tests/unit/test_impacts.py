@@ -65,18 +65,20 @@ def run(tmp_path_factory):
     """A run with a spike at two taps, and at a force that pulls."""
     band = PeaksOf([PeakBand(start=0.5, end=0.9, low=6e3, high=1e4)])
     probes = [PressureTap("P", at=(0.0, 0.1), truth=band, peak=True),
-              ProbeArray("row", [PressureTap("Q", at=(1.0, 0.1))]), Force("load", peak=True), Force("dry")]
+              ProbeArray("row", [PressureTap("Q", at=(1.0, 0.1))]), Force("load", peak=True), Force("dry"),
+              ProbeArray("pair", [Force("side")])]
     case = Case(title="Basin", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 2.0), gravity=(0.0, -9.81),
                 numerics=Numerics(spacing=0.1), end_time=1.0, probes=probes)
     folder = tmp_path_factory.mktemp("impacts") / "run"
     store = Store.create(MPI.COMM_SELF, folder, case.model_dump_json())
-    units = {"P": {"pressure": "Pa"}, "row": {"Q": "Pa"},
-             **dict.fromkeys(("load", "dry"), {"fx": "N/m", "fy": "N/m", "moment": "N m/m"})}
+    parts = {"fx": "N/m", "fy": "N/m", "moment": "N m/m"}
+    units = {"P": {"pressure": "Pa"}, "row": {"Q": "Pa"}, **dict.fromkeys(("load", "dry"), parts),
+             "pair": {f"side_{name}": unit for name, unit in parts.items()}}
     for name, columns in units.items():
         store.add_series(f"probes/{name}", columns)
     for step, (t, value) in enumerate(zip(T, RIPPLE + spike(0.8, 25e3))):
         store.append(t, step, {"probes/P": [value], "probes/row": [value], "probes/load": [-value, 7e3, 0.0],
-                               "probes/dry": [0.0, 0.0, 0.0]})
+                               "probes/dry": [0.0, 0.0, 0.0], "probes/pair": [-value, 7e3, 0.0]})
     summary = {"peaks": impacts.peaks(case, open_run(folder)), "greatest": impacts.asked(case, open_run(folder)),
                "errors": verdict.errors(case, open_run(folder))}
     store.summary(summary)
@@ -88,21 +90,23 @@ def test_the_table_the_report_and_the_picture_say_so(run):
     case, found = run
     summary = json.loads(json.dumps(found.summary))
     assert {name: peak["short"] for name, peak in summary["peaks"].items()} == {
-        "P": True, "row.Q": True, "load.fx": True, "load.fy": False}
+        "P": True, "row.Q": True, "load.fx": True, "load.fy": False, "pair.side.fx": True, "pair.side.fy": False}
     lines = [line for line in info.table(summary) if line.startswith("peak of")]
-    assert len(lines) == 4 and "Pa at 0.8 s lasts 2" in lines[0] and "the greatest that lasts: 7" in lines[0]
+    assert len(lines) == 5 and "Pa at 0.8 s lasts 2" in lines[0] and "the greatest that lasts: 7" in lines[0]
     assert lines[0].count(" Pa") == 3 and lines[2].count(" N/m") == 3
-    assert " N/m at " in lines[2] and lines[3].startswith("peak of load") and lines[3].count(" at ") == 1
+    assert " N/m at " in lines[2] and lines[4].startswith("peak of load") and lines[4].count(" at ") == 1
     assert [row[0].text for row in events.impacts(summary).rows][:2] == [f"{name} (short: not resolved)"
                                                                          for name in ("P", "row.Q")]
     assert "(short: not resolved; " in events.peaks(case.probes, summary).rows[0][4].text
     pytest.importorskip("matplotlib")
     axes = curves.plot_probe(found, ["P"]).axes[0]
     labels = [line.get_label() for line in axes.lines]
-    load = curves.plot_probe(found, ["load"]).axes[0]
-    line, cross, bar = load.lines[:3]
-    assert cross.get_ydata()[0] == line.get_ydata().min() < bar.get_ydata()[0] < 0.0, "where the force pulls"
-    assert cross.get_color() == bar.get_color() == line.get_color()
+    for name in ("load", "pair"):    # alone, and in an array
+        picture = curves.plot_probe(found, [name])
+        line, cross, bar = picture.axes[0].lines[:3]
+        assert [axes.get_ylabel() for axes in picture.axes if axes.lines][1].endswith("moment [N m/m]")
+        assert cross.get_ydata()[0] == line.get_ydata().min() < bar.get_ydata()[0] < 0.0, "where the force pulls"
+        assert cross.get_color() == bar.get_color() == line.get_color()
     assert labels[0] == "P" and "not resolved" in labels[1] and labels[2] == "its mean over 5 ms"
 
 

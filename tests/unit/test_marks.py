@@ -198,7 +198,7 @@ def test_a_movie_of_the_room_has_room_for_the_tank_wherever_it_is(tmp_path, monk
     assert ends[0][1][0] < -0.3 and ends[0][1][1] > 0.7
 
 
-def ended(folder, status, blown=True):
+def ended(folder, status, blown=True, **more):
     """Return a Run that has ended after 100 steps of .01 s, in the last two of which its values are absurd."""
     store = Store.create(MPI.COMM_SELF, folder, basin().model_dump_json(), fields=("u", "p"))
     store.add_series("steps", {"dt": "s", "iterations": ""})
@@ -208,13 +208,16 @@ def ended(folder, status, blown=True):
         high = 1e9 if blown and step > 98 else 1000.0
         store.append(0.01 * step, step, {"steps": (0.01, 8), "probes/P1": (high + step,)})
     if status is not None:
-        store.summary({"status": status})
+        store.summary({"status": status, **more})
     store.close()
     return open_run(folder)
 
 
-def test_after_a_failure_the_axes_show_the_flow_before_it_and_the_title_why(tmp_path):
-    run = ended(tmp_path / "run", "failed: particle 7 at (0, 9) m: outside the tank\n  in step 101, from t = 1 s")
+@pytest.mark.parametrize("peaks", [{}, {"P1": {"value": 1e9, "time": 1.0, "lasts": 0.01, "mean": 5e8,
+                                               "mean_over": 0.005, "short": True}}])
+def test_after_a_failure_the_axes_show_the_flow_before_it_and_the_title_why(tmp_path, peaks):
+    run = ended(tmp_path / "run", "failed: particle 7 at (0, 9) m: outside the tank\n  in step 101, from t = 1 s",
+                peaks=peaks)
     picture = overview.plot_overview(run)
     said = "failed after t = 1 s: particle 7 at (0, 9) m: outside the tank"
     assert picture.subfigs[0].get_suptitle() == said == states.state(run)

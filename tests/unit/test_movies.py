@@ -121,7 +121,7 @@ def test_without_ffmpeg_a_movie_is_a_gif_and_says_so(tmp_path, monkeypatch, caps
     monkeypatch.setattr(movies, "has_ffmpeg", lambda: False)
     assert orders.animate(run) == tmp_path / "run" / "flow_pressure.gif"
     assert "note: the movie is a .gif, because the program ffmpeg is not installed" in capsys.readouterr().err
-    with pytest.raises(StoreError, match="install it, such as by `apt install ffmpeg`, or write .*b.gif"):
+    with pytest.raises(StoreError, match="install it, for example by `apt install ffmpeg`, or write .*b.gif"):
         movies.movie(run, tmp_path / "b.mp4")
     written_by = []
     monkeypatch.setattr(movies, "has_ffmpeg", lambda: True)
