@@ -5,6 +5,7 @@ run, and two processes that fill one cache may exchange the code of two signatur
 it is of, and a file is whole or not there: it is written under another name first.
 """
 
+import glob
 import hashlib
 import inspect
 import os
@@ -80,7 +81,7 @@ class Kept:
             path.parent.mkdir(parents=True, exist_ok=True)
             new.write_bytes(sealed(name, numba.core.serialize.dumps(data)))
             os.replace(new, path)
-            for old in path.parent.glob(f"{glob_of(self._name)}.*{ENDING}"):
+            for old in path.parent.glob(f"{glob.escape(self._name)}.*{ENDING}"):
                 if not old.name.startswith(f"{self._name}.{self._stamp}."):    # its source has changed
                     old.unlink(missing_ok=True)
         except OSError as error:
@@ -95,7 +96,7 @@ class Kept:
     def flush(self) -> None:
         """Forget all that is saved."""
         for folder in self.folders.read:
-            for path in (folder / self._place).glob(f"{glob_of(self._name)}.*{ENDING}"):
+            for path in (folder / self._place).glob(f"{glob.escape(self._name)}.*{ENDING}"):
                 path.unlink(missing_ok=True)
 
     def _file_of(self, key):
@@ -117,11 +118,6 @@ def _debug(what, path):
         print(f"[cache] data {what} {str(path)!r}")
 
 
-def glob_of(name: str) -> str:
-    """Return a name as a pattern of glob that nothing else matches."""
-    return "".join(f"[{letter}]" if letter in "*?[" else letter for letter in name)
-
-
 def sealed(name: str, content: bytes) -> bytes:
     """Return the content of a file of this name, with a digest in front."""
     return hashlib.sha256(name.encode() + b"\0" + content).digest() + content
@@ -133,7 +129,8 @@ def opened(name: str, content: bytes) -> bytes | None:
 
 
 def state(folders: Folders) -> dict[str, Any]:
-    """Return what is in the folders: "kernels" and "bytes" of sound ones, "damaged" and "folders". Not collective."""
+    """Return what is in the folders: "kernels" and "bytes" of sound ones, the "damaged", and the folders to "write" and
+    to "read". Not collective."""
     seen: set[str] = set()
     damaged: list[str] = []
     size = 0

@@ -238,7 +238,8 @@ def _depth(case: Case, made: Any, depth: float | None) -> float:
 def _gravity(case: Case) -> float:
     force = case.constant_force
     if force is None or not force[-1] < 0.0:
-        raise CaseError("the waves have no dispersion relation: gravity is not constant, or does not point down")
+        raise CaseError("the waves have no dispersion relation: gravity is not constant in the frame of the"
+                        " tank, or does not point down")
     return -float(force[-1])
 
 
