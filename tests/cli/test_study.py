@@ -71,7 +71,7 @@ def test_a_run_that_blows_up_is_a_result(made):
 def test_nothing_is_made_twice(made):
     folder, _ = made
     stamps = {path: path.stat().st_mtime_ns for path in (folder / "the results").glob("runs/*/summary.json")}
-    again = parisph("study", "short study.py", "-o", "the results", "--only", "ISPH_R", cwd=folder, timeout=60)
+    again = parisph("study", "short study.py", "-o", "the results", "--only", "ISPH_R", cwd=folder)
     assert again.returncode == 1 and again.stderr.count("there already") == 3
     assert {path: path.stat().st_mtime_ns for path in stamps} == stamps and len(stamps) == 6
     listed = parisph("study", "short study.py", "-o", "the results", "--list", cwd=folder)
