@@ -22,7 +22,7 @@ def case():
     return scene("dam_break", {"rtol": 1e-13}, spacing=0.05, end_time=0.5, snapshot_every=0.02).changed(
         **{"output.checkpoint_every": 0.01})
 """
-GONE = 20.0        # [s] for all processes to end after a kill
+GONE = 60.0        # [s] for all processes to end after a kill
 SECONDS = 120.0    # [s] for a restart
 COMPILE = 300.0    # [s] for the run that is never killed
 

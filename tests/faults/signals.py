@@ -20,7 +20,7 @@ def case():
         **{"output.checkpoint_every": 0.01})
 """
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
-GONE = 10.0        # [s] for all processes to end after the second signal
+GONE = 60.0        # [s] for all processes to end after the second signal
 SECONDS = 300.0    # [s] for a run, which may have to compile
 COLD = 0.15        # share of the attempts in which the kernels have to be compiled, for which one rank waits
 COMPILES = 15.0    # [s] at least for that
