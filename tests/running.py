@@ -118,6 +118,14 @@ def handles(pid):
     return bool(int(caught, 16) >> (signal.SIGTERM - 1) & 1)
 
 
+def lives(pid):
+    """Return whether a process is there, and no dead child that its parent has not asked about."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except OSError:
+        return False
+
+
 def _children(parent):
     found = []
     for path in Path("/proc").glob("[0-9]*/stat"):

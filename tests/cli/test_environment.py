@@ -40,7 +40,7 @@ def test_variables(variables, says):
     assert environment.is_first(prepared) or "RANK" not in says
 
 
-def test_empty_variables_are_none(monkeypatch):
+def test_empty_variables_are_none():
     found = {"NUMBA_NUM_THREADS": "", "HOME": "", "TMPDIR": ""}
     environment.prepare(found)
     assert found["NUMBA_NUM_THREADS"] == "1" and found["HOME"]

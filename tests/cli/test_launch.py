@@ -33,7 +33,7 @@ def test_launched(variables, ranks):
     assert environment.launched(variables) == ranks
 
 
-def test_for_launching_takes_out_an_outer_launcher_and_keeps_the_user(monkeypatch):
+def test_for_launching_takes_out_an_outer_launcher_and_keeps_the_user():
     outer = {"OMPI_COMM_WORLD_SIZE": "2", "PMIX_RANK": "1", "OMPI_MCA_ess_base_vpid": "1", "SLURM_JOB_ID": "7",
              "OMPI_MCA_mpi_yield_when_idle": "0", "PATH": "/bin", "OMPI_MCA_pml": "ob1"}
     before = dict(outer)

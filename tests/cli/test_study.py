@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from tests.launch import ROOT, clean_environment, parisph
+from tests.launch import HANGS, ROOT, clean_environment, parisph
 
 STUDY = f'''
 from parisph.study import FinestError, OtherCodes, Quantity, Required, Study, TruthError, Variant
@@ -93,13 +93,13 @@ def test_a_stop_ends_the_runs_and_leaves_a_table(tmp_path):
                              env=clean_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
         locks = tmp_path / "studies" / "long" / "runs"
-        deadline = time.monotonic() + 60.0
+        deadline = time.monotonic() + HANGS
         while not list(locks.glob("*/steps.csv")):
             assert study.poll() is None and time.monotonic() < deadline
             time.sleep(0.05)
         process = json.loads(next(locks.glob("*/run.lock")).read_text())["process"]
         study.send_signal(signal.SIGTERM)    # as Ctrl-C, which a shell sends to a whole group
-        out, err = study.communicate(timeout=60)
+        out, err = study.communicate(timeout=HANGS)
     finally:
         study.kill()
     assert study.returncode == 4 and "stopped with 6 of 6 runs to do; repeat the command" in err

@@ -14,7 +14,6 @@ from tests.launch import mpirun, parisph
 from tests.running import FALLING, running
 from tests.scenes import difference
 
-END = 0.5       # t sqrt(g/H), 32 steps
 ENDLESS = ("--set", "end_time=1000")
 
 
@@ -46,7 +45,7 @@ HELD = """
 from parisph.driver import Simulation
 advance = Simulation.advance
 def held(self):
-    if self.steps == 30:    # of 32, so that no kill comes too late
+    if self.steps == 30:    # of 32, so that no kill comes after the end
         time.sleep(300)
     return advance(self)
 Simulation.advance = held

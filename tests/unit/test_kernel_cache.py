@@ -127,7 +127,7 @@ def test_a_full_disk_is_told_once_and_the_run_goes_on(tmp_path, caplog, monkeypa
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 
-def test_no_folder_at_all_is_told(caplog, any_numba, monkeypatch):
+def test_no_folder_at_all_is_told(caplog, any_numba):
     assert hits(cache.Folders(None, ())) == 0
     assert ("can be kept in no folder" in caplog.text) == processor.internals_are_known()
 

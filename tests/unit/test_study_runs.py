@@ -10,6 +10,7 @@ from parisph.io.lock import Lock
 from parisph.study import Study, conduct, processes
 from parisph.study.conduct import Held, end_of
 from parisph.study.prepared import prepare
+from tests.running import lives
 
 CASE = '''
 from parisph import Box, Case, Fluid, Numerics, Tank
@@ -53,14 +54,6 @@ def pids(bench):
     return [int(pid) for path in bench.folder.glob("runs/*/pids") for pid in path.read_text().split()]
 
 
-def is_running(pid):
-    try:
-        with open(f"/proc/{pid}/stat") as file:
-            return file.read().rpartition(")")[2].split()[0] != "Z"
-    except OSError:
-        return False
-
-
 @pytest.mark.parametrize(("code", "status", "again"), [
     (0, "completed", False), (3, "diverged", False), (1, "failed", True), (5, "failed", True)])
 def test_how_runs_end_and_which_are_made_again(bench, code, status, again):
@@ -84,7 +77,7 @@ def test_a_run_is_ended_after_its_time(bench, monkeypatch):
     monkeypatch.setattr(processes, "PATIENCE", 1.0)
     ends = [end for _, end in bench(seconds=60.0, limit=0.5, jobs=2)]
     assert [end.status for end in ends] == ["out of time"] * 2 and ends[0].reason == "out of time after 0.5 s"
-    assert not any(map(is_running, pids(bench)))
+    assert not any(map(lives, pids(bench)))
     item = bench.items[0]
     assert end_of(item, bench.folder, 0.4) is not None, "with less time it would not come farther"
     assert end_of(item, bench.folder, 5.0) is None and end_of(item, bench.folder) is None
@@ -97,13 +90,13 @@ def test_ctrl_c_ends_the_runs_and_nothing_else(bench):
 
     with pytest.raises(KeyboardInterrupt):
         list(bench(seconds=60.0, jobs=2, beat=beat))
-    assert not any(map(is_running, pids(bench))) and is_running(os.getpid())
+    assert not any(map(lives, pids(bench))) and lives(os.getpid())
     assert all(end_of(item, bench.folder) is None for item in bench.items)
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_jobs_are_how_many_run_at_once(bench, jobs):
-    assert len(list(bench(jobs=jobs, together=jobs))) == 2
+    assert len(list(bench(seconds=0.3, jobs=jobs, together=jobs))) == 2
     (_, ended), (began, _) = sorted([float(time) for time in path.read_text().split()]
                                     for path in bench.folder.glob("runs/*/times"))
     assert (began < ended) == (jobs == 2)
