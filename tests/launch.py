@@ -8,6 +8,7 @@ from pathlib import Path
 from parisph.base import environment, launch
 
 ROOT = Path(__file__).resolve().parent.parent
+HANGS = 200.0    # [s]: to compile all kernels takes a minute of an idle machine
 
 
 def clean_environment(**settings):
@@ -18,7 +19,7 @@ def clean_environment(**settings):
     return variables
 
 
-def run(command, timeout=60, cwd=None, **settings):
+def run(command, timeout=HANGS, cwd=None, **settings):
     """Run a command to its end; return CompletedProcess with text output.
 
     settings : environment variables to set besides
@@ -27,7 +28,7 @@ def run(command, timeout=60, cwd=None, **settings):
     return launch.run([str(word) for word in command], timeout, clean_environment(**settings), cwd)
 
 
-def mpirun(n, args, timeout=60, cwd=None, **settings):
+def mpirun(n, args, timeout=HANGS, cwd=None, **settings):
     """Run `python ARGS` on n ranks of this machine; return CompletedProcess (see `run`).
 
     args : list, for example ["-m", "parisph", "run", "cases/dam_break.py"]
@@ -38,6 +39,6 @@ def mpirun(n, args, timeout=60, cwd=None, **settings):
     return run([launcher, "-n", n, sys.executable, *args], timeout, cwd, **settings)
 
 
-def parisph(*args, timeout=60, cwd=None, **settings):
+def parisph(*args, timeout=HANGS, cwd=None, **settings):
     """Run `parisph ARGS` without mpirun; return CompletedProcess (see `run`)."""
     return run([sys.executable, "-m", "parisph", *args], timeout, cwd, **settings)

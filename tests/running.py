@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -26,7 +27,7 @@ from mpi4py import MPI
 from parisph.__main__ import main
 sys.exit(main())
 """
-LONG = 100.0    # [s] for a run to come as far as a test wants it
+LONG = 200.0    # [s] for a run to come as far as a test wants it, or to end: a bound on hangs
 
 
 class Running:
@@ -59,6 +60,15 @@ class Running:
     def until_checkpoints(self, count):
         """Wait until a checkpoint with the number `count` or later is there."""
         self.until(lambda: any(int(path.stem) >= count for path in checkpoint.paths(self.checkpoints)))
+
+    def until_it_steps(self):
+        """Wait until a step has been made."""
+        steps = self.checkpoints.parent / "steps.csv"
+        self.until(lambda: steps.exists() and any(line[:1].isdigit() for line in steps.read_text().splitlines()))
+
+    def until_it_can_be_stopped(self):
+        """Wait until all ranks, which must have been started, have handlers of signals."""
+        self.until(lambda: all(map(handles, self.ranks())))
 
     def until(self, is_so):
         """Wait until a function returns True."""
@@ -96,6 +106,24 @@ def running(folder, ranks, *words, case=FALLING, change="", **settings):
                 pass
         run.process.wait()
         run._out.close()
+
+
+def handles(pid):
+    """Return whether a process has set its own handler of SIGTERM: parisph has begun to work."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
+    caught = next((line.split()[1] for line in status.splitlines() if line.startswith("SigCgt")), "0")
+    return bool(int(caught, 16) >> (signal.SIGTERM - 1) & 1)
+
+
+def lives(pid):
+    """Return whether a process is there, and no dead child that its parent has not asked about."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except OSError:
+        return False
 
 
 def _children(parent):

@@ -66,7 +66,8 @@ def next_step(flow: Flow, gravity: float, previous: float | None = None, shortes
     dt = np.inf if fastest == 0.0 else move / fastest
     if dt < shortest:
         raise SolverDiverged(f"a particle has reached {fastest:.3g} m/s, for which the time step would have to "
-                             f"be {dt:.3g} s: the flow is far too fast for this scene; use a smaller spacing")
+                             f"be {dt:.3g} s: the flow is far too fast for this scene; use the preset violent,"
+                             " or a smaller spacing")
     largest, mean = accelerations
     violent = _accurate(numerics, IMPACT * mean, length)
     if numerics.fall and strain_rate > 0.0:

@@ -3,7 +3,6 @@
 import errno
 import os
 import resource
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -13,7 +12,8 @@ import pytest
 from parisph.base import environment, surroundings
 from parisph.base.errors import BadEnvironment, CaseError
 from parisph.case.load import load
-from tests.launch import ROOT, clean_environment, parisph
+from tests.launch import HANGS, ROOT, clean_environment, parisph
+from tests.others import UNKNOWN, as_user, open_folder
 
 CASE = ROOT / "cases" / "hydrostatic.py"
 
@@ -40,7 +40,7 @@ def test_variables(variables, says):
     assert environment.is_first(prepared) or "RANK" not in says
 
 
-def test_empty_variables_are_none(monkeypatch):
+def test_empty_variables_are_none():
     found = {"NUMBA_NUM_THREADS": "", "HOME": "", "TMPDIR": ""}
     environment.prepare(found)
     assert found["NUMBA_NUM_THREADS"] == "1" and found["HOME"]
@@ -132,20 +132,16 @@ def test_from_a_shell(tmp_path):
         assert done.stderr.startswith(f"parisph: error: the environment has {name} = {value!r}")
 
 
-@pytest.mark.skipif(os.geteuid() != 0 or shutil.which("setpriv") is None, reason="only root can become another user")
-def test_a_user_that_the_machine_does_not_know(tmp_path):
+def test_a_user_that_the_machine_does_not_know():
     """As in a container that is started with `-u 12345`: no entry, and no HOME."""
-    for folder in (tmp_path, *tmp_path.parents[:3]):    # one more in a process of several
-        folder.chmod(0o755)
-    work = tmp_path / "work"
-    work.mkdir()
-    work.chmod(0o777)
+    user = as_user(UNKNOWN)
     program = ("from parisph.__main__ import main; code = main(['check', 'case.py']); from mpi4py import MPI\n"
                "print(code)")
-    (work / "case.py").write_text(f"from parisph import load\ndef case():\n    return load({str(CASE)!r})")
-    variables = {**clean_environment(), "TMPDIR": str(work)}
-    variables.pop("HOME", None)
-    become = ["setpriv", "--reuid=12345", "--regid=12345", "--clear-groups"]
-    done = subprocess.run([*become, sys.executable, "-c", program], cwd=work, env=variables, capture_output=True,
-                          text=True, timeout=60)
+    with open_folder() as work:
+        work.chmod(0o777)
+        (work / "case.py").write_text(f"from parisph import load\ndef case():\n    return load({str(CASE)!r})")
+        variables = clean_environment(TMPDIR=str(work))
+        variables.pop("HOME", None)
+        done = subprocess.run([sys.executable, "-c", program], cwd=work, env=variables, capture_output=True, text=True,
+                              timeout=HANGS, **user)
     assert done.stdout.endswith("\n0\n") and done.stderr == "", done.stderr

@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from tests.launch import ROOT, clean_environment, parisph
+from tests.launch import HANGS, ROOT, clean_environment, parisph
 
 STUDY = f'''
 from parisph.study import FinestError, OtherCodes, Quantity, Required, Study, TruthError, Variant
@@ -71,7 +71,7 @@ def test_a_run_that_blows_up_is_a_result(made):
 def test_nothing_is_made_twice(made):
     folder, _ = made
     stamps = {path: path.stat().st_mtime_ns for path in (folder / "the results").glob("runs/*/summary.json")}
-    again = parisph("study", "short study.py", "-o", "the results", "--only", "ISPH_R", cwd=folder, timeout=60)
+    again = parisph("study", "short study.py", "-o", "the results", "--only", "ISPH_R", cwd=folder)
     assert again.returncode == 1 and again.stderr.count("there already") == 3
     assert {path: path.stat().st_mtime_ns for path in stamps} == stamps and len(stamps) == 6
     listed = parisph("study", "short study.py", "-o", "the results", "--list", cwd=folder)
@@ -93,13 +93,13 @@ def test_a_stop_ends_the_runs_and_leaves_a_table(tmp_path):
                              env=clean_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     try:
         locks = tmp_path / "studies" / "long" / "runs"
-        deadline = time.monotonic() + 60.0
+        deadline = time.monotonic() + HANGS
         while not list(locks.glob("*/steps.csv")):
             assert study.poll() is None and time.monotonic() < deadline
             time.sleep(0.05)
         process = json.loads(next(locks.glob("*/run.lock")).read_text())["process"]
         study.send_signal(signal.SIGTERM)    # as Ctrl-C, which a shell sends to a whole group
-        out, err = study.communicate(timeout=60)
+        out, err = study.communicate(timeout=HANGS)
     finally:
         study.kill()
     assert study.returncode == 4 and "stopped with 6 of 6 runs to do; repeat the command" in err

@@ -3,8 +3,8 @@
 That one rank compiles for all is seen by tests/validation/cold_start.py, which takes a minute.
 """
 
-import os
 import shutil
+import subprocess
 import sys
 
 import pytest
@@ -14,22 +14,24 @@ from parisph.base.errors import SolverDiverged
 from parisph.case.schema import Box
 from parisph.driver import Simulation, warmup
 from parisph.kernels import cache, jit, processor
-from tests.launch import ROOT, run
+from tests.launch import HANGS, ROOT, clean_environment
+from tests.others import NOBODY, as_user, open_folder
 from tests.scenes import scene
 
 
-@pytest.mark.skipif(os.geteuid() != 0 or shutil.which("setpriv") is None, reason="only root can become nobody")
-def test_read_only_install_without_a_home(tmp_path):
-    package, work = tmp_path / "package", tmp_path / "work"
-    shutil.copytree(ROOT / "parisph", package / "parisph", ignore=shutil.ignore_patterns("__pycache__"))
-    work.mkdir()
-    for folder in (tmp_path, *tmp_path.parents[:3]):    # one more in a process of several
-        folder.chmod(0o755)
-    work.chmod(0o777)
+def test_read_only_install_without_a_home():
+    user = as_user(NOBODY)
     program = "import os\nfrom parisph.kernels import jit, selfcheck\nselfcheck.stores_hold()\n" \
               "print(jit.FOLDERS.write, len(os.listdir(jit.FOLDERS.write)) > 0)"
-    done = run(["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups", sys.executable, "-c", program], cwd=work,
-               HOME="/nonexistent", XDG_CACHE_HOME="/nonexistent", TMPDIR=str(work), PYTHONPATH=str(package))
+    with open_folder() as folder:
+        package, work = folder / "package", folder / "work"
+        shutil.copytree(ROOT / "parisph", package / "parisph", ignore=shutil.ignore_patterns("__pycache__"))
+        work.mkdir()
+        work.chmod(0o777)
+        variables = clean_environment(HOME="/nonexistent", XDG_CACHE_HOME="/nonexistent", TMPDIR=str(work),
+                                      PYTHONPATH=str(package))
+        done = subprocess.run([sys.executable, "-c", program], cwd=work, env=variables, capture_output=True, text=True,
+                              timeout=HANGS, **user)
     assert done.returncode == 0, done.stderr
     place, filled = done.stdout.split()
     assert place.startswith(str(work / "parisph-kernels-65534")) and filled == "True"

@@ -195,6 +195,7 @@ def test_quiet_and_other_ranks_are_silent(clock, caplog, wanted, first):
     (True, 80, "compiling further kernels (kept in "), (False, 0, None)])
 def test_a_line_before_kernels_are_compiled_and_one_after(clock, monkeypatch, caplog, wanted, kernels, says):
     """The time that it takes is not that of steps."""
+
     @jit.uncached
     def doubled(x):
         return 2.0 * x

@@ -162,7 +162,7 @@ def test_only_the_last_runs_are_kept(monkeypatch, cache, numerics):
 
 
 @pytest.mark.parametrize("content", ["", "{", "[1]", "null", '[{"particles": 0, "seconds": 1}]', '{"a": 1}'])
-def test_a_damaged_file_is_no_error(monkeypatch, cache, numerics, content):
+def test_a_damaged_file_is_no_error(cache, numerics, content):
     cache.parent.mkdir()
     cache.write_text(content)
     assert cost.seconds_per_step(numerics, 4000)[1] == "a short timing of this processor"

@@ -44,7 +44,7 @@ def fails(words, capfd, code, ranks=1):
         assert entry.main(words) == code
         out, said = capfd.readouterr()
     else:
-        done = mpirun(ranks, ["-m", "parisph", *words], timeout=40)
+        done = mpirun(ranks, ["-m", "parisph", *words])
         assert done.returncode == code, done.stderr
         out, said = done.stdout, done.stderr
     assert said.count("parisph: error: ") == 1 and "Traceback" not in said and "Warning" not in said
@@ -67,7 +67,7 @@ def check_summary(steps_at_least, began=True):
 def test_what_does_not_fit_into_memory_is_refused_before_anything_is_made(folder, ranks, need):
     # a small machine, because a large one may have room for any case that is quick to describe
     (folder / "wild.py").write_text("from parisph.base import memory\nmemory.total = lambda: 10**8\n" + CASE)
-    done = mpirun(ranks, ["-m", "parisph", "run", "wild.py"], timeout=40, cwd=folder)
+    done = mpirun(ranks, ["-m", "parisph", "run", "wild.py"], cwd=folder)
     assert done.returncode == 2 and done.stderr.count("parisph: error: ") == 1 and "Traceback" not in done.stderr
     assert f"makes 130 particles, which take about {need} there is 100 MB" in done.stderr
     assert [path.name for path in folder.iterdir()] == ["wild.py"]

@@ -118,7 +118,7 @@ def test_snapshots_are_found_without_the_index(run, damage):
     assert {name: (run / "snapshots" / name).read_bytes() for name in before} == before
 
 
-def test_files_of_others_are_never_touched(run, tmp_path):
+def test_files_of_others_are_never_touched(run):
     checkpoint.paths(run / "checkpoints")[-1].unlink()
     mine = {"notes.txt": b"mine", "snapshots/000009.vtkhdf": b"not HDF5", "snapshots/picture.png": b"png",
             "snapshots/.hidden.tmp": b"x", "probes/other.csv": b"a,b", "checkpoints/readme.tmp": b"y",

@@ -1,12 +1,8 @@
 """One rank of a user's own script fails or ends: the others are ended if they wait for it, and only then."""
 
-import subprocess
-import sys
-import time
-
 import pytest
 
-from tests.launch import clean_environment, mpirun
+from tests.launch import mpirun
 from tests.scenes import PROGRAM
 
 QUICK = "from parisph.parallel import guard\nguard.PATIENCE = 2.0\n"    # for ranks that wait in vain
@@ -19,46 +15,32 @@ s = Simulation(scene("dam_break", spacing=0.1), comm)
 acceleration = s.method.flow.body
 def force(x, t):
     if s.steps == 3 and comm.rank in {inside}:
-        print("failed", flush=True)
         fail()
     return acceleration(x, t)
 s.method.flow.body = force
 for _ in range(8):
     if s.steps == 4 and comm.rank in {between}:
-        print("failed", flush=True)
         fail()
     s.advance()
 {after}
 """
-SOON = 10.0    # [s] from the failure until all ranks are gone
+SOON = 100.0    # [s] for all ranks to be gone, with the start of Python and the load of parisph
 
 
 def carried_out(folder, what="pass", inside=(), between=(), after=""):
-    """Run the script on two ranks; return (exit code, output, seconds from the first failure to the end)."""
+    """Run the script on two ranks, which must end; return (exit code, output)."""
     (folder / "script.py").write_text(QUICK + SCRIPT.format(what=what, inside=inside, between=between, after=after))
-    process = subprocess.Popen(["mpirun", "-n", "2", sys.executable, "script.py"], cwd=folder,
-                               env=clean_environment(), text=True,
-                               stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                               stderr=open(folder / "errors.txt", "w"))
-    try:
-        said, failed = "", None
-        for line in process.stdout:
-            said += line
-            failed = failed or (time.monotonic() if "failed" in line else None)
-        code = process.wait(60)
-        return code, said + (folder / "errors.txt").read_text(), time.monotonic() - (failed or time.monotonic())
-    finally:
-        process.kill()
+    done = mpirun(2, ["script.py"], cwd=folder, timeout=SOON)
+    return done.returncode, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize(("what", "says", "code"), [
     ("sys.exit(7)", "SystemExit: 7", 7), ("raise ParisphError('mine alone')", "ParisphError: mine alone", 1),
 ])
 def test_failure_inside_a_call(tmp_path, what, says, code):
-    found, said, seconds = carried_out(tmp_path, what, inside=[1])
+    found, said = carried_out(tmp_path, what, inside=[1])
     assert found == code and says in said and "in force" in said and "in fail" in said
     assert "an error on rank 1 alone, in Simulation.advance: stopping all 2 ranks" in said
-    assert seconds < SOON
 
 
 @pytest.mark.parametrize(("what", "says"), [
@@ -66,23 +48,19 @@ def test_failure_inside_a_call(tmp_path, what, says, code):
     ("raise ValueError('on one rank')", "ValueError: on one rank"),
 ])
 def test_failure_between_calls(tmp_path, what, says):
-    code, said, seconds = carried_out(tmp_path, what, between=[1])
+    code, said = carried_out(tmp_path, what, between=[1])
     assert code != 0 and says in said and "stopping all 2 ranks" in said
-    assert seconds < SOON
 
 
 def test_failure_while_the_others_do_something_else(tmp_path):
-    code, said, seconds = carried_out(tmp_path,
-                                      after="if comm.rank == 1: raise ValueError(print('failed', flush=True))\n"
-                                            "time.sleep(60)")
-    assert code == 1 and "ValueError: None" in said and "rank 1 ends with an error, while others continue" in said
-    assert seconds < SOON
+    code, said = carried_out(tmp_path, after="if comm.rank == 1: raise ValueError('at the end')\ntime.sleep(300)")
+    assert code == 1 and "ValueError: at the end" in said and "rank 1 ends with an error, while others continue" in said
 
 
 @pytest.mark.parametrize("alone", [0, 1])
 def test_rank_that_still_works_after_the_others_have_ended_is_left_alone(tmp_path, alone):
     after = f"import time\nif comm.rank == {alone}:\n    time.sleep(5)\n    print('pictures made', flush=True)"
-    code, said, _ = carried_out(tmp_path, after=after)
+    code, said = carried_out(tmp_path, after=after)
     assert code == 0 and "pictures made" in said and "ended" not in said
 
 
@@ -126,10 +104,8 @@ Simulation(scene("dam_break", spacing=0.1), comm)
 ])
 def test_rank_that_ends_before_its_first_call(tmp_path, what, ranks, late, says):
     (tmp_path / "script.py").write_text(QUICK + EARLY.format(what=what, late=late))
-    began = time.monotonic()
-    done = mpirun(ranks, ["script.py"], cwd=tmp_path, timeout=40)
+    done = mpirun(ranks, ["script.py"], cwd=tmp_path, timeout=SOON)
     assert done.returncode != 0 and says in done.stderr and f"stopping all {ranks} ranks" in done.stderr
-    assert time.monotonic() - began < 20 + late    # with the start of Python and the load of parisph
 
 
 @pytest.mark.parametrize("own", [False, True])

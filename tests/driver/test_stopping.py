@@ -14,7 +14,6 @@ from tests.launch import mpirun, parisph
 from tests.running import FALLING, running
 from tests.scenes import difference
 
-END = 0.5       # t sqrt(g/H), 32 steps
 ENDLESS = ("--set", "end_time=1000")
 
 
@@ -42,11 +41,22 @@ def undisturbed(tmp_path_factory):
     return folder / "run"
 
 
+HELD = """
+from parisph.driver import Simulation
+advance = Simulation.advance
+def held(self):
+    if self.steps == 30:    # of 32, so that no kill comes after the end
+        time.sleep(300)
+    return advance(self)
+Simulation.advance = held
+"""
+
+
 @pytest.mark.parametrize("trial", [0, 2])    # on one rank and on three
 def test_kill_9_and_restart(tmp_path, undisturbed, trial):
     """A checkpoint is written in every step, so some of these kills come in the middle of one."""
     random = np.random.default_rng(trial)
-    with running(tmp_path, ranks=2) as run:
+    with running(tmp_path, ranks=2, change=HELD) as run:
         run.until_checkpoints(random.integers(1, 25))
         time.sleep(random.uniform(0.0, 0.03))
         os.kill(run.ranks()[trial // 2], signal.SIGKILL)
@@ -64,8 +74,7 @@ def test_kill_9_and_restart(tmp_path, undisturbed, trial):
 @pytest.mark.parametrize(("ranks", "number"), [(1, "SIGINT"), (1, "SIGUSR1"), (2, "SIGTERM")])
 def test_signal_ends_the_run_after_its_step(tmp_path, ranks, number):
     with running(tmp_path, ranks, *ENDLESS, "--set", "checkpoint_every=100") as run:
-        run.until_checkpoints(0)
-        time.sleep(0.5)
+        run.until_it_steps()
         os.kill(run.ranks()[-1], getattr(signal, number))   # of several ranks it reaches one only
         assert run.wait() == 4
         said = run.output()
@@ -84,8 +93,7 @@ def test_signal_ends_the_run_after_its_step(tmp_path, ranks, number):
 def test_signal_to_mpirun_leaves_a_checkpoint(tmp_path):
     """mpirun has an exit code of its own then, and gives its ranks a second."""
     with running(tmp_path, 2, *ENDLESS, "--set", "checkpoint_every=100") as run:
-        run.until_checkpoints(0)
-        time.sleep(0.5)
+        run.until_it_steps()
         os.kill(run.process.pid, signal.SIGTERM)
         assert run.wait() != 0
     steps = int(checkpoint.paths(tmp_path / "run" / "checkpoints")[-1].stem)

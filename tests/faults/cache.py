@@ -6,16 +6,16 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
 
-from parisph.kernels import jit, kept
+from parisph.kernels import kept
 from tests.faults import damage
 from tests.faults.folders import _give, _mount, _restrict
-from tests.launch import clean_environment, parisph
+from tests.launch import clean_environment
+from tests.others import open_folder
 
 SECONDS = 120.0
 MOST = 2          # files that are damaged or missing in an attempt: each takes up to some seconds to compile
@@ -27,20 +27,14 @@ TOLD = {"damaged": "is damaged", "full": "cannot be kept in", "read-only": "can 
 
 def make(count, random, folder):
     """See table.Part. Nobody may not enter the folder that is given, so this has one of its own."""
-    with tempfile.TemporaryDirectory(prefix="parisph-faults-cache-") as own:
-        yield from _make(count, random, Path(own))
+    with open_folder() as own:
+        yield from _make(count, random, own)
 
 
 def _make(count, random, folder):
-    os.chmod(folder, 0o755)
-    (folder / "case.py").write_text(damage.CASE)
     known, sound = folder / "known", folder / "kernels"
-    if jit.FOLDERS.write is not None and jit.FOLDERS.write.exists():
-        shutil.copytree(jit.FOLDERS.write, known / jit.FOLDERS.write.name)
-    done = parisph("run", "case.py", "-o", "sound", "-q", timeout=300, cwd=folder, NUMBA_CACHE_DIR=str(known),
-                   NUMBA_DEBUG_CACHE="1")
-    if done.returncode != 0:
-        raise RuntimeError(f"no sound run: {done.stderr}")
+    damage.copy_kernels(known)
+    done = damage.sound_run(folder, NUMBA_CACHE_DIR=str(known), NUMBA_DEBUG_CACHE="1")
     for part in re.split(r"\[cache\] data (?:loaded from|saved to) '", done.stdout)[1:]:
         path = Path(part.partition("'")[0])    # that of a kernel that the run needs
         (sound / path.relative_to(known)).parent.mkdir(parents=True, exist_ok=True)

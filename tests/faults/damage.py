@@ -1,9 +1,12 @@
-"""Ways to damage a file, and two small runs whose files are damaged."""
+"""Ways to damage a file, and small runs whose files are damaged."""
+
+import shutil
 
 from mpi4py import MPI
 
 from parisph import driver
-from tests.launch import mpirun
+from parisph.kernels import jit
+from tests.launch import mpirun, parisph
 from tests.scenes import scene
 
 BLOCK = 512    # what a disk loses at once
@@ -37,6 +40,22 @@ def two_runs(folder, ranks):
                       timeout=240)
         assert done.returncode == 0, done.stderr
     return made
+
+
+def sound_run(folder, **settings):
+    """Write case.py into a folder and make the run `sound` of it; return CompletedProcess."""
+    (folder / "case.py").write_text(CASE)
+    done = parisph("run", "case.py", "-o", "sound", "-q", timeout=300, cwd=folder, **settings)
+    if done.returncode != 0:
+        raise RuntimeError(f"no sound run: {done.stderr}")
+    return done
+
+
+def copy_kernels(folder):
+    """Make a folder with the compiled kernels of this machine, but for what another process writes at the moment."""
+    folder.mkdir()
+    if jit.FOLDERS.write is not None and jit.FOLDERS.write.exists():
+        shutil.copytree(jit.FOLDERS.write, folder / jit.FOLDERS.write.name, ignore=shutil.ignore_patterns("*.tmp"))
 
 
 def damaged(kind, content, others, random):

@@ -5,14 +5,12 @@ import resource
 import shutil
 import subprocess
 import sys
-import tempfile
-from pathlib import Path
 
 from tests.faults import damage
-from tests.launch import clean_environment, parisph
+from tests.launch import clean_environment
+from tests.others import UNKNOWN, open_folder
 
-SECONDS = 60.0
-UNKNOWN = 12345    # a user that the machine does not know
+SECONDS = 300.0    # where no kernels are found or kept, all are compiled
 VALUES = ("", "0", "x", "-1", "1e9", " ", "\xe4", "7" * 300, "/proc/nothing", "/proc", "/dev/null", "relative", "1,2",
           "\x1b[1m", "nonsense:x", "1 2", "0x1")
 # Variables that are read, in groups that belong together. With valid values of others, numba compiles all again.
@@ -32,16 +30,12 @@ VERBS = (["check", "case.py"], ["info", "SOUND"], ["plot", "SOUND", "-o", "plot.
 
 def make(count, random, folder):
     """See table.Part. Another user may not enter the folder that is given, so this has one of its own."""
-    with tempfile.TemporaryDirectory(prefix="parisph-faults-environment-") as own:
-        yield from _make(count, random, Path(own))
+    with open_folder() as own:
+        yield from _make(count, random, own)
 
 
 def _make(count, random, folder):
-    os.chmod(folder, 0o755)
-    (folder / "case.py").write_text(damage.CASE)
-    done = parisph("run", "case.py", "-o", "sound", "-q", timeout=300, cwd=folder)
-    if done.returncode != 0:
-        raise RuntimeError(f"no sound run: {done.stderr}")
+    damage.sound_run(folder)
     for attempt in range(count):
         place = folder / str(attempt)
         place.mkdir()

@@ -7,15 +7,13 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
-from pathlib import Path
 
-from parisph.kernels import jit
+from tests.faults.damage import copy_kernels
 from tests.launch import clean_environment
+from tests.others import NOBODY, open_folder
 
-NOBODY = 65534    # who runs the case when this is root, whom no permission stops
-SECONDS = 60.0
+SECONDS = 200.0
 CASE = """
 from tests.scenes import scene
 def case():
@@ -35,14 +33,13 @@ CAUSES = {
 
 def make(count, random, folder):
     """See table.Part. Nobody may not enter the folder that is given, so this has one of its own."""
-    with tempfile.TemporaryDirectory(prefix="parisph-faults-folders-") as own:
-        yield from _make(count, random, Path(own))
+    with open_folder() as own:
+        yield from _make(count, random, own)
 
 
 def _make(count, random, folder):
-    os.chmod(folder, 0o755)
     kernels = folder / "kernels"
-    shutil.copytree(jit.FOLDERS.write, kernels / jit.FOLDERS.write.name)
+    copy_kernels(kernels)
     (folder / "home").mkdir()
     _give(kernels)
     _give(folder / "home")
@@ -139,7 +136,7 @@ DO = {
 
 
 def _restrict(limit):
-    """In the new process: become nobody, and perhaps write no long files."""
+    """In the new process: become nobody (no permission stops root), and perhaps write no long files."""
     if os.geteuid() == 0:
         os.setgroups([])
         os.setgid(NOBODY)

@@ -81,7 +81,7 @@ from parisph.__main__ import main
 sys.exit(main(["run", "case.py", "-o", "run", "-q"]))
 """
 START = 200.0      # [s] until the failure
-GONE = 10.0        # [s] from there until all processes are gone
+GONE = 60.0        # [s] from there until all processes are gone
 SECONDS = 300.0    # [s] for a restart
 
 

@@ -261,14 +261,14 @@ def test_stored_text_is_checked_like_a_case():
 
 @pytest.mark.filterwarnings("error")
 def test_sizes_without_a_limit_are_refused_at_once_and_without_warnings():
-    begun = time.monotonic()
+    begun = time.process_time()
     for length in (1e6, 1e8, 1e15, 2e29):
         for shape in (Box(length, length), Disc(length), Polygon(((0, 0), (length, 0), (0, length)))):
             for walls in (None, Tank(4 * length, 4 * length, at=(-2 * length, -2 * length))):
                 for spacing in (1e-30, 1e-3):
                     with pytest.raises(CaseError, match="makes about .* particles|must divide|reaches"):
                         scene(fluid=fluid(shape=shape), walls=walls, numerics=numerics(spacing=spacing))
-    assert time.monotonic() - begun < 5.0
+    assert time.process_time() - begun < 5.0
 
 
 @pytest.mark.parametrize("shape", [

@@ -29,6 +29,7 @@ from parisph.case.methods import METHODS
 from parisph.case.schema import PRESETS
 from parisph.case.time_scales import stable_time_step
 from parisph.case.truths import read_truth
+from tests.launch import clean_environment
 
 
 def scene(**changes):
@@ -184,7 +185,7 @@ def test_import_is_light():
         "from parisph import Case, load; bad = {'mpi4py', 'petsc4py', 'numba', 'h5py'} & set(sys.modules); "
         "assert not bad, bad"
     )
-    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+    subprocess.run([sys.executable, "-c", code], env=clean_environment(), check=True, timeout=60)
 
 
 def test_public_names():

@@ -10,12 +10,14 @@ from mpi4py import MPI
 
 from parisph.io import checkpoint
 from parisph.io.store import Store
+from tests.launch import clean_environment
 from tests.owned_rows import OwnedRows
 
 WRITER = """
 import sys
 from mpi4py import MPI
 from parisph.io.store import Store
+from tests.launch import clean_environment
 from tests.owned_rows import OwnedRows
 
 store = Store.create(MPI.COMM_SELF, sys.argv[1], '{"title": "kill"}')
@@ -34,7 +36,8 @@ while True:
 
 @pytest.mark.parametrize("trial", range(6))
 def test_kill_9_leaves_whole_checkpoints(tmp_path, trial):
-    process = subprocess.Popen([sys.executable, "-c", WRITER, str(tmp_path / "run")], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen([sys.executable, "-c", WRITER, str(tmp_path / "run")], env=clean_environment(),
+                               stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout.readline() == "ready\n"
         time.sleep(np.random.default_rng(trial).uniform(0.0, 0.15))

@@ -1,5 +1,6 @@
 """Labels of runs that are drawn over each other: what differs between their cases."""
 
+import itertools
 import json
 
 import pytest
@@ -8,6 +9,8 @@ from parisph import Box, Case, Fluid, Numerics, Roll, SurfaceGauge, Sway, Tank
 from parisph.case.differences import labels
 from parisph.case.stored import to_json
 
+RUNS = itertools.count()    # no two runs have the same identity
+
 
 def stored(title="Basin", height=0.5, frame=None, probes=(), end_time=1.0, parameters=None, **numerics):
     """Return the content of case.json, with the parameters of case(...) where there are any."""
@@ -15,7 +18,7 @@ def stored(title="Basin", height=0.5, frame=None, probes=(), end_time=1.0, param
     case = Case(title=title, fluid=Fluid(Box(1.0, height), density=1000.0), walls=Tank(1.0, 2.0), end_time=end_time,
                 gravity=(0.0, -9.81), numerics=Numerics(**numerics), probes=probes,
                 **({"frame": frame} if frame else {}))
-    found = json.loads(to_json(case)) | {"run": f"{id(case)}"}
+    found = json.loads(to_json(case)) | {"run": f"{next(RUNS)}"}
     return found | {"made": {"parameters": parameters}} if parameters else found
 
 

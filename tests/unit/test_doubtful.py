@@ -1,6 +1,7 @@
 """What `parisph check` and a run say of a case that is not resolved, hardly meant, or cannot be run."""
 
 from pathlib import Path
+from time import process_time
 
 import numpy as np
 import pytest
@@ -209,7 +210,9 @@ def test_the_viscosity_that_is_advised_is_accepted():
 
 def test_irregular_waves_for_days_are_checked_at_once():
     """Their motion was looked at up to the end: some minutes for each day."""
+    begun = process_time()
     assert "piston" in describe(flume(Jonswap(height=0.05, period=1.2, depth=0.5), 2.5, end_time=2e5))
+    assert process_time() - begun < 30.0
 
 
 def test_a_run_carries_what_was_doubtful(tmp_path):

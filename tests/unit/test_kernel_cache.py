@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from parisph.kernels import cache, jit, kept, processor
-from tests.launch import clean_environment
+from tests.launch import HANGS, clean_environment
 
 X, WHOLE = np.array([1.0, 2.0]), np.array([1, 2])
 
@@ -127,7 +127,7 @@ def test_a_full_disk_is_told_once_and_the_run_goes_on(tmp_path, caplog, monkeypa
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 
-def test_no_folder_at_all_is_told(caplog, any_numba, monkeypatch):
+def test_no_folder_at_all_is_told(caplog, any_numba):
     assert hits(cache.Folders(None, ())) == 0
     assert ("can be kept in no folder" in caplog.text) == processor.internals_are_known()
 
@@ -157,8 +157,8 @@ import os, sys
 import numpy as np
 from parisph.kernels import jit
 from slow import doubled
-if sys.argv[1] == "killed":
-    os.replace = lambda *names: os.kill(os.getpid(), 9)
+if sys.argv[1] == "stuck":    # as it writes, until it is killed
+    os.replace = lambda *names: (print("writes", flush=True), sys.stdin.read())
 print(doubled(np.array([1.0, 2.0])), doubled(np.array([3])))
 print(sum(doubled.stats.cache_hits.values()))
 """
@@ -176,11 +176,15 @@ def test_two_processes_fill_one_cache_and_one_is_killed_as_it_writes(tmp_path):
 
     def begin(how):
         return subprocess.Popen([sys.executable, "-c", PROCESS, how], cwd=tmp_path, env=variables, text=True,
-                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+                                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
-    killed, one = begin("killed"), begin("")
-    said = [process.communicate(timeout=60)[0] for process in (killed, one)]
-    assert killed.returncode == -9 and said[1].split("\n")[0] == "2.0 6"
+    stuck = begin("stuck")
+    try:
+        assert stuck.stdout.readline() == "writes\n"
+        assert begin("").communicate(timeout=HANGS)[0] == "2.0 6\n0\n"
+    finally:
+        stuck.kill()
+        stuck.communicate()
     two, three = begin(""), begin("")
-    assert [process.communicate(timeout=60)[0] for process in (two, three)] == ["2.0 6\n2\n"] * 2
+    assert [process.communicate(timeout=HANGS)[0] for process in (two, three)] == ["2.0 6\n2\n"] * 2
     assert len(list(tmp_path.rglob("*.tmp"))) == 1, "what the killed one has left, which nobody reads"

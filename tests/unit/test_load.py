@@ -179,7 +179,7 @@ def test_odd_names(tmp_path, monkeypatch, name, message):
     assert len(str(error.value)) < 400 and is_plain(str(error.value))
 
 
-def test_a_byte_order_mark_is_no_part_of_a_case(write, tmp_path):
+def test_a_byte_order_mark_is_no_part_of_a_case(write):
     file = write()
     file.write_text("\ufeff" + file.read_text(encoding="utf-8"), encoding="utf-8")
     assert load(file).title == "test"

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 
 import pytest
 
@@ -59,7 +60,7 @@ def test_the_lock_of_a_killed_process_is_taken_over(tmp_path, holder, reaped):
     if reaped:
         holder.wait()
     else:
-        time.sleep(0.2)    # it is a zombie now
+        os.waitid(os.P_PID, holder.pid, os.WEXITED | os.WNOWAIT)    # it is a zombie now
     assert lock.holder(tmp_path) is None
     Lock(tmp_path).release()
     assert not list(tmp_path.iterdir())
@@ -157,24 +158,30 @@ def test_a_link_is_not_followed(tmp_path):
 
 
 RACE = """
-import sys, time
+import sys
 from parisph.base.errors import StoreError
 from parisph.io.lock import Lock
-time.sleep(max(0.0, float(sys.argv[2]) - time.time()))
+print("ready", flush=True)
+sys.stdin.readline()
 try:
-    Lock(sys.argv[1])
+    held = Lock(sys.argv[1])
     print("taken", flush=True)
-    time.sleep(3)
 except StoreError:
     print("refused", flush=True)
+sys.stdin.readline()    # who has it lives until all have tried
 """
 
 
 def test_of_several_processes_that_find_a_stale_lock_one_takes_it(tmp_path, holder):
     os.kill(holder.pid, signal.SIGKILL)
     holder.wait()
-    start = str(time.time() + 1.5)
-    racers = [subprocess.Popen([sys.executable, "-c", RACE, str(tmp_path), start], env=clean_environment(),
-                               stdout=subprocess.PIPE, text=True) for _ in range(4)]
-    said = sorted(racer.communicate(timeout=30)[0].strip() for racer in racers)
-    assert said == ["refused", "refused", "refused", "taken"]
+    with ExitStack() as ends:
+        racers = [ends.enter_context(subprocess.Popen([sys.executable, "-c", RACE, str(tmp_path)], text=True,
+                                                      env=clean_environment(), stdin=subprocess.PIPE,
+                                                      stdout=subprocess.PIPE)) for _ in range(4)]
+        assert [racer.stdout.readline() for racer in racers] == ["ready\n"] * 4
+        for racer in racers:
+            racer.stdin.write("go\n")
+            racer.stdin.flush()
+        said = sorted(racer.stdout.readline() for racer in racers)
+    assert said == ["refused\n", "refused\n", "refused\n", "taken\n"]

@@ -87,7 +87,7 @@ def test_what_is_not_there_is_named(folder, tmp_path):
         open_run(tmp_path)
 
 
-def test_a_snapshot_that_is_not_what_was_written_is_refused(folder, tmp_path):
+def test_a_snapshot_that_is_not_what_was_written_is_refused(folder):
     run, path = open_run(folder), folder / "snapshots/000002.vtkhdf"
     content = path.read_bytes()
     for place in (40, len(content) // 2, content.index(b"made up"), len(content) - 3):
