@@ -195,7 +195,7 @@ def _turned_in(walls, names) -> Iterator[str]:
 
 def _wedges(chains, names) -> Iterator[str]:
     for chain in chains:
-        for k in np.flatnonzero(np.degrees(chain.angle) < WEDGE):
+        for k in np.flatnonzero(np.degrees(chain.angle) < (1.0 - ROUNDING) * WEDGE):
             body = names[chain.body[min(k, len(chain.body) - 1)]]
             yield (f"{body}: at {_at(chain.points[k])} the fluid ends in a wedge of "
                    f"{np.degrees(chain.angle[k]):.1f} degrees; below {WEDGE:g} its tip is not resolved at any spacing")
@@ -219,7 +219,7 @@ def shores(mesh: WallMesh, levels: Sequence[float]) -> list[tuple[float, np.ndar
 def _beaches(mesh, names, fluids) -> Iterator[str]:
     levels = [fluid.level for fluid in fluids if isinstance(fluid, StillWater)]
     for angle, at, body in shores(mesh, levels):
-        if angle < WEDGE:
+        if angle < (1.0 - ROUNDING) * WEDGE:
             yield (f"{names[body]}: at {_at(at)} the water ends in a wedge of {angle:.1f} degrees; below {WEDGE:g} its "
                    f"tip is not resolved at any spacing{RESTLESS if angle <= FLAT else ''}")
 

@@ -21,6 +21,8 @@ TANK = Tank(3.0, 1.0)
     ([Profile([(0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (3.0, 1.1)])], [StillWater(0.8)]),
     ([TANK, Obstacle(Disc(0.2, at=(1.5, 0.5))), Plate([(2.2, 0.0), (2.2, 0.6)])], [StillWater(0.8)]),
     ([TANK, Obstacle(Box(0.5, 0.3, at=(1.0, -0.1))), Obstacle(Box(0.3, 0.5, at=(1.1, 0.0)))], [StillWater(0.8)]),
+    *(([Profile([(0.0, 1.0), (0.0, 0.0), (foot, 0.0), (foot + 1.0 / np.tan(np.pi / 12.0), 1.0)])], [StillWater(0.8)])
+      for foot in (1.0, 1.5, 2.1)),    # wedges of 15 degrees, but for rounding
     ([], [Disc(0.5)]),
 ])
 def test_sound_scenes_have_no_findings(walls, fluids):
