@@ -73,7 +73,7 @@ class StillTank:
     def _fill(self):
         """Make the matrices; pressures are in the order inner, wet, surface, velocities (particle, axis) in rows."""
         p, rows = self.particles, self.method.rows
-        rows.fill(np.zeros((self.n, 2)), self.flow.cloud)
+        rows.fill(np.zeros((self.n, 2)), self.flow.cloud, self.flow.walls.cells(self.flow))
         self.pressures = np.concatenate([self.inner, self.wet, self.surface])
         # slopes across walls and the Laplacian belong to the pressure at rest, or are of second order
         self.gradient = np.stack([self.method.pressure_gradient(e)[self.fluid].ravel()

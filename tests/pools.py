@@ -9,6 +9,7 @@ from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
 from parisph.kernels.mirrors import beside_walls
 from parisph.kernels.moments import second_moment
+from parisph.kernels.records import Cloud
 from parisph.patch import arrangement
 
 
@@ -51,6 +52,12 @@ class Pool:
     @property
     def fluid(self):
         return self.kind == FLUID
+
+    @property
+    def cloud(self):
+        """The record that kernels take."""
+        return Cloud(self.x, self.kind, self.role, self.normal, self.corner, np.full(self.n, self.spacing**self.dim),
+                     self.indptr, self.indices, self.spacing, self.axes)
 
     @property
     def walls(self):

@@ -11,12 +11,12 @@ from parisph.case.numerics import Numerics
 from parisph.kernels import gradient, pairs, surface, wetness
 from parisph.kernels.jit import axes_of
 from parisph.kernels.potential_fit import Potential
+from parisph.kernels.records import Cloud
 from parisph.methods import lengths
 from parisph.methods.budget import Budget, NoBudget
 from parisph.methods.last_waves import LastWaves
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
-from parisph.pressure.rows import Cloud
 
 
 class Flow:
@@ -145,8 +145,8 @@ class Flow:
     def cloud(self) -> Cloud:
         """The particles as kernels need them, now."""
         p, d = self.particles, self.domain
-        return Cloud(p.x_all, p.kind_all, p.role_all, self.walls.cells(self), p.normal_all, p.corner_all, d.indptr,
-                     d.indices, self.spacing, self.axes)
+        return Cloud(p.x_all, p.kind_all, p.role_all, p.normal_all, p.corner_all, p.volume_all, d.indptr, d.indices,
+                     self.spacing, self.axes)
 
     @property
     def cells(self) -> np.ndarray:

@@ -22,6 +22,7 @@ from parisph.kernels import (
 )
 from parisph.kernels import flux as fluxes
 from parisph.kernels.near import SPLINE, SPLINE_SLOPE
+from parisph.kernels.records import Cloud
 from parisph.methods import lengths
 from parisph.methods.parts import (
     DIVERGENCES,
@@ -35,7 +36,7 @@ from parisph.methods.parts import (
     Laplacian,
     WallRows,
 )
-from parisph.pressure.rows import Cloud, Flux, Rows
+from parisph.pressure.rows import Flux, Rows
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow

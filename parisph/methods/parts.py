@@ -12,7 +12,8 @@ import numpy as np
 
 from parisph.base import vocabulary
 from parisph.case.numerics import Numerics
-from parisph.pressure.rows import Cloud, Flux, Rows
+from parisph.kernels.records import Cloud
+from parisph.pressure.rows import Flux, Rows
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow

@@ -124,7 +124,7 @@ class Projection:
         self._wall_velocity()
         flow.domain.update("role", "u")
         self._find_potential()
-        self.rows.fill(flow.force, flow.cloud)
+        self.rows.fill(flow.force, flow.cloud, flow.walls.cells(flow))
         target = flow.density * (self.rows.div - self.rows.gradient_invariants(p.u_all, p.role_all)[0])
         matrix, right, isolated = self._equation(target)
         p.p[:], _ = self.solver.solve(*matrix, right, p.p, renumbered=True)
@@ -267,7 +267,7 @@ class Projection:
     def _assemble(self, dt):
         """Rows and right-hand side: the source at inner particles, Eq. 25 (2014 paper) at wet walls."""
         flow = self.flow
-        self.rows.fill(flow.particles.u_all + dt * flow.force, flow.cloud)
+        self.rows.fill(flow.particles.u_all + dt * flow.force, flow.cloud, flow.walls.cells(flow))
         return self._equation(self.parts.source.target(flow, dt))
 
     def _equation(self, target):

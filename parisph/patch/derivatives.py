@@ -9,7 +9,7 @@ from parisph.base.fields import BALLISTIC, FLUID, FieldSet
 from parisph.base.log import Timers
 from parisph.case.numerics import Numerics
 from parisph.kernels.cells import neighbour_lists
-from parisph.kernels.jit import axes_of
+from parisph.kernels.records import cloud_of
 from parisph.methods import catalogue, lengths  # noqa: F401 (parts register)
 from parisph.methods.flow import Flow
 from parisph.methods.parts import GRADIENTS, LAPLACIANS, SURFACE_GRADIENTS, WALL_ROWS
@@ -17,7 +17,7 @@ from parisph.methods.wall_images import WallImages
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.patch.arrangement import Arrangement
-from parisph.pressure.rows import Cloud, PressureRows
+from parisph.pressure.rows import PressureRows
 
 
 class _Nothing:
@@ -68,9 +68,8 @@ def discrete(arrangement: Arrangement, laplacian: str, wall_rows: str = "sfdi") 
     reach = max(lengths.NEAR, part.reach, walls.reach)
     indptr, indices = neighbour_lists(a.x, len(a.x), reach * s)
     rows = PressureRows(a.dim, part, _Nothing(), walls, 0.0, lengths.MLS)
-    cells = np.where(a.kind == FLUID, 1.0, 0.0)
-    cloud = Cloud(a.x, a.kind, a.role.copy(), cells, a.normal, a.corner, indptr, indices, s, axes_of(a.dim))
-    rows.fill(np.zeros_like(a.x), cloud)
+    cloud = cloud_of(a.x, a.kind, a.role.copy(), a.normal, indptr, indices, s)
+    rows.fill(np.zeros_like(a.x), cloud, np.where(a.kind == FLUID, 1.0, 0.0))
     return Discrete(rows, a)
 
 

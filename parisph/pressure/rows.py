@@ -1,6 +1,5 @@
 """The pressure matrix of this rank: the rows that parts fill, and the CSR matrix of all rows."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -8,26 +7,7 @@ import numpy as np
 from parisph.base.fields import INNER, SURFACE, WET
 from parisph.kernels import rankine, surface_rows
 from parisph.kernels.jit import kernel
-
-
-@dataclass
-class Cloud:
-    """The particles as kernels need them: local arrays, and the CSR neighbour lists of the owned ones.
-
-    x, normal : (n_all, dim); kind, role, cells, corner : (n_all,); indptr : (n_owned + 1,); indices : (nnz,)
-    spacing [m]; axes : of kernels.jit.axes_of
-    """
-
-    x: np.ndarray
-    kind: np.ndarray
-    role: np.ndarray
-    cells: np.ndarray
-    normal: np.ndarray
-    corner: np.ndarray
-    indptr: np.ndarray
-    indices: np.ndarray
-    spacing: float
-    axes: Any
+from parisph.kernels.records import Cloud
 
 
 class Rows:
@@ -100,8 +80,11 @@ class PressureRows:
         self.rows, self.flux = Rows(), Flux(dim)
         self._invariants: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
-    def fill(self, u: np.ndarray, cloud: Cloud) -> None:
-        """Fill the rows of all owned particles, and the flux divergence of u (n_all, dim) [m/s]. Not collective."""
+    def fill(self, u: np.ndarray, cloud: Cloud, cells: np.ndarray) -> None:
+        """Fill the rows of all owned particles, and the flux divergence of u (n_all, dim) [m/s]. Not collective.
+
+        cells : (n_all,), the part of their cells that particles fill
+        """
         n, rows, flux = len(cloud.indptr) - 1, self.rows, self.flux
         self.cloud, self._invariants = cloud, None
         rows.reserve(n, len(cloud.indices))
@@ -112,7 +95,7 @@ class PressureRows:
         self.walls.fill(rows, cloud)
         if self.offset > 0.0:
             s = cloud.spacing
-            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.role, cloud.cells,
+            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.role, cells,
                                       self.offset * s, s, self.radius * s, cloud.indptr, cloud.indices, cloud.axes)
 
     @property

@@ -52,7 +52,7 @@ def error(name, spacing, wall_rows, field, jitter=0.4):
     flow, p = s.method.flow, s.particles
     value, gradient, target = field(*p.x.T)
     target = np.where(p.role == WET, np.einsum("ia,ia->i", gradient, p.normal), target)
-    flow.rows.fill(np.zeros_like(p.u_all), flow.cloud)
+    flow.rows.fill(np.zeros_like(p.u_all), flow.cloud, flow.cells)
     right = flow.rows.right_hand_side(target)
     if wall_rows == "curved":
         rows, cloud = flow.rows.rows, flow.rows.cloud

@@ -5,8 +5,9 @@ import pytest
 
 from parisph.base.fields import BALLISTIC, CONTACT, INNER, SURFACE, WET
 from parisph.case.methods import METHODS
+from parisph.kernels.records import cloud_of
 from parisph.kernels.row import looked_over, split_rows
-from tests.made_rows import PROJECTIONS, cloud_of, rows_of_method
+from tests.made_rows import PROJECTIONS, rows_of_method
 from tests.pools import block, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -15,8 +16,7 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 def rows_of(pool, method="ISPH_R", wall_rows="sfdi", u=None, made=None, offset=0.0):
     rows = made or rows_of_method(method, pool.dim, wall_rows, offset)
     cells = np.where(pool.fluid, 1.0, 0.0)
-    rows.fill(np.zeros_like(pool.x) if u is None else u,
-              cloud_of(pool.x, pool.role, pool.spacing, pool.indptr, pool.indices, pool.kind, cells, pool.normal))
+    rows.fill(np.zeros_like(pool.x) if u is None else u, pool.cloud, cells)
     return rows
 
 
@@ -143,7 +143,7 @@ def test_no_particles():
     pool = block(2, 5)
     rows = rows_of_method("ISPH_R", 2, "harmonic", 0.5)
     none, kinds = np.empty((0, 2)), np.empty(0, np.int8)
-    rows.fill(none, cloud_of(none, kinds, 0.1, np.zeros(1, np.int32), np.empty(0, np.int32)))
+    rows.fill(none, cloud_of(none, kinds, kinds, none, np.zeros(1, np.int32), np.empty(0, np.int32), 0.1), np.empty(0))
     indptr, columns, values, anchored = rows.csr(np.empty(0, np.int8), np.empty(0, np.int32))
     assert indptr.tolist() == [0] and len(columns) == len(values) == len(anchored) == 0
     assert rows.right_hand_side(np.empty(0)).shape == (0,) and pool.n == 25

@@ -149,7 +149,7 @@ def test_particles_remember_the_volume_that_they_have_made_where_a_case_asks_for
     flow, inner = simulation.method.flow, simulation.particles.role == INNER
     simulation.particles.u_all[:] = 0.0
     left[:] = 0.0
-    flow.rows.fill(simulation.particles.u_all, flow.cloud)
+    flow.rows.fill(simulation.particles.u_all, flow.cloud, flow.cells)
     for dt, time in ((1e-6, 20.0 * np.sqrt(0.05 / 9.81)), (10.0, 40.0)):
         found = []
         for start in (0.0, 0.003):

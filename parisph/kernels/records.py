@@ -1,0 +1,64 @@
+"""What most kernels take: the particles with their neighbours, and the walls near them.
+
+A kernel is `f(out, cloud, walls, field, numbers)`. Records are named tuples of arrays, which numba takes apart at no
+cost; `cloud._replace(kind=...)` makes one with another array.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from parisph.kernels.jit import axes_of
+
+
+class Cloud(NamedTuple):
+    """The particles of a rank, ghosts included, and the CSR neighbour lists of the owned ones.
+
+    x, normal : (n_all, dim), place [m] and, of wall particles, unit normal into the fluid
+    kind, role, corner : (n_all,) int8; volume : (n_all,) [m^dim]
+    indptr : (n_owned + 1,) int32; indices : (nnz,) int32
+    spacing : [m]; axes : of kernels.jit.axes_of
+    """
+
+    x: np.ndarray
+    kind: np.ndarray
+    role: np.ndarray
+    normal: np.ndarray
+    corner: np.ndarray
+    volume: np.ndarray
+    indptr: np.ndarray
+    indices: np.ndarray
+    spacing: float
+    axes: tuple[int, ...]
+
+
+class Walls(NamedTuple):
+    """The wall elements near the particles of a rank, and those that each owned particle sees, as CSR lists.
+
+    corners : (M, dim, dim) [m], with the fluid on the left of the way from the first to the second, in 3D on the side
+        from which they are in anticlockwise order; velocity : (M, dim) [m/s]
+    present : (M,), 0 to 1, the part of each element that counts; sticks : (M,) bool, those that fluid sticks to
+    indptr : (n_owned + 1,) int32; indices : (nnz,) int32
+    """
+
+    corners: np.ndarray
+    velocity: np.ndarray
+    present: np.ndarray
+    sticks: np.ndarray
+    indptr: np.ndarray
+    indices: np.ndarray
+
+
+def no_walls(n_owned: int, dim: int) -> Walls:
+    """Return the Walls of `n_owned` particles without any element near them."""
+    none = np.zeros(0, np.int32)
+    return Walls(np.empty((0, dim, dim)), np.empty((0, dim)), np.empty(0), np.empty(0, np.bool_),
+                 np.zeros(n_owned + 1, np.int32), none)
+
+
+def cloud_of(x: np.ndarray, kind: np.ndarray, role: np.ndarray, normal: np.ndarray, indptr: np.ndarray,
+             indices: np.ndarray, spacing: float) -> Cloud:
+    """Return the Cloud of particles that are in no corner and have the volume of a cell."""
+    n, dim = x.shape
+    return Cloud(x, kind, role, normal, np.zeros(n, np.int8), np.full(n, spacing**dim), indptr, indices, spacing,
+                 axes_of(dim))
