@@ -1,21 +1,21 @@
-"""Pair collisions and wall guard."""
+"""Collisions of pairs of fluid particles."""
 
 import numpy as np
 
 from parisph.base.fields import FLUID
-from parisph.kernels.jit import inlined, kernel, subkernel
-from parisph.kernels.mirrors import height, near_planes
+from parisph.kernels.jit import kernel, subkernel
+from parisph.kernels.records import Cloud
 
 ROUNDING = 1e-9    # of the approach by a linear velocity: what differs from it by less is linear
 
 
 @kernel
-def count_collisions(number: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, distance: float,
-                     indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def count_collisions(number: np.ndarray, cloud: Cloud, u: np.ndarray, distance: float) -> None:
     """Number of fluid neighbours closer than the distance that each owned particle approaches: (n_owned,).
 
     These are at least as many as it collides with (pair_collisions).
     """
+    x, kind, indptr, indices, axes = cloud.x, cloud.kind, cloud.indptr, cloud.indices, cloud.axes
     for i in range(len(indptr) - 1):
         number[i] = 0
         if kind[i] != FLUID:
@@ -31,9 +31,8 @@ def count_collisions(number: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.
 
 
 @kernel
-def pair_collisions(change: np.ndarray, number: np.ndarray, u: np.ndarray, x: np.ndarray, g: np.ndarray,
-                    kind: np.ndarray, volume: np.ndarray, distance: float, restitution: float, indptr: np.ndarray,
-                    indices: np.ndarray, axes: tuple[int, ...]) -> int:
+def pair_collisions(change: np.ndarray, cloud: Cloud, number: np.ndarray, u: np.ndarray, g: np.ndarray, distance: float,
+                    restitution: float) -> int:
     """Velocity change by collisions of fluid pairs that are closer than the distance and approach.
 
     What counts is the approach beyond that of a linear velocity, d . (u_i - u_j) + d . (g_i + g_j) d/2
@@ -44,11 +43,11 @@ def pair_collisions(change: np.ndarray, number: np.ndarray, u: np.ndarray, x: np
     result depends neither on the order of the pairs nor on the rank that owns a particle.
 
     change : (n_owned, dim) output [m/s]; number : (n_all,) of count_collisions
-    g : (n_all, dim, dim), velocity gradient [1/s]; volume : (n_all,) [m^dim], > 0 for fluid
+    g : (n_all, dim, dim), velocity gradient [1/s]; the volumes of fluid must be > 0
     Returns the number of colliding pairs (each counted once per particle).
     """
-    dim = len(axes)
-    pairs = 0
+    x, kind, volume, indptr, indices = cloud.x, cloud.kind, cloud.volume, cloud.indptr, cloud.indices
+    axes, dim, pairs = cloud.axes, len(cloud.axes), 0
     for i in range(len(indptr) - 1):
         change[i, :] = 0.0
         if kind[i] != FLUID or number[i] == 0:
@@ -79,69 +78,3 @@ def _approach(i, j, x, u, g, axes):
             smooth -= 0.5 * d * (g[i, a, b] + g[j, a, b]) * (x[j, b] - x[i, b])
     beyond = full - smooth
     return r2, min(full, beyond) if beyond > ROUNDING * abs(smooth) else 0.0
-
-
-@kernel
-def wall_guard(u: np.ndarray, beside: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
-               normal: np.ndarray, distance: float, dt: float, indptr: np.ndarray, indices: np.ndarray,
-               axes: tuple[int, ...]) -> int:
-    """Keep fluid from coming closer to a wall than the distance within the next dt [s].
-
-    The velocity into the wall is limited to the room in front of the wall, and to zero if there is
-    none. A particle behind the wall would see its neighbours on the wrong side, which gives an
-    unbounded pressure. u of the wall particles is the wall's normal velocity. Returns the number of
-    particles that were slowed down.
-
-    beside : fluid with walls in its lists, and indptr, indices : of these walls, of `mirrors.beside_walls`
-    """
-    dim = len(axes)
-    member = np.empty(dim, np.int64)
-    slowed = 0
-    for i in beside:
-        hit = False
-        for p in range(near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)):
-            wall = member[p]
-            outward = 0.0
-            for a in range(dim):
-                outward += (u[i, a] - u[wall, a]) * normal[wall, a]
-            allowed = min(distance - height(i, wall, x, normal, axes), 0.0) / dt
-            if outward < allowed:
-                hit = True
-                for a in range(dim):
-                    u[i, a] += (allowed - outward) * normal[wall, a]
-        slowed += hit
-    return slowed
-
-
-@kernel
-def keep_off_walls(move: np.ndarray, beside: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
-                   normal: np.ndarray, distance: float, indptr: np.ndarray, indices: np.ndarray,
-                   axes: tuple[int, ...]) -> None:
-    """Remove the part of a displacement that would bring fluid closer to a wall than the distance.
-
-    move : (n_owned, dim) [m], changed in place
-    beside : fluid with walls in its lists, and indptr, indices : of these walls, of `mirrors.beside_walls`
-    """
-    dim = len(axes)
-    member = np.empty(dim, np.int64)
-    for i in beside:
-        if not _any(move, i, axes):
-            continue
-        for p in range(near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)):
-            wall = member[p]
-            outward = 0.0
-            for a in range(dim):
-                outward += move[i, a] * normal[wall, a]
-            allowed = min(distance - height(i, wall, x, normal, axes), 0.0)
-            if outward < allowed:
-                for a in range(dim):
-                    move[i, a] += (allowed - outward) * normal[wall, a]
-
-
-@inlined
-def _any(move, i, axes):
-    """Return whether particle i moves at all."""
-    for a in range(len(axes)):
-        if move[i, a] != 0.0:
-            return True
-    return False

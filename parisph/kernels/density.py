@@ -1,4 +1,4 @@
-"""Density ratio beside walls: the kernel's integral over the solid, as the particle sees it, in place of mirror images.
+"""Density ratio beside walls: the kernel's integral over the solid, as the particle sees it.
 
     alpha_i full = sum_fluid W + [ sum_nodes (A s share W + s a.(x_i - x_k) b(r)) + sum_elements Omega F(r) ] / s^dim
 
@@ -21,6 +21,7 @@ import numpy as np
 from parisph.base.fields import FLUID, WALL
 from parisph.kernels.jit import axes_of, inlined, kernel
 from parisph.kernels.near import dot, room_for
+from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 from parisph.kernels.solids import element_normal
 from parisph.kernels.surface import lattice_sum
@@ -35,13 +36,12 @@ class Table(NamedTuple):
 
     values : (ENTRIES + 2, 4) at r = 0 ... 2h in equal steps:
         F(r) [1], b(r) [m^(-dim-1)], b'(r)/r [m^(-dim-3)], G(r) [1/m]
-    h : [m]; full : the kernel's sum over the lattice [m^-dim]; spacing : [m]
+    h : [m]; full : the kernel's sum over the lattice [m^-dim]
     """
 
     values: np.ndarray
     h: float
     full: float
-    spacing: float
 
 
 def table(spacing: float, h: float, dim: int) -> Table:
@@ -60,7 +60,7 @@ def table(spacing: float, h: float, dim: int) -> Table:
     values = np.zeros((ENTRIES + 2, 4))
     values[:ENTRIES] = np.stack([beyond, b, by_r, pull], axis=1)
     values[ENTRIES - 1 :] = 0.0
-    return Table(values, h, full, spacing)
+    return Table(values, h, full)
 
 
 def _kernel(r, h, dim):
@@ -154,35 +154,32 @@ def node_terms(weight: np.ndarray, area: np.ndarray, filled: np.ndarray) -> tupl
 
 
 @inlined
-def _entry(values, column, r, step):
+def _entry(table, column, r):
     """Return a table's value at r by linear interpolation, 0 beyond its end."""
-    at = min(r / step, ENTRIES - 0.5)
+    at = min(r * (ENTRIES - 1) / (2.0 * table.h), ENTRIES - 0.5)
     k = int(at)
-    return values[k, column] + (at - k) * (values[k + 1, column] - values[k, column])
+    return table.values[k, column] + (at - k) * (table.values[k + 1, column] - table.values[k, column])
 
 
 @kernel
-def completed_density(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, weight: np.ndarray, area: np.ndarray,
-                      corners: np.ndarray, present: np.ndarray, values: np.ndarray, h: float, full: float,
-                      spacing: float, element_indptr: np.ndarray, element_indices: np.ndarray, indptr: np.ndarray,
-                      indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def completed_density(alpha: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray,
+                      table: Table) -> None:
     """Kernel-sum density of owned fluid over its lattice value, completed by nodes and by the solid behind elements.
 
     alpha : (n_owned,) output; walls get 1
     weight : (n_all,) of fluid, the cell that it starts in over s^dim; of nodes, the part of a cell s^dim that is inside
         the fluid; 0 for those that do not count
     area : (n_all, dim) area vector of nodes over s^(dim-1), 0 for all others
-    corners : (M, dim, dim) [m]; present : (M,), 0 to 1, the part of each element that counts
-    values, h, full, spacing : of the Table
     """
-    dim = len(axes)
-    pull, n, step, cell = np.empty(dim), np.empty(dim), 2.0 * h / (ENTRIES - 1), spacing**dim
+    x, indptr, indices, axes = cloud.x, cloud.indptr, cloud.indices, cloud.axes
+    dim, h = len(axes), table.h
+    pull, cell = np.empty(dim), cloud.spacing**dim
     apart, part = np.empty(room_for(indptr)), np.empty(room_for(indptr))
-    for i in range(len(indptr) - 1):
+    for i in range(len(alpha)):
         alpha[i] = 1.0
-        if kind[i] != FLUID:
+        if cloud.kind[i] != FLUID:
             continue
-        total, walls = weight[i] * cubic_spline(0.0, h, dim), element_indptr[i] < element_indptr[i + 1]
+        total = weight[i] * cubic_spline(0.0, h, dim)
         first, count = indptr[i], indptr[i + 1] - indptr[i]
         for k in range(count):
             j = np.uint32(indices[first + k])
@@ -192,43 +189,43 @@ def completed_density(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, weight
             apart[k], part[k] = r2, weight[j]
         for k in range(count):
             total += part[k] * cubic_spline(math.sqrt(apart[k]), h, dim)
-        if walls:
+        if walls.indptr[i] < walls.indptr[i + 1]:
             for k in range(count):
                 j = indices[first + k]
-                if kind[j] == WALL:
+                if cloud.kind[j] == WALL:
                     before = 0.0
                     for a in range(dim):
                         before += (x[i, a] - x[j, a]) * area[j, a]
-                    total += before * _entry(values, 1, math.sqrt(apart[k]), step)
-            for k in range(element_indptr[i], element_indptr[i + 1]):
-                e = element_indices[k]
-                if present[e] > 0.0:
-                    total += present[e] * _solid_behind(pull, n, i, x, e, corners, values, h, step, False, axes) / cell
-        alpha[i] = total / full
+                    total += before * _entry(table, 1, math.sqrt(apart[k]))
+            for k in range(walls.indptr[i], walls.indptr[i + 1]):
+                e = walls.indices[k]
+                if walls.present[e] > 0.0:
+                    total += walls.present[e] * _solid_behind(pull, i, e, cloud, walls, table, False) / cell
+        alpha[i] = total / table.full
 
 
 @inlined
-def _solid_behind(pull, n, i, x, e, corners, values, h, step, with_pull, axes):
+def _solid_behind(pull, i, e, cloud, walls, table, with_pull):
     """Return the integral of the kernel over the solid behind an element, as seen from particle i; 0 from behind.
 
     pull : (dim,) output if asked for, the integral of the kernel's gradient with respect to the particle's place
     """
-    for a in range(len(axes)):
+    for a in range(len(cloud.axes)):
         pull[a] = 0.0
-    if len(axes) == 2:
-        return _behind_segment(pull, i, x, e, corners, values, h, step, with_pull)
-    return _behind_triangle(pull, n, i, x, e, corners, values, h, step, with_pull, axes)
+    if len(cloud.axes) == 2:
+        return _behind_segment(pull, i, cloud.x, e, walls.corners, table, with_pull)
+    return _behind_triangle(pull, i, cloud.x, e, walls.corners, table, with_pull)
 
 
 @inlined
-def _behind_segment(pull, i, x, e, corners, values, h, step, with_pull):
+def _behind_segment(pull, i, x, e, corners, table, with_pull):
     ax, ay = corners[e, 0, 0] - x[i, 0], corners[e, 0, 1] - x[i, 1]
     bx, by = corners[e, 1, 0] - x[i, 0], corners[e, 1, 1] - x[i, 1]
     cross = ax * by - ay * bx
     tx, ty = bx - ax, by - ay
     length = math.sqrt(tx * tx + ty * ty)
     height = cross / length
-    if not 1e-9 * h < height < 2.0 * h:
+    if not 1e-9 * table.h < height < 2.0 * table.h:
         return 0.0
     angle = math.atan2(cross, ax * bx + ay * by)
     la, lb = math.sqrt(ax * ax + ay * ay), math.sqrt(bx * bx + by * by)
@@ -245,21 +242,22 @@ def _behind_segment(pull, i, x, e, corners, values, h, step, with_pull):
             ux, uy = mx * cosine + my * sine, my * cosine - mx * sine
         r = cross / (ux * ty - uy * tx)
         part = angle * (8.0 if c == 0 else 5.0) / 18.0
-        total += part * _entry(values, 0, r, step)
+        total += part * _entry(table, 0, r)
         if with_pull:
-            force = part * _entry(values, 3, r, step)
+            force = part * _entry(table, 3, r)
             pull[0] += force * ux
             pull[1] += force * uy
     return total
 
 
 @inlined
-def _behind_triangle(pull, n, i, x, e, corners, values, h, step, with_pull, axes):
-    element_normal(n, e, corners, axes)
+def _behind_triangle(pull, i, x, e, corners, table, with_pull):
+    element_normal(pull, e, corners, (0, 1, 2))
     height = 0.0
     for a in range(3):
-        height += (x[i, a] - corners[e, 0, a]) * n[a]
-    if not 1e-9 * h < height < 2.0 * h:
+        height += (x[i, a] - corners[e, 0, a]) * pull[a]
+        pull[a] = 0.0
+    if not 1e-9 * table.h < height < 2.0 * table.h:
         return 0.0
     mean, weights = 0.0, 0.0
     for c in range(3):    # three points inside, weighted with the solid angle around them
@@ -268,11 +266,11 @@ def _behind_triangle(pull, n, i, x, e, corners, values, h, step, with_pull, axes
             r2 += (_inside(e, c, a, corners) - x[i, a]) ** 2
         r = math.sqrt(r2)
         part = 1.0 / (r2 * r)
-        mean += _entry(values, 0, r, step) * part
+        mean += _entry(table, 0, r) * part
         weights += part
         if with_pull:
             for a in range(3):
-                pull[a] += _entry(values, 3, r, step) * part * (_inside(e, c, a, corners) - x[i, a]) / r
+                pull[a] += _entry(table, 3, r) * part * (_inside(e, c, a, corners) - x[i, a]) / r
     angle = _solid_angle(i, x, e, corners)
     for a in range(3):
         pull[a] *= angle / weights
@@ -300,20 +298,19 @@ def _solid_angle(i, x, e, corners):
 
 
 @kernel
-def completed_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, weight: np.ndarray, area: np.ndarray,
-                       corners: np.ndarray, present: np.ndarray, values: np.ndarray, h: float, full: float,
-                       spacing: float, element_indptr: np.ndarray, element_indices: np.ndarray, indptr: np.ndarray,
-                       indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def completed_gradient(out: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray,
+                       table: Table) -> None:
     """Sum of the gradients of the kernel over the same neighbours, nodes and solids at owned fluid [1/m].
 
     out : (n_owned, dim) output, 0 for walls; other arguments as for `completed_density`
     """
+    x, indptr, indices, axes = cloud.x, cloud.indptr, cloud.indices, cloud.axes
     dim = len(axes)
-    mean, pull, n, step, cell = np.empty(dim), np.empty(dim), np.empty(dim), 2.0 * h / (ENTRIES - 1), spacing**dim
+    mean, pull, cell = np.empty(dim), np.empty(dim), cloud.spacing**dim
     near, slope = np.empty((dim, room_for(indptr))), np.empty((1, room_for(indptr)))
-    for i in range(len(indptr) - 1):
+    for i in range(len(out)):
         out[i, :] = 0.0
-        if kind[i] != FLUID:
+        if cloud.kind[i] != FLUID:
             continue
         first, count = indptr[i], indptr[i + 1] - indptr[i]
         for k in range(count):
@@ -325,67 +322,66 @@ def completed_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, weight:
             r2 = 0.0
             for a in range(dim):
                 r2 += near[a, k] ** 2
-            slope[0, k] *= cubic_spline_slope(math.sqrt(r2), h, dim)
+            slope[0, k] *= cubic_spline_slope(math.sqrt(r2), table.h, dim)
         for a in range(dim):
             mean[a] = dot(slope, 0, near, a, count)
-        if element_indptr[i] < element_indptr[i + 1]:
-            _add_nodes(mean, i, near, kind, area, values, step, indptr, indices, axes)
-            for k in range(element_indptr[i], element_indptr[i + 1]):
-                e = element_indices[k]
-                if present[e] > 0.0:
-                    _solid_behind(pull, n, i, x, e, corners, values, h, step, True, axes)
+        if walls.indptr[i] < walls.indptr[i + 1]:
+            _add_nodes(mean, i, near, cloud, area, table)
+            for k in range(walls.indptr[i], walls.indptr[i + 1]):
+                e = walls.indices[k]
+                if walls.present[e] > 0.0:
+                    _solid_behind(pull, i, e, cloud, walls, table, True)
                     for a in range(dim):
-                        mean[a] += present[e] * pull[a] / cell
+                        mean[a] += walls.present[e] * pull[a] / cell
         for a in range(dim):
-            out[i, a] = mean[a] / full
+            out[i, a] = mean[a] / table.full
 
 
 @inlined
-def _add_nodes(mean, i, near, kind, area, values, step, indptr, indices, axes):
+def _add_nodes(mean, i, near, cloud, area, table):
     """Add the gradient of the end correction of the nodes around particle i, which are `near` (dim, neighbours) [m]."""
-    for k in range(indptr[i + 1] - indptr[i]):
-        j = indices[indptr[i] + k]
-        if kind[j] == WALL:
+    for k in range(cloud.indptr[i + 1] - cloud.indptr[i]):
+        j = cloud.indices[cloud.indptr[i] + k]
+        if cloud.kind[j] == WALL:
             r2, before = 0.0, 0.0
-            for a in range(len(axes)):
+            for a in range(len(cloud.axes)):
                 r2 += near[a, k] ** 2
                 before += near[a, k] * area[j, a]
             r = math.sqrt(r2)
-            slope, b = before * _entry(values, 2, r, step), _entry(values, 1, r, step)
-            for a in range(len(axes)):
+            slope, b = before * _entry(table, 2, r), _entry(table, 1, r)
+            for a in range(len(cloud.axes)):
                 mean[a] += slope * near[a, k] + b * area[j, a]
 
 
 @kernel
-def node_sums(ratio: np.ndarray, gradient: np.ndarray, x: np.ndarray, kind: np.ndarray, weight: np.ndarray,
-              area: np.ndarray, values: np.ndarray, h: float, full: float, element_indptr: np.ndarray,
-              indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def node_sums(ratio: np.ndarray, gradient: np.ndarray, cloud: Cloud, walls: Walls, weight: np.ndarray,
+              area: np.ndarray, table: Table) -> None:
     """What nodes of such weights and areas add to `completed_density` and `completed_gradient` of owned fluid.
 
     ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs; other arguments as of those
     """
-    dim, step = len(axes), 2.0 * h / (ENTRIES - 1)
-    away = np.empty(dim)
-    for i in range(len(indptr) - 1):
+    axes = cloud.axes
+    dim, away = len(axes), np.empty(len(axes))
+    for i in range(len(ratio)):
         ratio[i] = 0.0
         gradient[i, :] = 0.0
-        if kind[i] != FLUID or element_indptr[i] == element_indptr[i + 1]:
+        if cloud.kind[i] != FLUID or walls.indptr[i] == walls.indptr[i + 1]:
             continue
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if kind[j] != WALL or weight[j] == 0.0 and not _any(area, j, axes):
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j = cloud.indices[k]
+            if cloud.kind[j] != WALL or weight[j] == 0.0 and not _any(area, j, axes):
                 continue
             r2, before = 0.0, 0.0
             for a in range(dim):
-                away[a] = x[i, a] - x[j, a]
+                away[a] = cloud.x[i, a] - cloud.x[j, a]
                 r2 += away[a] ** 2
                 before += away[a] * area[j, a]
             r = math.sqrt(r2)
-            b = _entry(values, 1, r, step)
-            ratio[i] += (weight[j] * cubic_spline(r, h, dim) + before * b) / full
-            slope = weight[j] * cubic_spline_slope(r, h, dim) + before * _entry(values, 2, r, step)
+            b = _entry(table, 1, r)
+            ratio[i] += (weight[j] * cubic_spline(r, table.h, dim) + before * b) / table.full
+            slope = weight[j] * cubic_spline_slope(r, table.h, dim) + before * _entry(table, 2, r)
             for a in range(dim):
-                gradient[i, a] += (slope * away[a] + b * area[j, a]) / full
+                gradient[i, a] += (slope * away[a] + b * area[j, a]) / table.full
 
 
 @inlined

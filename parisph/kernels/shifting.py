@@ -6,9 +6,6 @@ import numpy as np
 
 from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import inlined, kernel, subkernel
-from parisph.kernels.mirrors import gather_around
-from parisph.kernels.near import dot, room_for
-from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 
 
 @kernel
@@ -101,39 +98,6 @@ def _near_surface(i, x, bare, reach2, indptr, indices, axes):
             if r2 < reach2:
                 return True
     return False
-
-
-@kernel
-def concentration(alpha: np.ndarray, out: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
-                  normal: np.ndarray, h: float, full: float, indptr: np.ndarray, indices: np.ndarray,
-                  axes: tuple[int, ...]) -> None:
-    """Density ratio, as `surface.density_ratio`, and its gradient at fluid particles, in one pass.
-
-    Walls and mirror images are included.
-
-    alpha : (n_owned,) output, 1 for walls; out : (n_owned, dim) output [1/m], 0 for walls
-    """
-    dim = len(axes)
-    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
-    room = room_for(indptr) * 2**dim
-    near, slope = np.empty((dim, room)), np.empty((1, room))
-    for i in range(len(indptr) - 1):
-        alpha[i] = 1.0
-        out[i, :] = 0.0
-        if kind[i] != FLUID:
-            continue
-        m = gather_around(near, walls, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)
-        total = cubic_spline(0.0, h, dim)
-        for k in range(m):
-            q2 = 0.0
-            for a in range(dim):
-                q2 += near[a, k] ** 2
-            r = h * math.sqrt(q2)
-            total += cubic_spline(r, h, dim)
-            slope[0, k] = cubic_spline_slope(r, h, dim)
-        alpha[i] = total / full
-        for a in range(dim):
-            out[i, a] = -h / full * dot(slope, 0, near, a, m)
 
 
 @kernel

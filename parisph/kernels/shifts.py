@@ -1,8 +1,8 @@
 """The shifts of particles in the literature, other than the Fick shift of `shifting`.
 
 `shifting.fick_shift` is that of Lind et al. (2012) with D = C h^2, without their tensile term, and with beta = 0
-near a free surface, on which particles stay. Walls and mirror images count as neighbours in all shifts, so that
-a lattice in a tank is not shifted.
+near a free surface, on which particles stay. Neighbours are continued across walls in all shifts, so that a lattice in
+a tank is not shifted.
 """
 
 import math
@@ -10,9 +10,9 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER, SURFACE, WET
+from parisph.kernels.across import gather_across, room_across
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.mirrors import gather_around
-from parisph.kernels.near import room_for
+from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.shifting import limit_length
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope, quartic_weight
 
@@ -21,120 +21,104 @@ CLOSEST = 1e-3              # of the radius: nearer neighbours count as if they 
 
 
 @kernel
-def xu_shift(shift: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
-             role: np.ndarray, radius: float, strength: np.ndarray, cap: float, indptr: np.ndarray, indices: np.ndarray,
-             axes: tuple[int, ...]) -> None:
+def xu_shift(shift: np.ndarray, cloud: Cloud, walls: Walls, strength: np.ndarray, radius: float, cap: float) -> None:
     """Shift of Xu, Stansby & Laurence (2009, Eqs. 25 and 26), for fluid without a free surface.
 
     dr_i = strength sum_j (mean_i/r_ij)^2 n_ij, mean_i = sum_j r_ij/N_i, with n_ij from j to i, and strength = C U dt,
     in which C is 0.01 to 0.1 and U the largest speed. |dr| <= cap.
 
     shift : (n_owned, dim) output [m]; zero for all that is not INNER
-    x, normal : (n_all, dim); kind, corner, role : (n_all,); radius : of the neighbours that count [m]
-    strength : (n_owned,) [m]; cap : [m]
+    strength : (n_owned,) [m]; radius : of the neighbours that count [m]; cap : [m]
     """
-    dim = len(axes)
-    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
-    near = np.empty((dim, room_for(indptr) * 2**dim))
-    for i in range(len(indptr) - 1):
+    axes, across = cloud.axes, room_across(cloud)
+    for i in range(len(shift)):
         shift[i, :] = 0.0
-        if kind[i] != FLUID or role[i] != INNER:
+        if cloud.kind[i] != FLUID or cloud.role[i] != INNER:
             continue
-        m = gather_around(near, walls, member, image, i, x, kind, corner, normal, radius, indptr, indices, axes)
         total, count = 0.0, 0
-        for k in range(m):
-            r2 = _square(near, k, axes)
+        for k in range(gather_across(across, i, cloud, walls, cloud.corner, True, radius)):
+            r2 = _square(across.near, k, axes)
             if 0.0 < r2 < 1.0:
                 q = max(math.sqrt(r2), CLOSEST)
                 total += q
                 count += 1
-                for a in range(dim):
-                    shift[i, a] -= near[a, k] / q**3
+                for a in range(len(axes)):
+                    shift[i, a] -= across.near[a, k] / q**3
         if count:
-            for a in range(dim):
+            for a in range(len(axes)):
                 shift[i, a] *= strength[i] * (total / count) ** 2
         limit_length(shift, i, cap, axes)
 
 
 @kernel
-def tensile_gradient(out: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray, h: float,
-                     spacing: float, full: float, indptr: np.ndarray, indices: np.ndarray,
-                     axes: tuple[int, ...]) -> None:
+def tensile_gradient(out: np.ndarray, cloud: Cloud, walls: Walls, h: float, full: float) -> None:
     """Concentration gradient with the term against the pairing of particles (Lind et al. 2012, Eqs. 23 and 27) [1/m].
 
-    grad C_i = sum_j V_j (1 + 0.2 (W_ij/W(s))^4) grad_i W_ij, in place of `shifting.concentration`, in the
-    same scale: without that term both are equal.
+    grad C_i = sum_j V_j (1 + 0.2 (W_ij/W(s))^4) grad_i W_ij.
 
-    out : (n_owned, dim) output, zero for walls; h : of the cubic spline [m]; spacing : s [m]; full : of `lattice_sum`
+    out : (n_owned, dim) output, zero for walls; h : of the cubic spline [m]; full : of `surface.lattice_sum`
     """
-    dim = len(axes)
-    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
-    near = np.empty((dim, room_for(indptr) * 2**dim))
-    at_spacing = cubic_spline(spacing, h, dim)
-    for i in range(len(indptr) - 1):
+    axes, across = cloud.axes, room_across(cloud)
+    dim, at_spacing = len(axes), cubic_spline(cloud.spacing, h, len(axes))
+    for i in range(len(out)):
         out[i, :] = 0.0
-        if kind[i] != FLUID:
+        if cloud.kind[i] != FLUID:
             continue
-        m = gather_around(near, walls, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)
-        for k in range(m):
-            r = h * math.sqrt(_square(near, k, axes))
+        for k in range(gather_across(across, i, cloud, walls, cloud.corner, True, h)):
+            r = h * math.sqrt(_square(across.near, k, axes))
             ratio = cubic_spline(r, h, dim) / at_spacing
             c = -h / full * cubic_spline_slope(r, h, dim) * (1.0 + TENSILE * ratio**POWER)
             for a in range(dim):
-                out[i, a] += c * near[a, k]
+                out[i, a] += c * across.near[a, k]
 
 
 @kernel
-def surface_shift(shift: np.ndarray, gradient: np.ndarray, surface_normal: np.ndarray, close: np.ndarray,
-                  role: np.ndarray, strength: np.ndarray, beta: float, level: float, cap: float,
-                  axes: tuple[int, ...]) -> None:
-    """Shift of Lind et al. (2012, Eqs. 24 and 25): along a free surface as inside, across it weakly.
+def surface_shift(shift: np.ndarray, cloud: Cloud, gradient: np.ndarray, surface_normal: np.ndarray, close: np.ndarray,
+                  strength: np.ndarray, cap: float) -> None:
+    """Shift of Lind et al. (2012, Eqs. 24 and 25): along a free surface as inside, not across it.
 
-    dr = -D (t dC/dt + beta (dC/dn - level) n) at particles of the surface and close to it, where n is the normal and
-    t dC/dt the part of grad C across n; dr = -D grad C elsewhere; |dr| <= cap. beta = 0 in violent flows, 0.1 in slow
-    ones; the level is dC/dn of a straight surface, so that this one is at rest.
+    dr = -D t dC/dt at particles of the surface and close to it, where t dC/dt is the part of grad C across the normal
+    (beta = 0, for violent flows); dr = -D grad C elsewhere; |dr| <= cap.
 
     shift : (n_owned, dim) output [m], zero where role is not INNER or SURFACE
     gradient : (n_owned, dim), grad C [1/m]
     surface_normal : (n_owned, dim), unit vectors along grad C of the surface
-    close : (n_owned,) of bool; strength : (n_owned,), D [m^2], at most h^2/2 for stability; level : [1/m]
+    close : (n_owned,) of bool; strength : (n_owned,), D [m^2], at most h^2/2 for stability; cap : [m]
     """
-    dim = len(axes)
+    dim = len(cloud.axes)
     for i in range(len(shift)):
         shift[i, :] = 0.0
-        if role[i] != INNER and role[i] != SURFACE:
+        if cloud.role[i] != INNER and cloud.role[i] != SURFACE:
             continue
         along = 0.0
         for a in range(dim):
             along += gradient[i, a] * surface_normal[i, a]
-        across = along - beta * (along - level) if close[i] else 0.0
         for a in range(dim):
-            shift[i, a] = -strength[i] * (gradient[i, a] - across * surface_normal[i, a])
-        limit_length(shift, i, cap, axes)
+            shift[i, a] = -strength[i] * (gradient[i, a] - (along * surface_normal[i, a] if close[i] else 0.0))
+        limit_length(shift, i, cap, cloud.axes)
 
 
 @kernel
-def surface_normals(normal: np.ndarray, close: np.ndarray, gradient: np.ndarray, role: np.ndarray, x: np.ndarray,
-                    kind: np.ndarray, reach: float, indptr: np.ndarray, indices: np.ndarray,
-                    axes: tuple[int, ...]) -> None:
+def surface_normals(normal: np.ndarray, close: np.ndarray, cloud: Cloud, gradient: np.ndarray, reach: float) -> None:
     """Direction of the surface's grad C at fluid near a free surface, for `surface_shift`.
 
     n_i = sum_j grad C_j/r_ij^2 over the surface particles within the reach, normalised; at a surface particle its own.
 
     normal : (n_owned, dim) output, unit vectors, zero where there is no surface; close : (n_owned,) output of bool
-    gradient : (n_all, dim), grad C [1/m]; role, kind : (n_all,); reach : [m]
+    gradient : (n_all, dim), grad C [1/m]; reach : [m]
     """
-    for i in range(len(indptr) - 1):
+    axes = cloud.axes
+    for i in range(len(normal)):
         normal[i, :] = 0.0
         close[i] = False
-        if kind[i] != FLUID:
+        if cloud.kind[i] != FLUID:
             continue
-        if role[i] != INNER:
+        if cloud.role[i] != INNER:
             for a in range(len(axes)):
                 normal[i, a] = gradient[i, a]
         else:
-            for k in range(indptr[i], indptr[i + 1]):
-                _add_direction(normal, i, indices[k], gradient, role, x, kind, reach, axes)
+            for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+                _add_direction(normal, i, cloud.indices[k], cloud, gradient, reach)
         norm2 = _square_of(normal, i, axes)
         if norm2 > 0.0:
             close[i] = True
@@ -143,14 +127,14 @@ def surface_normals(normal: np.ndarray, close: np.ndarray, gradient: np.ndarray,
 
 
 @inlined
-def _add_direction(normal, i, j, gradient, role, x, kind, reach, axes):
-    if kind[j] != FLUID or role[j] == INNER:
+def _add_direction(normal, i, j, cloud, gradient, reach):
+    if cloud.kind[j] != FLUID or cloud.role[j] == INNER:
         return
     r2 = 0.0
-    for a in range(len(axes)):
-        r2 += (x[j, a] - x[i, a]) ** 2
+    for a in range(len(cloud.axes)):
+        r2 += (cloud.x[j, a] - cloud.x[i, a]) ** 2
     if 0.0 < r2 < reach * reach:
-        for a in range(len(axes)):
+        for a in range(len(cloud.axes)):
             normal[i, a] += gradient[j, a] / r2
 
 
@@ -163,9 +147,8 @@ def _square_of(vector, i, axes):
 
 
 @kernel
-def pressure_shift(shift: np.ndarray, p: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
-                   normal: np.ndarray, role: np.ndarray, radius: float, strength: float, cap: float, indptr: np.ndarray,
-                   indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def pressure_shift(shift: np.ndarray, cloud: Cloud, walls: Walls, p: np.ndarray, strength: float, radius: float,
+                   cap: float) -> None:
     """Shift by the pressure gradient relative to a minimum pressure, after Sriram & Ma (2012).
 
     Zheng, Ma & Duan (2014, Sec. 2.2) describe it in words: particles move with a velocity from pressure gradients
@@ -180,46 +163,30 @@ def pressure_shift(shift: np.ndarray, p: np.ndarray, x: np.ndarray, kind: np.nda
     shift : (n_owned, dim) output [m]; zero for all that is not INNER
     p : (n_all,) [Pa], of walls too; radius : of the quartic weight w [m]; strength : [m^3 s^2/kg]
     """
+    x, axes, across = cloud.x, cloud.axes, room_across(cloud)
     dim = len(axes)
-    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
-    near = np.empty((dim, room_for(indptr) * 2**dim))
-    for i in range(len(indptr) - 1):
+    for i in range(len(shift)):
         shift[i, :] = 0.0
-        if kind[i] != FLUID or role[i] != INNER:
+        if cloud.kind[i] != FLUID or cloud.role[i] != INNER:
             continue
         least = p[i]
-        for k in range(indptr[i], indptr[i + 1]):
-            r2 = 0.0
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j, r2 = cloud.indices[k], 0.0
             for a in range(dim):
-                r2 += (x[indices[k], a] - x[i, a]) ** 2
-            if r2 < radius * radius and role[indices[k]] <= WET:
-                least = min(least, p[indices[k]])
-        m = gather_around(near, walls, member, image, i, x, kind, corner, normal, radius, indptr, indices, axes)
+                r2 += (x[j, a] - x[i, a]) ** 2
+            if r2 < radius * radius and cloud.role[j] <= WET:
+                least = min(least, p[j])
         weights = 0.0
-        for k in range(m):
-            r2 = _square(near, k, axes)
+        for k in range(gather_across(across, i, cloud, walls, cloud.corner, True, radius)):
+            r2 = _square(across.near, k, axes)
             w = quartic_weight(r2, 1.0) if r2 > 0.0 else 0.0
             weights += w
             for a in range(dim):
-                shift[i, a] -= w * near[a, k] / max(r2, CLOSEST**2)
+                shift[i, a] -= w * across.near[a, k] / max(r2, CLOSEST**2)
         if weights > 0.0:
             for a in range(dim):
                 shift[i, a] *= strength * dim / weights * (p[i] - least) / radius
         limit_length(shift, i, cap, axes)
-
-
-@kernel
-def carry(change: np.ndarray, shift: np.ndarray, g: np.ndarray, kind: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Change of velocity that goes with a shift, u(r + dr) - u(r) = (grad u) dr (Xu et al. 2009, Eq. 27).
-
-    change : (n_owned, dim) output [m/s]; shift : (n_owned, dim) [m]; g : (n_owned, dim, dim) [1/s]; kind : (n_all,)
-    """
-    for i in range(len(change)):
-        for a in range(len(axes)):
-            change[i, a] = 0.0
-            if kind[i] == FLUID:
-                for b in range(len(axes)):
-                    change[i, a] += g[i, a, b] * shift[i, b]
 
 
 @inlined

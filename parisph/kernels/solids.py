@@ -2,7 +2,7 @@
 
 Elements are `corners` (M, dim, dim) [m], where they are now, with the fluid on the left of the way from the first to
 the second corner, in 3D on the side from which the corners are in anticlockwise order. Every owned particle has a
-list of the elements near it (element_lists); most lists are empty, and then nothing is done.
+list of the elements near it (`seen_elements`); most lists are empty, and then nothing is done.
 """
 
 import math
@@ -12,24 +12,20 @@ import numpy as np
 from parisph.base.fields import FLUID
 from parisph.kernels.cells import nearby
 from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
+from parisph.kernels.records import Cloud, Walls
 
 LIFT = 0.1       # spacings: so far in front of its wall a node looks out
 SLACK = 1e-9     # of an element's size: a line that passes its edge by less crosses it, so that two leave no gap
+PLANES = 6       # of the elements near a particle at most: where there are more, each element is looked at
+ROUNDING = 1e-8  # of the lift: what is in front of a plane by less may be behind it
 SIDE = 0.9       # cosine above which two walls count as one to keep off
 
 
-def element_lists(x: np.ndarray, corners: np.ndarray, normal: np.ndarray, radius: float,
-                  spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the elements within the radius [m] of points x (n, dim) that are not hidden behind others, as CSR.
+def near_lists(x: np.ndarray, corners: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return at least the elements (M, dim, dim) within the radius [m] of points x (n, dim) [m], as CSR.
 
-    corners : (M, dim, dim) [m]; normal : (n, dim), of nodes, 0 for fluid
     Returns indptr (n + 1,) int32, indices (nnz,) int32. Raises ValueError as `cells.nearby`.
     """
-    return unhidden_lists(x, normal, corners, radius, spacing, *near_lists(x, corners, radius))
-
-
-def near_lists(x: np.ndarray, corners: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return at least the elements within the radius [m] of points x (n, dim), as CSR. As element_lists."""
     if len(corners) == 0:
         return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
     axes = axes_of(x.shape[1])
@@ -38,63 +34,102 @@ def near_lists(x: np.ndarray, corners: np.ndarray, radius: float) -> tuple[np.nd
     return nearby(x, middle, radius + size)
 
 
-def unhidden_lists(x: np.ndarray, normal: np.ndarray, corners: np.ndarray, radius: float, spacing: float,
-                   indptr: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return those elements of near lists that element_lists has; the lists given are used up."""
-    axes = axes_of(x.shape[1])
-    return indptr, indices[: _keep_unhidden(indptr, indices, x, normal, corners, radius, LIFT * spacing, axes)]
+def seen_elements(cloud: Cloud, walls: Walls, radius: float) -> Walls:
+    """Return the walls with lists of the elements within the radius [m] that are not hidden behind others.
 
-
-def visible_lists(x: np.ndarray, normal: np.ndarray, corners: np.ndarray, spacing: float, element_indptr: np.ndarray,
-                  element_indices: np.ndarray, indptr: np.ndarray,
-                  indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return neighbour lists without those neighbours that are behind a wall; the lists given are used up.
-
-    normal : (n_all, dim), 0 for fluid; the element lists must reach as far as the neighbour lists do
+    walls : with the lists of `near_lists`
     """
-    axes = axes_of(x.shape[1])
-    n = keep_visible(indptr, indices, x, normal, corners, LIFT * spacing, element_indptr, element_indices, axes)
-    return indptr, indices[:n]
+    indptr, indices = np.empty_like(walls.indptr), np.empty_like(walls.indices)
+    return walls._replace(indptr=indptr, indices=indices[:keep_unhidden(indptr, indices, cloud, walls, radius)])
+
+
+def seen_neighbours(cloud: Cloud, walls: Walls) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lists of neighbours without those behind a wall, as CSR.
+
+    walls : with lists of `seen_elements` that reach as far as the neighbour lists do
+    """
+    indptr, indices = np.empty_like(cloud.indptr), np.empty_like(cloud.indices)
+    return indptr, indices[:keep_visible(indptr, indices, cloud, walls)]
 
 
 @kernel
-def keep_visible(indptr: np.ndarray, indices: np.ndarray, x: np.ndarray, normal: np.ndarray, corners: np.ndarray,
-                 lift: float, element_indptr: np.ndarray, element_indices: np.ndarray, axes: tuple[int, ...]) -> int:
-    """Leave in the lists, in place, the neighbours that are seen: the line between the particles crosses no element.
+def keep_visible(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: Walls) -> int:
+    """Write the neighbours that are seen: the line between the particles crosses no element.
 
-    The ends at nodes are lifted off the wall by `lift` [m] along the normal. A line that crosses a solid goes through
-    its front once, in one of the two directions, so that both particles of a pair come to the same decision.
+    The ends at nodes are lifted off the wall along the normal. A line that crosses a solid goes through its front once,
+    in one of the two directions, so that both particles of a pair come to the same decision. Lines between points in
+    front of all planes of elements cross none.
 
-    Returns the number of neighbours that are left.
+    indptr, indices : outputs, of the length of the lists of the cloud. Returns the number of neighbours that are left.
     """
-    p, q = np.empty(len(axes)), np.empty(len(axes))
-    n, begin = 0, indptr[0]
+    axes, lift = cloud.axes, LIFT * cloud.spacing
+    p, q, plane = np.empty(len(axes)), np.empty(len(axes)), np.empty((PLANES, len(axes) + 1))
+    n = indptr[0] = 0
     for i in range(len(indptr) - 1):
-        end = indptr[i + 1]
-        first, last = element_indptr[i], element_indptr[i + 1]
+        first, last = walls.indptr[i], walls.indptr[i + 1]
         if first == last:
-            for k in range(begin, end):
-                indices[n] = indices[k]
+            for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+                indices[n] = cloud.indices[k]
                 n += 1
         else:
-            _lifted(p, i, x, normal, lift, axes)
-            for k in range(begin, end):
-                j = indices[k]
-                _lifted(q, j, x, normal, lift, axes)
+            _lifted(p, i, cloud, lift)
+            planes = _planes(plane, q, first, last, walls, lift, axes)
+            simple = _before(p, plane, planes, lift, axes)
+            for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+                j = cloud.indices[k]
+                _lifted(q, j, cloud, lift)
                 free = True
-                for m in range(first, last):
-                    free = free and not _crosses(p, q, element_indices[m], corners, axes)
+                if not (simple and _before(q, plane, planes, lift, axes)):
+                    for m in range(first, last):
+                        free = free and not _crosses(p, q, walls.indices[m], walls.corners, axes)
                 indices[n] = j
                 n += free
-        begin = end
         indptr[i + 1] = n
     return n
 
 
 @inlined
-def _lifted(p, i, x, normal, lift, axes):
-    for a in range(len(axes)):
-        p[a] = x[i, a] + lift * normal[i, a]
+def _lifted(p, i, cloud, lift):
+    for a in range(len(cloud.axes)):
+        p[a] = cloud.x[i, a] + lift * cloud.normal[i, a]
+
+
+@inlined
+def _planes(plane, n, first, last, walls, lift, axes):
+    """Write normal and offset of the planes of a part of the lists of elements; return how many, -1 if too many."""
+    dim, found = len(axes), 0
+    for k in range(first, last):
+        e = walls.indices[k]
+        element_normal(n, e, walls.corners, axes)
+        offset = 0.0
+        for a in range(dim):
+            offset += n[a] * walls.corners[e, 0, a]
+        known = False
+        for m in range(found):
+            cosine = 0.0
+            for a in range(dim):
+                cosine += n[a] * plane[m, a]
+            known = known or (cosine > 1.0 - SLACK and abs(offset - plane[m, dim]) < ROUNDING * lift)
+        if not known:
+            if found == PLANES:
+                return -1
+            for a in range(dim):
+                plane[found, a] = n[a]
+            plane[found, dim] = offset
+            found += 1
+    return found
+
+
+@inlined
+def _before(p, plane, planes, lift, axes):
+    """Return whether a point is in front of all planes, by more than rounding; if there are too many, it is not."""
+    before = planes >= 0
+    for m in range(planes):
+        height = -plane[m, len(axes)]
+        for a in range(len(axes)):
+            height += plane[m, a] * p[a]
+        before = before and height > ROUNDING * lift
+    return before
 
 
 @kernel
@@ -115,46 +150,53 @@ def _middles(middle, corners, axes):
 
 
 @kernel
-def _keep_unhidden(indptr, indices, x, normal, corners, radius, lift, axes) -> int:
-    """Leave in the lists, in place, elements within the radius of a point that are not hidden.
+def keep_unhidden(indptr: np.ndarray, indices: np.ndarray, cloud: Cloud, walls: Walls, radius: float) -> int:
+    """Write the elements within the radius [m] of owned particles that are not hidden.
 
     The middle of an element or its nearest point, lifted off, must be seen: a wall that moves hides a part of an
-    element over which it stands. Elements that a point is behind stay, so that fluid cannot pass them. Returns the
-    number that are left.
+    element over which it stands. Elements that a point is behind stay, so that fluid cannot pass them. Where the point
+    and the middle are in front of all planes, nothing is between them.
+
+    indptr, indices : outputs, of the length of the lists of walls. Returns the number of elements that are left.
     """
+    axes, lift = cloud.axes, LIFT * cloud.spacing
     dim = len(axes)
-    p, q, n, foot, r = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
-    left, begin, free = 0, indptr[0], np.empty(256, np.bool_)
+    p, q, n, foot, plane = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim), np.empty((PLANES, dim + 1))
+    left = indptr[0] = 0
     for i in range(len(indptr) - 1):
-        end = indptr[i + 1]
-        _lifted(p, i, x, normal, lift, axes)
-        if end - begin > len(free):
-            free = np.empty(2 * (end - begin), np.bool_)
-        for k in range(begin, end):
-            e = indices[k]
-            nearest_point(foot, p, e, corners, axes)
-            free[k - begin] = _apart2(foot, p, axes) <= radius * radius
-            element_normal(n, e, corners, axes)
-            if not free[k - begin] or _height(p, e, n, corners, axes) <= 0.0:
-                continue
-            for a in range(dim):
-                q[a] = lift * n[a]
-                r[a] = foot[a] + lift * n[a]
-                for c in range(dim):
-                    q[a] += corners[e, c, a] / dim
-            for m in range(begin, end):
-                free[k - begin] = free[k - begin] and (m == k or not _crosses(p, q, indices[m], corners, axes))
-            nearest = not free[k - begin]
-            if nearest:
-                for m in range(begin, end):
-                    nearest = nearest and (m == k or not _crosses(p, r, indices[m], corners, axes))
-            free[k - begin] = free[k - begin] or nearest
-        for k in range(begin, end):
-            indices[left] = indices[k]
-            left += free[k - begin]
-        begin = end
+        first, last = walls.indptr[i], walls.indptr[i + 1]
+        if first < last:
+            _lifted(p, i, cloud, lift)
+            planes = _planes(plane, n, first, last, walls, lift, axes)
+            simple = _before(p, plane, planes, lift, axes)
+            for k in range(first, last):
+                e = walls.indices[k]
+                nearest_point(foot, p, e, walls.corners, axes)
+                free = _apart2(foot, p, axes) <= radius * radius
+                if free:
+                    element_normal(n, e, walls.corners, axes)
+                    for a in range(dim):
+                        q[a] = lift * n[a]
+                        foot[a] += lift * n[a]
+                        for c in range(dim):
+                            q[a] += walls.corners[e, c, a] / dim
+                    if not (simple and _before(q, plane, planes, lift, axes)):
+                        free = (_height(p, e, n, walls.corners, axes) <= 0.0
+                                or _is_free(p, q, first, last, k, walls, axes)
+                                or _is_free(p, foot, first, last, k, walls, axes))
+                indices[left] = e
+                left += free
         indptr[i + 1] = left
     return left
+
+
+@inlined
+def _is_free(p, q, first, last, own, walls, axes):
+    """Return whether the line from p to q crosses no element of a part of the lists but number `own` in them."""
+    free = True
+    for m in range(first, last):
+        free = free and (m == own or not _crosses(p, q, walls.indices[m], walls.corners, axes))
+    return free
 
 
 @inlined
@@ -270,24 +312,24 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
 
 
 @subkernel
-def nearest_walls(away: np.ndarray, member: np.ndarray, p: np.ndarray, foot: np.ndarray, n: np.ndarray, i: int,
-                  x: np.ndarray, corners: np.ndarray, element_indptr: np.ndarray, element_indices: np.ndarray,
-                  axes: tuple[int, ...]) -> int:
+def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray, np.ndarray, np.ndarray], i: int,
+                  cloud: Cloud, walls: Walls) -> int:
     """Find the walls that particle i must keep off: the nearest element, and further ones that it faces squarely.
 
     away : (dim, 1 + dim) output, of each wall the unit vector from its nearest point to the particle, and the
         distance [m], negative behind the wall; there the vector is the normal
-    member : (dim,) int64 output, elements; p, foot, n : (dim,) scratch
+    member : (dim,) int64 output, elements; places : scratch of `three_places`
     Returns the number of walls, at most dim. Beside an edge only the edge itself counts.
     """
-    dim = len(axes)
-    for a in range(dim):
-        p[a] = x[i, a]
+    axes, corners = cloud.axes, walls.corners
+    p, foot, n = places
+    for a in range(len(axes)):
+        p[a] = cloud.x[i, a]
     found = 0
-    for turn in range(dim):
+    for turn in range(len(axes)):
         best, in_front = math.inf, False
-        for k in range(element_indptr[i], element_indptr[i + 1]):
-            e = element_indices[k]
+        for k in range(walls.indptr[i], walls.indptr[i + 1]):
+            e = walls.indices[k]
             squarely = nearest_point(foot, p, e, corners, axes)
             apart2 = _apart2(foot, p, axes)
             if apart2 > best * (1.0 + 1e-9) or (turn > 0 and not squarely):
@@ -300,11 +342,18 @@ def nearest_walls(away: np.ndarray, member: np.ndarray, p: np.ndarray, foot: np.
                 continue
             if apart2 < best * (1.0 - 1e-9) or (front and not in_front):
                 best, in_front = apart2, front
-                _note(away, member, found, e, p, foot, n, math.sqrt(apart2), front, squarely, axes)
+                member[found] = e
+                _note(away, found, places, math.sqrt(apart2), front, squarely, axes)
         if best == math.inf:
             break
         found += 1
     return found
+
+
+@inlined
+def three_places(axes: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the scratch of `nearest_walls`."""
+    return np.empty(len(axes)), np.empty(len(axes)), np.empty(len(axes))
 
 
 @inlined
@@ -319,62 +368,70 @@ def _is_like(n, found, away, axes):
 
 
 @inlined
-def _note(away, member, w, e, p, foot, n, apart, front, squarely, axes):
-    dim = len(axes)
-    member[w] = e
-    away[w, dim] = apart if front else -apart
-    for a in range(dim):
+def _note(away, w, places, apart, front, squarely, axes):
+    p, foot, n = places
+    away[w, len(axes)] = apart if front else -apart
+    for a in range(len(axes)):
         away[w, a] = (p[a] - foot[a]) / apart if front and apart > 0.0 and not squarely else n[a]
 
 
 @kernel
-def keep_off_solids(move: np.ndarray, x: np.ndarray, kind: np.ndarray, corners: np.ndarray, distance: float,
-                    element_indptr: np.ndarray, element_indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Remove the part of a displacement that would bring fluid closer to a wall than the distance [m].
+def keep_off(move: np.ndarray, cloud: Cloud, walls: Walls, distance: float) -> None:
+    """Remove the part of displacements that would bring fluid closer to a wall than the distance [m].
 
     move : (n_owned, dim) [m], changed in place
     """
-    dim = len(axes)
-    away, member = np.empty((dim, dim + 1)), np.empty(dim, np.int64)
-    p, foot, n = np.empty(dim), np.empty(dim), np.empty(dim)
-    for i in range(len(element_indptr) - 1):
-        if kind[i] != FLUID or element_indptr[i] == element_indptr[i + 1]:
+    axes = cloud.axes
+    away, member, places = np.empty((len(axes), len(axes) + 1)), np.empty(len(axes), np.int64), three_places(axes)
+    for i in range(len(move)):
+        if cloud.kind[i] != FLUID or walls.indptr[i] == walls.indptr[i + 1] or not _moves(move, i, axes):
             continue
-        for w in range(nearest_walls(away, member, p, foot, n, i, x, corners, element_indptr, element_indices, axes)):
-            outward = 0.0
-            for a in range(dim):
-                outward += move[i, a] * away[w, a]
-            allowed = min(distance - away[w, dim], 0.0)
-            if outward < allowed:
-                for a in range(dim):
-                    move[i, a] += (allowed - outward) * away[w, a]
+        for w in range(nearest_walls(away, member, places, i, cloud, walls)):
+            _hold_back(move, i, away, w, 0.0, min(distance - away[w, len(axes)], 0.0), axes)
+
+
+@inlined
+def _moves(move, i, axes):
+    moves = False
+    for a in range(len(axes)):
+        moves = moves or move[i, a] != 0.0
+    return moves
+
+
+@inlined
+def _hold_back(move, i, away, w, wall_speed, allowed, axes):
+    """Limit the part of a vector off wall w to the allowed one above the wall's; return whether it was less."""
+    outward = -wall_speed
+    for a in range(len(axes)):
+        outward += move[i, a] * away[w, a]
+    if outward >= allowed:
+        return False
+    for a in range(len(axes)):
+        move[i, a] += (allowed - outward) * away[w, a]
+    return True
 
 
 @kernel
-def guard_solids(u: np.ndarray, x: np.ndarray, kind: np.ndarray, corners: np.ndarray, wall_u: np.ndarray,
-                 distance: float, dt: float, element_indptr: np.ndarray, element_indices: np.ndarray,
-                 axes: tuple[int, ...]) -> int:
-    """Keep fluid from coming closer to a wall than the distance [m] in the next dt [s], as collisions.wall_guard does.
+def guard(u: np.ndarray, cloud: Cloud, walls: Walls, distance: float, dt: float) -> int:
+    """Keep fluid from coming closer to a wall than the distance [m] in the next dt [s].
 
-    u : (n_all, dim) [m/s], that of owned fluid is changed; wall_u : (M, dim) [m/s], of the elements
+    The velocity into the wall is limited to the room in front of the wall, and to that of the wall if there is none. A
+    particle behind the wall would see its neighbours on the wrong side, which gives an unbounded pressure.
+
+    u : (n_all, dim) [m/s], that of owned fluid is changed
     Returns the number of particles that were slowed down.
     """
-    dim = len(axes)
-    away, member = np.empty((dim, dim + 1)), np.empty(dim, np.int64)
-    p, foot, n = np.empty(dim), np.empty(dim), np.empty(dim)
+    axes = cloud.axes
+    away, member, places = np.empty((len(axes), len(axes) + 1)), np.empty(len(axes), np.int64), three_places(axes)
     slowed = 0
-    for i in range(len(element_indptr) - 1):
-        if kind[i] != FLUID or element_indptr[i] == element_indptr[i + 1]:
+    for i in range(len(walls.indptr) - 1):
+        if cloud.kind[i] != FLUID or walls.indptr[i] == walls.indptr[i + 1]:
             continue
         hit = False
-        for w in range(nearest_walls(away, member, p, foot, n, i, x, corners, element_indptr, element_indices, axes)):
-            outward = 0.0
-            for a in range(dim):
-                outward += (u[i, a] - wall_u[member[w], a]) * away[w, a]
-            allowed = min(distance - away[w, dim], 0.0) / dt
-            if outward < allowed:
-                hit = True
-                for a in range(dim):
-                    u[i, a] += (allowed - outward) * away[w, a]
+        for w in range(nearest_walls(away, member, places, i, cloud, walls)):
+            speed = 0.0
+            for a in range(len(axes)):
+                speed += walls.velocity[member[w], a] * away[w, a]
+            hit |= _hold_back(u, i, away, w, speed, min(distance - away[w, len(axes)], 0.0) / dt, axes)
         slowed += hit
     return slowed

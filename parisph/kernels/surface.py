@@ -1,4 +1,4 @@
-"""Density ratio, divergence of position, and which particles lie on the free surface.
+"""Divergence of position, and which particles lie on the free surface.
 
 The gap rule and the auxiliary functions divide the plane into angles and work in 2D only; the density
 ratio and the divergence of position work in any dimension. Walls that do not touch the fluid (see
@@ -6,13 +6,14 @@ wetness.py) must not count as neighbours: the caller gives them the kind ABSENT.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from parisph.base.fields import ABSENT, BALLISTIC, FLUID, INNER, SURFACE, WALL
+from parisph.base.fields import ABSENT, BALLISTIC, FLUID, INNER, SURFACE
+from parisph.kernels.across import gather_across, room_across
 from parisph.kernels.jit import inlined, kernel, subkernel
-from parisph.kernels.mirrors import gather_around, near_planes, reflect
-from parisph.kernels.near import room_for
+from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 from parisph.kernels.solids import nearest_point
 
@@ -36,105 +37,73 @@ def lattice_sum(spacing: float, h: float, axes: tuple[int, ...]) -> float:
 
 
 @kernel
-def density_ratio(alpha: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray, h: float,
-                  full: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Kernel-sum density of fluid particles over its lattice value: 1 on a full lattice.
-
-    rho_i = sum_j m W_ij over fluid, wall particles and the mirror images of both
-    (Zheng, Ma & Duan 2014, Sec. 2.4.2, completed at walls); `full` from `lattice_sum`.
-
-    alpha : (n_owned,) output; walls get 1
-    """
-    dim = len(axes)
-    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
-    near = np.empty((dim, room_for(indptr) * 2**dim))
-    for i in range(len(indptr) - 1):
-        alpha[i] = 1.0
-        if kind[i] != FLUID:
-            continue
-        total = cubic_spline(0.0, h, dim)
-        for k in range(gather_around(near, walls, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)):
-            q2 = 0.0
-            for a in range(dim):
-                q2 += near[a, k] ** 2
-            total += cubic_spline(h * math.sqrt(q2), h, dim)
-        alpha[i] = total / full
-
-
-@kernel
-def position_divergence(div: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
-                        h: float, volume: float, indptr: np.ndarray, indices: np.ndarray,
-                        axes: tuple[int, ...]) -> None:
+def position_divergence(div: np.ndarray, cloud: Cloud, walls: Walls, h: float) -> None:
     """Kernel estimate of div r of fluid particles: the number of dimensions where neighbours are all around.
 
-    div r_i = sum_j V (x_j - x_i) . grad_i W_ij over fluid, wall particles and the mirror images of both
+    div r_i = sum_j V (x_j - x_i) . grad_i W_ij over fluid, wall particles and what is across the walls
     (Lee et al. 2008, J. Comput. Phys. 227, 8417-8436, completed at walls). It is about half of that on a plane
     surface. Like the density ratio, but a particle itself does not count, and near ones count less than those at h.
 
-    div : (n_owned,) output; walls get dim
-    kind : (n_all,), ABSENT for particles that are no neighbours
-    h : smoothing length of the cubic spline [m]; volume : of a particle [m^dim]
+    div : (n_owned,) output; walls get dim. Kind ABSENT is left out
+    h : smoothing length of the cubic spline [m]
     """
-    dim = len(axes)
-    member, image, walls = np.empty(dim, np.int64), np.empty(dim), np.empty(room_for(indptr), np.int32)
-    near = np.empty((dim, room_for(indptr) * 2**dim))
-    for i in range(len(indptr) - 1):
+    across, dim = room_across(cloud), len(cloud.axes)
+    for i in range(len(div)):
         div[i] = dim
-        if kind[i] != FLUID:
+        if cloud.kind[i] != FLUID:
             continue
         total = 0.0
-        for k in range(gather_around(near, walls, member, image, i, x, kind, corner, normal, h, indptr, indices, axes)):
+        for k in range(gather_across(across, i, cloud, walls, cloud.corner, True, h)):
             q2 = 0.0
             for a in range(dim):
-                q2 += near[a, k] ** 2
+                q2 += across.near[a, k] ** 2
             total -= cubic_spline_slope(h * math.sqrt(q2), h, dim) * q2
-        div[i] = volume * h * h * total
+        div[i] = cloud.spacing**dim * h * h * total
+
+
+class Gap(NamedTuple):
+    """The gap rule: a particle joins the surface if its gap exceeds `enter` [rad], and stays on it above `leave`.
+
+    The two thresholds keep a particle from alternating between p = 0 and an equation, which would cause pressure
+    pulses. Below the density ratio `thin` it is always on the surface.
+    """
+
+    enter: float
+    leave: float
+    thin: float
 
 
 @kernel
-def surface_by_gap(role: np.ndarray, was: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
-                   normal: np.ndarray, alpha: np.ndarray, radius: float, enter: float, leave: float, thin: float,
-                   mirrors: bool, corners: np.ndarray, present: np.ndarray, element_indptr: np.ndarray,
-                   element_indices: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
-                   axes: tuple[int, ...]) -> None:
+def surface_by_gap(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls, alpha: np.ndarray, radius: float,
+                   gap: Gap) -> None:
     """Mark fluid particles on the surface by the largest angle free of neighbours (2D).
 
-    A particle joins the surface if the gap exceeds `enter` [rad], and stays on it while the gap exceeds
-    `leave`. A particle with fewer than four neighbours within the radius, or a density ratio below
-    `thin`, is always on it. The two thresholds keep a particle from alternating between p = 0 and an
-    equation, which would cause pressure pulses.
+    A particle with fewer than four neighbours within the radius is always on it. Of an element that is present, the
+    point nearest to the particle counts as a neighbour. Kind ABSENT is left out.
 
-    role : output for owned fluid; was : role at the previous step (owned and ghost)
-    kind : (n_all,), ABSENT for particles that are no neighbours
-    mirrors : whether images of fluid in walls count, too
-    corners, present : of elements, as of density.completed_density; that point of an element counts which is nearest
+    role : output for owned fluid; was : role at the previous step (owned and ghost); alpha : (n_owned,)
     """
-    member, image = np.empty(2, np.int64), np.empty(2)
     place, foot = np.empty(2), np.empty(2)
     angles = np.empty(1024)
     radius2 = radius * radius
-    for i in range(len(indptr) - 1):
-        if kind[i] != FLUID:
+    for i in range(len(alpha)):
+        if cloud.kind[i] != FLUID:
             continue
         role[i] = INNER
-        if alpha[i] < thin:
+        if alpha[i] < gap.thin:
             role[i] = SURFACE
             continue
-        limit = leave if was[i] == SURFACE or was[i] == BALLISTIC else enter
-        n, bound = _bound_of_gap(i, x, kind, radius2, indptr, indices)
+        limit = gap.leave if was[i] == SURFACE or was[i] == BALLISTIC else gap.enter
+        n, bound = _bound_of_gap(i, cloud, radius2)
         if n >= 4 and bound < limit:
             continue  # most particles: no angle has to be known
-        n, walls = _angles(angles, i, x, kind, radius2, indptr, indices)
-        if walls and mirrors:
-            planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
-            n = _image_angles(angles, n, i, planes, member, image, x, kind, normal, radius2, indptr,
-                              indices, axes)
-        for k in range(element_indptr[i], element_indptr[i + 1]):
-            e = element_indices[k]
-            place[0], place[1] = x[i, 0], x[i, 1]
-            nearest_point(foot, place, e, corners, axes)
-            dx, dy = foot[0] - x[i, 0], foot[1] - x[i, 1]
-            if present[e] > 0.0 and 0.0 < dx * dx + dy * dy < radius2 and n < len(angles):
+        n = _angles(angles, i, cloud, radius2)
+        for k in range(walls.indptr[i], walls.indptr[i + 1]):
+            e = walls.indices[k]
+            place[0], place[1] = cloud.x[i, 0], cloud.x[i, 1]
+            nearest_point(foot, place, e, walls.corners, cloud.axes)
+            dx, dy = foot[0] - cloud.x[i, 0], foot[1] - cloud.x[i, 1]
+            if walls.present[e] > 0.0 and 0.0 < dx * dx + dy * dy < radius2 and n < len(angles):
                 angles[n] = math.atan2(dy, dx)
                 n += 1
         if n < 4 or _largest_gap(angles, n) > limit:
@@ -142,15 +111,16 @@ def surface_by_gap(role: np.ndarray, was: np.ndarray, x: np.ndarray, kind: np.nd
 
 
 @inlined
-def _bound_of_gap(i, x, kind, radius2, indptr, indices):
+def _bound_of_gap(i, cloud, radius2):
     """Return the number of neighbours, and an upper bound for the gaps between them [rad].
 
     A gap covers consecutive empty sectors, and at most the sectors at its two ends. The code has no
     branches, because the sector of a neighbour cannot be predicted.
     """
+    x, kind = cloud.x, cloud.kind
     n, occupied, cx, cy = 0, 0, x[i, 0], x[i, 1]
-    for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
-        j = np.uint32(indices[k])
+    for k in range(np.uint32(cloud.indptr[i]), np.uint32(cloud.indptr[i + 1])):
+        j = np.uint32(cloud.indices[k])
         dx, dy = x[j, 0] - cx, x[j, 1] - cy
         r2 = dx * dx + dy * dy
         near = (0.0 < r2) & (r2 < radius2) & (kind[j] != ABSENT)  # one in the same place is in no direction
@@ -175,31 +145,15 @@ def _sector(dx, dy):
 
 
 @inlined
-def _angles(angles, i, x, kind, radius2, indptr, indices):
-    """Write the directions of the neighbours; return how many, and whether walls are among those listed."""
-    n, walls = 0, False
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        walls |= kind[j] == WALL
-        dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
-        if 0.0 < dx * dx + dy * dy < radius2 and kind[j] != ABSENT and n < len(angles):
+def _angles(angles, i, cloud, radius2):
+    """Write the directions of the neighbours; return how many."""
+    n = 0
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = cloud.indices[k]
+        dx, dy = cloud.x[j, 0] - cloud.x[i, 0], cloud.x[j, 1] - cloud.x[i, 1]
+        if 0.0 < dx * dx + dy * dy < radius2 and cloud.kind[j] != ABSENT and n < len(angles):
             angles[n] = math.atan2(dy, dx)
             n += 1
-    return n, walls
-
-
-@subkernel
-def _image_angles(angles, n, i, planes, member, image, x, kind, normal, radius2, indptr, indices, axes):
-    for subset in range(1, 1 << planes):
-        for k in range(indptr[i] - 1, indptr[i + 1]):
-            j = i if k < indptr[i] else indices[k]
-            if kind[j] != FLUID:
-                continue
-            reflect(image, j, subset, member, x, normal, axes)
-            dx, dy = image[0] - x[i, 0], image[1] - x[i, 1]
-            if 0.0 < dx * dx + dy * dy < radius2 and n < len(angles):
-                angles[n] = math.atan2(dy, dx)
-                n += 1
     return n
 
 
@@ -220,51 +174,35 @@ def _largest_gap(angles, n):
 
 
 @kernel
-def surface_by_auxiliary_functions(role: np.ndarray, was: np.ndarray, x: np.ndarray, kind: np.ndarray,
-                                   corner: np.ndarray, normal: np.ndarray, alpha: np.ndarray, radius: float,
-                                   limit: float, indptr: np.ndarray, indices: np.ndarray,
-                                   axes: tuple[int, ...]) -> None:
+def surface_by_auxiliary_functions(role: np.ndarray, was: np.ndarray, cloud: Cloud, walls: Walls, alpha: np.ndarray,
+                                   radius: float, limit: float) -> None:
     """Mark the surface by density ratio and three auxiliary functions (2D).
 
     Zheng, Ma & Duan (2014), Sec. 2.4.2, Eqs. 28-30, conditions (a) to (e), with limit = 0.90.
     Only particles on the surface at the previous step and their neighbours are candidates.
-    Wall particles and mirror images count as occupants of a quadrant, as fluid does.
+    Wall particles, and what is across walls, count as occupants of a quadrant, as fluid does.
     """
-    member, image = np.empty(2, np.int64), np.empty(2)
-    radius2 = radius * radius
-    for i in range(len(indptr) - 1):
-        if kind[i] != FLUID:
+    across = room_across(cloud)
+    for i in range(len(alpha)):
+        if cloud.kind[i] != FLUID:
             continue
         role[i] = INNER
-        near_surface = was[i] == SURFACE or was[i] == BALLISTIC
-        quadrants, shaded, inner, walls = 0, 0, 0, False
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            walls |= kind[j] == WALL
-            dx, dy = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1]
-            if not 0.0 < dx * dx + dy * dy < radius2 or kind[j] == ABSENT:  # one in the same place is in no direction
-                continue
-            near_surface |= kind[j] == FLUID and (was[j] == SURFACE or was[j] == BALLISTIC)
-            inner += kind[j] == FLUID and was[j] == INNER
-            quadrants |= _quadrant(dx, dy)
-            shaded |= _shaded(dx, dy)
+        near_surface, inner = was[i] == SURFACE or was[i] == BALLISTIC, False
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j = cloud.indices[k]
+            dx, dy = cloud.x[j, 0] - cloud.x[i, 0], cloud.x[j, 1] - cloud.x[i, 1]
+            if cloud.kind[j] == FLUID and 0.0 < dx * dx + dy * dy < radius * radius:
+                near_surface |= was[j] == SURFACE or was[j] == BALLISTIC
+                inner |= was[j] == INNER
         if not near_surface:
             continue
-        if walls:
-            planes = near_planes(member, i, x, kind, corner, normal, indptr, indices, axes)
-            for subset in range(1, 1 << planes):
-                for k in range(indptr[i] - 1, indptr[i + 1]):
-                    j = i if k < indptr[i] else indices[k]
-                    if kind[j] != FLUID:
-                        continue
-                    reflect(image, j, subset, member, x, normal, axes)
-                    dx, dy = image[0] - x[i, 0], image[1] - x[i, 1]
-                    if 0.0 < dx * dx + dy * dy < radius2:
-                        quadrants |= _quadrant(dx, dy)
-                        shaded |= _shaded(dx, dy)
-        b, c = _bits(quadrants), _bits(shaded)
-        dense = alpha[i] > limit
-        if (inner == 0 or not dense or b < 4 or c < 4):
+        quadrants, shaded = 0, 0
+        for k in range(gather_across(across, i, cloud, walls, cloud.corner, True, radius)):
+            dx, dy = across.near[0, k], across.near[1, k]
+            if 0.0 < dx * dx + dy * dy < 1.0:    # one in the same place is in no direction
+                quadrants |= _quadrant(dx, dy)
+                shaded |= _shaded(dx, dy)
+        if not inner or not alpha[i] > limit or _bits(quadrants) < 4 or _bits(shaded) < 4:
             role[i] = SURFACE
 
 
@@ -304,8 +242,8 @@ def _bits(mask):
 
 
 @kernel
-def surface_by_density(role: np.ndarray, kind: np.ndarray, alpha: np.ndarray, limit: float, indptr: np.ndarray) -> None:
+def surface_by_density(role: np.ndarray, cloud: Cloud, alpha: np.ndarray, limit: float) -> None:
     """Mark the surface by the density ratio alone (any dimension), alpha < limit."""
-    for i in range(len(indptr) - 1):
-        if kind[i] == FLUID:
+    for i in range(len(alpha)):
+        if cloud.kind[i] == FLUID:
             role[i] = SURFACE if alpha[i] < limit else INNER

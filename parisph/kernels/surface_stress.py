@@ -5,12 +5,12 @@ import math
 import numpy as np
 
 from parisph.base.fields import SURFACE
+from parisph.kernels.across import room_across
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.moments import cholesky_solve, invert
-from parisph.kernels.moving_mirrors import Solids, gather_moving
-from parisph.kernels.near import room_for
+from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.smoothing import quartic_weight
-from parisph.kernels.viscous import STRETCH, factor_quadratics
+from parisph.kernels.viscous import STRETCH, Flowing, Quadratics, factor_quadratics, gather_flow
 
 FLAT = 1e-4         # of the moment of neighbours on the surface, added to it so that it has an inverse
 TURNS = 4           # of inverse iteration, each of which takes a factor of FLAT off what is along the surface
@@ -22,9 +22,8 @@ POOR = 22.0
 
 
 @kernel
-def stress_free(out: np.ndarray, tension: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kind: np.ndarray,
-                corner: np.ndarray, normal: np.ndarray, role: np.ndarray, no_slip: np.ndarray, radius: float,
-                solids: Solids, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def stress_free(out: np.ndarray, tension: np.ndarray, cloud: Cloud, walls: Walls, flowing: Flowing,
+                radius: float) -> None:
     """Replace the viscous acceleration of surface particles by that at a surface without stress.
 
     With the normal n out of the fluid and its unit tangents t, t . (grad u + (grad u)^T) . n = 0, and
@@ -38,68 +37,64 @@ def stress_free(out: np.ndarray, tension: np.ndarray, u: np.ndarray, nu: np.ndar
     tension : (n_owned,) output, 2 nu n . grad u . n [m^2/s^2], 0 for all other particles
     others as in `viscous.corrected`
     """
-    dim = len(axes)
-    size = dim + dim * (dim + 1) // 2
-    room = room_for(indptr) * 2**dim
-    near, du, speed = np.empty((dim, room)), np.empty((dim, room)), np.empty((dim, dim))
-    member, slips, image, mirror = np.empty(dim, np.int64), np.empty(dim, np.bool_), np.empty(dim), np.empty(dim)
-    weight, basis = np.empty(room), np.empty((size, room))
-    work, fit, lift = np.empty((size, size)), np.empty((dim, size)), np.empty(size)
+    axes, across = cloud.axes, room_across(cloud)
+    dim, size = len(axes), len(axes) + len(axes) * (len(axes) + 1) // 2
+    fit = Quadratics(np.empty((size, across.near.shape[1])), np.empty(across.near.shape[1]), np.empty((size, size)))
+    found, lift = np.empty((dim, size)), np.empty(size)
     mean, away, slope = np.empty(dim), np.empty(dim), np.empty(dim)
-    moment, inverse = np.empty((dim, dim)), np.empty((dim, dim))
-    for i in range(len(indptr) - 1):
+    for i in range(len(out)):
         tension[i] = 0.0
-        if role[i] != SURFACE:
+        if cloud.role[i] != SURFACE:
             continue
-        n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
-                          radius, False, solids, indptr, indices, axes)
-        if not _fit(fit, work, basis, weight, near, du, n, axes) or not _inward(mean, near, weight, n, axes):
+        n = gather_flow(across, i, cloud, walls, flowing, False, radius)
+        if not _fit(found, fit, across, n, axes) or not _inward(mean, fit, across, n, axes):
             continue
-        _outward(away, mean, moment, inverse, i, x, role, radius, indptr, indices, axes)
-        if _variance_along(lift, work, away, axes) > (dim - 1) * POOR:
+        _outward(away, mean, i, cloud, radius)
+        if _variance_along(lift, fit.work, away, axes) > (dim - 1) * POOR:
             continue
-        tension[i] = 2.0 * _slope_without_stress(slope, fit, away, axes) / radius
-        _lay_down(out, i, fit, lift, away, slope, radius, axes)
+        tension[i] = 2.0 * _slope_without_stress(slope, found, away, axes) / radius
+        _lay_down(out, i, found, lift, away, slope, radius, axes)
 
 
 @subkernel
-def _fit(fit, work, basis, weight, near, du, n, axes):
-    """Fit quadratics through 0 to du = nu_ij (u_j - u_i): fit[a] has the coefficients of component a.
+def _fit(found, fit, across, n, axes):
+    """Fit quadratics through 0 to du = nu_ij (u_j - u_i): found[a] has the coefficients of component a.
 
-    work : the factor of their normal matrix. Returns False if that is degenerate.
+    Returns False if the normal matrix is degenerate.
     """
-    dim, size = len(axes), len(work)
-    if not factor_quadratics(work, basis, weight, near, n, axes):
+    size = len(fit.work)
+    if not factor_quadratics(fit, across.near, n, axes):
         return False
-    for a in range(dim):
+    for a in range(len(axes)):
         for r in range(size):
             total = 0.0
             for k in range(n):
-                total += weight[k] * basis[r, k] * du[a, k]
-            fit[a, r] = total
-        cholesky_solve(work, fit[a], size)
+                total += fit.weight[k] * fit.basis[r, k] * across.du[a, k]
+            found[a, r] = total
+        cholesky_solve(fit.work, found[a], size)
     return True
 
 
 @inlined
-def _inward(mean, near, weight, n, axes):
+def _inward(mean, fit, across, n, axes):
     """Write the direction of the mean neighbour; return False if there is none."""
     for a in range(len(axes)):
         mean[a] = 0.0
         for k in range(n):
-            mean[a] += weight[k] * near[a, k]
+            mean[a] += fit.weight[k] * across.near[a, k]
     return _normalise(mean, axes)
 
 
 @subkernel
-def _outward(away, mean, moment, inverse, i, x, role, radius, indptr, indices, axes):
+def _outward(away, mean, i, cloud, radius):
     """Write the normal of the plane through i that fits its neighbours on the surface best, out of the fluid.
 
     Inverse iteration with their moment finds it from -mean: among disordered particles, the mean neighbour may lie a
     tenth off the normal. It stays -mean where these neighbours lie in no plane, as in spray.
     """
-    dim = len(axes)
-    trace = _surface_moment(moment, i, x, role, radius, indptr, indices, axes)
+    axes, dim = cloud.axes, len(cloud.axes)
+    moment, inverse = np.empty((dim, dim)), np.empty((dim, dim))
+    trace = _surface_moment(moment, i, cloud, radius)
     for a in range(dim):
         moment[a, a] += FLAT * trace if trace > 0.0 else 1.0
         away[a] = -mean[a]
@@ -121,13 +116,13 @@ def _outward(away, mean, moment, inverse, i, x, role, radius, indptr, indices, a
 
 
 @subkernel
-def _surface_moment(moment, i, x, role, radius, indptr, indices, axes):
+def _surface_moment(moment, i, cloud, radius):
     """Write the weighted sum of r r^T over the neighbours on the surface; return its trace."""
-    dim, trace = len(axes), 0.0
+    x, dim, trace = cloud.x, len(cloud.axes), 0.0
     moment[:, :] = 0.0
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        if role[j] != SURFACE:
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = cloud.indices[k]
+        if cloud.role[j] != SURFACE:
             continue
         r2 = 0.0
         for a in range(dim):

@@ -1,21 +1,22 @@
 """Viscous acceleration div(nu grad u), with no-slip and free-slip walls.
 
 The walls are one layer of particles on the wall itself, so a particle beside one has neighbours on one side
-only. The form of Morris fills the other side with mirror images. The corrected form is a quadratic fit, to which a
-no-slip wall gives its velocity as data; only free-slip walls need images there. With the mean viscosity of a pair,
-a Laplacian of nu_ij (u_j - u_i) is div(nu grad u), exact for linear nu and linear u if the Laplacian is exact for
+only. The form of Morris continues them across the wall. The corrected form is a quadratic fit, to which a no-slip wall
+gives its velocity as data; only free-slip walls need a continuation there. With the mean viscosity of a pair, a
+Laplacian of nu_ij (u_j - u_i) is div(nu grad u), exact for linear nu and linear u if the Laplacian is exact for
 quadratics.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER, WALL
+from parisph.kernels.across import Across, differences, gather_across, room_across
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.moments import cholesky, cholesky_solve
-from parisph.kernels.moving_mirrors import Solids, gather_moving
-from parisph.kernels.near import room_for
+from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.smoothing import cubic_spline_slope, quartic_weight
 
 # Largest nu dt/s^2 of an explicit step of either form, with nu the largest viscosity, h = 1.3 s and radius = 2.6 s.
@@ -26,147 +27,157 @@ STABLE = 0.4
 STRETCH = 3.0       # of squares in units of the radius, so that they are about as large as the coordinates
 
 
+class Flowing(NamedTuple):
+    """What the viscous force knows of particles.
+
+    u : (n_all, dim) [m/s], of a no-slip wall its own velocity, of a free-slip wall that of `gradient.wall_velocity`
+    nu : (n_all,) [m^2/s], of walls that of the fluid there
+    no_slip : (n_all,) of walls 1 for no-slip, 0 for free-slip; a corner of both is no-slip
+    """
+
+    u: np.ndarray
+    nu: np.ndarray
+    no_slip: np.ndarray
+
+
 @kernel
-def morris(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
-           normal: np.ndarray, no_slip: np.ndarray, h: float, volume: float, solids: Solids, indptr: np.ndarray,
-           indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def morris(out: np.ndarray, cloud: Cloud, walls: Walls, flowing: Flowing, h: float) -> None:
     """Viscous acceleration of owned fluid by the form of Morris et al. (1997, Eq. 22), at one density.
 
     a_i = sum_j V (nu_i + nu_j) (r_ij . grad_i W_ij)/(r_ij^2 + 0.01 h^2) (u_i - u_j)
 
-    j runs over fluid, walls and images. The image of fluid in a no-slip wall moves with 2 u_wall - u_j, in a
-    free-slip wall with the mirrored velocity. Between fluid particles, momentum is conserved.
+    j runs over fluid, walls and what is across them. The reflection of fluid in a no-slip wall moves with
+    2 u_wall - u_j, in a free-slip wall with the reflected velocity. Between fluid particles, momentum is conserved.
 
-    out : (n_owned, dim) output [m/s^2]; 0 for walls
-    u : (n_all, dim) [m/s], of a no-slip wall its own velocity, of a free-slip wall that of `gradient.wall_velocity`
-    nu : (n_all,) [m^2/s], of walls that of the fluid there
-    x, normal : (n_all, dim); kind, corner : (n_all,); kind ABSENT is left out
-    no_slip : (n_all,) of walls 1 for no-slip, 0 for free-slip; a corner of both is no-slip
-    h : smoothing length [m] of the cubic spline, with support 2 h; volume : of a particle [m^dim]
-    solids : of walls of any shape; corner is then 1 for nodes on convex edges, too
+    out : (n_owned, dim) output [m/s^2]; 0 for walls. Kind ABSENT is left out
+    h : smoothing length [m] of the cubic spline, with support 2 h
     """
-    dim = len(axes)
-    room = room_for(indptr) * 2**dim
-    near, du, speed = np.empty((dim, room)), np.empty((dim, room)), np.empty((dim, dim))
-    member, slips, image, mirror = np.empty(dim, np.int64), np.empty(dim, np.bool_), np.empty(dim), np.empty(dim)
-    for i in range(len(indptr) - 1):
+    across = room_across(cloud)
+    for i in range(len(out)):
         out[i, :] = 0.0
-        if kind[i] != FLUID:
-            continue
-        n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
-                          h, True, solids, indptr, indices, axes)
-        _morris_sum(out, i, near, du, n, h, volume, axes)
+        if cloud.kind[i] == FLUID:
+            _add_morris(out, i, across, cloud, walls, flowing, h)
 
 
 @kernel
-def corrected(out: np.ndarray, u: np.ndarray, nu: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray,
-              normal: np.ndarray, role: np.ndarray, no_slip: np.ndarray, radius: float, h: float, volume: float,
-              solids: Solids, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def corrected(out: np.ndarray, cloud: Cloud, walls: Walls, flowing: Flowing, radius: float, h: float) -> None:
     """Viscous acceleration of owned fluid by a quadratic fit (generalised finite differences).
 
     The Laplacian is exact for quadratic velocities on any set of particles, also beside walls. Where the
     neighbours do not span the quadratics, and at particles that are not INNER, it is the form of `morris`, because a
     one-sided fit has no condition there. `surface_stress.stress_free` gives surface particles one.
 
-    role : (n_all,); radius : of the quartic weight of the fit [m]; the others as in `morris`
+    radius : of the quartic weight of the fit [m]; the others as in `morris`
     """
-    dim = len(axes)
+    dim = len(cloud.axes)
     size = dim + dim * (dim + 1) // 2
-    room = room_for(indptr) * 2**dim
-    near, du, speed = np.empty((dim, room)), np.empty((dim, room)), np.empty((dim, dim))
-    member, slips, image, mirror = np.empty(dim, np.int64), np.empty(dim, np.bool_), np.empty(dim), np.empty(dim)
-    weight, basis = np.empty(room), np.empty((size, room))
-    work, pick = np.empty((size, size)), np.empty(size)
-    for i in range(len(indptr) - 1):
+    across = room_across(cloud)
+    fit = Quadratics(np.empty((size, across.near.shape[1])), np.empty(across.near.shape[1]), np.empty((size, size)))
+    for i in range(len(out)):
         out[i, :] = 0.0
-        if kind[i] != FLUID:
+        if cloud.kind[i] != FLUID:
             continue
-        if role[i] == INNER:
-            n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
-                              radius, False, solids, indptr, indices, axes)
-            if _fit_laplacian(out, i, near, du, weight, basis, work, pick, n, radius, axes):
+        if cloud.role[i] == INNER:
+            n = gather_flow(across, i, cloud, walls, flowing, False, radius)
+            if _fit_laplacian(out, i, fit, across, n, radius, cloud.axes):
                 continue
-        n = gather_moving(near, du, speed, member, image, mirror, slips, i, u, nu, x, kind, corner, normal, no_slip,
-                          h, True, solids, indptr, indices, axes)
-        _morris_sum(out, i, near, du, n, h, volume, axes)
+        _add_morris(out, i, across, cloud, walls, flowing, h)
 
 
 @subkernel
-def _morris_sum(out, i, near, du, n, h, volume, axes):
-    """Add the pairs of `morris`; near in units of h, du = nu_ij (u_j - u_i)."""
-    dim = len(axes)
+def gather_flow(across: Across, i: int, cloud: Cloud, walls: Walls, flowing: Flowing, everywhere: bool,
+                radius: float) -> int:
+    """Write the columns of `gather_across`, with du = nu_ij (u_j - u_i) and the mean viscosity of each pair."""
+    n = gather_across(across, i, cloud, walls, flowing.no_slip, everywhere, radius)
+    differences(across, n, i, flowing.u)
     for k in range(n):
+        mean = 0.5 * (flowing.nu[i] + flowing.nu[across.member[k]])
+        for a in range(len(cloud.axes)):
+            across.du[a, k] *= mean
+    return n
+
+
+@subkernel
+def _add_morris(out, i, across, cloud, walls, flowing, h):
+    """Add the pairs of `morris`."""
+    dim, volume = len(cloud.axes), cloud.spacing ** len(cloud.axes)
+    for k in range(gather_flow(across, i, cloud, walls, flowing, True, h)):
         q2 = 0.0
         for a in range(dim):
-            q2 += near[a, k] ** 2
+            q2 += across.near[a, k] ** 2
         c = -2.0 * volume * cubic_spline_slope(h * math.sqrt(q2), h, dim) * q2 / (q2 + 0.01)
         for a in range(dim):
-            out[i, a] += c * du[a, k]
+            out[i, a] += c * across.du[a, k]
+
+
+class Quadratics(NamedTuple):
+    """A weighted fit of quadratics through 0 to columns.
+
+    basis : (size, columns), X_a, then STRETCH X_a X_b in the order 00, 10, 11, 20, 21, 22; weight : (columns,)
+    work : (size, size), the factor of M = sum_k w_k b_k b_k^T
+    """
+
+    basis: np.ndarray
+    weight: np.ndarray
+    work: np.ndarray
 
 
 @subkernel
-def factor_quadratics(work: np.ndarray, basis: np.ndarray, weight: np.ndarray, near: np.ndarray, n: int,
-                      axes: tuple[int, ...]) -> bool:
-    """Write the basis and weight of n neighbours, and the factor of M = sum_k w_k b_k b_k^T; False if degenerate.
-
-    basis : X_a, then STRETCH X_a X_b in the order 00, 10, 11, 20, 21, 22, (size, columns)
-    near : (dim, columns), in units of the radius of the weight; weight : (columns,); work : (size, size)
-    """
-    size = len(work)
+def factor_quadratics(fit: Quadratics, near: np.ndarray, n: int, axes: tuple[int, ...]) -> bool:
+    """Write basis, weight and factor for n columns near (dim, columns), in units of the radius; False if degenerate."""
+    size = len(fit.work)
     for k in range(n):
-        _fill_basis(basis, near, weight, k, axes)
+        _fill_basis(fit, near, k, axes)
     for r in range(size):
         for c in range(r + 1):
             total = 0.0
             for k in range(n):
-                total += weight[k] * basis[r, k] * basis[c, k]
-            work[r, c] = total
-    return n >= size and cholesky(work, size)
+                total += fit.weight[k] * fit.basis[r, k] * fit.basis[c, k]
+            fit.work[r, c] = total
+    return n >= size and cholesky(fit.work, size)
 
 
 @subkernel
-def _fit_laplacian(out, i, near, du, weight, basis, work, pick, n, radius, axes):
-    """Add the Laplacian of the weighted quadratic fit through 0 at i; near in units of the radius.
+def _fit_laplacian(out, i, fit, across, n, radius, axes):
+    """Add the Laplacian of the weighted quadratic fit through 0 at i.
 
     The fit has the coefficients M^-1 sum_j w_j b_j du_j, and the Laplacian is twice the sum of those of the
     squares: one system M y = pick gives the coefficients w_j b_j . y of all components. Returns False,
     with nothing added, if M is degenerate.
     """
-    dim, size = len(axes), len(work)
-    if not factor_quadratics(work, basis, weight, near, n, axes):
+    dim, size = len(axes), len(fit.work)
+    if not factor_quadratics(fit, across.near, n, axes):
         return False
-    pick[:] = 0.0
+    pick = np.zeros(size)
     row = dim
     for a in range(dim):
         row += a
         pick[row] = 2.0 * STRETCH / radius**2
         row += 1
-    cholesky_solve(work, pick, size)
+    cholesky_solve(fit.work, pick, size)
     for k in range(n):
         c = 0.0
         for r in range(size):
-            c += pick[r] * basis[r, k]
+            c += pick[r] * fit.basis[r, k]
         for a in range(dim):
-            out[i, a] += weight[k] * c * du[a, k]
+            out[i, a] += fit.weight[k] * c * across.du[a, k]
     return True
 
 
 @inlined
-def _fill_basis(basis, near, weight, k, axes):
-    """Write X_a, then STRETCH X_a X_b in the order 00, 10, 11, 20, 21, 22, and the quartic weight of column k."""
+def _fill_basis(fit, near, k, axes):
     row, q2 = len(axes), 0.0
     for a in range(len(axes)):
         q2 += near[a, k] ** 2
-        basis[a, k] = near[a, k]
+        fit.basis[a, k] = near[a, k]
         for b in range(a + 1):
-            basis[row, k] = STRETCH * near[a, k] * near[b, k]
+            fit.basis[row, k] = STRETCH * near[a, k] * near[b, k]
             row += 1
-    weight[k] = quartic_weight(q2, 1.0)
+    fit.weight[k] = quartic_weight(q2, 1.0)
 
 
 @kernel
-def continue_to_walls(a: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np.ndarray, normal: np.ndarray,
-                      radius: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def continue_to_walls(a: np.ndarray, cloud: Cloud, radius: float) -> None:
     """Continue the normal part of an acceleration from the fluid to the walls, for n . (nu lap u) of Eq. 25.
 
     (Zheng, Ma & Duan 2014.) A wall takes the value at y = 0 of a linear fit over the distance y from it, with
@@ -175,17 +186,17 @@ def continue_to_walls(a: np.ndarray, x: np.ndarray, kind: np.ndarray, corner: np
 
     a : (n_all, dim) [m/s^2], of fluid given, rows of owned walls are written
     """
-    dim, radius2 = len(axes), radius * radius
-    for i in range(len(indptr) - 1):
-        if kind[i] != WALL:
+    dim, radius2, x, normal = len(cloud.axes), radius * radius, cloud.x, cloud.normal
+    for i in range(len(cloud.indptr) - 1):
+        if cloud.kind[i] != WALL:
             continue
         a[i, :] = 0.0
-        if corner[i]:
+        if cloud.corner[i]:
             continue
         s0, s1, s2, v0, v1 = 0.0, 0.0, 0.0, 0.0, 0.0
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if kind[j] != FLUID:
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j = cloud.indices[k]
+            if cloud.kind[j] != FLUID:
                 continue
             r2, y, value = 0.0, 0.0, 0.0
             for c in range(dim):
