@@ -151,16 +151,13 @@ class Parting(Regulariser):
         return numerics.shift > 0.0
 
     def prepare(self, flow: "Flow", dt: float) -> None:
-        p = flow.particles
-        pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, PART_WITHIN * flow.spacing,
-                          *flow.close_pairs(CLOSE), flow.axes)
+        pairs.count_close(flow.particles.pairs, flow.close_pairs(CLOSE), PART_WITHIN * flow.spacing)
         flow.stale.add("pairs")
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p = flow.particles
         move = np.empty_like(p.x)
-        pairs.part_pairs(move, p.pairs_all, p.x_all, p.kind_all, p.role_all, p.id_all, PART_WITHIN * flow.spacing, PART,
-                         *flow.close_pairs(CLOSE), flow.axes)
+        pairs.part_pairs(move, flow.close_pairs(CLOSE), p.pairs_all, p.id_all, PART_WITHIN * flow.spacing, PART)
         return move
 
 
@@ -198,8 +195,7 @@ class FickShift(Regulariser):
         shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all,
                             straining.strength(flow, n.shift, n.shift_strain) * h * h, CAP * flow.spacing,
                             2.0 * flow.spacing, d.indptr, d.indices, flow.axes)
-        pairs.turn_pairs(move, p.x_all, p.kind_all, p.role_all, p.id_all, TURN_WITHIN * flow.spacing, p.turn_all,
-                         *flow.close_pairs(CLOSE), flow.axes)
+        pairs.turn_pairs(move, flow.close_pairs(CLOSE), p.id_all, p.turn_all, TURN_WITHIN * flow.spacing)
         return move
 
 
@@ -217,14 +213,13 @@ class KeepApart(Limiter):
         return numerics.shift > 0.0
 
     def apply(self, flow: "Flow", dt: float) -> None:
-        p, d = flow.particles, flow.domain
+        p = flow.particles
         flow.fresh("x")
-        watched = pairs.close_pairs(p.x_all, p.kind_all, WATCHED * flow.spacing, d.indptr, d.indices, flow.axes)
+        watched = pairs.close_pairs(flow.cloud, WATCHED * flow.spacing)
         move, near = np.zeros_like(p.x), np.arange(p.n_owned, dtype=np.int32)
         for _ in range(SWEEPS):
             flow.fresh("x")
-            crowded, left = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing,
-                                             SWEEP * flow.spacing, *watched, flow.axes)
+            crowded, left = pairs.keep_apart(move, near, watched, p.id_all, APART * flow.spacing, SWEEP * flow.spacing)
             if not sums(p.comm, crowded)[0]:
                 break
             near = near[:left]

@@ -72,16 +72,15 @@ def mean_rate(pool):
 
 def turned(pool):
     out = np.zeros_like(pool.x)
-    pairs.turn_pairs(out, pool.x, pool.kind, pool.role, np.arange(pool.n), 0.9 * S, np.full(pool.n, 0.1 * S), *pool.csr)
+    pairs.turn_pairs(out, pool.cloud, np.arange(pool.n), np.full(pool.n, 0.1 * S), 0.9 * S)
     return out
 
 
 def parted(pool):
     out, number = np.empty_like(pool.x), np.empty(pool.n, np.int32)
-    role = np.where(P[: pool.n] > 0.0, np.int8(1), pool.role)
-    where = (pool.x, pool.kind, role)
-    pairs.count_close(number, *where, 0.9 * S, *pool.csr)
-    pairs.part_pairs(out, number, *where, np.arange(pool.n), 0.9 * S, 0.5, *pool.csr)
+    cloud = pool.cloud._replace(role=np.where(P[: pool.n] > 0.0, np.int8(1), pool.role))
+    pairs.count_close(number, cloud, 0.9 * S)
+    pairs.part_pairs(out, cloud, number, np.arange(pool.n), 0.9 * S, 0.5)
     return out
 
 

@@ -169,10 +169,10 @@ def test_moves_keep_their_directions_and_their_shares(dim, names):
 def test_each_preparation_finds_the_pairs_where_particles_are(falling):
     s, p = falling, falling.particles
     regularising.prepare(s.method.flow, s.method.parts.position_regularisers, 1e-3)
-    before = len(s.method.flow.close_pairs(0.7)[1])
-    assert len(s.method.flow.close_pairs(0.7)[1]) == before > 0
+    before = len(s.method.flow.close_pairs(0.7).indices)
+    assert len(s.method.flow.close_pairs(0.7).indices) == before > 0
     x = p.x.copy()
     p.x[:] *= 10.0
     regularising.prepare(s.method.flow, (), 1e-3)
-    assert len(s.method.flow.close_pairs(0.7)[1]) == 0
+    assert len(s.method.flow.close_pairs(0.7).indices) == 0
     p.x[:] = x
