@@ -77,8 +77,8 @@ def _weigh_cells(flow, fluid, own):
     p.weight[inner] = cells[inner]
     d.update("weight")
     mean = np.empty(p.n_owned)
-    strain.mean_over_fluid(mean, p.weight_all, p.x_all, np.where(p.role_all == INNER, FLUID, WALL), lengths.NEAR * s,
-                           d.indptr, d.indices, flow.axes)
+    inside = flow.cloud._replace(kind=np.where(p.role_all == INNER, np.int8(FLUID), np.int8(WALL)))
+    strain.mean_over_fluid(mean, inside, p.weight_all, lengths.NEAR * s)
     p.weight[inner] = mean[inner]
     d.update("weight")
 

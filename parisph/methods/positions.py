@@ -115,8 +115,7 @@ def voids(flow: "Flow") -> np.ndarray:
     d.update("lack")
     found = np.zeros(p.n_owned)
     if np.any(p.lack_all < -VOID):    # else no mean is
-        strain.mean_over_fluid(found, p.lack_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr, d.indices,
-                               flow.axes)
+        strain.mean_over_fluid(found, flow.cloud, p.lack_all, lengths.MLS * flow.spacing)
         found = np.where(p.role == INNER, np.minimum(found + VOID, 0.0), 0.0)
     np.copyto(p.hollow, found, where=np.isnan(p.hollow))
     return np.minimum(found - p.hollow, 0.0)

@@ -43,9 +43,8 @@ def wall_velocity(pool):
 
 def filtered(pool):
     out = np.empty_like(pool.x)
-    u = U[: pool.n, : pool.dim].copy()
-    strain.velocity_gradient(np.empty((0, pool.dim, pool.dim)), np.empty(0), out, u, pool.x, pool.kind, pool.role,
-                             2.1 * S, 0.05, *pool.csr)
+    strain.velocity_gradient(np.empty((0, pool.dim, pool.dim)), np.empty(0), out, pool.cloud,
+                             U[: pool.n, : pool.dim].copy(), 2.1 * S, 0.05)
     return out
 
 
@@ -59,14 +58,13 @@ def collided(pool):
 
 def velocity_gradient(pool):
     out, rate = np.empty((pool.n, pool.dim, pool.dim)), np.empty(pool.n)
-    strain.velocity_gradient(out, rate, np.empty_like(pool.x), U[: pool.n, : pool.dim].copy(), pool.x, pool.kind,
-                             pool.role, 2.1 * S, 0.05, *pool.csr)
+    strain.velocity_gradient(out, rate, np.empty_like(pool.x), pool.cloud, U[: pool.n, : pool.dim].copy(), 2.1 * S, 0.05)
     return out
 
 
 def mean_rate(pool):
     out = np.empty(pool.n)
-    strain.mean_over_fluid(out, P[: pool.n], pool.x, pool.kind, 2.1 * S, *pool.csr)
+    strain.mean_over_fluid(out, pool.cloud, P[: pool.n], 2.1 * S)
     return out
 
 
