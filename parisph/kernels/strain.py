@@ -99,7 +99,7 @@ def _strain_rate(g, i, axes):
 
 @kernel
 def mean_over_fluid(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: float) -> None:
-    """Write the mean of f (n_all,) over the fluid within the radius [m], each particle included: (n_owned,), 0 at walls.
+    """Write the mean of f (n_all,) over the fluid within the radius [m], the particle included: (n_owned,), 0 at walls.
     """
     x, kind, indptr, indices, axes = cloud.x, cloud.kind, cloud.indptr, cloud.indices, cloud.axes
     radius2 = radius * radius

@@ -188,12 +188,12 @@ class FickShift(Regulariser):
         flow.stale.update(self.fields)
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        p, d, n = flow.particles, flow.domain, flow.numerics
+        p, n = flow.particles, flow.numerics
         h = lengths.DENSITY * flow.spacing
         move = np.empty_like(p.x)
-        shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all,
+        shifting.fick_shift(move, flow.cloud, p.grad_alpha_all,
                             straining.strength(flow, n.shift, n.shift_strain) * h * h, CAP * flow.spacing,
-                            2.0 * flow.spacing, d.indptr, d.indices, flow.axes)
+                            2.0 * flow.spacing)
         pairs.turn_pairs(move, flow.close_pairs(CLOSE), p.id_all, p.turn_all, TURN_WITHIN * flow.spacing)
         return move
 
@@ -278,11 +278,9 @@ def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray | None = None
 
     alpha : (n_owned,); doubt, more, rapid : (n_owned,), default 0
     """
-    p, d = flow.particles, flow.domain
-    e, zero = np.empty(p.n_owned), np.zeros(p.n_owned)
+    e, zero = np.empty_like(alpha), np.zeros_like(alpha)
     doubt, more, rapid = (zero if one is None else one for one in (doubt, more, rapid))
-    shifting.compression(e, alpha, more, rapid, p.role_all, p.x_all, p.kind_all, 0.1, doubt,
-                         lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+    shifting.compression(e, flow.cloud, alpha, more, rapid, doubt, 0.1, lengths.WALL * flow.spacing)
     return e
 
 

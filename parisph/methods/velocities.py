@@ -40,10 +40,9 @@ class Film(Regulariser):
         return numerics.surface_rule != "none"    # a full tank has no film
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        p, d = flow.particles, flow.domain
+        p = flow.particles
         change = np.empty_like(p.u)
-        films.settle(change, p.u_all, p.x_all, p.kind_all, p.role_all, p.corner_all, p.normal_all, flow.force,
-                     flow.spacing, lengths.MLS * flow.spacing, straining.SPAN, dt, d.indptr, d.indices, flow.axes)
+        films.settle(change, flow.cloud, p.u_all, flow.force, lengths.MLS * flow.spacing, straining.SPAN, dt)
         return change
 
 

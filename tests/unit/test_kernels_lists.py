@@ -57,8 +57,8 @@ def collided(pool):
 
 
 def velocity_gradient(pool):
-    out, rate = np.empty((pool.n, pool.dim, pool.dim)), np.empty(pool.n)
-    strain.velocity_gradient(out, rate, np.empty_like(pool.x), pool.cloud, U[: pool.n, : pool.dim].copy(), 2.1 * S, 0.05)
+    out, u = np.empty((pool.n, pool.dim, pool.dim)), U[: pool.n, : pool.dim].copy()
+    strain.velocity_gradient(out, np.empty(pool.n), np.empty_like(u), pool.cloud, u, 2.1 * S, 0.05)
     return out
 
 
@@ -102,8 +102,7 @@ def concentration(pool):
 
 def shifted(pool):
     out = np.empty_like(pool.x)
-    slope = U[: pool.n, : pool.dim].copy()
-    shifting.fick_shift(out, slope, pool.role, pool.x, pool.kind, np.full(pool.n, 0.01), 0.1 * S, 2.0 * S, *pool.csr)
+    shifting.fick_shift(out, pool.cloud, U[: pool.n, : pool.dim].copy(), np.full(pool.n, 0.01), 0.1 * S, 2.0 * S)
     return out
 
 
