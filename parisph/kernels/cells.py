@@ -1,10 +1,26 @@
 """Cell sort and neighbour lists."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
+
+
+class _Cells(NamedTuple):
+    """Points in the cells of a grid: lower corner (dim,) [m], size of a cell [m], and counts (dim,) of cells.
+
+    The points of cell c are member[start[c]:start[c + 1]].
+    """
+
+    x: np.ndarray
+    lower: np.ndarray
+    size: float
+    counts: np.ndarray
+    start: np.ndarray
+    member: np.ndarray
+    axes: tuple[int, ...]
 
 
 def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndarray, np.ndarray]:
@@ -31,14 +47,21 @@ def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndar
         raise ValueError(f"radius {radius} must be positive")
     if n_owned == 0:
         return np.zeros(1, np.int32), np.zeros(0, np.int32)
+    indptr, indices = _search(_sorted(x, radius), n_owned, radius)
+    return indptr, _ordered(indptr, indices)
+
+
+def _sorted(x, radius, other=0.0, rim=0):
+    """Return the _Cells of points x (n, dim) [m], as wide as the radius [m] or wider, with `rim` empty rows around.
+
+    Raises ValueError if a point, or the sum `other` of further ones, is not finite.
+    """
     lower, extent = np.empty((2, x.shape[1]))
-    if not _corners(lower, extent, x):
+    if not (_corners(lower, extent, x) and np.isfinite(other)):
         raise ValueError("a position, or the distance of two points, is not finite")
     counts, size = _grid(extent, radius, len(x))
-    axes = axes_of(x.shape[1])
-    start, member = _sort(x, lower, size, counts, axes)
-    indptr, indices = _search(x, n_owned, radius, lower, size, counts, start, member, axes)
-    return indptr, _ordered(indptr, indices)
+    lower, counts, axes = lower - rim * size, counts + 2 * rim, axes_of(x.shape[1])
+    return _Cells(x, lower, size, counts, *_sort(x, lower, size, counts, axes), axes)
 
 
 @kernel
@@ -104,7 +127,8 @@ def _enlarged(indices, n, size):
 
 
 @kernel
-def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
+def _search(cells, n_owned, radius):
+    x, lower, size, counts, start, member, axes = cells
     dim = len(axes)
     blocks = 1
     for a in range(dim - 1):
@@ -190,14 +214,8 @@ def nearby(x: np.ndarray, others: np.ndarray, radius: float) -> tuple[np.ndarray
         raise ValueError(f"radius {radius} must be positive")
     if len(others) == 0 or len(x) == 0:
         return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
-    lower, extent = np.empty((2, x.shape[1]))
-    if not (_corners(lower, extent, others) and np.isfinite(x.sum())):
-        raise ValueError("a position, or the distance of two points, is not finite")
-    counts, size = _grid(extent, radius, len(others))
-    axes = axes_of(x.shape[1])
-    lower, counts = lower - size, counts + 2    # empty cells all around
-    start, member = _sort(others, lower, size, counts, axes)
-    return _search_nearby(x, others, radius, lower, size, counts, start, member, _beside(start, counts, axes), axes)
+    cells = _sorted(others, radius, x.sum(), rim=1)
+    return _search_nearby(x, cells, radius, _beside(cells.start, cells.counts, cells.axes))
 
 
 @kernel
@@ -222,7 +240,8 @@ def _step(block, counts, axes):
 
 
 @kernel
-def _search_nearby(x, others, radius, lower, size, counts, start, member, beside, axes):
+def _search_nearby(x, cells, radius, beside):
+    others, lower, size, counts, start, member, axes = cells
     dim = len(axes)
     indptr = np.zeros(len(x) + 1, np.int32)
     indices = np.empty(4 * len(others) + 256, np.int32)
@@ -261,20 +280,14 @@ def nearest_points(x: np.ndarray, places: np.ndarray, spacing: float) -> np.ndar
     x, places = np.ascontiguousarray(x), np.ascontiguousarray(places)
     if len(x) == 0:
         raise ValueError("there is no point")
-    lower, extent = np.empty((2, x.shape[1]))
-    if not (_corners(lower, extent, x) and np.isfinite(places.sum())):
-        raise ValueError("a position, or the distance of two points, is not finite")
-    counts, size = _grid(extent, spacing, len(x))
-    axes = axes_of(x.shape[1])
-    start, member = _sort(x, lower, size, counts, axes)
     found = np.empty(len(places), np.int64)
-    _search_nearest(found, x, places, lower, size, counts, start, member, axes)
+    _search_nearest(found, places, _sorted(x, spacing, places.sum()))
     return found
 
 
 @kernel
-def _search_nearest(found, x, places, lower, size, counts, start, member, axes):
-    dim, last = len(axes), counts.max()
+def _search_nearest(found, places, cells):
+    lower, size, counts, dim, last = cells.lower, cells.size, cells.counts, len(cells.axes), cells.counts.max()
     home = np.empty(dim, np.int64)
     for i in range(len(places)):
         away = 0    # cells between the place and the grid
@@ -283,14 +296,15 @@ def _search_nearest(found, x, places, lower, size, counts, start, member, axes):
             away = max(away, -home[a], home[a] - counts[a] + 1)
         best, ring = math.inf, away
         while ring <= last + away and best > ((ring - 1) * size) ** 2 * (ring > 0):
-            best = _nearest_in_ring(found, best, i, home, ring, x, places, counts, start, member, axes)
+            best = _nearest_in_ring(found, best, i, home, ring, places, cells)
             ring += 1
 
 
 @inlined
-def _nearest_in_ring(found, best, i, home, ring, x, places, counts, start, member, axes):
+def _nearest_in_ring(found, best, i, home, ring, places, cells):
     """Look at the points in the cells that are `ring` cells away from a place's home; return the least distance^2."""
-    dim, side = len(axes), 2 * ring + 1
+    x, counts, start, member = cells.x, cells.counts, cells.start, cells.member
+    dim, side = len(cells.axes), 2 * ring + 1
     for block in range(side**dim):
         rest, cell, edge, inside = block, 0, False, True
         for a in range(dim):

@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID, SURFACE
-from parisph.kernels.jit import kernel, subkernel
+from parisph.kernels.jit import inlined, kernel, subkernel
+from parisph.kernels.records import Cloud
 
 # Radius of the neighbours that push, in spacings: those of the next layers, but not of the ones behind them, so that
 # nothing is missing around the particles of the second layer.
@@ -18,9 +19,7 @@ TINY = float(np.finfo(float).tiny)  # keeps 0/0 away
 
 
 @kernel
-def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray,
-             known: np.ndarray, normal: np.ndarray, strength: np.ndarray, spacing: float, indptr: np.ndarray,
-             indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def even_out(move: np.ndarray, cloud: Cloud, across: np.ndarray, known: np.ndarray, strength: np.ndarray) -> None:
     """Write the moves of owned fluid away from neighbours that are too close (n_owned, dim) [m].
 
     Each neighbour within the reach pushes with (1 - q^2)^2, q = r/(1.9 s), wall particles across their wall only. On a
@@ -30,7 +29,8 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
     across : (n_owned, dim), any length, the direction across the surface; known : (n_all,) bool, walls with one normal
     strength : (n_owned,), part of a displacement of one particle on the lattice that is undone
     """
-    dim, reach2 = len(axes), (REACH * spacing) ** 2
+    x, kind, role, indptr, indices = cloud.x, cloud.kind, cloud.role, cloud.indptr, cloud.indices
+    dim, spacing, reach2 = len(cloud.axes), cloud.spacing, (REACH * cloud.spacing) ** 2
     push = np.empty(dim)
     for i in range(len(indptr) - 1):
         move[i, :] = 0.0
@@ -51,17 +51,7 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
                     for a in range(dim):
                         push[a] += f * (x[i, a] - x[j, a])
             elif known[j]:
-                share, away, above = 1.0, 0.0, 0.0
-                for a in range(dim):
-                    away += normal[j, a] * (x[i, a] - x[j, a])
-                    above += across[i, a] * (x[i, a] - x[j, a])
-                if on:
-                    above2 = above * above / size
-                    r2 -= above2
-                    share = max(1.0 - math.sqrt(above2) / spacing, 0.0)
-                f = share * _push(max(r2, 0.0), spacing) * away
-                for a in range(dim):
-                    push[a] += f * normal[j, a]
+                _add_push_of_wall(push, i, j, r2, cloud, across, size if on else 0.0)
         if on:
             along = 0.0
             for a in range(dim):
@@ -70,6 +60,23 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
                 push[a] -= along / size * across[i, a]
         for a in range(dim):
             move[i, a] = strength[i] / STIFFNESS * spacing * push[a]
+
+
+@inlined
+def _add_push_of_wall(push, i, j, r2, cloud, across, size):
+    """Add the push of wall particle j at the square of a distance r2; size : of across^2 on the surface, else 0."""
+    x, normal, dim = cloud.x, cloud.normal, len(cloud.axes)
+    share, away, above = 1.0, 0.0, 0.0
+    for a in range(dim):
+        away += normal[j, a] * (x[i, a] - x[j, a])
+        above += across[i, a] * (x[i, a] - x[j, a])
+    if size > 0.0:
+        above2 = above * above / size
+        r2 -= above2
+        share = max(1.0 - math.sqrt(above2) / cloud.spacing, 0.0)
+    f = share * _push(max(r2, 0.0), cloud.spacing) * away
+    for a in range(dim):
+        push[a] += f * normal[j, a]
 
 
 @subkernel

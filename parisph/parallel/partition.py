@@ -1,6 +1,7 @@
 """The partition of space among the ranks: ranges of the Hilbert curve with equal work."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -55,9 +56,12 @@ class Grid:
     def keys(self, x: np.ndarray) -> np.ndarray:
         """Return the fine keys (n,) int64 of positions (n, dim) [m], by which particles are sorted."""
         keys = np.empty(len(x), np.int64)
-        size, bits = self.size / 2.0**self.fine, self.bits + self.fine
-        _position_keys(keys, x, self.origin, size, bits, *machine(self.dim))
+        _position_keys(keys, x, self.curve(self.fine))
         return keys
+
+    def curve(self, levels: int = 0) -> "Curve":
+        """Return the curve through the cells, or through those so many levels below."""
+        return Curve(self.origin, self.size / 2.0**levels, self.bits + levels, *machine(self.dim))
 
     def cells(self, keys: np.ndarray) -> np.ndarray:
         """Return the keys of the cells that contain fine keys."""
@@ -71,15 +75,25 @@ def cell_along(x: float, origin: float, size: float, count: float) -> int:
     return int(min(max(np.floor((x - origin) / size), 0.0), count - 1.0))
 
 
+class Curve(NamedTuple):
+    """The Hilbert curve through the cells of a Grid. place, following : of hilbert.machine"""
+
+    origin: np.ndarray
+    size: float
+    bits: int
+    place: np.ndarray
+    following: np.ndarray
+
+
 @kernel
-def _position_keys(keys, x, origin, size, bits, place, following):
-    dim = len(origin)
-    count = 2.0**bits
+def _position_keys(keys, x, curve):
+    dim = len(curve.origin)
+    count = 2.0**curve.bits
     cell = np.empty(dim, np.int64)
     for i in range(len(x)):
         for a in range(dim):
-            cell[a] = cell_along(x[i, a], origin[a], size, count)
-        keys[i] = key_of(cell, bits, place, following)
+            cell[a] = cell_along(x[i, a], curve.origin[a], curve.size, count)
+        keys[i] = key_of(cell, curve.bits, curve.place, curve.following)
 
 
 @dataclass(frozen=True)
