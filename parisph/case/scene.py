@@ -101,9 +101,7 @@ class Scene(Model):
     @property
     def plain(self) -> bool:
         """Whether the scene is one tank at rest in its frame, or none, and one shape of fluid: all on one lattice."""
-        still = all(isinstance(body, Tank) and isinstance(body.motion, AtRest) for body in self.bodies)
-        one = len(self.fluids) == 1 and len(self.bodies) <= 1
-        return still and one and not isinstance(self.fluids[0].shape, StillWater) and not self.fluids[0].holes
+        return False
 
     @property
     def lidded(self) -> bool:

@@ -20,11 +20,9 @@ def find(domain: Domain) -> None:
     Raises ParticleLost on every rank. Only particles with elements in their lists are looked at.
     """
     elements = domain.elements
-    if elements is None:
-        return
     p = domain.particles
-    near = np.flatnonzero((p.kind == FLUID) & (np.diff(elements.indptr)[: p.n_owned] > 0))
-    deep = -heights(p.x[near], elements.corners, domain.radius) / elements.spacing
+    near = np.flatnonzero((p.kind == FLUID) & (np.diff(elements.walls.indptr)[: p.n_owned] > 0))
+    deep = -heights(p.x[near], elements.walls.corners, domain.radius) / elements.spacing
     lost = near[deep > DEEP]
     worst = deep.max(initial=0.0) if len(near) else 0.0
     agree(p.comm, _loss(p, elements, lost, worst) if len(lost) else None)

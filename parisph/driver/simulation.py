@@ -24,6 +24,7 @@ from parisph.geometry import build
 from parisph.io.checkpoint import Checkpoint
 from parisph.kernels import selfcheck
 from parisph.methods import written
+from parisph.methods.boundary import Boundary
 from parisph.methods.budget import Budget
 from parisph.methods.catalogue import CompressibleParts, Parts, parts_of
 from parisph.methods.compressible import Compressible
@@ -132,10 +133,10 @@ class Simulation:
                              SKIN[case.dim] * s, LIST_SKIN * s, closed=case.lidded, elements=elements)
         self._made.append(self.domain)
         flow = Flow(self.numerics, case.density, self._force, self.particles, self.domain,
-                    solid_walls.boundary_of(case, elements), self.timers, closed=case.closed,
+                    Boundary(elements, s), self.timers, closed=case.closed,
                     budget=_budget(case, parts), viscosity=case.viscosity, spin=case.spin if case.turns else None,
                     absorb=case.absorber, friction=case.friction, wave_time=wave_time(case), vorticity=vorticity)
-        if start is None and not case.plain:
+        if start is None:
             solid_walls.fill(case, flow)
         self.method = _method(case, flow, parts, petsc_options)
         self._made.append(self.method)

@@ -7,12 +7,11 @@ from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID, INNER, WALL
 from parisph.case.schema import Case
 from parisph.geometry import build
+from parisph.geometry.mesh import no_mesh
 from parisph.methods import filling
 from parisph.methods.boundary import Boundary
 from parisph.methods.flow import Flow
 from parisph.methods.positions import KeepApart
-from parisph.methods.wall_images import WallImages
-from parisph.methods.wall_solids import WallSolids
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
 
@@ -20,23 +19,19 @@ APART = 4    # times that close pairs of a jittered start are parted, until less
 
 
 def fields(case: Case) -> tuple[str, ...]:
-    """Return the names of the fields that particles need beside such walls."""
-    if case.plain or case.walls is None:
-        return ("weight",) if build.uneven(case) else ()
+    """Return the names of the fields that particles need beside walls."""
     moving = len(build.scene_motions(case)) > 1
-    return (*WallSolids.fields, "wall_u") if moving else WallSolids.fields
+    return (*Boundary.fields, "wall_u") if moving else Boundary.fields
 
 
-def elements_of(case: Case, particles: Particles) -> WallElements | None:
-    """Return the elements of the walls of a case, None in a tank alone. Collective.
+def elements_of(case: Case, particles: Particles) -> WallElements:
+    """Return the elements of the walls of a case. Collective.
 
     particles : all that were built; the nodes of the walls are the last of them, as of every checkpoint
 
     Raises CaseError, on all ranks, if a checkpoint is of an earlier release that divided these walls otherwise.
     """
-    mesh = None if case.plain else build.scene_mesh(case)
-    if mesh is None:
-        return None
+    mesh = build.scene_mesh(case) or no_mesh(case.dim)
     nodes = particles.comm.allreduce(int(np.count_nonzero(particles.kind == WALL)))
     if nodes != len(mesh.x0):
         raise CaseError(f"the checkpoint has {nodes} particles on walls, and this release divides the same walls by "
@@ -44,11 +39,6 @@ def elements_of(case: Case, particles: Particles) -> WallElements | None:
                         "start it anew with parisph run and its case.json")
     last = particles.comm.allreduce(int(particles.id.max(initial=-1)), op=MPI.MAX)
     return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, build.scene_motions(case))
-
-
-def boundary_of(case: Case, elements: WallElements | None) -> Boundary:
-    """Return what walls are to the parts of the method."""
-    return WallImages() if elements is None else WallSolids(elements, case.numerics.spacing)
 
 
 def fill(case: Case, flow: Flow) -> None:

@@ -74,6 +74,13 @@ class WallMesh:
         return (self.x0 if x is None else x)[self.elements]
 
 
+def no_mesh(dim: int) -> WallMesh:
+    """Return the mesh of a scene without walls."""
+    none, vectors, numbers = np.empty(0), np.empty((0, dim)), np.empty(0, np.int32)
+    return WallMesh(vectors, vectors, none, vectors, none, numbers, np.empty(0, np.int8), np.empty((0, dim), np.int32),
+                    numbers)
+
+
 def area_vectors(corners: np.ndarray) -> np.ndarray:
     """Return the normals (M, dim) of elements (M, dim, dim), as long as their measures [m^(dim-1)]."""
     along = corners[:, 1] - corners[:, 0]

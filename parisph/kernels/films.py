@@ -4,9 +4,8 @@ import numpy as np
 
 from parisph.base.fields import BALLISTIC, FLUID, SURFACE, WALL
 from parisph.kernels.jit import inlined, kernel
-from parisph.kernels.mirrors import height
 from parisph.kernels.moments import invert
-from parisph.kernels.near import room_for
+from parisph.kernels.near import height, room_for
 from parisph.kernels.records import Cloud
 from parisph.kernels.smoothing import quartic_weight
 

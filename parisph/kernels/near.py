@@ -205,3 +205,12 @@ def dot4(p: np.ndarray, r: int, w: np.ndarray, q: np.ndarray, s: int, m: int) ->
         t2 += v * q[s + 2, k]
         t3 += v * q[s + 3, k]
     return t0, t1, t2, t3
+
+
+@inlined
+def height(i: int, wall: int, x: np.ndarray, normal: np.ndarray, axes: tuple[int, ...]) -> float:
+    """Return the distance of particle i from the plane of a wall particle, positive inside."""
+    h = 0.0
+    for a in range(len(axes)):
+        h += (x[i, a] - x[wall, a]) * normal[wall, a]
+    return h

@@ -4,7 +4,7 @@ Then each particle gets the volume of all places to which it is nearest.
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from parisph.base.fields import FLUID, INNER
 from parisph.kernels.cells import nearest_points
 from parisph.kernels.density import Table, completed_gradient
 from parisph.kernels.jit import kernel
-from parisph.kernels.records import Cloud, Walls, cloud_of, no_walls
+from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.shifting import fick_shift
 from parisph.kernels.solids import keep_off
 

@@ -8,6 +8,12 @@ from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.records import Cloud
 
+# Times that the gradient of concentration across a wall counts. The solid behind the wall stays where it is; fluid
+# there would move with the fluid before it. So a layer is held half as stiffly at its distance from the wall. Dam break
+# (H/s = 40, twelve starts): noise of P2 .011 with 1, .0085 with 1.5, .0085 with 2, .008 with 3; P2 off by .074, .061,
+# .062, .063.
+STIFF = 1.5
+
 
 @kernel
 def compression(e: np.ndarray, cloud: Cloud, alpha: np.ndarray, surplus: np.ndarray, rapid: np.ndarray,
@@ -38,6 +44,8 @@ def compression(e: np.ndarray, cloud: Cloud, alpha: np.ndarray, surplus: np.ndar
 def push_off_less(gradient: np.ndarray, surplus: np.ndarray, rapid: np.ndarray) -> None:
     """Leave out of the gradient of concentration what pushes fluid off a wall by half cells for which no fluid stands.
 
+    What is left counts STIFF times.
+
     gradient : (n_owned, dim), changed; surplus : (n_owned, dim), the part of it by those half cells
     rapid : (n_owned,), 0 to 1: as much of it is left out
     """
@@ -52,7 +60,7 @@ def push_off_less(gradient: np.ndarray, surplus: np.ndarray, rapid: np.ndarray) 
         push = 0.0
         for a in range(dim):
             push += gradient[i, a] * surplus[i, a] / size
-        change = less_pushed(push, push - size, rapid[i]) - push
+        change = STIFF * less_pushed(push, push - size, rapid[i]) - push
         for a in range(dim):
             gradient[i, a] += change * surplus[i, a] / size
 

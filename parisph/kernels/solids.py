@@ -350,7 +350,7 @@ def nearest_walls(away: np.ndarray, member: np.ndarray, places: tuple[np.ndarray
     return found
 
 
-@inlined
+@subkernel
 def three_places(axes: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the scratch of `nearest_walls`."""
     return np.empty(len(axes)), np.empty(len(axes)), np.empty(len(axes))

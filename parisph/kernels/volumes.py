@@ -49,14 +49,12 @@ class _Polygon(NamedTuple):
 
 
 @kernel
-def current_volumes(out: np.ndarray, cloud: Cloud, walls: Walls, concave: np.ndarray, lower: np.ndarray,
-                    upper: np.ndarray, reach: float) -> None:
+def current_volumes(out: np.ndarray, cloud: Cloud, walls: Walls, concave: np.ndarray, reach: float) -> None:
     """Write the volume out (n_owned,) [m^2] that owned fluid particles represent now, 0 for walls.
 
     A particle in no triangle, such as a drop, represents one cell of the lattice.
 
     concave : (M, 2) bool, whether the fluid has a concave corner at this end of an element
-    lower, upper : (2,) where plane walls are [m], infinite where there is none
     reach : [m]; the lists contain all neighbours within it, at least 2.6 spacings
     """
     sides = _Sides(np.empty(MOST), np.empty(MOST), np.empty(MOST), np.empty(MOST, np.int64), np.empty((MOST, 2)))
@@ -69,7 +67,7 @@ def current_volumes(out: np.ndarray, cloud: Cloud, walls: Walls, concave: np.nda
         if cloud.kind[i] != FLUID:
             continue
         out[i] = spacing * spacing
-        n, wet = _sides(sides, i, cloud, lower, upper, reach)
+        n, wet = _sides(sides, i, cloud, reach)
         n = _element_sides(sides, n, i, cloud, walls, concave, reach)
         count, far2 = _box(cell, reach), 2.0 * reach * reach
         for far in (False, True):    # near sides first: far ones do not reach the cell then
@@ -90,8 +88,8 @@ def current_volumes(out: np.ndarray, cloud: Cloud, walls: Walls, concave: np.nda
 
 
 @inlined
-def _sides(sides, i, cloud, lower, upper, reach):
-    """Write the sides that may bound the cell of i, and the wet places; return the numbers of both."""
+def _sides(sides, i, cloud, reach):
+    """Write the sides between i and other fluid that may bound its cell, and wet places; return the numbers of both."""
     x, n, w = cloud.x, 0, 0
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
         j = cloud.indices[k]
@@ -105,13 +103,6 @@ def _sides(sides, i, cloud, lower, upper, reach):
         elif cloud.role[j] == WET:
             sides.wet[w, 0], sides.wet[w, 1] = dx, dy
             w += 1
-    for a in range(2):
-        for sign in (-1.0, 1.0):
-            away = x[i, a] - lower[a] if sign < 0.0 else upper[a] - x[i, a]
-            if away < reach:
-                sides.x[n], sides.y[n] = (sign, 0.0) if a == 0 else (0.0, sign)
-                sides.limit[n], sides.member[n] = away, -1
-                n += 1
     return n, w
 
 

@@ -1,117 +1,167 @@
-"""What walls are to the parts of a method: they complete sums of kernels, keep fluid off, and close angular gaps.
+"""Walls, as elements with solid behind them: they complete sums of kernels, keep fluid off, and close angular gaps."""
 
-`methods.wall_images` are flat walls in which fluid is mirrored, `methods.wall_solids` walls of any shape.
-"""
-
-from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from parisph.base.fields import ABSENT, DRY, WALL
 from parisph.case.friction import Friction
-from parisph.kernels import movement, wetness
-from parisph.kernels.moving_mirrors import Solids, no_solids
+from parisph.geometry.mesh import CONVEX
+from parisph.kernels import density, gradient, movement, solids, wall_law, wetness
+from parisph.kernels.records import Walls
+from parisph.methods import lengths
+from parisph.parallel.wall_elements import NO_ROOM, WallElements
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-
-class Directions(NamedTuple):
-    """How walls close the angular gaps around fluid, as kernels.surface.surface_by_gap takes it."""
-
-    mirrors: bool
-    corners: np.ndarray
-    present: np.ndarray
-    element_indptr: np.ndarray
-    element_indices: np.ndarray
+# spacings from a wall within which its datum helps out a gradient with too few neighbours. In the tip of water on a
+# flat beach the surface is the only layer, up to 1.5 spacings above the bed, and the nodes below it carry no row.
+DATUM = 1.4
 
 
-class Boundary(ABC):
-    """The walls of a scene. Nothing here is collective.
+class Boundary:
+    """The walls of a scene. Fluid does not see through elements. Nothing here is collective.
 
+    elements : those of the domain, none in a scene without walls
     fields : that it needs
-    shapes : whether walls may have any shape
     least : in arguments, the least `closing` of walls that count (kernels.wetness.FREE or CLOSING)
     """
 
-    fields: ClassVar[tuple[str, ...]] = ()
-    shapes: ClassVar[bool] = False
+    fields: ClassVar[tuple[str, ...]] = ("weight", "area", "edge", "body", "half", "covered")
+
+    def __init__(self, elements: WallElements, spacing: float) -> None:
+        self.elements = elements
+        self.table = density.table(spacing, lengths.DENSITY * spacing, elements.mesh.dim)
+
+    # -- what completes sums of kernels ----------------------------------------------------
 
     def cover(self, flow: "Flow") -> tuple[str, ...]:
-        """Find what the fluid in front of walls has to do with them; return the names of fields that ghosts need."""
-        return ()
+        """Find which part of each wall particle has fluid in front of it; return the fields that ghosts need."""
+        p = flow.particles
+        wetness.covered_walls(p.covered, flow.cloud)
+        if self.elements.moving:
+            p.covered *= np.clip(0.5 + self.elements.before_moving(p) / flow.spacing, 0.0, 1.0)
+        return ("covered",)
 
-    def frictional(self, flow: "Flow", seen: np.ndarray) -> tuple[np.ndarray, Solids]:
+    def counted(self, flow: "Flow", least: int) -> np.ndarray:
+        """Return the part of each particle (n_all,) that counts: of walls `least` what is covered."""
+        p = flow.particles
+        if "closing" not in p.fields:    # a full closed tank
+            return np.ones(p.n_all)
+        return np.where((p.kind_all == WALL) & (p.closing_all < least), 0.0, p.covered_all)
+
+    def present(self, flow: "Flow", least: int) -> Walls:
+        """Return the elements, as far as they count."""
+        return self.elements.walls._replace(present=self.elements.mean_of_nodes(self.counted(flow, least)))
+
+    def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:
+        """Write the density ratio of owned fluid to out (n_owned,), 1 for walls."""
+        density.completed_density(out, *self._completion(flow, least))
+
+    def concentration(self, alpha: np.ndarray, gradient: np.ndarray, flow: "Flow", least: int) -> None:
+        """Write the density ratio of owned fluid to alpha (n_owned,), 1 for walls, and its gradient to `gradient`
+        (n_owned, dim) [1/m], 0 for walls."""
+        completion = self._completion(flow, least)
+        density.completed_density(alpha, *completion)
+        density.completed_gradient(gradient, *completion)
+
+    def _completion(self, flow, least):
+        p, counted = flow.particles, self.counted(flow, least)
+        walls = self.elements.walls._replace(present=self.elements.mean_of_nodes(counted))
+        return flow.cloud, walls, p.weight_all * counted, p.area_all * counted[:, None], self.table
+
+    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow") -> None:
+        """Write what half cells at walls for which no fluid stands contribute.
+
+        ratio : (n_owned,), gradient : (n_owned, dim) [1/m], outputs
+        share : (n_all,), for which part of its half cell fluid stands (halves.wall_share)
+        """
+        cloud, walls, weight, area, table = self._completion(flow, wetness.FREE)
+        filled, lean = density.node_terms(weight, area, share)
+        density.node_sums(ratio, gradient, cloud, walls, weight - filled, area - lean, table)
+
+    def cells(self, flow: "Flow") -> np.ndarray:
+        """Return the part (n_all,) of their cells that particles fill, as for kernels.surface_rows."""
+        return np.where(flow.particles.half_all == 1, 0.5, flow.cells)
+
+    # -- what keeps fluid off --------------------------------------------------------------
+
+    def keep_off(self, move: np.ndarray, flow: "Flow", distance: float | None = None) -> None:
+        """Remove from moves (n_owned, dim) [m] of fluid what leads nearer to a wall than a distance [spacings], by
+        default that of the wall guard."""
+        distance = flow.numerics.wall_guard if distance is None else distance
+        solids.keep_off(move, flow.cloud, self.elements.walls, distance * flow.spacing)
+
+    def guard(self, u: np.ndarray, flow: "Flow", dt: float) -> None:
+        """Limit velocities u (n_all, dim) [m/s] of owned fluid, so that a step of dt [s] ends before a wall."""
+        solids.guard(u, flow.cloud, self.elements.walls, flow.numerics.wall_guard * flow.spacing, dt)
+
+    # -- friction --------------------------------------------------------------------------
+
+    def viscous(self, flow: "Flow", seen: np.ndarray) -> tuple[np.ndarray, Walls]:
         """Return which particles the viscous force sees, kind (n_all,) or ABSENT, and the elements of walls.
 
         seen : (n_all,) kind, ABSENT for walls behind air
         """
-        return seen, no_solids(flow.particles.dim)
+        p, e = flow.particles, self.elements
+        there = ((e.nodes >= 0) & (seen[e.nodes] != ABSENT)).any(axis=1)
+        sticks = (p.no_slip_all[e.nodes] == 1).all(axis=1)
+        u = np.where(sticks[:, None], p.u_all[e.nodes].mean(axis=1), e.velocity)
+        # the velocity of free water is not known on a convex edge, whose nodes carry no row
+        unknown = (p.kind_all == WALL) & (p.edge_all == CONVEX) & (p.no_slip_all == 0)
+        walls = e.walls._replace(velocity=u, sticks=sticks, present=there.astype(float))
+        return np.where(unknown, np.int8(ABSENT), seen), walls
 
-    @abstractmethod
-    def density_ratio(self, out: np.ndarray, flow: "Flow", least: int) -> None:
-        """Write the density ratio of owned fluid to out (n_owned,), 1 for walls."""
-
-    @abstractmethod
-    def concentration(self, alpha: np.ndarray, gradient: np.ndarray, flow: "Flow", least: int) -> None:
-        """Write the density ratio of owned fluid to alpha (n_owned,), 1 for walls, and its gradient to `gradient`
-        (n_owned, dim) [1/m], 0 for walls."""
-
-    @abstractmethod
-    def surplus(self, ratio: np.ndarray, gradient: np.ndarray, share: np.ndarray, flow: "Flow",
-                further: np.ndarray | None = None, other: np.ndarray | None = None) -> None:
-        """Add what half cells at walls for which no fluid stands contribute.
-
-        share : (n_all,), for which part of its half cell fluid stands (halves.wall_share)
-        ratio : (n_owned,); gradient : (n_owned, dim) [1/m]; both hold 0
-        further : (n_owned,), holds 0, the ratio with `other` (n_all,) shares, or both None
-        """
-
-    @abstractmethod
-    def keep_off(self, move: np.ndarray, flow: "Flow") -> None:
-        """Remove from moves (n_owned, dim) [m] of fluid what leads too near to a wall."""
-
-    @abstractmethod
-    def guard(self, u: np.ndarray, flow: "Flow", dt: float) -> None:
-        """Limit velocities u (n_all, dim) [m/s] of owned fluid, so that a step of dt [s] ends before a wall."""
-
-    @abstractmethod
-    def directions(self, flow: "Flow", least: int) -> Directions:
-        """Return how walls close angular gaps."""
-
-    @abstractmethod
     def rub(self, out: np.ndarray, flow: "Flow", law: Friction) -> None:
         """Add the friction of walls that fluid slips along to out (n_owned, dim) [m/s^2]."""
+        p, e = flow.particles, self.elements
+        # walls at rest may slide, as a lid does; those that move have their velocity from their motion
+        u = np.where((e.motion == 0)[:, None], p.wall_u_all[e.nodes].mean(axis=1), e.velocity)
+        walls = e.walls._replace(velocity=u, sticks=(p.no_slip_all[e.nodes] == 1).all(axis=1))
+        wall_law.rub(out, flow.cloud, walls, p.u_all, wall_law.Law(law.viscosity, law.roughness, flow.dt))
 
-    def cells(self, flow: "Flow") -> np.ndarray:
-        """Return the part (n_all,) of their cells that particles fill, as for kernels.surface_rows."""
-        return flow.cells
+    # -- walls that move -------------------------------------------------------------------
 
     def leave_out(self, flow: "Flow") -> None:
         """Write the role of wall particles that are never in a stencil."""
+        p = flow.particles
+        p.role[(p.kind == WALL) & (p.edge == CONVEX)] = DRY
+        if self.elements.moving:
+            p.role[self.elements.before_moving(p) < NO_ROOM * flow.spacing] = DRY
 
     def move(self, flow: "Flow", at: float, start: float, stop: float) -> None:
         """Put walls where they are at a time [s], in a step from start to stop [s]."""
+        if self.elements.moving:
+            self.elements.place(at, start, stop)
+            self.elements.put(flow.particles)
 
     def acceleration(self, flow: "Flow") -> np.ndarray | None:
         """Return the acceleration of owned wall particles in the step, (n_owned, dim) [m/s^2], 0 for fluid; None if all
         walls rest."""
-        return None
+        e = self.elements
+        return e.of_particles(e.a, flow.particles) if e.moving else None
 
     def normal_acceleration(self, flow: "Flow") -> np.ndarray | None:
         """Return that of fluid which slides along walls, at owned particles (n_owned,) [m/s^2]; None if all walls rest.
 
         n . a of the wall, and what turns the fluid with it: - 2 dn/dt . (u - u_w), as Coriolis' force in its frame.
         """
-        return None
+        p, e = flow.particles, self.elements
+        if not e.moving:
+            return None
+        along = np.einsum("ia,ia->i", p.normal, e.of_particles(e.a, p))
+        return along - 2.0 * np.einsum("ia,ia->i", e.of_particles(e.turn, p), p.u - p.wall_u)
 
     def shear(self, flow: "Flow") -> np.ndarray:
         """Return what Flow.wall_shear is by the motion of walls: (n_owned, dim) [1/s]."""
-        return np.zeros_like(flow.particles.x)
+        return -self.elements.of_particles(self.elements.turn, flow.particles)
 
     def longest_step(self, flow: "Flow", time: float) -> float:
         """Return the longest step [s] after a time [s] that resolves the motion of walls, infinite if none moves."""
-        return np.inf
+        return self.elements.longest_step(time, flow.numerics.cfl)
+
+    # -- what is known of the pressure beside walls ----------------------------------------
 
     def known_slopes(self, flow: "Flow") -> np.ndarray:
         """Return which particles (n_all,) are walls with one normal, across which the slope of pressure is known.
@@ -121,15 +171,23 @@ class Boundary(ABC):
         """
         p = flow.particles
         closing = p.closing_all if "closing" in p.fields else np.empty(0, np.int8)    # a full tank: all walls are wet
-        return wetness.known_slopes(flow.cloud, closing, flow.body_force)
+        known = wetness.known_slopes(flow.cloud, closing, flow.body_force)
+        return known & (p.edge_all != CONVEX)
 
     def slope(self, flow: "Flow", along: np.ndarray | None) -> np.ndarray:
         """Return the slope across walls (n_all,) of a field with the gradient `along` (n_all, dim) in water at rest.
 
         None stands for 0. Of the pressure, along is rho times the force, and walls that move have less of it.
         """
-        p = flow.particles
-        return np.zeros(len(p.x_all)) if along is None else movement.along(p.normal_all, along)
+        p, e = flow.particles, self.elements
+        if along is None:
+            return np.zeros(p.n_all)
+        found = movement.along(p.normal_all, along)
+        if e.moving:
+            here, a, turn, u = e.of_walls(p)
+            turned = np.einsum("ia,ia->i", turn, p.u_all[here] - u)
+            found[here] -= flow.density * (np.einsum("ia,ia->i", p.normal_all[here], a) - 2.0 * turned)
+        return found
 
     def mend_gradient(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
                       form: tuple[float, int, float]) -> None:
@@ -138,3 +196,9 @@ class Boundary(ABC):
         known : (n_owned,) bool, where out stays; slope : (n_all, dim), what the gradient is across walls at rest, None
         for 0; form : radius [m], power and floor of the fit
         """
+        p, d, e = flow.particles, flow.domain, self.elements
+        along, less = np.zeros_like(p.x_all), np.zeros_like(e.acceleration)
+        if slope is not None:
+            along, less = slope, flow.density * e.acceleration
+        gradient.gradient_at_walls(out, known, f, along, less, p.x_all, p.role_all, *form, DATUM * flow.spacing,
+                                   e.walls.corners, e.walls.indptr, e.walls.indices, d.indptr, d.indices, flow.axes)

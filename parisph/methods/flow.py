@@ -144,9 +144,7 @@ class Flow:
     @property
     def cloud(self) -> Cloud:
         """The particles as kernels need them, now."""
-        p, d = self.particles, self.domain
-        return Cloud(p.x_all, p.kind_all, p.role_all, p.normal_all, p.corner_all, p.volume_all, d.indptr, d.indices,
-                     self.spacing, self.axes)
+        return self.particles.cloud(self.domain.indptr, self.domain.indices, self.spacing)
 
     @property
     def cells(self) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 from parisph.base.fields import ABSENT, FLUID, WALL
 from parisph.case.numerics import Numerics
 from parisph.kernels import gradient, surface_stress, turbulence, viscous, wetness
-from parisph.kernels.moving_mirrors import Solids
+from parisph.kernels.records import Walls
 from parisph.methods import lengths, straining
 from parisph.methods.parts import FORCES, SURFACES, Force
 
@@ -69,29 +69,26 @@ class Viscous(Force):
         return (*self.fields, *open_ones, *(straining.FIELDS if numerics.smagorinsky else ()))
 
     def add(self, out: np.ndarray, flow: "Flow", time: float) -> None:
-        p, d, s = flow.particles, flow.domain, flow.spacing
+        p, d = flow.particles, flow.domain
         wall = p.kind == WALL
         p.u[wall & (p.no_slip == 1)] = p.wall_u[wall & (p.no_slip == 1)]
         self._write_viscosity(flow)
         self.laplacian(p.viscous, flow, *self._update(flow))
         d.update(*(name for name in ("viscous", "surface_pressure") if name in p.fields))
-        viscous.continue_to_walls(p.viscous_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, lengths.WALL * s,
-                                  d.indptr, d.indices, flow.axes)
+        viscous.continue_to_walls(p.viscous_all, flow.cloud, lengths.WALL * flow.spacing)
         d.update("viscous")
         out += p.viscous_all
 
-    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray, solids: Solids) -> None:
+    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray, walls: Walls) -> None:
         """Write nu lap u of owned fluid to out (n_owned, dim) [m/s^2], and surface_pressure if there is this field.
 
-        seen : (n_all,) kind, ABSENT for walls behind air; solids : walls as elements
+        seen : (n_all,) kind, ABSENT for walls behind air
         """
-        p, d, s = flow.particles, flow.domain, flow.spacing
-        viscous.corrected(out, p.u_all, p.nu_all, p.x_all, seen, p.corner_all, p.normal_all, p.role_all, p.no_slip_all,
-                          lengths.VISCOUS * s, lengths.DENSITY * s, s**p.dim, solids, d.indptr, d.indices, flow.axes)
+        p, s, cloud = flow.particles, flow.spacing, flow.cloud._replace(kind=seen)
+        flowing = viscous.Flowing(p.u_all, p.nu_all, p.no_slip_all)
+        viscous.corrected(out, cloud, walls, flowing, lengths.VISCOUS * s, lengths.DENSITY * s)
         if "surface_pressure" in p.fields:
-            surface_stress.stress_free(out, p.surface_pressure, p.u_all, p.nu_all, p.x_all, seen, p.corner_all,
-                                       p.normal_all, p.role_all, p.no_slip_all, lengths.VISCOUS * s, solids,
-                                       d.indptr, d.indices, flow.axes)
+            surface_stress.stress_free(out, p.surface_pressure, cloud, walls, flowing, lengths.VISCOUS * s)
             p.surface_pressure *= flow.density
 
     def longest_step(self, flow: "Flow") -> float:
@@ -106,10 +103,10 @@ class Viscous(Force):
         p, d = flow.particles, flow.domain
         if "touched" not in p.fields:    # a full closed tank, all of whose walls are wet
             d.update("u", "nu", "role")
-            return flow.walls.frictional(flow, p.kind_all)
+            return flow.walls.viscous(flow, p.kind_all)
         wetness.touched_walls(p.touched, flow.cloud)
         d.update("u", "nu", "role", "touched")
-        return flow.walls.frictional(flow, np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all))
+        return flow.walls.viscous(flow, np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all))
 
     def _write_viscosity(self, flow):
         """Write nu of owned particles, that of eddies by the velocity gradient of the step before included."""
@@ -128,10 +125,10 @@ class MorrisViscous(Viscous):
     name, source, words = "viscous_morris", "Morris et al. 1997, Eq 22", "viscous force of Morris"
     open_fields = ("touched",)
 
-    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray, solids: Solids) -> None:
-        p, d, s = flow.particles, flow.domain, flow.spacing
-        viscous.morris(out, p.u_all, p.nu_all, p.x_all, seen, p.corner_all, p.normal_all, p.no_slip_all,
-                       lengths.DENSITY * s, s**p.dim, solids, d.indptr, d.indices, flow.axes)
+    def laplacian(self, out: np.ndarray, flow: "Flow", seen: np.ndarray, walls: Walls) -> None:
+        p = flow.particles
+        viscous.morris(out, flow.cloud._replace(kind=seen), walls, viscous.Flowing(p.u_all, p.nu_all, p.no_slip_all),
+                       lengths.DENSITY * flow.spacing)
 
 
 for part in (Body(), Coriolis(), Viscous(), MorrisViscous()):

@@ -67,10 +67,13 @@ def tensile_gradient(flow: "Flow") -> None:
 
     Not collective.
     """
-    p, d = flow.particles, flow.domain
-    shifts.tensile_gradient(p.grad_alpha, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all,
-                            lengths.DENSITY * flow.spacing, flow.spacing, flow.full, d.indptr, d.indices, flow.axes)
+    shifts.tensile_gradient(flow.particles.grad_alpha, *_seen(flow), lengths.DENSITY * flow.spacing, flow.full)
     flow.stale.add("grad_alpha")
+
+
+def _seen(flow):
+    """Return the cloud and the walls that are not apart from the fluid."""
+    return flow.cloud._replace(kind=flow.seen(wetness.FREE)), flow.walls.present(flow, wetness.FREE)
 
 
 class XuShift(Shift):
@@ -87,10 +90,8 @@ class XuShift(Shift):
         flow.top_speed = max(p.comm.allgather(float(top)))    # without mpi4py's MAX: laptops describe cases without MPI
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
-        p, d = flow.particles, flow.domain
-        shifts.xu_shift(move, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all,
-                        lengths.MLS * flow.spacing, self.strength(flow) * flow.top_speed * dt, CAP * flow.spacing,
-                        d.indptr, d.indices, flow.axes)
+        shifts.xu_shift(move, *_seen(flow), self.strength(flow) * flow.top_speed * dt, lengths.MLS * flow.spacing,
+                        CAP * flow.spacing)
 
 
 class LindShift(Shift):
@@ -103,13 +104,11 @@ class LindShift(Shift):
         tensile_gradient(flow)
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
-        p, d = flow.particles, flow.domain
-        h = lengths.DENSITY * flow.spacing
+        p, h = flow.particles, lengths.DENSITY * flow.spacing
         normal, close = np.empty_like(p.x), np.empty(p.n_owned, bool)
-        shifts.surface_normals(normal, close, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all,
-                               NEAR_SURFACE * flow.spacing, d.indptr, d.indices, flow.axes)
-        shifts.surface_shift(move, p.grad_alpha, normal, close, p.role, self.strength(flow) * h * h, 0.0, 0.0,
-                             CAP * flow.spacing, flow.axes)
+        shifts.surface_normals(normal, close, flow.cloud, p.grad_alpha_all, NEAR_SURFACE * flow.spacing)
+        shifts.surface_shift(move, flow.cloud, p.grad_alpha, normal, close, self.strength(flow) * h * h,
+                             CAP * flow.spacing)
 
 
 class PressureShift(Shift):
@@ -123,10 +122,8 @@ class PressureShift(Shift):
         return self.fields
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
-        p, d = flow.particles, flow.domain
-        shifts.pressure_shift(move, p.p_all, p.x_all, flow.seen(wetness.FREE), p.corner_all, p.normal_all, p.role_all,
-                              lengths.MLS * flow.spacing, 0.5 * dt * dt / flow.density, CAP * flow.spacing,
-                              d.indptr, d.indices, flow.axes)
+        shifts.pressure_shift(move, *_seen(flow), flow.particles.p_all, 0.5 * dt * dt / flow.density,
+                              lengths.MLS * flow.spacing, CAP * flow.spacing)
 
 
 for part in (TensileShift(), XuShift(), LindShift(), PressureShift()):

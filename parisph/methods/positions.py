@@ -61,7 +61,6 @@ class PositionProjection(Regulariser):
         """Return the density error (n_owned,) that is removed. Collective."""
         if flow.closed or not flow.numerics.kappa_strain:
             return density_error(flow)
-        share_of_pressed(flow)
         error = density_error(flow)
         rapid = 2.0 * flow.rapid / (1.0 + flow.rapid)    # half where the strain rate is RAPID/sqrt(2) sqrt(a/s)
         return rapid * error + (1.0 - rapid) * voids(flow)
@@ -105,12 +104,10 @@ def voids(flow: "Flow") -> np.ndarray:
     p, d = flow.particles, flow.domain
     error = p.alpha.copy()    # less the surplus at walls
     if "share" in p.fields:
-        if "pressed" not in flow.found:    # which `surplus` finds as well
-            share_of_pressed(flow)
-            flow.found["pressed"] = np.zeros_like(error)
-            flow.walls.surplus(flow.found["pressed"], np.zeros_like(p.x), p.lack_all, flow)
-        error -= flow.found["pressed"]
-    flow.found.pop("shares", None)    # a view of the field that is written now
+        share_of_pressed(flow)
+        pressed = np.empty_like(error)
+        flow.walls.surplus(pressed, np.empty_like(p.x), p.lack_all, flow)
+        error -= pressed
     p.lack[:] = compression(flow, error, flow.doubt)
     d.update("lack")
     found = np.zeros(p.n_owned)
@@ -126,10 +123,8 @@ def share_of_pressed(flow: "Flow") -> None:
     p, d = flow.particles, flow.domain
     if "share" not in p.fields:
         return
-    halves.wall_share(p.lack, p.x_all, p.kind_all, flow.cells, p.normal_all, flow.spacing, halves.PRESSED,
-                      halves.FAR_BEFORE, d.indptr, d.indices, flow.axes)
+    halves.wall_share(p.lack, flow.cloud, flow.cells, halves.PRESSED, halves.FAR_BEFORE)
     d.update("lack")
-    flow.found["shares"] = p.lack_all
 
 
 def solve(flow: "Flow", error: np.ndarray) -> None:
@@ -243,19 +238,15 @@ def concentration(flow: "Flow") -> None:
 def surplus(flow: "Flow") -> tuple[np.ndarray, np.ndarray]:
     """Return what half cells at walls for which no fluid stands add to alpha and to its gradient.
 
-    Computed once in a preparation, together with what they add by `share_of_pressed`, if that is known.
+    Computed once in a preparation.
 
     alpha : (n_owned,); gradient : (n_owned, dim)
     """
     p = flow.particles
     if "surplus" not in flow.found:
         ratio, gradient = np.zeros(p.n_owned), np.zeros((p.n_owned, p.dim))
-        shares = flow.found.get("shares")
-        pressed = None if shares is None else np.zeros(p.n_owned)
         if "share" in p.fields:
-            flow.walls.surplus(ratio, gradient, p.share_all, flow, pressed, shares)
-        if pressed is not None:
-            flow.found["pressed"] = pressed
+            flow.walls.surplus(ratio, gradient, p.share_all, flow)
         flow.found["surplus"] = ratio, gradient
     return flow.found["surplus"]
 

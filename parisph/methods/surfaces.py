@@ -12,6 +12,7 @@ from parisph.methods.parts import GRADIENTS, SURFACES, Surface
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
+GAP = surface.Gap(enter=2.3, leave=1.4, thin=0.55)
 REGAIN = 1.5    # times the floor of the gradient: when free flight of a kept surface ends
 
 
@@ -29,8 +30,7 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
         return
     wetness.closing_walls(p.closing_all, flow.cloud, p.u_all, flow.force, dt)
     if "share" in p.fields:
-        halves.wall_share(p.share, p.x_all, p.kind_all, flow.cells, p.normal_all, flow.spacing, 1.0, halves.BEFORE,
-                          d.indptr, d.indices, flow.axes)
+        halves.wall_share(p.share, flow.cloud, flow.cells, 1.0, halves.BEFORE)
     also = flow.walls.cover(flow)
     d.update(*(name for name in ("closing", "share") if name in p.fields), *also)
     if "alpha" in p.fields:
@@ -80,10 +80,10 @@ class AngularGap(Surface):
     dims = (2,)
 
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
-        p, d = flow.particles, flow.domain
-        surface.surface_by_gap(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all, p.alpha,
-                               lengths.SURFACE_GAP * flow.spacing, 2.3, 1.4, 0.55,
-                               *flow.walls.directions(flow, wetness.CLOSING), d.indptr, d.indices, flow.axes)
+        p = flow.particles
+        surface.surface_by_gap(p.role_all, p.role_all.copy(), flow.cloud._replace(kind=seen),
+                               flow.walls.present(flow, wetness.CLOSING), p.alpha, lengths.SURFACE_GAP * flow.spacing,
+                               GAP)
 
 
 class Auxiliary(Surface):
@@ -94,13 +94,13 @@ class Auxiliary(Surface):
     """
 
     name, source, reach, fields = "auxiliary", "Z14 Sec 2.4", lengths.WALL, ("closing", "alpha")
-    dims, shapes = (2,), False
+    dims = (2,)
 
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
-        p, d = flow.particles, flow.domain
-        surface.surface_by_auxiliary_functions(p.role_all, p.role_all.copy(), p.x_all, seen, p.corner_all, p.normal_all,
-                                               p.alpha, lengths.WALL * flow.spacing, 0.9, d.indptr, d.indices,
-                                               flow.axes)
+        p = flow.particles
+        surface.surface_by_auxiliary_functions(p.role_all, p.role_all.copy(), flow.cloud._replace(kind=seen),
+                                               flow.walls.present(flow, wetness.CLOSING), p.alpha,
+                                               lengths.WALL * flow.spacing, 0.9)
 
 
 class DensityRatio(Surface):
@@ -113,8 +113,8 @@ class DensityRatio(Surface):
     name, source, fields = "density", "Z14 Sec 2.4", ("closing", "alpha")
 
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
-        p, d = flow.particles, flow.domain
-        surface.surface_by_density(p.role_all, p.kind_all, p.alpha, 0.9, d.indptr)
+        p = flow.particles
+        surface.surface_by_density(p.role_all, flow.cloud, p.alpha, 0.9)
 
 
 class PositionDivergence(Surface):
@@ -125,13 +125,12 @@ class PositionDivergence(Surface):
 
     name, source, fields = "divergence", "Lee et al. 2008", ("closing",)
     limits = {2: 1.5, 3: 2.4}
-    shapes = False
 
     def find(self, flow: "Flow", seen: np.ndarray) -> None:
-        p, d, s = flow.particles, flow.domain, flow.spacing
+        p = flow.particles
         found = np.empty(p.n_owned)
-        surface.position_divergence(found, p.x_all, seen, p.corner_all, p.normal_all, lengths.DENSITY * s, s**p.dim,
-                                    d.indptr, d.indices, flow.axes)
+        surface.position_divergence(found, flow.cloud._replace(kind=seen), flow.walls.present(flow, wetness.CLOSING),
+                                    lengths.DENSITY * flow.spacing)
         fluid = p.kind == FLUID
         p.role[fluid] = np.where(found[fluid] < self.limits[p.dim], SURFACE, INNER)
 

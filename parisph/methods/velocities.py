@@ -57,17 +57,14 @@ class Collisions(Regulariser):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, distance = flow.particles, flow.numerics.collision_distance
-        pairs = flow.close_pairs(distance)
-        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.kind_all, distance * flow.spacing, pairs.indptr,
-                                    pairs.indices, flow.axes)
+        collisions.count_collisions(p.pairs, flow.close_pairs(distance), p.u_all, distance * flow.spacing)
         flow.stale.add("pairs")
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p, n = flow.particles, flow.numerics
-        change, pairs = np.empty_like(p.u), flow.close_pairs(n.collision_distance)
-        flow.collisions = collisions.pair_collisions(change, p.pairs_all, p.u_all, p.x_all, p.grad_u_all, p.kind_all,
-                                                     p.volume_all, n.collision_distance * flow.spacing, n.restitution,
-                                                     pairs.indptr, pairs.indices, flow.axes)
+        change, distance = np.empty_like(p.u), n.collision_distance
+        flow.collisions = collisions.pair_collisions(change, flow.close_pairs(distance), p.pairs_all, p.u_all,
+                                                     p.grad_u_all, distance * flow.spacing, n.restitution)
         return change
 
 

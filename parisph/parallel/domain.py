@@ -4,6 +4,7 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.errors import CaseError, ParisphError
+from parisph.geometry.mesh import no_mesh
 from parisph.kernels.cells import neighbour_lists
 from parisph.parallel.halo import ROUNDING, Halo
 from parisph.parallel.migrate import migrate
@@ -41,7 +42,7 @@ class Domain:
         The imbalance is checked whenever particles change rank anyway, and otherwise once in this
         many calls of `redistribute`.
     elements : WallElements or None
-        Walls as elements: what is behind one is no neighbour.
+        Walls: what is behind one is no neighbour. None for no walls.
 
     Attributes
     ----------
@@ -60,7 +61,8 @@ class Domain:
     def __init__(self, particles: Particles, lower: np.ndarray, upper: np.ndarray, radius: float, skin: float,
                  list_skin: float = 0.0, closed: bool = False, tolerated: float = 1.03,
                  balance_every: int = 100, elements: WallElements | None = None) -> None:
-        self.particles, self.elements = particles, elements
+        self.particles = particles
+        self.elements = elements or WallElements(no_mesh(particles.dim), 0, 1.0)
         self.lower, self.upper = np.array(lower, float), np.array(upper, float)
         self.radius, self.skin, self.list_skin, self.closed = radius, skin, list_skin, closed
         self.tolerated, self.balance_every = tolerated, balance_every
@@ -108,8 +110,7 @@ class Domain:
             self.update("x", *also)
         if renumbered or found.list_drift > self.list_skin:
             self._rebuild_lists()
-        if self.elements is not None:
-            self._look_past_walls()
+        self._look_past_walls()
         renumbered, self._removed = renumbered or self._removed, False
         return renumbered
 
@@ -252,17 +253,14 @@ class Domain:
             self._halo = Halo(p, self._partition, grid.cells(keys[order]), self.width)
             rows = np.concatenate([rows, self._halo.rows])
         self.global_rows = rows.astype(np.int32 if p.n_global < 2**31 else np.int64)
-        if self.elements is not None:
-            self.elements.settle(p, self.width)
+        self.elements.settle(p, self.width)
         self._plan_x, self._list_x = p.x.copy(), None
         self.n_plans += 1
 
     def _rebuild_lists(self):
         p, radius = self.particles, self.radius + 2.0 * self.list_skin
-        self.indptr, self.indices = neighbour_lists(p.x_all, p.n_owned, radius)
-        if self.elements is not None:
-            self.elements.renew(p, radius)
-            self._around = self.indptr, self.indices
+        self.indptr, self.indices = self._around = neighbour_lists(p.x_all, p.n_owned, radius)
+        self.elements.renew(p, radius)
         self._list_x = p.x.copy()
         self.n_lists += 1
 
@@ -272,5 +270,4 @@ class Domain:
         Lists last until particles have moved, on several ranks also until the work is shared anew, and a restart makes
         them anew: no particle may see more or less because of that.
         """
-        self.elements.look(self.particles, self.radius)
-        self.indptr, self.indices = self.elements.visible(self.particles, *self._around)
+        self.indptr, self.indices = self.elements.look(self.particles, self.radius, *self._around)

@@ -8,6 +8,8 @@ import numpy as np
 from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, agree
 from parisph.base.fields import EVERY, FieldSet
+from parisph.kernels.jit import axes_of
+from parisph.kernels.records import Cloud
 
 GROWTH = 1.2  # spare room when arrays must grow, so that ghosts coming and going do not reallocate
 
@@ -127,6 +129,11 @@ class Particles:
         for array in self._store.values():
             array[:len(order)] = array[:self.n_owned][order]
         self.resize(len(order), 0)
+
+    def cloud(self, indptr: np.ndarray, indices: np.ndarray, spacing: float) -> Cloud:
+        """Return the record that kernels take, with these CSR lists of neighbours."""
+        return Cloud(self.x_all, self.kind_all, self.role_all, self.normal_all, self.corner_all, self.volume_all,
+                     indptr, indices, spacing, axes_of(self.dim))
 
     # -- storage ---------------------------------------------------------------------------
 

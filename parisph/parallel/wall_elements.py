@@ -33,10 +33,9 @@ class WallElements:
     x, normal, u, a, turn : (N, dim), of all nodes place [m], normal, velocity [m/s], acceleration [m/s^2], and the rate
         at which the normal turns [1/s]
     moves : (N,) bool, nodes of walls that move
-    corners : (M, dim, dim) [m], of the elements near this rank's particles; velocity, acceleration : (M, dim); motion :
-        (M,) int, the number of the motion of each
+    walls : the elements near this rank's particles (kernels.records.Walls), and those that each owned particle sees;
+        velocity, acceleration : (M, dim), of these; motion : (M,) int, the number of the motion of each
     nodes : (M, dim) int32, the local particles at their corners, -1 for those of other ranks that are no ghosts here
-    indptr, indices : (n_owned + 1,), (nnz,) int32, the elements that each owned particle sees
     """
 
     def __init__(self, mesh: WallMesh, first: int, spacing: float, motions: Sequence[Motion] = ()) -> None:
@@ -48,8 +47,8 @@ class WallElements:
         self._moving = {number: (motions[number], np.flatnonzero(self.node_motion == number))
                         for number in np.unique(self.node_motion[self.moves])}
         self._near = np.zeros(0, np.int64)
-        self.nodes = np.zeros((0, mesh.dim), np.int32)
-        self.indptr, self.indices = self._candidates = np.zeros(1, np.int32), np.zeros(0, np.int32)
+        self.nodes, self.walls = np.zeros((0, mesh.dim), np.int32), no_walls(0, mesh.dim)
+        self._candidates = np.zeros(1, np.int32), np.zeros(0, np.int32)
         self._mean = self.u
         self._place()
 
@@ -64,8 +63,7 @@ class WallElements:
         found, own = np.full(p.n_owned, np.inf), np.zeros(p.n_owned, np.int64)
         walls = p.kind == WALL
         own[walls] = self.node_motion[p.id[walls] - self.first]
-        elements = no_walls(0, p.dim)._replace(corners=self.corners, indptr=self.indptr, indices=self.indices)
-        wetness.before_moving_walls(found, p.x, p.kind, own, elements, self.motion, axes_of(p.dim))
+        wetness.before_moving_walls(found, p.x, p.kind, own, self.walls, self.motion, axes_of(p.dim))
         return found
 
     def without_room(self, particles: Particles) -> np.ndarray:
@@ -168,30 +166,29 @@ class WallElements:
 
     def _place(self):
         elements = self.mesh.elements[self._near]
-        self.corners = np.ascontiguousarray(self.x[elements])
         self.velocity, self.acceleration = self._mean[elements].mean(axis=1), self.a[elements].mean(axis=1)
         self.motion = self.node_motion[elements[:, 0]]
+        n = len(elements)
+        self.walls = self.walls._replace(corners=np.ascontiguousarray(self.x[elements]), velocity=self.velocity,
+                                         present=np.ones(n), sticks=np.zeros(n, np.bool_))
 
     def name_near(self, x: np.ndarray) -> str:
         """Return the name of the body of the chosen element nearest to x (dim,) [m]."""
-        element = int(nearest(x[None], self.corners)[1][0])
+        element = int(nearest(x[None], self.walls.corners)[1][0])
         return self.mesh.bodies[self.mesh.element_body[self._near[element]]].name
 
     def renew(self, particles: Particles, radius: float) -> None:
         """Find the elements that may come within the radius [m] of owned particles until the next call."""
-        self._candidates = solids.near_lists(particles.x, self.corners, radius)
+        self._candidates = solids.near_lists(particles.x, self.walls.corners, radius)
 
-    def look(self, particles: Particles, radius: float) -> None:
-        """Make the lists of the elements within the radius [m] of owned particles, as they are now."""
-        p = particles
-        near = (array.copy() for array in self._candidates)
-        self.indptr, self.indices = solids.unhidden_lists(p.x, p.normal, self.corners, radius, self.spacing, *near)
-
-    def visible(self, particles: Particles, indptr: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return neighbour lists without what is behind a wall now."""
-        p = particles
-        return solids.visible_lists(p.x_all, p.normal_all, self.corners, self.spacing, self.indptr, self.indices,
-                                    indptr.copy(), indices.copy())
+    def look(self, particles: Particles, radius: float, indptr: np.ndarray,
+             indices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Make the lists of the elements within the radius [m] of owned particles, as they are now; return neighbour
+        lists without what is behind a wall."""
+        cloud = particles.cloud(indptr, indices, self.spacing)
+        near, others = self._candidates
+        self.walls = solids.seen_elements(cloud, self.walls._replace(indptr=near, indices=others), radius)
+        return solids.seen_neighbours(cloud, self.walls) if len(others) else (indptr, indices)
 
     def mean_of_nodes(self, values: np.ndarray) -> np.ndarray:
         """Return the mean over the corners of each element (M,) of values (n_all,) of particles.

@@ -11,9 +11,9 @@ from parisph.case.numerics import Numerics
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.records import cloud_of
 from parisph.methods import catalogue, lengths  # noqa: F401 (parts register)
+from parisph.methods.boundary import Boundary
 from parisph.methods.flow import Flow
 from parisph.methods.parts import GRADIENTS, LAPLACIANS, SURFACE_GRADIENTS, WALL_ROWS
-from parisph.methods.wall_images import WallImages
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.patch.arrangement import Arrangement
@@ -94,11 +94,13 @@ def gradient(arrangement: Arrangement, f: np.ndarray, name: str, at_surface: str
 
 def _flow(a, parts, numerics):
     """Return the Flow of particles at rest, on this rank alone."""
-    particles = Particles(MPI.COMM_SELF, a.dim, FieldSet(name for part in parts for name in part.needs(numerics)))
+    names = [name for part in parts for name in part.needs(numerics)]
+    particles = Particles(MPI.COMM_SELF, a.dim, FieldSet((*Boundary.fields, *names)))
     volume = np.where(a.kind == FLUID, a.spacing**a.dim, 0.0)
     particles.assign({"id": np.arange(len(a.x)), "x": a.x, "kind": a.kind, "corner": a.corner, "normal": a.normal,
                       "role": a.role, "volume": volume})
     reach = max(lengths.NEAR, *(part.reach for part in parts)) * a.spacing
     domain = Domain(particles, a.x.min(axis=0) - a.spacing, a.x.max(axis=0) + a.spacing, reach, skin=0.0)
     domain.refresh()
-    return Flow(numerics, 1.0, lambda x, t: np.zeros_like(x), particles, domain, WallImages(), Timers())
+    return Flow(numerics, 1.0, lambda x, t: np.zeros_like(x), particles, domain, Boundary(domain.elements, a.spacing),
+                Timers())

@@ -16,7 +16,6 @@ from parisph.case.schema import Case
 from parisph.geometry.mesh import CONCAVE, CONVEX
 from parisph.kernels.energy import energy_sums
 from parisph.kernels.interior import interior_cells
-from parisph.kernels.records import cloud_of, no_walls
 from parisph.kernels.volumes import current_volumes
 from parisph.watch.body_force import force_on
 from parisph.watch.discharge import Flux
@@ -96,14 +95,9 @@ class Energy(Sampler):
 
     def _current_volumes(self, view):
         p, d, s = view.particles, view.domain, self.scene
-        volume, e, role, planes = np.empty(p.n_owned), d.elements, p.role_all, s.walls
-        walls, concave = no_walls(p.n_owned, 2), np.empty((0, 2), bool)
-        if e is not None:
-            role, planes = _with_edges(role, e.nodes, e.edges), (np.full(2, -np.inf), np.full(2, np.inf))
-            walls = walls._replace(corners=e.corners, indptr=e.indptr, indices=e.indices)
-            concave = e.edges == CONCAVE
-        cloud = cloud_of(p.x_all, p.kind_all, role, p.x_all, d.indptr, d.indices, s.spacing)
-        current_volumes(volume, cloud, walls, concave, *planes, min(d.radius, CELL * s.spacing))
+        volume, e = np.empty(p.n_owned), d.elements
+        cloud = p.cloud(d.indptr, d.indices, s.spacing)._replace(role=_with_edges(p.role_all, e.nodes, e.edges))
+        current_volumes(volume, cloud, e.walls, e.edges == CONCAVE, min(d.radius, CELL * s.spacing))
         return volume
 
     def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:

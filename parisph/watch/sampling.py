@@ -217,8 +217,7 @@ class View:
         there = p.kind == WALL
         if "edge" in p.fields:
             there &= p.edge != CONVEX
-        if self.domain.elements is not None:
-            there &= ~self.domain.elements.without_room(p)
+        there &= ~self.domain.elements.without_room(p)
         return np.flatnonzero(there)
 
 
