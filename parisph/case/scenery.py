@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from parisph.base.text import shown
 from parisph.case.bodies import Body, Flap, Piston, motion_of
 from parisph.case.fluids import Fluid
-from parisph.case.methods import METHODS
 from parisph.case.scene import Scene
 from parisph.case.shapes import Tank
 
@@ -39,7 +38,7 @@ def longest_step(case: Scene) -> float:
 
 def problems(case: Scene) -> list[str]:
     """Return the problems of a case that come from its bodies, one line each."""
-    return [*_bodies(case), *_fluids(case), *_method(case)]
+    return [*_bodies(case), *_fluids(case)]
 
 
 def _bodies(case: Scene) -> Iterator[str]:
@@ -72,11 +71,3 @@ def _fluids(case: Scene) -> Iterator[str]:
             if mine != other:
                 yield (f"fluid[{number}].{field} = {shown(mine)}: must be that of fluid[0], {shown(other)}: "
                        "all bodies are of one fluid")
-
-
-def _method(case: Scene) -> Iterator[str]:
-    """What needs a lattice to the walls cannot compute a scene of other walls."""
-    n = case.numerics
-    if not case.plain and METHODS[n.method].step == "compressible":
-        yield (f"numerics.method = {n.method}: its wall particles are a lattice behind the walls of one Tank with one "
-               "Box, Disc or Polygon; choose a projection method for this scene, such as ISPH_R")

@@ -7,7 +7,7 @@ import numpy as np
 from mpi4py import MPI
 
 from parisph.base.fields import ABSENT, BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.kernels import weakly
+from parisph.kernels import surface, weakly
 from parisph.methods import lengths
 from parisph.methods.catalogue import CompressibleParts
 from parisph.methods.flow import Flow
@@ -57,7 +57,7 @@ class Compressible:
     def __init__(self, flow: Flow, parts: CompressibleParts, sound: float, settle: float = 0.0,
                  gravity: np.ndarray | None = None) -> None:
         self.flow, self.parts, self.sound, n = flow, parts, sound, flow.numerics
-        self.settle, self.gravity, self._mass = settle, gravity, np.empty(0)
+        self.settle, self.gravity = settle, gravity
         self.h = lengths.SPH * flow.spacing
         self.mass = flow.density * flow.spacing**flow.particles.dim
         self.pressure, self.density = EQUATIONS[n.equation_of_state]
@@ -166,29 +166,25 @@ class Compressible:
         flow.body, self._steps = body, 0
         flow.domain.refresh("u")
 
-    def _masses(self):
-        """Return the masses of all local particles (n_all,), which are equal."""
-        n = self.flow.particles.n_all
-        if len(self._mass) < n:
-            self._mass = np.full(n + n // 8, self.mass)
-        return self._mass[:n]
+    def _state(self, force=None):
+        """Return the fields as kernels take them; force : (n_all, dim) [m/s^2], where it is needed."""
+        p = self.flow.particles
+        return weakly.State(p.u_all, p.p_all, p.rho_all, p.u_all if force is None else force, self.mass, self.h)
 
     def _moving(self):
         """Return the velocity with which particles move (n_owned, dim) [m/s] (Eq 9)."""
-        p, d, n = self.flow.particles, self.flow.domain, self.flow.numerics
+        p, n = self.flow.particles, self.flow.numerics
         if not n.xsph:
             return p.u
         out = np.empty_like(p.u)
-        weakly.xsph_velocity(out, p.u_all, p.x_all, p.rho_all, self._masses(), p.kind_all, self.h, n.xsph,
-                             d.indptr, d.indices, self.flow.axes)
+        weakly.xsph_velocity(out, self.flow.cloud, self._state(), n.xsph)
         return out
 
     def _densities(self, dt):
         """Change the densities of fluid, and with them its pressure (Eqs 3 and 7)."""
-        flow = self.flow
-        p, d = flow.particles, flow.domain
+        flow, p = self.flow, self.flow.particles
         rate = np.empty(p.n_owned)
-        weakly.density_rate(rate, p.u_all, p.x_all, self._masses(), p.kind_all, self.h, d.indptr, d.indices, flow.axes)
+        weakly.density_rate(rate, flow.cloud, flow.walls.elements.walls, self._state())
         fluid = p.kind == FLUID
         p.rho[fluid] += dt * rate[fluid]
         p.p[fluid] = self.pressure(p.rho[fluid], self.sound, flow.density)
@@ -196,25 +192,24 @@ class Compressible:
     def _pull(self, time):
         """Continue pressure to the walls, and write the acceleration of fluid (Eqs 6 and 8)."""
         flow = self.flow
-        p, d, n = flow.particles, flow.domain, flow.numerics
+        p, d = flow.particles, flow.domain
         d.update("p", "rho")
         # one row if it is the same everywhere, of which kernels know nothing
-        force = np.array(flow.body(p.x_all, time), order="C")
-        weakly.wall_pressure(p.p, p.x_all, p.p_all, p.rho_all, force, np.zeros_like(p.u), p.kind_all, self.h,
-                             d.indptr, d.indices, flow.axes)
+        state = self._state(np.array(flow.body(p.x_all, time), order="C"))
+        weakly.wall_pressure(p.p, flow.cloud, state)
         wall = p.kind == WALL
         p.rho[wall] = self.density(p.p[wall], self.sound, flow.density)
         p.role[wall] = np.where(p.p[wall] > 0.0, WET, DRY)
         d.update("p", "rho")
-        weakly.acceleration(p.pull, p.u_all, p.x_all, p.p_all, p.rho_all, self._masses(), p.kind_all, self.h,
-                            self.sound, n.artificial_viscosity, 0.0, d.indptr, d.indices, flow.axes)
-        p.pull[p.kind == FLUID] += force[:p.n_owned][p.kind == FLUID]
+        weakly.acceleration(p.pull, flow.cloud, flow.walls.elements.walls, state, self.sound,
+                            flow.numerics.artificial_viscosity)
+        p.pull[~wall] += state.force[:p.n_owned][~wall]
 
     def _find_surface(self):
         """Give fluid its role, for probes and pictures: that of the start, or on the surface where div r is small
         (Lee et al. 2008)."""
         flow = self.flow
-        p, d = flow.particles, flow.domain
+        p, d, e = flow.particles, flow.domain, flow.walls.elements
         if self.parts.keeps_surface:
             p.role[p.kind == FLUID] = p.start_role[p.kind == FLUID]
             return
@@ -222,8 +217,8 @@ class Compressible:
         d.update("role")
         # walls above the water would fill its surface up
         seen = np.where(p.role_all == DRY, np.int8(ABSENT), p.kind_all)
-        weakly.position_divergence(spread, p.x_all, self.mass / flow.density, seen, self.h, d.indptr, d.indices,
-                                   flow.axes)
+        wet = e.walls._replace(present=e.mean_of_nodes((seen != ABSENT).astype(float)))
+        surface.position_divergence(spread, flow.cloud._replace(kind=seen), wet, self.h)
         fluid = p.kind == FLUID
         found = np.where(spread[fluid] < OPEN * 0.5 * p.dim, SURFACE, INNER)
         p.role[fluid] = np.where(spread[fluid] == 0.0, BALLISTIC, found)
