@@ -9,7 +9,7 @@ from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, FieldSet
 from parisph.geometry.mesh import motions_of, wall_mesh
 from parisph.kernels import density, gradient, surface, wetness
 from parisph.kernels.jit import axes_of
-from parisph.kernels.records import cloud_of, no_walls
+from parisph.kernels.records import no_walls
 from parisph.methods.wall_solids import WallSolids
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
@@ -84,8 +84,7 @@ def test_nodes_that_are_not_here_do_not_count():
 def test_water_covers_walls_up_to_its_level():
     scene = filled(StillWater(0.5), [Tank(1.0, 1.0)], S)
     covered = np.empty(len(scene.x))
-    indptr, indices, *_ = scene.lists()
-    wetness.covered_walls(covered, cloud_of(scene.x, scene.kind, scene.role, scene.normal, indptr, indices, S))
+    wetness.covered_walls(covered, scene.records()[0])
     side = (scene.kind == WALL) & (scene.x[:, 1] > 0.1)
     np.testing.assert_allclose(covered[side & (scene.x[:, 1] < 0.51)], 1.0)
     np.testing.assert_allclose(covered[side & (scene.x[:, 1] > 0.54)], 0.0, atol=1e-12)
