@@ -125,20 +125,18 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
 
 
 @kernel
-def before_moving_walls(apart: np.ndarray, x: np.ndarray, kind: np.ndarray, own: np.ndarray, walls: Walls,
-                        motion: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Write how far wall particles are from elements of walls of a later number of motion, 0 behind them [m].
+def before_moving_walls(apart: np.ndarray, x: np.ndarray, own: np.ndarray, walls: Walls, motion: np.ndarray,
+                        axes: tuple[int, ...]) -> None:
+    """Write the distance [m] of wall particles from the walls that move against them, 0 behind these.
 
-    A wall that moves passes over the nodes of others, as a piston over those of the bed.
+    A wall whose motion has a higher number passes over the nodes of others, as a piston over those of the bed.
 
-    apart, x, kind : of owned particles, apart is changed where there are any; own : (n_owned,), motion : (M,) numbers
-        of the motions of particles and of elements
+    apart : (n_owned,), changed where there is such a wall; x : (n_owned, dim) [m]
+    own : (n_owned,), motion : (M,), the numbers of the motions of particles and of elements
     """
     corners, dim = walls.corners, len(axes)
     place, foot, n = np.empty(dim), np.empty(dim), np.empty(dim)
     for i in range(len(walls.indptr) - 1):
-        if kind[i] != WALL:
-            continue
         for k in range(walls.indptr[i], walls.indptr[i + 1]):
             e = walls.indices[k]
             if motion[e] <= own[i]:

@@ -156,8 +156,8 @@ def test_bed_before_a_piston_and_behind_it():
     x, n = mesh.x0, len(mesh.x0)
     indptr, indices, *_ = lone(x, face)
     walls = no_walls(n, 2)._replace(corners=face, indptr=indptr, indices=indices)
-    kind, motion, (apart, rest) = np.full(n, WALL, np.int8), np.array([1]), np.full((2, n), np.inf)
+    apart, rest = np.full((2, n), np.inf)
     for found, own in ((apart, 0), (rest, 1)):
-        wetness.before_moving_walls(found, x, kind, np.full(n, own), walls, motion, axes_of(2))
+        wetness.before_moving_walls(found, x, np.full(n, own), walls, np.array([1]), axes_of(2))
     np.testing.assert_allclose(apart, np.maximum(x[:, 0] - 0.52, 0.0), atol=1e-12)
     assert np.isinf(rest).all()
