@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
+from parisph.methods.wall_images import WallImages
 
 from parisph.base.fields import FLUID, INNER, SURFACE, WET
 from parisph.base.log import Timers
@@ -22,7 +23,6 @@ from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
 from parisph.methods.stepping import share
-from parisph.methods.wall_images import WallImages
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 

@@ -1,15 +1,19 @@
 """Blocks and tanks of particles for the tests of kernels, in 2D and in 3D."""
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
-from parisph.base.fields import FLUID, INNER
+from parisph.base.fields import ABSENT, FLUID, INNER, WALL
+from parisph.case.lattice import Lattice
+from parisph.geometry.mesh import WallMesh, block_mesh
+from parisph.kernels import density
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
-from parisph.kernels.mirrors import beside_walls
 from parisph.kernels.moments import second_moment
-from parisph.kernels.records import Cloud
+from parisph.kernels.records import Cloud, cloud_of, no_walls
+from parisph.kernels.solids import near_lists, seen_elements
 from parisph.patch import arrangement
 
 
@@ -18,6 +22,7 @@ class Pool:
     """Particles with their neighbour lists; every field is an (n, ...) array as kernels take it.
 
     index : (n, dim) lattice index of each particle; spacing : s [m]; top : (dim,) far lattice index
+    mesh : of the walls, or None
     """
 
     x: np.ndarray
@@ -29,13 +34,20 @@ class Pool:
     top: np.ndarray
     spacing: float
     reach: float = 2.6
+    mesh: WallMesh | None = None
 
     def __post_init__(self):
         self.relist()
 
     def relist(self):
-        """Rebuild the neighbour lists, after x was changed."""
+        """Rebuild the neighbour lists and those of elements, after x was changed."""
         self.indptr, self.indices = neighbour_lists(self.x, len(self.x), self.reach * self.spacing)
+        corners = np.empty((0, self.dim, self.dim)) if self.mesh is None else self.mesh.corners()
+        walls = elements_near(self.x, corners, self.reach * self.spacing, self.spacing, self.normal)
+        self._elements = walls._replace(velocity=np.zeros((len(corners), self.dim)))
+        place = {tuple(at): k for k, at in enumerate(np.round(self.x / self.spacing, 6)) if self.kind[k] != FLUID}
+        at = np.round(corners.reshape(-1, self.dim) / self.spacing, 6)
+        self.nodes = np.array([place.get(tuple(one), -1) for one in at], int).reshape(len(corners), self.dim)
 
     @property
     def n(self):
@@ -61,22 +73,39 @@ class Pool:
 
     @property
     def walls(self):
-        """The arguments that kernels with mirror images take: x, kind, corner, normal."""
-        return self.x, self.kind, self.corner, self.normal
-
-    @property
-    def beside(self):
-        """The fluid that has walls in its lists."""
-        return beside_walls(self.kind, *self.csr[:2])[0]
+        """The elements of a tank, but those at whose corners is no wall particle."""
+        there = (self.nodes >= 0) & (self.kind[self.nodes] == WALL)
+        return self._elements._replace(present=there.any(axis=1).astype(float))
 
     @property
     def csr(self):
         return self.indptr, self.indices, self.axes
 
     @property
-    def mirrors(self):
-        """The arguments by which kernels.surface.surface_by_gap knows walls as mirrors, and no elements."""
-        return True, np.empty((0, 2, 2)), np.empty(0), np.zeros(self.n + 1, np.int32), np.empty(0, np.int32)
+    def _completion(self):
+        """What completed sums need beside the records: weights, areas and the table."""
+        weight, area = np.ones(self.n), np.zeros((self.n, self.dim))
+        if self.mesh is not None:
+            scale = self.spacing ** (self.dim - 1)
+            here, node = np.nonzero(self.kind == WALL)[0], {}
+            for elements, numbers in zip(self.mesh.elements, self.nodes):
+                node.update(zip(numbers.tolist(), elements.tolist()))
+            at = [node[k] for k in here.tolist()]
+            weight[here], area[here] = (self.mesh.area * self.mesh.share)[at] / scale, self.mesh.vector_area[at] / scale
+        weight[self.kind == ABSENT], area[self.kind == ABSENT] = 0.0, 0.0
+        return weight, area, density.table(self.spacing, 1.3 * self.spacing, self.dim)
+
+    def ratio(self):
+        """Return the density ratio with h = 1.3 s, (n,)."""
+        alpha = np.full(self.n, np.nan)
+        density.completed_density(alpha, self.cloud, self.walls, *self._completion)
+        return alpha
+
+    def concentration(self):
+        """Return its gradient (n, dim) [1/m]."""
+        out = np.full((self.n, self.dim), np.nan)
+        density.completed_gradient(out, self.cloud, self.walls, *self._completion)
+        return out
 
     def quality(self, radius, power):
         """Return det/(trace/dim)^dim of the moment of each particle's neighbours, as least squares weigh them: (n,)."""
@@ -120,7 +149,26 @@ def tank(cells, lid=False, jitter=0.0, spacing=0.1, reach=2.6, seed=0):
     free surface, which lies on the lattice plane `cells[-1]` and is not jittered.
     """
     a = arrangement.tank(cells, jitter, seed, lid, spacing)
-    return Pool(a.x, a.kind, a.corner, a.normal, a.role, a.index, a.cells, spacing, reach)
+    return Pool(a.x, a.kind, a.corner, a.normal, a.role, a.index, a.cells, spacing, reach, mesh_of(cells, lid, spacing))
+
+
+def mesh_of(cells, lid=True, spacing=0.1):
+    """Return the mesh of a tank of so many spacings, in any dimension."""
+    size = spacing * np.array(cells, float)
+    shape = SimpleNamespace(bounds=(np.zeros(len(cells)), size), size=size, closed=lid)
+    return block_mesh(Lattice(shape, shape, spacing))
+
+
+def elements_near(x, corners, radius, spacing, normal=None):
+    """Return the Walls of elements (M, dim, dim) with those within the radius [m] that points x (n, dim) see."""
+    indptr, indices = near_lists(x, corners, radius)
+    walls = no_walls(0, x.shape[1])._replace(corners=corners, velocity=np.zeros((len(corners), x.shape[1])),
+                                             present=np.ones(len(corners)), sticks=np.zeros(len(corners), bool),
+                                             indptr=indptr, indices=indices)
+    kind = np.full(len(x), FLUID, np.int8)
+    normal = np.zeros_like(x) if normal is None else normal
+    none = np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
+    return seen_elements(cloud_of(x, kind, kind, normal, *none, spacing), walls, radius)
 
 
 class Rows:
@@ -204,4 +252,4 @@ def harmonic_cubics(x, many=8, seed=0):
 def part(pool, keep):
     """Return the Pool of the particles that are kept, (n,) bool."""
     fields = (getattr(pool, name)[keep] for name in ("x", "kind", "corner", "normal", "role", "index"))
-    return Pool(*fields, pool.top, pool.spacing, pool.reach)
+    return Pool(*fields, pool.top, pool.spacing, pool.reach, pool.mesh)

@@ -8,9 +8,11 @@ from parisph.base.fields import FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.bodies import StillWater
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import WallMesh, wall_mesh
-from parisph.kernels import density, solids
+from parisph.kernels import density, packing, solids
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
+from parisph.kernels.records import cloud_of
+from tests.pools import elements_near
 
 
 @dataclass
@@ -47,18 +49,29 @@ class Scene:
     def axes(self):
         return axes_of(self.dim)
 
-    def lists(self):
-        """Return the CSR of visible neighbours and that of elements, of all particles."""
+    def records(self):
+        """Return the Cloud with the neighbours that are visible, and the Walls, of all particles."""
         radius = self.reach * self.spacing
-        elements = solids.element_lists(self.x, self.corners, self.normal, radius, self.spacing)
+        walls = elements_near(self.x, self.corners, radius, self.spacing, self.normal)
         around = neighbour_lists(self.x, len(self.x), radius)
-        return (*solids.visible_lists(self.x, self.normal, self.corners, self.spacing, *elements, *around), *elements)
+        cloud = cloud_of(self.x, self.kind, self.role, self.normal, *around, self.spacing)
+        indptr, indices = solids.seen_neighbours(cloud, walls)
+        return cloud._replace(indptr=indptr, indices=indices), walls._replace(present=self.present.astype(float))
+
+    def lists(self):
+        """Return the CSR of visible neighbours."""
+        cloud, _ = self.records()
+        return cloud.indptr, cloud.indices
 
     def _completed(self, kernel, out):
-        indptr, indices, *elements = self.lists()
-        kernel(out, self.x, self.kind, self.weight, self.area, self.corners, self.present, *self.table, *elements,
-               indptr, indices, self.axes)
+        kernel(out, *self.records(), self.weight, self.area, self.table)
         return out[:self.n]
+
+    def pack(self, steps=packing.STEPS):
+        """Move the inner fluid until it lies evenly."""
+        for _ in range(steps):
+            move = packing.packing_move(*self.records(), self.weight, self.area, self.table)
+            self.x[:len(move)] += move
 
     def alpha(self):
         """Return the completed density ratio of the fluid (n,)."""

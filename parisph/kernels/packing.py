@@ -26,12 +26,14 @@ FLAT = 0.5        # and not at all where it is not flat: it rises by more within
 
 
 def packing_move(cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray, table: Table) -> np.ndarray:
-    """Return the displacement (n_owned, dim) [m] in one step of packing, down the gradient of the completed density.
+    """Return the move (n_owned, dim) [m] of the inner fluid in one of STEPS steps.
 
-    Particles that are not inner stay. Fluid that fills a lattice in front of flat walls stays, too. Walls above the
-    water should not count: then the surface has no gradient at the walls.
+    It is a shift down the gradient of the completed density. Particles of other roles stay, and so does fluid that
+    fills a lattice in front of flat walls.
 
-    weight : (n_all,); area : (n_all, dim); table : as for density.completed_density
+    weight : (n_all,); area : (n_all, dim); table : as for density.completed_density. Walls above the water should not
+        count: elements above its level, and nodes more than a spacing above it. Then the surface has no gradient at
+        the walls.
     """
     n, s = len(cloud.indptr) - 1, cloud.spacing
     gradient, move = np.empty((2, n, len(cloud.axes)))

@@ -297,7 +297,7 @@ def _nearest_on_triangle(foot, p, e, corners, axes):
         uu, uv, vv, up, vp = uu + u * u, uv + u * v, vv + v * v, up + u * w, vp + v * w
     det = uu * vv - uv * uv
     b, c = (vv * up - uv * vp) / det, (uu * vp - uv * up) / det
-    if b >= 0.0 and c >= 0.0 and b + c <= 1.0:
+    if b >= -SLACK and c >= -SLACK and b + c <= 1.0 + SLACK:    # above an edge, one of two has to be it
         for a in range(3):
             foot[a] = (1.0 - b - c) * corners[e, 0, a] + b * corners[e, 1, a] + c * corners[e, 2, a]
         return True

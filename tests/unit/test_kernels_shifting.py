@@ -3,36 +3,12 @@
 import numpy as np
 import pytest
 
-from parisph.base.fields import BALLISTIC, INNER, SURFACE, WALL
-from parisph.kernels import shifting, surface
+from parisph.base.fields import BALLISTIC, INNER, SURFACE
+from parisph.kernels import shifting
 from tests.pools import block, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
 H, LIMIT, REACH = 1.3, 0.1, 2.6
-
-
-def concentration(pool):
-    h = H * pool.spacing
-    out = np.full((pool.n, pool.dim), np.nan)
-    shifting.concentration(np.empty(pool.n), out, *pool.walls, h, surface.lattice_sum(pool.spacing, h, pool.axes),
-                           *pool.csr)
-    return out
-
-
-def ratio(pool):
-    h = H * pool.spacing
-    alpha = np.empty(pool.n)
-    surface.density_ratio(alpha, *pool.walls, h, surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
-    return alpha
-
-
-@dims
-def test_the_density_ratio_is_that_by_which_the_surface_is_found(dim):
-    pool = tank((6,) * dim if dim == 2 else (4,) * dim, jitter=0.6)
-    h = H * pool.spacing
-    alpha, gradient = np.full(pool.n, np.nan), np.full((pool.n, dim), np.nan)
-    shifting.concentration(alpha, gradient, *pool.walls, h, surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
-    np.testing.assert_allclose(alpha, ratio(pool), rtol=1e-13)
 
 
 def shifted(pool, gradient, strength=0.3, cap=0.1, reach=2.0):
@@ -46,64 +22,13 @@ def shifted(pool, gradient, strength=0.3, cap=0.1, reach=2.0):
 
 
 @dims
-@pytest.mark.parametrize("lid", [False, True])
-def test_no_gradient_on_a_lattice_at_walls_and_in_corners(dim, lid):
-    pool = tank((12, 12) if dim == 2 else (9, 9, 9), lid)
-    gradient = concentration(pool)
-    full = pool.fluid & (lid | (pool.index[:, -1] <= pool.top[-1] - 3))
-    assert full[pool.at(*[1] * dim)]
-    np.testing.assert_allclose(pool.spacing * gradient[full], 0.0, atol=1e-13)
-    assert np.all(gradient[~pool.fluid] == 0.0)
-
-
-@dims
 def test_gradient_at_the_surface_points_into_the_fluid(dim):
     pool = tank((12, 12) if dim == 2 else (9, 9, 9))
-    gradient = pool.spacing * concentration(pool)
+    gradient = pool.spacing * pool.concentration()
     top = pool.fluid & (pool.index[:, -1] == pool.top[-1])
     far = top & np.all((pool.index[:, :-1] > 2) & (pool.index[:, :-1] < pool.top[:-1] - 2), axis=1)
     assert np.all(gradient[top, -1] < -0.1)
-    np.testing.assert_allclose(gradient[far, :-1], 0.0, atol=1e-13)
-
-
-@dims
-def test_gradient_is_the_derivative_of_the_density_ratio(dim):
-    pool = tank((9, 9) if dim == 2 else (7, 7, 7), jitter=0.8)
-    gradient = concentration(pool)
-    d = 1e-6 * pool.spacing
-    for index in ([1] * dim, [4] * (dim - 1) + [1], [3] * dim, [4] * (dim - 1) + [pool.top[-1]]):
-        i = pool.at(*index)
-        for a in range(dim):
-            found = []
-            for sign in (1, -1):
-                pool.x[i, a] += sign * d
-                found.append(ratio(pool)[i])
-                pool.x[i, a] -= sign * d
-            difference = (found[0] - found[1]) / (2.0 * d)
-            # the particle's own images move with it: they are a part of the environment here
-            own = own_images(pool, i, a)
-            assert gradient[i, a] == pytest.approx(difference - own, abs=1e-5 / pool.spacing)
-
-
-def own_images(pool, i, a):
-    """Return by how much the density at i changes because its own images in the walls follow it along axis a."""
-    near = pool.indices[pool.indptr[i]:pool.indptr[i + 1]]
-    h = H * pool.spacing
-    full = surface.lattice_sum(pool.spacing, h, pool.axes)
-    keep = np.concatenate([[i], near[pool.kind[near] == WALL]])
-    indptr = np.array([0, len(keep) - 1], np.int32)
-    arrays = (pool.x[keep], pool.kind[keep], pool.corner[keep], pool.normal[keep])
-    arguments = (h, full, indptr, np.arange(1, len(keep), dtype=np.int32), pool.axes)
-    d, values = 1e-6 * pool.spacing, []
-    for sign in (1, -1):
-        moved = arrays[0].copy()
-        moved[0, a] += sign * d
-        alpha = np.empty(1)
-        surface.density_ratio(alpha, moved, *arrays[1:], *arguments)
-        values.append(alpha[0])
-    frozen = np.empty((1, pool.dim))
-    shifting.concentration(np.empty(1), frozen, *arrays, *arguments)
-    return (values[0] - values[1]) / (2.0 * d) - frozen[0, a]
+    np.testing.assert_allclose(gradient[far, :-1], 0.0, atol=1e-12)
 
 
 # -- what the position projection corrects ------------------------------------------------------------
@@ -178,19 +103,19 @@ def test_shift_goes_from_dense_to_sparse(dim):
     pool.x += 0.02 * (pool.index - middle) * np.abs(pool.index - middle) * pool.spacing  # dense in the middle
     pool.relist()
     i = pool.at(*middle.astype(int) + np.eye(dim, dtype=int)[0])
-    out = shifted(pool, concentration(pool))
+    out = shifted(pool, pool.concentration())
     assert out[i, 0] > 0.0 and np.all(np.abs(out[i, 1:]) < 1e-12 + 1e-9 * out[i, 0])
 
 
 @dims
 def test_shift_evens_out_disorder(dim):
     pool = tank((12, 12) if dim == 2 else (8, 8, 8), lid=True, jitter=0.8)
-    spread = [np.std(ratio(pool)[pool.fluid])]
+    spread = [np.std(pool.ratio()[pool.fluid])]
     for _ in range(10):
-        move = shifted(pool, concentration(pool))
+        move = shifted(pool, pool.concentration())
         pool.x[pool.fluid] += move[pool.fluid]
         pool.relist()
-        spread.append(np.std(ratio(pool)[pool.fluid]))
+        spread.append(np.std(pool.ratio()[pool.fluid]))
     assert np.all(np.diff(spread) < 0.0) and spread[-1] < 0.3 * spread[0]
 
 

@@ -13,33 +13,26 @@ GAP_RADIUS, DOMAIN = 2.0, 2.6
 jitters = pytest.mark.parametrize("jitter", [0.0, 0.4])
 
 
-def ratio(pool):
-    h = 1.3 * pool.spacing
-    alpha = np.empty(pool.n)
-    surface.density_ratio(alpha, *pool.walls, h, surface.lattice_sum(pool.spacing, h, pool.axes), *pool.csr)
-    return alpha
-
-
 def by_gap(pool, was=None, alpha=None, enter=ENTER, leave=LEAVE):
     """Return the roles of the fluid by the gap rule (walls keep theirs)."""
     role = pool.role.copy()
     was = np.where(pool.fluid, INNER, pool.role).astype(np.int8) if was is None else was
-    surface.surface_by_gap(role, was, *pool.walls, ratio(pool) if alpha is None else alpha, GAP_RADIUS * pool.spacing,
-                           enter, leave, THIN, *pool.mirrors, *pool.csr)
+    surface.surface_by_gap(role, was, pool.cloud, pool.walls, pool.ratio() if alpha is None else alpha,
+                           GAP_RADIUS * pool.spacing, surface.Gap(enter, leave, THIN))
     return role
 
 
 def by_auxiliary(pool, was, alpha=None):
     role = pool.role.copy()
-    alpha = ratio(pool) if alpha is None else alpha
-    surface.surface_by_auxiliary_functions(role, was.astype(np.int8), *pool.walls, alpha, DOMAIN * pool.spacing, 0.9,
-                                           *pool.csr)
+    alpha = pool.ratio() if alpha is None else alpha
+    surface.surface_by_auxiliary_functions(role, was.astype(np.int8), pool.cloud, pool.walls, alpha,
+                                           DOMAIN * pool.spacing, 0.9)
     return role
 
 
 def divergence(pool):
     found = np.full(pool.n, np.nan)
-    surface.position_divergence(found, *pool.walls, 1.3 * pool.spacing, pool.spacing**pool.dim, *pool.csr)
+    surface.position_divergence(found, pool.cloud, pool.walls, 1.3 * pool.spacing)
     return found
 
 
@@ -205,8 +198,8 @@ def test_surface_keeps_its_particles_on_the_way_down():
 # -- walls ---------------------------------------------------------------------------------------------
 
 
-def test_images_close_the_gap_at_a_wall_of_few_particles():
-    # fluid along a wall whose particles are three times as far apart: its images stand for it
+def test_elements_close_the_gap_at_a_wall_of_few_particles():
+    # fluid along a wall whose particles are three times as far apart: its elements stand for it
     pool = tank((12, 10))
     keep = pool.fluid | (pool.index % 3 == 0).any(axis=1)
     sparse = part(pool, keep)
@@ -226,7 +219,7 @@ def test_drop_touching_a_wall_is_surface_all_round():
 @jitters
 @pytest.mark.parametrize("rule", ["gap", "auxiliary", "density", "divergence"])
 def test_absent_lid_one_spacing_above_the_water(rule, jitter):
-    """Its particles stand where neighbours would be, and so do the images that it would cast."""
+    """Its particles stand where neighbours would be, and so does what would be across it."""
     pool = tank((14, 10), lid=True, jitter=jitter)
     top = pool.fluid & (pool.index[:, 1] == 9)
     pool.x[top] = pool.spacing * pool.index[top]
@@ -238,12 +231,12 @@ def test_absent_lid_one_spacing_above_the_water(rule, jitter):
         if rule == "gap":
             role = by_gap(pool, was)
         elif rule == "auxiliary":
-            role = by_auxiliary(pool, was, ratio(pool))
+            role = by_auxiliary(pool, was, pool.ratio())
         elif rule == "divergence":
             role = by_divergence(pool)
         else:
             role = pool.role.copy()
-            surface.surface_by_density(role, pool.kind, ratio(pool), 0.9, pool.indptr)
+            surface.surface_by_density(role, pool.cloud, pool.ratio(), 0.9)
         assert np.all(role[top] == expected)
         assert rule == "density" or np.all(role[pool.fluid & (pool.index[:, 1] < 8)] == INNER)
 
@@ -266,7 +259,7 @@ def test_auxiliary_functions_find_a_flat_surface(jitter):
         assert np.all(role[pool.fluid & ~top] == INNER)
     else:  # a density ratio below 0.9 beside the surface is condition (b)
         below = pool.fluid & ~top & (role == SURFACE)
-        assert np.all(ratio(pool)[below] <= 0.9) and np.count_nonzero(below) <= 3
+        assert np.all(pool.ratio()[below] <= 0.9) and np.count_nonzero(below) <= 3
 
 
 def ring(*degrees, was_centre=INNER, was_ring=INNER, alpha=1.0, one_on_surface=True):
@@ -329,7 +322,7 @@ def test_particle_in_the_same_place_occupies_no_quadrant():
     assert by_auxiliary(pool, was, np.ones(5))[0] == SURFACE
 
 
-def test_images_occupy_quadrants_at_walls():
+def test_what_is_across_a_wall_occupies_quadrants():
     pool = tank((12, 10))
     keep = pool.fluid | (pool.index % 4 == 0).any(axis=1)
     sparse = part(pool, keep)
@@ -345,11 +338,11 @@ def test_images_occupy_quadrants_at_walls():
 def test_density_rule(dim):
     pool = tank((10, 8) if dim == 2 else (7, 7, 7))
     role = pool.role.copy()
-    surface.surface_by_density(role, pool.kind, ratio(pool), 0.9, pool.indptr)
+    surface.surface_by_density(role, pool.cloud, pool.ratio(), 0.9)
     np.testing.assert_array_equal(role, pool.role)
     pool.role[pool.kind == WALL] = DRY
     alpha = np.where(np.arange(pool.n) % 2 == 0, 0.9, np.nextafter(0.9, 0.0))
-    surface.surface_by_density(role, pool.kind, alpha, 0.9, pool.indptr)
+    surface.surface_by_density(role, pool.cloud, alpha, 0.9)
     np.testing.assert_array_equal(role[pool.fluid] == SURFACE, alpha[pool.fluid] < 0.9)
 
 
@@ -373,7 +366,7 @@ def test_divergence_of_position_inside_is_the_number_of_dimensions(dim, jitter):
 @dims
 @pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8])
 def test_divergence_finds_a_flat_surface_in_a_tank(dim, jitter):
-    """Also beside the walls, which are neighbours, and whose images are."""
+    """Also beside the walls, which are neighbours, as is what is across them."""
     pool = tank(SIDES[dim], jitter=jitter)
     top = pool.fluid & (pool.index[:, -1] == pool.top[-1])
     role = by_divergence(pool)

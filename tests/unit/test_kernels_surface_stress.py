@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from parisph.kernels.moving_mirrors import no_solids
 
 from parisph.base.fields import ABSENT, FLUID, SURFACE, WALL
 from parisph.kernels import surface_stress, viscous
-from parisph.kernels.moving_mirrors import no_solids
 from tests.pools import block, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])

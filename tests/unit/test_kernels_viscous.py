@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from parisph.kernels.moving_mirrors import no_solids
 
 from parisph.base.fields import ABSENT, BALLISTIC, FLUID, WALL
 from parisph.kernels import viscous
-from parisph.kernels.moving_mirrors import no_solids
 from tests.manufactured import orders
 from tests.pools import block, monomials, tank
 
