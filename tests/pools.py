@@ -77,6 +77,13 @@ class Pool:
         there = (self.nodes >= 0) & (self.kind[self.nodes] == WALL)
         return self._elements._replace(present=there.any(axis=1).astype(float))
 
+    def walls_with(self, u, no_slip):
+        """Return the elements with the velocity and the slip of their particles, u (n, dim) and no_slip (n,)."""
+        if not len(self.nodes):
+            return self.walls
+        sticks = (no_slip[self.nodes] == 1).all(axis=1)
+        return self.walls._replace(velocity=u[self.nodes].mean(axis=1), sticks=sticks)
+
     @property
     def csr(self):
         return self.indptr, self.indices, self.axes

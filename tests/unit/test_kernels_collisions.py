@@ -1,10 +1,10 @@
-"""Pair collisions, the wall guard and the velocity filter."""
+"""Pair collisions and the wall guard."""
 
 import numpy as np
 import pytest
 
 from parisph.base.fields import WALL
-from parisph.kernels import collisions
+from parisph.kernels import collisions, solids
 from tests.pools import block, free, part, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -12,12 +12,11 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 def collided(pool, u, distance=0.85, restitution=0.2, volume=None, gradient=None):
     """Return (velocity change (n, dim), number of collisions). Pairs that approach in smooth strain do not collide."""
-    volume = np.ones(pool.n) if volume is None else volume
+    cloud = pool.cloud._replace(volume=np.ones(pool.n) if volume is None else volume)
     gradient = np.zeros((pool.n, pool.dim, pool.dim)) if gradient is None else gradient
     change, number = np.full((pool.n, pool.dim), np.nan), np.full(pool.n, -1, np.int32)
-    collisions.count_collisions(number, u, pool.x, pool.kind, distance * pool.spacing, *pool.csr)
-    pairs = collisions.pair_collisions(change, number, u, pool.x, gradient, pool.kind, volume, distance * pool.spacing,
-                                       restitution, *pool.csr)
+    collisions.count_collisions(number, cloud, u, distance * pool.spacing)
+    pairs = collisions.pair_collisions(change, cloud, number, u, gradient, distance * pool.spacing, restitution)
     assert pairs == number.sum() or gradient.any() and pairs < number.sum()
     return change, pairs
 
@@ -32,7 +31,7 @@ def couple(dim, seed):
 
 def guarded(pool, u, distance=0.5, dt=0.01):
     u = u.copy()
-    slowed = collisions.wall_guard(u, pool.beside, *pool.walls, distance * pool.spacing, dt, *pool.csr)
+    slowed = solids.guard(u, pool.cloud, pool.walls_with(u, ~pool.fluid), distance * pool.spacing, dt)
     return u, slowed
 
 
@@ -225,7 +224,7 @@ def test_displacements_keep_off_walls(dim):
     pool = tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.8)
     move = np.random.default_rng(4).normal(scale=0.6 * pool.spacing, size=pool.x.shape)
     before = move.copy()
-    collisions.keep_off_walls(move, pool.beside, *pool.walls, 0.5 * pool.spacing, *pool.csr)
+    solids.keep_off(move, pool.cloud, pool.walls, 0.5 * pool.spacing)
     moved = pool.x + move
     room = np.concatenate([moved, (pool.top * pool.spacing - moved)[:, :-1]], axis=1)[pool.fluid]
     assert room.min() >= 0.5 * pool.spacing * (1.0 - 1e-9)

@@ -1,20 +1,18 @@
 """Density beside walls of any shape, completed by nodes and elements."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from parisph import Box, Disc, Polygon, Tank
 from parisph.base.fields import FLUID, INNER, SURFACE
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
-from parisph.case.lattice import Lattice
-from parisph.geometry.mesh import block_mesh, wall_mesh
+from parisph.geometry.mesh import wall_mesh
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.density import node_terms
 from parisph.kernels.jit import axes_of
 from parisph.kernels.surface import lattice_sum
 from tests.distances import signed_distance
+from tests.pools import mesh_of
 from tests.wall_scenes import beside, filled
 
 S, H = 0.05, 0.065
@@ -22,11 +20,8 @@ S, H = 0.05, 0.065
 
 def tank_of(*counts):
     """Return the Scene of a closed tank full of the lattice, in any dimension."""
-    size = S * np.array(counts, float)
-    tank = SimpleNamespace(bounds=(np.zeros(len(counts)), size), size=size, closed=True)
-    mesh = block_mesh(Lattice(SimpleNamespace(bounds=tank.bounds), tank, S))
     index = np.stack(np.meshgrid(*[np.arange(1, n) for n in counts], indexing="ij"), axis=-1).reshape(-1, len(counts))
-    return beside(mesh, S * index, S)
+    return beside(mesh_of(counts, spacing=S), S * index, S)
 
 
 def solid_alone(scene):
@@ -176,7 +171,7 @@ def test_packing_leaves_the_lattice_of_a_tank():
 
 def test_lists_reach_as_far_as_the_kernel():
     scene = filled(Box(1.0, 0.5), [Tank(1.0, 1.0)], S)
-    indptr, indices, *_ = scene.lists()
+    indptr, indices = scene.lists()
     every = neighbour_lists(scene.x, len(scene.x), 2.6 * S)
     np.testing.assert_array_equal(indptr, every[0])    # in a tank all see each other
     np.testing.assert_array_equal(indices, every[1])

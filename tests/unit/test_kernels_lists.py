@@ -6,7 +6,7 @@ Lists are longer than the stencils while their skin lasts, and their order diffe
 import numpy as np
 import pytest
 
-from parisph.kernels import collisions, gradient, laplacian, pairs, rankine, shifting, strain, surface, walls
+from parisph.kernels import collisions, gradient, laplacian, pairs, rankine, shifting, solids, strain, surface, walls
 from tests.pools import Rows, nowhere, tank
 
 dims = pytest.mark.parametrize("dim", [2, 3])
@@ -50,9 +50,8 @@ def filtered(pool):
 
 def collided(pool):
     out, number, u = np.empty_like(pool.x), np.empty(pool.n, np.int32), U[: pool.n, : pool.dim].copy()
-    collisions.count_collisions(number, u, pool.x, pool.kind, 0.9 * S, *pool.csr)
-    collisions.pair_collisions(out, number, u, pool.x, velocity_gradient(pool), pool.kind, np.ones(pool.n), 0.9 * S,
-                               0.2, *pool.csr)
+    collisions.count_collisions(number, pool.cloud, u, 0.9 * S)
+    collisions.pair_collisions(out, pool.cloud, number, u, velocity_gradient(pool), 0.9 * S, 0.2)
     return out
 
 
@@ -85,20 +84,16 @@ def parted(pool):
 
 def guarded(pool):
     u = 4.0 * U[: pool.n, : pool.dim] * pool.fluid[:, None]
-    collisions.wall_guard(u, pool.beside, *pool.walls, 0.5 * S, 0.01, *pool.csr)
+    solids.guard(u, pool.cloud, pool.walls, 0.5 * S, 0.01)
     return u
 
 
 def density(pool):
-    out = np.empty(pool.n)
-    surface.density_ratio(out, *pool.walls, 1.3 * S, 1.0, *pool.csr)
-    return out
+    return pool.ratio()
 
 
 def concentration(pool):
-    out = np.empty_like(pool.x)
-    shifting.concentration(np.empty(pool.n), out, *pool.walls, 1.3 * S, 1.0, *pool.csr)
-    return out
+    return pool.concentration()
 
 
 def shifted(pool):
@@ -149,8 +144,7 @@ def by_gap(pool):
     if pool.dim == 3:
         return pool.role
     role, was = pool.role.copy(), (P[: pool.n] > 0.0).astype(np.int8)
-    surface.surface_by_gap(role, was, *pool.walls, np.ones(pool.n), 2.0 * S, 2.3, 1.4, 0.55, *pool.mirrors,
-                           *pool.csr)
+    surface.surface_by_gap(role, was, pool.cloud, pool.walls, np.ones(pool.n), 2.0 * S, surface.Gap(2.3, 1.4, 0.55))
     return role
 
 

@@ -1,45 +1,41 @@
 """Walls as elements: visibility, nearest walls, guard, in 2D and 3D."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
 from parisph import Box, Polygon, Tank
 from parisph.base.fields import FLUID
 from parisph.case.bodies import Obstacle, Plate, StillWater
-from parisph.case.lattice import Lattice
 from parisph.geometry.distance import nearest
-from parisph.geometry.mesh import block_mesh, wall_mesh
+from parisph.geometry.mesh import wall_mesh
 from parisph.kernels import solids
 from parisph.kernels.cells import nearby, neighbour_lists
-from parisph.kernels.jit import axes_of
+from parisph.kernels.records import cloud_of
+from tests.pools import elements_near, mesh_of
 from tests.wall_scenes import filled
 
 S = 0.05
 
 
-def block(*counts, spacing=S, lid=True):
-    """Return the mesh of a tank of so many spacings, in any dimension."""
-    size = spacing * np.array(counts, float)
-    tank = SimpleNamespace(bounds=(np.zeros(len(counts)), size), size=size, closed=lid)
-    return block_mesh(Lattice(SimpleNamespace(bounds=tank.bounds), tank, spacing))
+def block(*counts):
+    """Return the elements of a closed tank of so many spacings, in any dimension."""
+    return mesh_of(counts, spacing=S).corners()
 
 
-def all_elements(n, corners):
-    """Return the CSR in which each of n points has all elements."""
-    return np.arange(n + 1, dtype=np.int32) * len(corners), np.tile(np.arange(len(corners), dtype=np.int32), n)
+def fluid(x, corners, lists=None):
+    """Return the Cloud of fluid at points x, with neighbour lists if any are given, and the Walls near them."""
+    x = np.atleast_2d(np.array(x, float))
+    kind, lists = np.full(len(x), FLUID, np.int8), lists or (np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32))
+    return cloud_of(x, kind, kind, np.zeros_like(x), *lists, S), elements_near(x, corners, 2.6 * S, S)
 
 
 def walls_of(x, corners):
     """Return for each point the walls that nearest_walls finds: list of (away (dim,), distance)."""
-    x = np.atleast_2d(np.array(x, float))
-    dim = x.shape[1]
-    lists = solids.element_lists(x, corners, np.zeros_like(x), 2.6 * S, S)
-    away, member, scratch = np.empty((dim, dim + 1)), np.empty(dim, np.int64), np.empty((3, dim))
-    found = []
-    for i in range(len(x)):
-        count = solids.nearest_walls(away, member, *scratch, i, x, corners, *lists, axes_of(dim))
+    cloud, walls = fluid(x, corners)
+    dim, found = len(cloud.axes), []
+    away, member, places = np.empty((dim, dim + 1)), np.empty(dim, np.int64), solids.three_places(cloud.axes)
+    for i in range(len(cloud.x)):
+        count = solids.nearest_walls(away, member, places, i, cloud, walls)
         found.append([(away[w, :dim].copy(), away[w, dim]) for w in range(count)])
     return found
 
@@ -60,9 +56,10 @@ def test_a_line_is_stopped_by_the_elements_that_it_crosses(dim):
     rng = np.random.default_rng(1)
     x, corners = rng.random((30, dim)), rng.random((6, dim, dim))
     indptr, indices = neighbour_lists(x, len(x), 3.0)
-    left = indptr.copy(), indices.copy()
-    n = solids.keep_visible(*left, x, np.zeros_like(x), corners, 0.0, *all_elements(len(x), corners), axes_of(dim))
-    seen = set(zip(np.repeat(np.arange(len(x)), np.diff(left[0])).tolist(), left[1][:n].tolist()))
+    cloud, walls = fluid(x, corners, (indptr, indices))
+    every = np.arange(len(x) + 1, dtype=np.int32) * len(corners), np.tile(np.arange(6, dtype=np.int32), len(x))
+    left = solids.seen_neighbours(cloud, walls._replace(indptr=every[0], indices=every[1]))
+    seen, n = set(zip(np.repeat(np.arange(len(x)), np.diff(left[0])).tolist(), left[1].tolist())), len(left[1])
     owner = np.repeat(np.arange(len(x)), np.diff(indptr))
     for i, j in zip(owner, indices):
         # p + t (q - p) = the element's corner and its sides: solved at once for t and the place in the element
@@ -76,7 +73,7 @@ def test_a_line_is_stopped_by_the_elements_that_it_crosses(dim):
 
 def test_plate_without_thickness_separates():
     scene = filled(StillWater(0.9), [Tank(2.0, 1.0), Plate([(1.025, 0.0), (1.025, 1.0)])], S)
-    indptr, indices, *_ = scene.lists()
+    indptr, indices = scene.lists()
     owner = np.repeat(np.arange(len(scene.x)), np.diff(indptr))
     side = np.sign(scene.x[:, 0] + 0.1 * S * scene.normal[:, 0] - 1.025)
     tip = np.concatenate([np.zeros(scene.n), scene.mesh.edge]) == 2    # which looks out over both sides
@@ -93,7 +90,7 @@ def test_plate_without_thickness_separates():
 ])
 def test_who_sees_whom_is_mutual_and_walls_see_their_fluid(walls):
     scene = filled(StillWater(0.9), walls, S)
-    indptr, indices, *_ = scene.lists()
+    indptr, indices = scene.lists()
     owner = np.repeat(np.arange(len(scene.x)), np.diff(indptr))
     pairs = set(zip(owner.tolist(), indices.tolist()))
     assert pairs == {(j, i) for i, j in pairs}
@@ -103,14 +100,14 @@ def test_who_sees_whom_is_mutual_and_walls_see_their_fluid(walls):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_lists_of_elements_hold_all_that_are_near(dim):
-    mesh = block(*(4,) * dim)
+    corners = block(*(4,) * dim)
     x = np.random.default_rng(2).random((12, dim)) * 4 * S
-    corners = mesh.corners()
-    indptr, indices = solids.element_lists(x, corners, np.zeros_like(x), 2.6 * S, S)
+    _, walls = fluid(x, corners)
     for i in range(len(x)):
         near = [e for e in range(len(corners)) if nearest(x[i : i + 1], corners[e : e + 1])[0][0] < 2.6 * S]
-        assert sorted(indices[indptr[i] : indptr[i + 1]]) == near    # inside a block none hides another
-    assert solids.element_lists(x, corners[:0], np.zeros_like(x), S, S)[0].tolist() == [0] * 13
+        listed = walls.indices[walls.indptr[i] : walls.indptr[i + 1]]
+        assert sorted(listed) == near    # inside a block none hides another
+    assert fluid(x, corners[:0])[1].indptr.tolist() == [0] * 13
 
 
 def test_far_side_of_a_plate_is_in_front_of_nobody():
@@ -121,7 +118,7 @@ def test_far_side_of_a_plate_is_in_front_of_nobody():
 
 
 def test_flat_wall_and_corner_in_2d():
-    corners = block(20, 20).corners()
+    corners = block(20, 20)
     flat, corner, behind = walls_of([(0.4, 0.03), (0.04, 0.02), (0.41, -0.01)], corners)
     assert len(flat) == 1 and len(corner) == 2
     np.testing.assert_allclose(flat[0][0], [0.0, 1.0], atol=1e-12)
@@ -132,7 +129,7 @@ def test_flat_wall_and_corner_in_2d():
 
 
 def test_edges_and_corners_in_3d():
-    corners = block(6, 6, 6).corners()
+    corners = block(6, 6, 6)
     walls, = walls_of([(0.04, 0.02, 0.031)], corners)
     np.testing.assert_allclose([wall[0] for wall in walls], np.eye(3)[[1, 2, 0]], atol=1e-12)
     np.testing.assert_allclose([wall[1] for wall in walls], [0.02, 0.031, 0.04])
@@ -156,21 +153,19 @@ def test_ahead_of_a_tip_only_the_tip_counts(at):
 
 
 def test_moves_end_at_the_distance_from_the_wall():
-    corners = block(20, 20).corners()
+    corners = block(20, 20)
     x = np.array([(0.5, 0.04), (0.03, 0.03), (0.5, 0.02), (0.5, 0.5)])
-    lists = solids.element_lists(x, corners, np.zeros_like(x), 2.6 * S, S)
-    kind = np.full(4, FLUID, np.int8)
     move = np.array([(0.01, -0.03), (-0.02, -0.01), (0.0, -0.01), (0.0, -0.3)])
-    solids.keep_off_solids(move, x, kind, corners, 0.025, *lists, axes_of(2))
+    solids.keep_off(move, *fluid(x, corners), 0.025)
     np.testing.assert_allclose(move, [(0.01, -0.015), (-0.005, -0.005), (0.0, 0.0), (0.0, -0.3)], atol=1e-12)
 
 
 def test_guard_is_relative_to_the_wall():
-    corners = block(20, 20).corners()
+    corners = block(20, 20)
     x = np.array([(0.5, 0.04), (0.5, 0.025), (0.5, 0.5)])
-    lists = solids.element_lists(x, corners, np.zeros_like(x), 2.6 * S, S)
-    kind, wall_u = np.full(3, FLUID, np.int8), np.tile([0.3, -1.0], (len(corners), 1))
+    cloud, walls = fluid(x, corners)
     u = np.array([(2.0, -5.0), (2.0, -1.2), (0.0, -9.0)])
-    slowed = solids.guard_solids(u, x, kind, corners, wall_u, 0.025, 0.01, *lists, axes_of(2))
+    wall_u = np.tile([0.3, -1.0], (len(corners), 1))
+    slowed = solids.guard(u, cloud, walls._replace(velocity=wall_u), 0.025, 0.01)
     assert slowed == 2
     np.testing.assert_allclose(u, [(2.0, -2.5), (2.0, -1.0), (0.0, -9.0)], rtol=1e-9)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from parisph.kernels.moving_mirrors import no_solids
 
 from parisph.base.fields import ABSENT, FLUID, SURFACE, WALL
 from parisph.kernels import surface_stress, viscous
@@ -16,10 +15,10 @@ H, RADIUS = 1.3, 2.6
 def found(pool, u, nu=1.0, no_slip=0):
     """Return the acceleration (n, dim) and the tension (n,)."""
     s, out, tension = pool.spacing, np.full((pool.n, pool.dim), np.nan), np.full(pool.n, np.nan)
-    nu, slip = np.broadcast_to(nu, pool.n) + 0.0, ((pool.kind == WALL) * np.asarray(no_slip)).astype(np.int8)
-    fields = u, nu, *pool.walls, pool.role, slip
-    viscous.corrected(out, *fields, RADIUS * s, H * s, s**pool.dim, no_solids(pool.dim), *pool.csr)
-    surface_stress.stress_free(out, tension, *fields, RADIUS * s, no_solids(pool.dim), *pool.csr)
+    slip = ((pool.kind == WALL) * np.asarray(no_slip)).astype(np.int8)
+    records = pool.cloud, pool.walls_with(u, slip), viscous.Flowing(u, np.broadcast_to(nu, pool.n) + 0.0, slip)
+    viscous.corrected(out, *records, RADIUS * s, H * s)
+    surface_stress.stress_free(out, tension, *records, RADIUS * s)
     return out, tension
 
 
@@ -46,8 +45,8 @@ def test_a_drop_that_turns_as_one_body_feels_nothing(dim, jitter):
     felt = np.abs(out).max(axis=1) > 1e-10
     assert not np.any(felt[drop & ~top]) and felt[top].mean() <= (0.17 if jitter else 0.0)
     np.testing.assert_allclose(tension, 0.0, atol=1e-9)
-    viscous.morris(out, u, np.ones(pool.n), *pool.walls, np.zeros(pool.n, np.int8), H, 1.0, no_solids(dim),
-                   *pool.csr)
+    flowing = viscous.Flowing(u, np.ones(pool.n), np.zeros(pool.n, np.int8))
+    viscous.morris(out, pool.cloud, pool.walls, flowing, H)
     assert np.all(np.abs(out[top]).max(axis=1) > 0.1)
 
 
@@ -98,8 +97,8 @@ def test_ill_supported_particles_keep_what_they_have():
     pool.kind[pool.index[:, 1] != 3] = ABSENT
     pool.role[:] = SURFACE
     out, tension = np.full((pool.n, 2), 5.0), np.full(pool.n, 5.0)
-    surface_stress.stress_free(out, tension, pool.x.copy(), np.ones(pool.n), *pool.walls, pool.role,
-                               np.zeros(pool.n, np.int8), RADIUS, no_solids(pool.dim), *pool.csr)
+    flowing = viscous.Flowing(pool.x.copy(), np.ones(pool.n), np.zeros(pool.n, np.int8))
+    surface_stress.stress_free(out, tension, pool.cloud, pool.walls, flowing, RADIUS)
     assert np.all(out == 5.0) and np.all(tension == 0.0)
 
 
@@ -107,7 +106,7 @@ def test_ill_supported_particles_keep_what_they_have():
 def test_explicit_steps_of_the_stable_length(no_slip, jitter):
     """Both components together, because the condition couples them.
 
-    Free-slip walls on the lattice only: images of particles too close to one make modes that grow with any form.
+    Free-slip walls on the lattice only: reflections of particles too close to one make modes that grow with any form.
     """
     for seed in range(3):
         pool, top = below(2, jitter, seed)

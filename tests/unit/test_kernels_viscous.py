@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from parisph.kernels.moving_mirrors import no_solids
 
 from parisph.base.fields import ABSENT, BALLISTIC, FLUID, WALL
 from parisph.kernels import viscous
@@ -17,12 +16,10 @@ H, RADIUS = 1.3, 2.6
 def found(form, pool, u, nu=1.0, no_slip=1):
     """Return the acceleration (n, dim); no_slip : of all walls, or (n,)."""
     s, out = pool.spacing, np.full((pool.n, pool.dim), np.nan)
-    fields = u, np.broadcast_to(nu, pool.n) + 0.0, *pool.walls
     slip = ((pool.kind == WALL) * np.asarray(no_slip)).astype(np.int8)
-    if form is viscous.morris:
-        form(out, *fields, slip, H * s, s**pool.dim, no_solids(pool.dim), *pool.csr)
-    else:
-        form(out, *fields, pool.role, slip, RADIUS * s, H * s, s**pool.dim, no_solids(pool.dim), *pool.csr)
+    flowing = viscous.Flowing(u, np.broadcast_to(nu, pool.n) + 0.0, slip)
+    radii = (H * s,) if form is viscous.morris else (RADIUS * s, H * s)
+    form(out, pool.cloud, pool.walls_with(u, slip), flowing, *radii)
     return out
 
 
@@ -85,7 +82,7 @@ def test_mean_viscosity_of_pairs_is_exact_for_linear_fields(dim):
 
 @dims
 def test_profiles_between_walls_on_a_lattice(dim):
-    """The form of Morris, with images: Couette flow is kept, Poiseuille flow has its acceleration but for the first
+    """The form of Morris: Couette flow is kept, Poiseuille flow has its acceleration but for the first
     layer."""
     pool = tank((24, 10) if dim == 2 else (10, 10, 8), lid=True)
     y, u = pool.x[:, -1] / pool.x[:, -1].max(), np.zeros((pool.n, dim))
@@ -119,7 +116,7 @@ def test_walls_take_the_normal_acceleration_of_the_fluid(dim):
         a = np.full((pool.n, dim), np.nan)
         a[pool.fluid] = 2.0 + slope * pool.x[pool.fluid, -1:]
         before = a[pool.fluid].copy()
-        viscous.continue_to_walls(a, pool.x, pool.kind, pool.corner, pool.normal, RADIUS * pool.spacing, *pool.csr)
+        viscous.continue_to_walls(a, pool.cloud, RADIUS * pool.spacing)
         np.testing.assert_array_equal(a[pool.fluid], before)
         assert np.all(a[pool.corner == 1] == 0.0)
         if slope == 0.0:

@@ -1,4 +1,4 @@
-"""The friction of walls: the law itself, and what planes and elements do to the fluid beside them."""
+"""The friction of walls: the law itself, and what it does to the fluid beside them."""
 
 import math
 
@@ -8,9 +8,9 @@ import pytest
 from parisph import Box, Obstacle, Tank
 from parisph.base.fields import FLUID
 from parisph.case.bodies import StillWater
-from parisph.kernels.solids import element_lists
-from parisph.kernels.wall_law import rub_elements, rub_planes, wall_stress
-from tests.pools import tank
+from parisph.kernels.records import cloud_of
+from parisph.kernels.wall_law import Law, rub, wall_stress
+from tests.pools import elements_near, tank
 from tests.wall_scenes import filled
 
 NU = 1e-6
@@ -59,14 +59,12 @@ def test_roughness_has_the_logarithm_of_nikuradse_where_it_gives_more():
     assert inside == at == pytest.approx((2.0 / 8.5) ** 2)
 
 
-def rubbed(pool, u, wall_u=0.0, no_slip=0, volume=None, dt=0.0, nu=NU, roughness=0.0):
+def rubbed(pool, u, wall_u=0.0, no_slip=False, volume=None, dt=0.0, nu=NU, roughness=0.0):
     """Return the acceleration (n, dim) of the particles of a Pool."""
-    out = np.zeros((pool.n, pool.dim))
-    volume = np.full(pool.n, pool.spacing**pool.dim) if volume is None else volume
-    walls = np.where(pool.fluid[:, None], 0.0, wall_u) + np.zeros((pool.n, pool.dim))
-    sticks = (~pool.fluid * np.broadcast_to(no_slip, pool.n)).astype(np.int8)
-    beside = np.flatnonzero(pool.fluid & (np.arange(pool.n) < len(pool.indptr) - 1)).astype(np.int32)
-    rub_planes(out, beside, u, walls, volume, *pool.walls, sticks, pool.spacing, dt, nu, roughness, *pool.csr)
+    out, cloud = np.zeros((pool.n, pool.dim)), pool.cloud
+    walls = pool.walls._replace(velocity=wall_u + np.zeros((len(pool.nodes), pool.dim)),
+                                sticks=np.full(len(pool.nodes), no_slip))
+    rub(out, cloud if volume is None else cloud._replace(volume=volume), walls, u, Law(nu, roughness, dt))
     return out
 
 
@@ -112,7 +110,7 @@ def test_friction_is_that_of_the_velocity_relative_to_the_wall():
     u = np.tile([0.7, 0.0], (pool.n, 1))
     assert np.abs(rubbed(pool, u, wall_u=[0.7, 0.0])[:, 0]).max() == 0.0
     assert rubbed(pool, u, wall_u=[1.7, 0.0])[pool.fluid, 0].max() > 0.0
-    np.testing.assert_array_equal(rubbed(pool, u, no_slip=1), 0.0)
+    np.testing.assert_array_equal(rubbed(pool, u, no_slip=True), 0.0)
 
 
 def test_no_step_turns_the_velocity_round():
@@ -129,11 +127,11 @@ def test_no_step_turns_the_velocity_round():
 
 def beside(scene, x, u, sticks=False):
     """Return the friction (n, 2) on points x (n, 2) with velocities u (n, 2) beside the elements of a scene."""
-    corners, s = scene.corners, scene.spacing
-    lists = element_lists(x, corners, np.zeros_like(x), 2.6 * s, s)
-    out = np.zeros_like(x)
-    rub_elements(out, u, np.zeros((len(corners), 2)), np.full(len(corners), sticks), np.full(len(x), s * s), x,
-                 np.full(len(x), FLUID, np.int8), corners, s, 0.0, NU, 0.0, *lists, scene.axes)
+    out, kind, s = np.zeros_like(x), np.full(len(x), FLUID, np.int8), scene.spacing
+    walls = elements_near(x, scene.corners, 2.6 * s, s)
+    walls.sticks[:] = sticks
+    cloud = cloud_of(x, kind, kind, np.zeros_like(x), walls.indptr, walls.indices, s)
+    rub(out, cloud, walls, u, Law(NU, 0.0, 0.0))
     return out
 
 
@@ -141,7 +139,7 @@ BOX = (Tank(4.0, 2.0), Obstacle(Box(width=1.0, height=0.8, at=(1.5, 0.0))))
 SCENE = filled(StillWater(1.4), BOX, 0.1)
 
 
-def test_elements_do_what_planes_do():
+def test_friction_on_the_bed_and_on_the_sides_of_a_box():
     x = np.array([[0.5, 0.08], [2.0, 0.88], [2.58, 0.4], [2.0, 0.6 + 0.35]])
     out = beside(SCENE, x, np.ones_like(x))
     due = wall_stress(1.0, 0.08, NU, 0.0) / 0.1

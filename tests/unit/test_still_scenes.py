@@ -12,7 +12,7 @@ from parisph.base.fields import CONTACT, DRY, INNER, WET
 from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import balance, rankine, walls
-from parisph.kernels.solids import keep_off_solids
+from parisph.kernels.solids import keep_off
 from parisph.methods import lengths
 from tests.wall_scenes import filled
 
@@ -46,7 +46,7 @@ def error(scene, level):
     node = np.arange(n) >= scene.n
     role[node] = np.select([scene.mesh.edge == CONVEX, above[node] < -0.5 * s, above[node] < 0.5 * s],
                            [DRY, WET, CONTACT], DRY)
-    indptr, indices, *_ = scene.lists()
+    indptr, indices = scene.lists()
     count, columns = np.zeros(n, np.int32), np.zeros(len(indices), np.int32)
     values, measure = np.zeros(len(indices)), np.zeros(n)
     rankine.rankine_rows(count, columns, values, measure, np.zeros((len(indices), 2)), np.zeros(n), np.zeros((n, 2)),
@@ -79,7 +79,7 @@ def test_pressure_of_still_water(name):
     move = np.zeros_like(scene.x)
     inner = scene.role == INNER
     move[inner] = 0.4 * S * (np.random.default_rng(2).random((np.count_nonzero(inner), 2)) - 0.5)
-    keep_off_solids(move, scene.x, scene.kind, scene.corners, 0.5 * S, *scene.lists()[2:], scene.axes)
+    keep_off(move, *scene.records(), 0.5 * S)
     scene.x += move
     assert error(scene, water) == (pytest.approx(0.0, abs=1e-12), 0)
 
@@ -94,7 +94,7 @@ def test_means_in_the_tip_of_a_flat_beach_are_exact_for_still_water():
 def test_exact_wall_rows_stay_as_they_are():
     scene = filled(StillWater(0.8), SCENES["box"], S)
     n, s = len(scene.x), scene.spacing
-    indptr, indices, *_ = scene.lists()
+    indptr, indices = scene.lists()
     count, columns = np.zeros(n, np.int32), np.zeros(len(indices), np.int32)
     values, measure = np.zeros(len(indices)), np.zeros(n)
     role = np.where((np.arange(n) >= scene.n) & (scene.x[:, 1] < 0.7), WET, INNER).astype(scene.role.dtype)
