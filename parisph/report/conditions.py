@@ -6,7 +6,7 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from parisph.base.errors import CaseError
-from parisph.base.seal import MADE
+from parisph.base.json_digest import MADE
 from parisph.case.wave_sizes import size_of
 from parisph.case.waves import AnyWave
 from parisph.pictures.style import REST, bodies_of, fluids_of

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from parisph.base.errors import ParisphError, StoreError
-from parisph.base.seal import MADE
+from parisph.base.json_digest import MADE
 from parisph.base.text import plain
 from parisph.case.schema import Case
 from parisph.io import reader
@@ -66,7 +66,7 @@ def end_of(item: Prepared, folder: Path, limit: float | None = None) -> End | No
     limit : [s], the time it would get now: a run that was given less and was out of time is made again
     """
     try:
-        content = read_json(folder / ENDS / f"{item.folder}.json", must_be_sealed=True)
+        content = read_json(folder / ENDS / f"{item.folder}.json", needs_digest=True)
         end = End(**{name: content[name] for name in End.__dataclass_fields__})
         whole = (folder / RUNS / item.folder / "summary.json").exists()
     except (StoreError, KeyError, TypeError):

@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from parisph import Box, Case, Fluid, Numerics, PressureTap, Tank, Volume
 from parisph.__main__ import main
-from parisph.base import seal
+from parisph.base import json_digest
 from parisph.geometry import build as geometry
 from parisph.io import info, reader
 from parisph.io.files import write_json
@@ -179,10 +179,10 @@ def test_info_names_several_damaged_snapshots(folder, capsys, monkeypatch):
     {"volume_drift": 10**400}, {"energy_in_motion": {"start": 1.0}}, {"volume_range": {"low": "x"}}, {"errors": [0.1]},
     {"errors": {"P2": {"relative_l2": "x"}}},
 ])
-@pytest.mark.parametrize("sealed", [True, False])
-def test_info_of_a_summary_with_entries_of_the_wrong_kind(folder, capsys, entry, sealed):
+@pytest.mark.parametrize("digest", [True, False])
+def test_info_of_a_summary_with_entries_of_the_wrong_kind(folder, capsys, entry, digest):
     content = {**SUMMARY, **entry, "run": reader.open_run(folder).identity}
-    (folder / "summary.json").write_text(json.dumps(seal.sealed(content) if sealed else content))
+    (folder / "summary.json").write_text(json.dumps(json_digest.with_digest(content) if digest else content))
     assert main(["info", str(folder)]) == 5
     assert (capsys.readouterr().err
             == f"parisph: error: {folder}/summary.json is damaged: its entries are not those of a summary\n")

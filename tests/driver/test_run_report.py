@@ -35,7 +35,7 @@ from parisph import (
 )
 from parisph.base.errors import StoreError
 from parisph.base.fields import FLUID, WALL
-from parisph.base.seal import sealed
+from parisph.base.json_digest import with_digest
 from parisph.io.layout import INDEX
 from parisph.io.reader import open_run
 from parisph.report import conditions, energies, gallery, page
@@ -215,7 +215,7 @@ def test_a_peak_that_still_rises_and_a_shift_that_is_no_minimum_are_marked(made,
     tap.update(best_shift=-0.0015, shift_sought=0.0015)
     tap["others"]["<b>"].update(best_shift=-0.0005, shift_sought=0.0015)
     try:
-        path.write_text(json.dumps(sealed(content)))
+        path.write_text(json.dumps(with_digest(content)))
         text = page.write(made, tmp_path).read_text(encoding="utf-8")
         lines = gallery.write([made], tmp_path)[1].read_text(encoding="utf-8")
     finally:

@@ -10,7 +10,7 @@ import pytest
 from parisph import CaseError, load
 from parisph.base import reading
 from parisph.base.fields import CONTACT, SURFACE, WET
-from parisph.case import elsewhere, waves
+from parisph.case import measured_data, waves
 from parisph.case.load import parameters
 from parisph.case.profiles import read_profiles
 from parisph.case.schema import Case
@@ -23,7 +23,7 @@ from tests.scenes import made_motion
 
 CASES = Path(__file__).parents[2] / "cases"
 FILES = sorted(CASES.glob("*.py"))
-MEASURED = os.environ.get(elsewhere.VARIABLE)
+MEASURED = os.environ.get(measured_data.VARIABLE)
 OTHER = {"lateral_roll": 0.5, "wet_bed": 0.5}    # times the spacing, where twice the spacing does not fit the water
 
 
@@ -31,7 +31,7 @@ OTHER = {"lateral_roll": 0.5, "wet_bed": 0.5}    # times the spacing, where twic
 def only_made_data(tmp_path, monkeypatch):
     """The measured data of others is not part of a clone."""
     made_motion(tmp_path)
-    monkeypatch.setenv(elsewhere.VARIABLE, str(tmp_path))
+    monkeypatch.setenv(measured_data.VARIABLE, str(tmp_path))
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
@@ -161,7 +161,7 @@ def test_violent_sloshing_has_the_particles_of_the_paper():
 
 
 def test_a_motion_that_is_not_there_is_named_with_a_remedy(tmp_path, monkeypatch):
-    monkeypatch.setenv(elsewhere.VARIABLE, str(tmp_path / "nowhere"))
+    monkeypatch.setenv(measured_data.VARIABLE, str(tmp_path / "nowhere"))
     with pytest.raises(CaseError, match=r"measured motion of the tank is missing: .*04a_.*--set data=FOLDER"):
         load(CASES / "lateral_roll.py")
     with pytest.raises(CaseError, match="there is no 02k_"):
@@ -171,8 +171,8 @@ def test_a_motion_that_is_not_there_is_named_with_a_remedy(tmp_path, monkeypatch
 @pytest.fixture
 def measured_data(monkeypatch):
     """The folder of the measured data, which the cases then use."""
-    folder = Path(MEASURED or CASES / elsewhere.BESIDE).resolve()
-    monkeypatch.setenv(elsewhere.VARIABLE, str(folder))
+    folder = Path(MEASURED or CASES / measured_data.BESIDE).resolve()
+    monkeypatch.setenv(measured_data.VARIABLE, str(folder))
     if not folder.is_dir():
         pytest.skip(f"measured data of others is not part of parisph: there is no {folder}")
     return folder

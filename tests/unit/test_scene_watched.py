@@ -23,7 +23,7 @@ from parisph import (
     WaterFront,
 )
 from parisph.base.fields import FLUID, WALL
-from parisph.driver.rim import OpenTank
+from parisph.driver.overflow import OpenTank
 from parisph.geometry import build
 from parisph.geometry.columns import beds
 from parisph.parallel.domain import Domain
