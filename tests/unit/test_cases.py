@@ -169,7 +169,7 @@ def test_a_motion_that_is_not_there_is_named_with_a_remedy(tmp_path, monkeypatch
 
 
 @pytest.fixture
-def measured_data(monkeypatch):
+def shared_data(monkeypatch):
     """The folder of the measured data, which the cases then use."""
     folder = Path(MEASURED or CASES / measured_data.BESIDE).resolve()
     monkeypatch.setenv(measured_data.VARIABLE, str(folder))
@@ -189,7 +189,7 @@ def level_of(file, reference, scale, unit):
     return norms.judge(time * unit, values * scale, *truth)["relative_l2"]
 
 
-def test_errors_of_others_are_those_of_their_curves_in_the_window_of_the_run(measured_data):
+def test_errors_of_others_are_those_of_their_curves_in_the_window_of_the_run(shared_data):
     zhou, lobovsky = load(CASES / "dam_break_zhou.py"), load(CASES / "dam_break_lobovsky.py")
     for case, file, curves, height in (
         (zhou, "02b_marrone2011_deltaSPH_buchner_numerical.csv",
@@ -200,14 +200,14 @@ def test_errors_of_others_are_those_of_their_curves_in_the_window_of_the_run(mea
         truths = {probe.name: probe.truth for probe in case.probes}
         for name, columns in curves.items():
             density = case.fluids[0].density
-            found = [level_of((measured_data / file, *column), truths[name], density * 9.81 * height,
+            found = [level_of((shared_data / file, *column), truths[name], density * 9.81 * height,
                               np.sqrt(height / 9.81)) for column in columns]
             told = [level for who, level in truths[name].published.items() if not who.startswith(("weakly", "EDAC"))]
             assert told == pytest.approx(found, abs=4e-3), name
             assert all("recomputed" in who for who in truths[name].published)
 
 
-def test_truths_of_measured_data_where_it_lies(measured_data):
+def test_truths_of_measured_data_where_it_lies(shared_data):
     zhou, lobovsky, roll, bed, beach = (load(CASES / f"{name}.py") for name in (
         "dam_break_zhou", "dam_break_lobovsky", "lateral_roll", "wet_bed", "runup_synolakis"))
     truths = {probe.name: probe.truth for case in (zhou, lobovsky, roll) for probe in case.probes if probe.truth}
