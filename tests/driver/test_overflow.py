@@ -106,7 +106,7 @@ def test_water_flows_over_the_rim():
 
 
 RANKS = """
-from tests.driver.test_rim import pouring
+from tests.driver.test_overflow import pouring
 s = Simulation(pouring(), comm)
 for _ in range(45):
     s.advance()
@@ -134,7 +134,7 @@ def test_ranks_agree(tmp_path):
 
 
 def test_a_restart_goes_on_counting(tmp_path):
-    on_two_and_then(1, "from parisph import driver\nfrom tests.driver.test_rim import pouring", FIRST,
+    on_two_and_then(1, "from parisph import driver\nfrom tests.driver.test_overflow import pouring", FIRST,
                     'driver.restart("part", comm, until=0.2, progress=False)', tmp_path)
     whole, part = (reader.open_run(tmp_path / name) for name in ("whole", "part"))
     np.testing.assert_array_equal(part.steps["left"], whole.steps["left"])
