@@ -72,7 +72,7 @@ def _dots(group: Sequence[Result], name: str, axis: str | None) -> list[Dot]:
         pairs = [(one.errors.get(name), one.values.get("cpu_seconds")) for one in family]
         errors = [error for error, _ in pairs if error is not None and error > 0.0]
         costs = [cpu for error, cpu in pairs if error is not None and cpu is not None]
-        x = None if axis is None else getattr(family[0].item, axis)
+        x = None if axis is None else getattr(family[0].run, axis)
         if errors and costs and (axis is None or x is not None):
             found.append(Dot(x or 0.0, float(np.mean(costs)), float(np.mean(errors)), min(errors), max(errors)))
     return sorted(found, key=lambda dot: dot.x)

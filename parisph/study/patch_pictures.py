@@ -9,8 +9,8 @@ import numpy as np
 from parisph.pictures import style
 from parisph.study import error_plots, patch_report
 from parisph.study.error_plots import MARKS, Dot
-from parisph.study.patch_results import NORMS, PatchResult
 from parisph.study.patch_study import Histogram, PatchStudy
+from parisph.study.patch_tasks import NORMS, PatchResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

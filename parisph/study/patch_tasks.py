@@ -1,4 +1,4 @@
-"""The tasks of a patch study, each an operator on one arrangement of particles, and what they give."""
+"""The tasks of a patch study, each an operator on one arrangement of particles, and their results."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -170,8 +170,8 @@ def _check(operator: Operator, dim: int) -> None:
                             f"leave it out with dim={dim}")
 
 
-def carry_out(task: Task, study: PatchStudy) -> PatchResult:
-    """Apply an operator and return its errors. On this rank alone."""
+def apply(task: Task, study: PatchStudy) -> PatchResult:
+    """Apply the operator of a task and return its errors. On this rank alone."""
     try:
         return _solution(task, study) if task.patch in SOLUTIONS else _derivative(task, study)
     except SolverDiverged as error:
