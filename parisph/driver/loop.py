@@ -20,7 +20,7 @@ from parisph.case.stored import to_json
 from parisph.driver import exploded, run_folder
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
-from parisph.driver.peaks import Peaks
+from parisph.driver.peaks import PeakFlows
 from parisph.driver.probing import Line, Watch
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
@@ -172,7 +172,7 @@ class _Run:
         self.saved_at = perf_counter()
         self.clock = Clock()
         state, self.source = state or {}, source
-        self.peaks = Peaks(simulation, samplers, self.case.output.fields, state.get("peaks"),
+        self.peaks = PeakFlows(simulation, samplers, self.case.output.fields, state.get("peaks"),
                            state.get("waiting"), flows)
         self.watch = Watch(simulation, samplers, self.case.output, self.peaks, state.get("watch"))
         self.snapshots = Times(self.case.output.every, self.case.output.times)

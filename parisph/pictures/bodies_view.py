@@ -17,7 +17,7 @@ from parisph.geometry.build import build, counts, domain
 from parisph.geometry.outline import Wall, outline_of
 from parisph.geometry.standing import given, standing
 from parisph.pictures import labels, marks, style, window
-from parisph.pictures.frames import TANK, Seen
+from parisph.pictures.frames import TANK, PictureFrame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,13 +34,13 @@ def of_dict(case: Mapping[str, Any]) -> Case:
 
 
 def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0, floor: float | None = None,
-                seen: Seen | None = None) -> None:
+                seen: PictureFrame | None = None) -> None:
     """Draw the walls of a case as they are at a time [s]; lengths are divided by `length` [m].
 
     floor : height [m] down to which the ground below a bed is drawn, None for a little below the lowest wall
     seen : from where; None for the frame of the tank
     """
-    seen = seen or Seen.of(case, TANK)
+    seen = seen or PictureFrame.of(case, TANK)
     if floor is None:
         lower, upper = domain(case)
         floor = float(lower[1] - 0.05 * (upper - lower)[1])
@@ -82,12 +82,12 @@ def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
 
 
 def draw_marks(axes: "Axes", case: Case, ends: window.Ends, time: float = 0.0, length: float = 1.0,
-               seen: Seen | None = None, probes: bool = True, walls: bool = False) -> None:
+               seen: PictureFrame | None = None, probes: bool = True, walls: bool = False) -> None:
     """Draw the still level, zones and probes of a case with their names into axes whose `ends` are known.
 
     probes, walls : whether probes are shown, and whether walls are named; time, length, seen : as of draw_bodies
     """
-    view = seen or Seen.of(case, TANK)
+    view = seen or PictureFrame.of(case, TANK)
 
     def placed(x: Floats) -> Floats:
         return view.placed(x, time) / length

@@ -309,9 +309,9 @@ def _further_columns(axes):
     return max(_legend_columns(axes) * (LETTER * longest + 0.7) - 1.0, 0.0)
 
 
-def own_scales(run: Run, normalise: bool) -> style.Scales:
-    """Return the style.Scales of a run. Raises CaseError if it has none to normalise by."""
-    own = style.scales(run.case)
+def own_scales(run: Run, normalise: bool) -> style.SceneUnits:
+    """Return the style.SceneUnits of a run. Raises CaseError if it has none to normalise by."""
+    own = style.scene_units(run.case)
     if normalise and own.time is None:
         raise CaseError(f"{run.folder}: this scene has no constant gravity: it has no sqrt(H/g) to divide by")
     return own
@@ -405,7 +405,7 @@ def plain_axes(axes: "Axes") -> None:
 
 def second_time_axis(axes: "Axes", runs: Sequence[Run], normalise: bool) -> None:
     """Add the dimensionless time above, if it is the same for all runs."""
-    scales = [style.scales(run.case) for run in runs]
+    scales = [style.scene_units(run.case) for run in runs]
     unit = scales[0].time
     if unit is None or len({own.time for own in scales}) != 1:
         return

@@ -17,7 +17,7 @@ BETWEEN = 100    # times between the first and the last picture at which it is l
 
 
 @dataclass(frozen=True)
-class Seen:
+class PictureFrame:
     """How a picture shows what is known in the frame of the tank.
 
     motion : of the tank; world : whether it is seen from the room; gravity : (2,) in the room, None if not uniform
@@ -28,7 +28,7 @@ class Seen:
     gravity: Floats | None = None
 
     @classmethod
-    def of(cls, case: Case, frame: str) -> "Seen":
+    def of(cls, case: Case, frame: str) -> "PictureFrame":
         """Return how a case is seen from a frame, "tank" or "world". Raises CaseError for another word."""
         if frame not in (TANK, WORLD):
             raise CaseError(f"--frame {frame}: must be {TANK} or {WORLD}")

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.patheffects import AbstractPathEffect
 
 @dataclass(frozen=True)
-class Quantity:
+class PlottedQuantity:
     """A quantity that pictures can show.
 
     Attributes
@@ -36,7 +36,7 @@ class Quantity:
     of : function of that array (n, ...) -> (n,)
     symbol, unit : for the colour bar
     colours : name of a matplotlib colour map
-    scale : the one of a scene's Scales that makes it dimensionless, "" for none
+    scale : the one of a scene's SceneUnits that makes it dimensionless, "" for none
     centre : None, or the value in the middle of a diverging colour map
     """
 
@@ -51,13 +51,14 @@ class Quantity:
 
 # Sequential maps are perceptually uniform, so that equal steps look equal.
 QUANTITIES = {
-    "pressure": Quantity("p", lambda p: p, "pressure $p$", "Pa", "viridis", "pressure"),
-    "speed": Quantity("u", lambda u: np.linalg.norm(u, axis=1), r"speed $|\mathbf{u}|$", "m/s", "plasma", "speed"),
-    "velocity_x": Quantity("u", lambda u: u[:, 0], "velocity $u$", "m/s", "RdBu_r", "speed", 0.0),
-    "velocity_y": Quantity("u", lambda u: u[:, 1], "velocity $v$", "m/s", "RdBu_r", "speed", 0.0),
-    "vorticity": Quantity("vorticity", lambda omega: omega, r"vorticity $\omega$", "1/s", "RdBu_r", "", 0.0),
-    "density_ratio": Quantity("alpha", lambda a: a, r"kernel-sum density $\alpha$", "", "RdBu_r", "", 1.0),
-    "role": Quantity("role", lambda r: r, "role", "", "", ""),
+    "pressure": PlottedQuantity("p", lambda p: p, "pressure $p$", "Pa", "viridis", "pressure"),
+    "speed": PlottedQuantity(
+        "u", lambda u: np.linalg.norm(u, axis=1), r"speed $|\mathbf{u}|$", "m/s", "plasma", "speed"),
+    "velocity_x": PlottedQuantity("u", lambda u: u[:, 0], "velocity $u$", "m/s", "RdBu_r", "speed", 0.0),
+    "velocity_y": PlottedQuantity("u", lambda u: u[:, 1], "velocity $v$", "m/s", "RdBu_r", "speed", 0.0),
+    "vorticity": PlottedQuantity("vorticity", lambda omega: omega, r"vorticity $\omega$", "1/s", "RdBu_r", "", 0.0),
+    "density_ratio": PlottedQuantity("alpha", lambda a: a, r"kernel-sum density $\alpha$", "", "RdBu_r", "", 1.0),
+    "role": PlottedQuantity("role", lambda r: r, "role", "", "", ""),
 }
 ALIASES = {"p": "pressure", "u": "speed", "velocity": "speed", "alpha": "density_ratio"}
 
@@ -94,8 +95,8 @@ def line_looks(groups: int, members: int = 1) -> list[LineLook]:
     return [{"color": LINES[colour % len(LINES)], "linestyle": STYLES[kind % len(STYLES)]} for colour, kind in pairs]
 
 
-def quantity(name: str) -> Quantity:
-    """Return the Quantity of that name. Raises CaseError that lists the known ones."""
+def quantity(name: str) -> PlottedQuantity:
+    """Return the PlottedQuantity of that name. Raises CaseError that lists the known ones."""
     found = QUANTITIES.get(ALIASES.get(name, name))
     if found is None:
         raise CaseError(f"no quantity {shown(name)} to show (there are: {', '.join(QUANTITIES)})")
@@ -115,7 +116,7 @@ def check_colours(name: str | None) -> None:
 
 
 @dataclass(frozen=True)
-class Scales:
+class SceneUnits:
     """A scene's own units; None for those that it does not have.
 
     Attributes
@@ -130,8 +131,8 @@ class Scales:
     pressure: float | None = None
 
 
-def scales(case: Mapping[str, Any]) -> Scales:
-    """Return the Scales of a case (dict, as in case.json)."""
+def scene_units(case: Mapping[str, Any]) -> SceneUnits:
+    """Return the SceneUnits of a case (dict, as in case.json)."""
     low, high = fluid_bounds(case)
     height, density = high[-1] - low[-1], fluids_of(case)[0]["density"]
     try:
@@ -139,8 +140,8 @@ def scales(case: Mapping[str, Any]) -> Scales:
     except ValueError:  # an expression of place or time has no one g
         g = 0.0
     if g == 0.0:
-        return Scales(height)
-    return Scales(height, np.sqrt(height / g), np.sqrt(g * height), density * g * height)
+        return SceneUnits(height)
+    return SceneUnits(height, np.sqrt(height / g), np.sqrt(g * height), density * g * height)
 
 
 def has_potential(case: Mapping[str, Any]) -> bool:
@@ -206,7 +207,7 @@ def literal(text: str, limit: int = 100) -> str:
     return clipped(plain(text), limit).replace("$", r"\$")
 
 
-def time_label(time: float, own: Scales) -> str:
+def time_label(time: float, own: SceneUnits) -> str:
     """Return "t = 0.512 s", followed by the dimensionless time and its H if the scene has gravity."""
     label = rf"$t$ = {time:.3f} s"
     if own.time is None:
@@ -214,7 +215,7 @@ def time_label(time: float, own: Scales) -> str:
     return label + rf",   $t\sqrt{{g/H}}$ = {time / own.time:.2f},   {height(own)}"
 
 
-def height(own: Scales) -> str:
+def height(own: SceneUnits) -> str:
     """Return "H = 0.2 m", the length by which a scene's own units are made."""
     return f"$H$ = {own.length:.4g} m"
 

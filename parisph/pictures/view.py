@@ -17,7 +17,7 @@ from parisph.geometry.standing import standing
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style, window
 from parisph.pictures.bodies_view import draw_bodies, draw_marks, of_dict
-from parisph.pictures.frames import TANK, Seen
+from parisph.pictures.frames import TANK, PictureFrame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -119,14 +119,14 @@ class FieldView:
         if snapshots[0]["x"].shape[1] != 2:
             raise StoreError("only 2D flows can be drawn: open the run's .series file in ParaView")
         self.case, self.look = case, look
-        self.quantity, self.own = style.quantity(look.field), style.scales(case)
+        self.quantity, self.own = style.quantity(look.field), style.scene_units(case)
         if look.normalise and self.own.time is None:
             raise CaseError("this scene has no constant gravity: it has no sqrt(g H) to divide by")
         self.length = self.own.length if look.normalise else 1.0
         self.spacing = case["numerics"]["spacing"] / self.length
         self.scene = of_dict(case)
         self.bodies = None if style.only_tank(case) else self.scene
-        self.seen = Seen.of(self.scene, look.frame)
+        self.seen = PictureFrame.of(self.scene, look.frame)
         self.window = self._window(snapshots)
         self.stretch = window.stretch(self.window)    # times that heights are drawn
 

@@ -7,7 +7,7 @@ from parisph.base.text import named
 from parisph.case.probes import AnyProbe
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
-from parisph.report.entries import Cell, Table, number
+from parisph.report.entries import Cell, CellTable, number
 
 SUMMARY, CASE = "summary.json", "case.json"
 ALIGNMENT = (
@@ -24,7 +24,7 @@ AnyTruth = Truth | WaveTruth | Peaks | Profiles
 Content = Mapping[str, Any]    # of a JSON file
 
 
-def cost(summary: Content) -> Table:
+def cost(summary: Content) -> CellTable:
     """Return what the run has cost: time by the clock and of the processors, steps, iterations, phases."""
     rows = [("CPU time", number(summary, SUMMARY, ["cpu_seconds"], ".4g", "s")),
             ("wall time", number(summary, SUMMARY, ["wall_seconds"], ".4g", "s")),
@@ -38,9 +38,9 @@ def cost(summary: Content) -> Table:
     return named_rows(rows)
 
 
-def errors(probes: Probes, case: Content, summary: Content) -> Table:
+def errors(probes: Probes, case: Content, summary: Content) -> CellTable:
     """Return the errors of the probes that have a truth, a line for each of their references."""
-    return Table(ERROR_HEAD, tuple(row for k, probe in enumerate(probes)
+    return CellTable(ERROR_HEAD, tuple(row for k, probe in enumerate(probes)
                                    for row in _of_probe(k, probe, case, summary)))
 
 
@@ -99,7 +99,7 @@ def least_of_others(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
     return number(case, CASE, [*place, "published", best], ".3g", f"({best})")
 
 
-def profiles(probes: Probes, summary: Content) -> Table:
+def profiles(probes: Probes, summary: Content) -> CellTable:
     """Return the errors of each of the profiles that arrays of gauges are compared with."""
     columns = (("time", ".4g"), ("relative_l2", ".3g"), ("mean", "+.2g"), ("rms", ".2g"))
     rows = []
@@ -108,7 +108,7 @@ def profiles(probes: Probes, summary: Content) -> Table:
             rows += [(Cell(probe.name), Cell(name_of(truth)),
                       *(number(summary, SUMMARY, [*path, "profiles", n, name], form) for name, form in columns))
                      for n in range(_count(summary, [*path, "profiles"]))]
-    return Table(PROFILE_HEAD, tuple(rows))
+    return CellTable(PROFILE_HEAD, tuple(rows))
 
 
 def _count(summary: Content, path: list[Any]) -> int:
@@ -150,6 +150,6 @@ def _with_files(probe: AnyProbe) -> tuple[Truth | Profiles, ...]:
     return (truth, *truth.others) if isinstance(truth, (Truth, Profiles)) else ()
 
 
-def named_rows(rows: Iterable[tuple[str, Cell]]) -> Table:
+def named_rows(rows: Iterable[tuple[str, Cell]]) -> CellTable:
     """Return a table of (name, Cell)."""
-    return Table((), tuple((Cell(name), cell) for name, cell in rows))
+    return CellTable((), tuple((Cell(name), cell) for name, cell in rows))

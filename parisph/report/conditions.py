@@ -11,7 +11,7 @@ from parisph.case.wave_sizes import size_of
 from parisph.case.waves import AnyWave
 from parisph.pictures.style import REST, bodies_of, fluids_of
 from parisph.report.account import CASE, SUMMARY, Content, named_rows
-from parisph.report.entries import Cell, Table, number
+from parisph.report.entries import Cell, CellTable, number
 
 # Numbers of waves and motions that are told, with their units.
 TOLD = {"height": "m", "amplitude": "m", "period": "s", "length": "m", "depth": "m", "frequency": "rad/s",
@@ -26,7 +26,7 @@ Rows = Iterator[tuple[str, Cell]]
 Place = list[Any]
 
 
-def conditions(case: Content, summary: Content) -> Table:
+def conditions(case: Content, summary: Content) -> CellTable:
     """Return what was run: the scene, its resolution, its duration, and the method."""
     origin = [("scene of", number(case, CASE, ["source"]))] if case.get("source") else []
     jitter = [("jitter of the particles at the start", number(case, CASE, ["numerics", "jitter"], ".3g", "spacings")),
@@ -44,17 +44,17 @@ def conditions(case: Content, summary: Content) -> Table:
         ("method", number(case, CASE, ["numerics", "method"])), ("preset", number(case, CASE, ["numerics", "preset"]))])
 
 
-def parameters(case: Content) -> Table:
+def parameters(case: Content) -> CellTable:
     """Return the parameters of the case file; without rows where they are not known."""
     values, given = _made(case).get("parameters"), _made(case).get("given")
     given = given if isinstance(given, list) else []
-    return Table(("parameter", "value", ""), tuple(
+    return CellTable(("parameter", "value", ""), tuple(
         (Cell(name), number(case, CASE, [MADE, "parameters", name], ".6g") if value is not None else Cell("none"),
          Cell("given" if name in given else "default")) for name, value in
         (values.items() if isinstance(values, dict) else ())))
 
 
-def making(case: Content, summary: Content) -> Table:
+def making(case: Content, summary: Content) -> CellTable:
     """Return by what a run was made: case file, date, machine, command, options, versions."""
     made = _made(case)
     names = (("case file", "case_file"), ("digest of its text", "case_digest"), ("date", "date"), ("machine", "host"),

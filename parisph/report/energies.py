@@ -5,7 +5,7 @@ from typing import Any
 
 from parisph.case.expressions import uniform_field
 from parisph.pictures.style import has_potential
-from parisph.report.entries import Cell, Table, number
+from parisph.report.entries import Cell, CellTable, number
 
 SUMMARY = "summary.json"
 MOTION_HEAD = ("", "at the start", "at the end", "change, of that at the start", "highest", "at")
@@ -29,7 +29,7 @@ KINETIC = "No potential energy is computed for this body force: the energy is th
 Content = Mapping[str, Any]    # of a JSON file
 
 
-def drift(case: Content, summary: Content) -> Table:
+def drift(case: Content, summary: Content) -> CellTable:
     """Return how volume and energy have changed since the start."""
     energy = "energy change (work is done on the fluid)" if summary.get("driven") else "energy drift"
     if not has_potential(case):
@@ -40,10 +40,10 @@ def drift(case: Content, summary: Content) -> Table:
         end = number(summary, SUMMARY, [f"{kind}_drift"], "+.3%")
         rows.append((Cell(what), end, *(number(summary, SUMMARY, [f"{kind}_range", name], form, unit)
                                         for name, form, unit in extremes)))
-    return Table(("", "at the end", "lowest", "at", "highest", "at"), tuple(rows))
+    return CellTable(("", "at the end", "lowest", "at", "highest", "at"), tuple(rows))
 
 
-def motion(summary: Content) -> Table:
+def motion(summary: Content) -> CellTable:
     """Return the energy in motion at the start, at the end and at its highest; no row where it is not defined."""
     found = summary.get("energy_in_motion") or {}
     unit = str(found.get("unit") or "")
@@ -51,7 +51,7 @@ def motion(summary: Content) -> Table:
         number(summary, SUMMARY, ["energy_in_motion", name], form, of)
         for name, form, of in (("start", ".4g", unit), ("end", ".4g", unit), ("drift", "+.2%", ""),
                                ("high", ".4g", unit), ("high_time", ".4g", "s"))))
-    return Table(MOTION_HEAD, (row,) if found else ())
+    return CellTable(MOTION_HEAD, (row,) if found else ())
 
 
 def lost(summary: Content) -> list[str]:

@@ -14,7 +14,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Table:
+class CellTable:
     """A table. head : names of the columns, empty if the first column has names; rows : of Cells"""
 
     head: tuple[str, ...]

@@ -5,7 +5,7 @@ from typing import Any
 
 from parisph.case.truths import bands_of
 from parisph.report.account import CASE, SUMMARY, Content, Probes, name_of
-from parisph.report.entries import Cell, Table, number
+from parisph.report.entries import Cell, CellTable, number
 
 PEAK_HEAD = ("probe", "from [s]", "to [s]", "run smoothed over [s]", "greatest value", "at [s]",
              "band from", "to", "level at rest", "beyond the band by", "others have it at [s]", "truth")
@@ -32,11 +32,11 @@ LINES = (
 )
 
 
-def peaks(probes: Probes, summary: Content) -> Table:
+def peaks(probes: Probes, summary: Content) -> CellTable:
     """Return the greatest values in intervals of time beside what others have there."""
     columns = (("start", ".4g"), ("end", ".4g"), ("smooth", ".3g"), ("found", ".4g"), ("time", ".4g"),
                ("low", ".4g"), ("high", ".4g"), ("level", ".4g"), ("beyond", "+.0%"), ("when", ".4g"))
-    return Table(PEAK_HEAD, tuple(
+    return CellTable(PEAK_HEAD, tuple(
         (Cell(probe.name), *(number(summary, SUMMARY, [*path, name], form, remarks.get(name, ""))
                              for name, form in columns), Cell(name_of(probe.truth)))
         for probe in probes if probe.truth is not None
@@ -53,16 +53,16 @@ def _remarks(summary: Content, path: list[Any]) -> dict[str, str]:
     return dict(said[flag] for flag in said if number(summary, SUMMARY, [*path, flag]).text == "True")
 
 
-def arrivals(case: Content, summary: Content) -> Table:
+def arrivals(case: Content, summary: Content) -> CellTable:
     """Return when probes pass the values of their `arrival`, with these values."""
     levels = {name: number(case, CASE, place, ".4g", "Pa" if kind == "pressure_tap" else "m")
               for name, kind, place in _levels(case)}
-    return Table(ARRIVAL_HEAD, tuple(
+    return CellTable(ARRIVAL_HEAD, tuple(
         (Cell(name), levels.get(name, Cell("-")), number(summary, SUMMARY, ["arrivals", name], ".4g", "s"))
         for name in summary.get("arrivals") or ()))
 
 
-def impacts(summary: Content) -> Table:
+def impacts(summary: Content) -> CellTable:
     """Return the greatest pressures and forces, which of them are too short to be resolved, and the next ones."""
     rows = []
     for name, found in (summary.get("peaks") or {}).items():
@@ -71,10 +71,10 @@ def impacts(summary: Content) -> Table:
         rows.append((Cell(name + short), *(number(summary, SUMMARY, [*path, *inner], form) for inner, form in (
             (["value"], ".4g"), (["time"], ".4g"), (["lasts"], ".2g"), (["mean"], ".4g"),
             (["lasting", "value"], ".4g"), (["lasting", "time"], ".4g"), (["lasting", "mean"], ".4g")))))
-    return Table(IMPACT_HEAD, tuple(rows))
+    return CellTable(IMPACT_HEAD, tuple(rows))
 
 
-def passed(summary: Content) -> Table:
+def passed(summary: Content) -> CellTable:
     """Return the volumes that have passed the lines of probes: in all, and in each event."""
     rows = []
     for name, found in (summary.get("passed") or {}).items():
@@ -83,7 +83,7 @@ def passed(summary: Content) -> Table:
         rows += [(Cell(name), Cell(str(k + 1)), *(number(summary, SUMMARY, [*path, "events", k, what])
                                                   for what in ("start", "end", "volume")))
                  for k in range(len(found.get("events") or ()))]
-    return Table(PASSED_HEAD, tuple(rows))
+    return CellTable(PASSED_HEAD, tuple(rows))
 
 
 def _levels(case: Content) -> Iterator[tuple[str, str, list[Any]]]:

@@ -16,7 +16,7 @@ from parisph.io.reader import Run
 from parisph.pictures import curves, overview, style
 from parisph.report import account, events, markup
 from parisph.report.between import Between
-from parisph.report.entries import Cell, Table, number
+from parisph.report.entries import Cell, CellTable, number
 from parisph.report.page import Subject, subject
 
 START, END = "<!-- gallery -->", "<!-- end of the gallery -->"
@@ -116,7 +116,7 @@ def _field(run: Run) -> str:
     return "speed" if any(fluid.get("viscosity") for fluid in style.fluids_of(run.case)) else "pressure"
 
 
-def _facts(about: Subject) -> Table:
+def _facts(about: Subject) -> CellTable:
     """Return size, cost and drift of a run."""
     def of(path: list[str | int], form: str = ".4g", unit: str = "") -> Cell:
         return number(about.summary, account.SUMMARY, path, form, unit)
@@ -131,10 +131,10 @@ def _facts(about: Subject) -> Table:
         wanted.append(("energy at most", of(["energy_range", "high"], "+.2%")))
     if (about.summary.get("energy_in_motion") or {}).get("drift") is not None:
         wanted.append(("energy in motion", of(["energy_in_motion", "drift"], "+.2%")))
-    return Table(tuple(name for name, _ in wanted), (tuple(cell for _, cell in wanted),))
+    return CellTable(tuple(name for name, _ in wanted), (tuple(cell for _, cell in wanted),))
 
 
-def _table(about: Subject) -> Table:
+def _table(about: Subject) -> CellTable:
     """Return the truths of a run, a line for each: errors, greatest values with what others report, arrivals."""
     judged: dict[str, list[tuple[Cell, ...]]] = {}
     for row in account.errors(about.probes, about.case, about.summary).rows:
@@ -152,10 +152,10 @@ def _table(about: Subject) -> Table:
     for row in events.arrivals(about.case, about.summary).rows:
         rows.append((row[0], _joined(f"when it passes {row[1].text}", row[1]), row[2], Cell("-"), Cell("-")))
     wide = any(row[4].text != "-" for row in rows)
-    return Table(HEAD if wide else HEAD[:4], tuple(row if wide else row[:4] for row in rows))
+    return CellTable(HEAD if wide else HEAD[:4], tuple(row if wide else row[:4] for row in rows))
 
 
-def _shown(content: Table) -> list[str]:
+def _shown(content: CellTable) -> list[str]:
     return [markup.table(content) if content.rows else markup.paragraph("No truth.")]
 
 
@@ -189,7 +189,7 @@ def _text(alternative: str, about: Subject, picture: str) -> list[str]:
             *([_markdown(content)] if content.rows else ["No truth."]), ""]
 
 
-def _in_words(facts: Table) -> str:
+def _in_words(facts: CellTable) -> str:
     """Return size, cost and drift of a run as part of a sentence."""
     of = {name: cell.text for name, cell in zip(facts.head, facts.rows[0])}
     particles = of.get("particles") or f"{of['fluid particles']} fluid and {of['wall particles']} wall"
@@ -199,7 +199,7 @@ def _in_words(facts: Table) -> str:
             f"{of['CPU time']} of CPU time; volume {of['volume from']} to {of['to']}" + "".join(energy))
 
 
-def _markdown(content: Table) -> str:
+def _markdown(content: CellTable) -> str:
     rows = [content.head, tuple("---" for _ in content.head),
             *(tuple(escaped(cell.text) for cell in row) for row in content.rows)]
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)

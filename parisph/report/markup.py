@@ -6,7 +6,7 @@ from html import escape
 from pathlib import Path
 
 from parisph.base.errors import StoreError
-from parisph.report.entries import Cell, Table
+from parisph.report.entries import Cell, CellTable
 
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #222; max-width: 66em; margin: 2em auto; padding: 0 1em; }
@@ -35,7 +35,7 @@ def paragraph(text: str, kind: str = "") -> str:
     return f'<p class="{kind}">{escape(text)}</p>' if kind else f"<p>{escape(text)}</p>"
 
 
-def table(content: Table) -> str:
+def table(content: CellTable) -> str:
     """Return a table; a cell with a number says in data-from, and when pointed at, where it is from."""
     head = "".join(f"<th>{escape(name)}</th>" for name in content.head)
     lines = [f"<tr>{head}</tr>"] if head else []

@@ -4,7 +4,7 @@ import numpy as np
 
 from parisph.case.probes import Probe, singles
 from parisph.case.schema import Case
-from parisph.truth.recorded import Recorded, parts
+from parisph.truth.recorded import Recorded, probe_records
 
 
 def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
@@ -13,8 +13,8 @@ def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
     run : io.reader.Run. The first column of a probe counts; probes in arrays have names as in "gauges.x1".
     """
     found: dict[str, float | None] = {name: None for name, probe in singles(case.probes) if _has_arrival(probe)}
-    for part in parts(case, run, _has_arrival):
-        found[part.name] = first_passing(part.table["time"], part.table[part.columns[0]], part.probe.arrival)
+    for record in probe_records(case, run, _has_arrival):
+        found[record.name] = first_passing(record.table["time"], record.table[record.columns[0]], record.probe.arrival)
     return found
 
 

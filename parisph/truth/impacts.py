@@ -12,7 +12,7 @@ from parisph.base.errors import ParisphError
 from parisph.case.schema import Case
 from parisph.case.truths import intervals
 from parisph.truth import norms
-from parisph.truth.recorded import Recorded, parts
+from parisph.truth.recorded import Recorded, probe_records
 
 JUDGED = {"pressure_tap": {"pressure": "Pa"}, "force": {"fx": "N/m", "fy": "N/m"}}    # columns of probes, their units
 MEAN = 0.005     # [s] over which the mean beside a peak is taken, about what a sensor and its amplifier resolve
@@ -75,15 +75,15 @@ def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     times that count.
     """
     found: dict[str, dict[str, Any]] = {}
-    for part in parts(case, run, lambda probe: probe.kind in JUDGED):
-        time = part.table["time"]
-        for column, unit in JUDGED[part.probe.kind].items():
-            values = part.values(column)
+    for record in probe_records(case, run, lambda probe: probe.kind in JUDGED):
+        time = record.table["time"]
+        for column, unit in JUDGED[record.probe.kind].items():
+            values = record.values(column)
             size = values if column == "pressure" else np.abs(values)
-            some = greatest(time, size, _allowed(part.probe.truth, time), coarse(part.table))
+            some = greatest(time, size, _allowed(record.probe.truth, time), coarse(record.table))
             if some and some[0].value > 0.0:    # a component without any force has no peak
                 lasting = None if some[-1].short else some[-1]._asdict()
-                found[part.name if column == "pressure" else f"{part.name}.{column}"] = {
+                found[record.name if column == "pressure" else f"{record.name}.{column}"] = {
                     **some[0]._asdict(), "unit": unit, "mean_over": MEAN, "lasting": lasting}
     return found
 

@@ -7,7 +7,7 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.case.probes import Flux
 from parisph.case.schema import Case
-from parisph.truth.recorded import Recorded, parts
+from parisph.truth.recorded import Recorded, probe_records
 
 
 def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
@@ -16,11 +16,11 @@ def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     run : io.reader.Run. Events are those of `events`, None for a probe without `pause`.
     """
     found: dict[str, dict[str, Any]] = {}
-    for part in parts(case, run, lambda probe: isinstance(probe, Flux)):
-        total, pause = part.values("total"), part.probe.pause
+    for record in probe_records(case, run, lambda probe: isinstance(probe, Flux)):
+        total, pause = record.values("total"), record.probe.pause
         if len(total):
-            found[part.name] = {"total": float(total[-1]),
-                                "events": None if pause is None else events(part.table["time"], total, pause)}
+            found[record.name] = {"total": float(total[-1]),
+                                "events": None if pause is None else events(record.table["time"], total, pause)}
     return found
 
 

@@ -24,7 +24,7 @@ class Recorded(Protocol):
         """Return {column: unit} of a probe."""
 
 
-class Part(NamedTuple):
+class ProbeRecord(NamedTuple):
     """What a run has recorded of one probe.
 
     name : in an array as in "gauges.x1"; probe : its description
@@ -42,7 +42,7 @@ class Part(NamedTuple):
         return self.table[self.columns[0] if len(self.columns) == 1 else self.prefix + column]
 
 
-def parts(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> Iterator[Part]:
+def probe_records(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> Iterator[ProbeRecord]:
     """Yield what a run has recorded of each probe that is wanted, those in arrays too. Not collective.
 
     Probes without a file are left out: the run has not come so far. Files of other probes are not read.
@@ -60,4 +60,4 @@ def parts(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> Iterator[
             prefix = f"{one.name}_" if isinstance(probe, ProbeArray) else ""
             own = [one.name] if prefix and one.name in columns else [
                 column for column in columns if column.startswith(prefix)]
-            yield Part(name, one, table, own, prefix)
+            yield ProbeRecord(name, one, table, own, prefix)

@@ -30,7 +30,7 @@ from parisph.case.schema import StillWater
 from parisph.io.reader import open_run
 from parisph.io.store import Store
 from parisph.pictures import bodies_view, curves, movies, overview, states, view, window
-from parisph.pictures.frames import Seen
+from parisph.pictures.frames import PictureFrame
 from tests.unit.test_view import S, basin, water, written
 
 pytest.importorskip("matplotlib")
@@ -181,7 +181,7 @@ def test_the_ground_below_a_basin_reaches_below_the_axes_wherever_it_is(tmp_path
 
 @pytest.mark.parametrize("frame", [Roll(0.5, 2.0, centre=(0.5, 0.2), ramp=0.0), Sway(0.2, 5.0)])
 def test_velocities_in_the_room_are_those_of_places_in_the_room(frame):
-    seen = Seen.of(basin(frame=frame), "world")
+    seen = PictureFrame.of(basin(frame=frame), "world")
     x, u, t, dt = np.array([(0.2, 0.3), (0.9, 0.1)]), np.array([(0.3, -0.1), (0.0, 0.4)]), 0.3, 1e-6
     found = seen.snapshot({"x": x, "u": u, "time": t})
     later, earlier = seen.placed(x + dt * u, t + dt), seen.placed(x - dt * u, t - dt)
