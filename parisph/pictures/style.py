@@ -171,13 +171,6 @@ def bodies_of(case: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return list(walls) if isinstance(walls, list) else [walls] if walls else []
 
 
-def only_tank(case: Mapping[str, Any]) -> bool:
-    """Return whether the walls of a case (dict) are at most one tank at rest in its frame."""
-    bodies = bodies_of(case)
-    return len(bodies) <= 1 and all(body.get("kind", "tank") == "tank" and body.get("motion", REST)["kind"] == "at_rest"
-                                    for body in bodies)
-
-
 def _corners(body):
     """Return points (n, 2) [m] around a body (dict), none for a wavemaker."""
     if "points" in body:

@@ -125,7 +125,6 @@ class FieldView:
         self.length = self.own.length if look.normalise else 1.0
         self.spacing = case["numerics"]["spacing"] / self.length
         self.scene = of_dict(case)
-        self.bodies = None if style.only_tank(case) else self.scene
         self.seen = PictureFrame.of(self.scene, look.frame)
         self.window = self._window(snapshots)
         self.stretch = window.stretch(self.window)    # times that heights are drawn
@@ -273,13 +272,7 @@ class FieldView:
 
     def _walls_box(self):
         """The lower and upper corner [m] of the box around all walls, None without any."""
-        if self.bodies is not None:
-            return domain(self.bodies)
-        tank = next(iter(style.bodies_of(self.case)), None)
-        if tank is None:
-            return None
-        left = np.array(tank["at"], dtype=float)
-        return left, left + np.array([tank["width"], tank["height"]])
+        return None if self.scene.wall_bounds is None else domain(self.scene)
 
     def _walls_to_fill(self, snapshot):
         """Return the wet wall particles, which have the pressure on the wall and close the gap to it of s/2."""
@@ -294,34 +287,17 @@ class FieldView:
                     loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
 
     def _draw_walls(self, axes, cut, time):
-        """Draw the tank as lines, and cut the discs `cut` to what is inside; draw other walls as they are at a time."""
-        from matplotlib.patches import Polygon, Rectangle
+        """Draw the walls as they are at a time [s]; cut the discs `cut` to what is inside a tank or above a bed."""
+        from matplotlib.patches import Polygon
 
-        if self.bodies is not None:
-            (left, right), (low, high) = self.window
-            far = (right - left + high - low) * self.length
-            floor = low * self.length - (far if self.seen.moved else 0.0)    # below the axes wherever the tank is
-            draw_bodies(axes, self.bodies, time, self.length, floor, self.seen)
-            around = [_room(wall, time, far) for wall in standing(self.bodies)
-                      if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
-            if len(around) == 1:    # other walls are filled, and hide what is in them
-                cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
-            return
-        tank = next(iter(style.bodies_of(self.case)), None)
-        if tank is None:
-            return
-        (left, low), (right, top) = self._walls_box()
-        corners = np.array([(left, top), (left, low), (right, low), (right, top), (left, top)])
-        corners = self.seen.placed(corners, time) / self.length
-        axes.plot(*corners[:None if tank["lid"] else 4].T, color=style.WALL_COLOUR, linewidth=2.0,
-                  solid_joinstyle="miter", zorder=3)
-        if self.seen.moved:
-            cut.set_clip_path(Polygon(corners, transform=axes.transData))
-            return
-        (left, low), (right, top) = corners[1], corners[3]
-        inside = np.clip([left, right], *self.window[0]), np.clip([low, top], *self.window[1])
-        corner, size = [side[0] for side in inside], [side[1] - side[0] for side in inside]
-        cut.set_clip_path(Rectangle(corner, *size, transform=axes.transData))
+        (left, right), (low, high) = self.window
+        far = (right - left + high - low) * self.length
+        floor = low * self.length - (far if self.seen.moved else 0.0)    # below the axes wherever the tank is
+        draw_bodies(axes, self.scene, time, self.length, floor, self.seen)
+        around = [_room(wall, time, far) for wall in standing(self.scene)
+                  if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
+        if len(around) == 1:    # other walls are filled, and hide what is in them
+            cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
 
     def _ring(self, axes, x, snapshot):
         from matplotlib.lines import Line2D

@@ -155,8 +155,6 @@ def test_zoom_shows_a_part_whose_values_alone_make_the_scale(run):
     axes = view.plot_field(run, zoom=(0.2, 1.2, 0.3, 0.6)).axes[0]
     assert (axes.get_xlim(), axes.get_ylim()) == ((0.2, 1.2), (0.3, 0.6))
     assert axes.collections[1].get_clim()[1] == pytest.approx(9.81 * 0.2)      # of the particles at y = .3 m
-    inside = axes.transData.inverted().transform(axes.collections[0].get_clip_box())
-    np.testing.assert_allclose(inside, [[0.2, 0.3], [1.0, 0.6]])   # the ground is cut at the wall, and at the window
     normalised = view.plot_field(run, zoom=(0.4, 2.4, 0.6, 1.2), normalise=True).axes[0]
     assert normalised.collections[1].get_clim()[1] == pytest.approx(0.4)
 
@@ -180,9 +178,9 @@ def test_a_look_without_sense_is_said(run, look, message):
         view.plot_field(run, **look)
 
 
-def test_the_ground_is_cut_at_the_tank_of_a_scene_with_more_walls(tmp_path):
-    box = Obstacle(Box(0.1, 0.1, at=(0.6, 0.0)), name="box")
-    run = written(tmp_path / "run", basin(walls=(Tank(1.0, 0.8), box), probes=[]), water())
+@pytest.mark.parametrize("more", [(), (Obstacle(Box(0.1, 0.1, at=(0.6, 0.0)), name="box"),)])
+def test_the_ground_is_cut_at_the_tank(tmp_path, more):
+    run = written(tmp_path / "run", basin(walls=(Tank(1.0, 0.8), *more), probes=[]), water())
     ground, particles = discs(view.plot_field(run))[:2]
     path, moved = ground.get_clip_path().get_transformed_path_and_affine()
     np.testing.assert_allclose(np.ptp(ground.axes.transData.inverted().transform(
