@@ -145,11 +145,6 @@ class Pace:
             return "real time"
         return f"slowed {self.slow:.3g} x" if self.slow > 1.0 else f"speeded up {1.0 / self.slow:.3g} x"
 
-    @property
-    def repeated(self) -> int:
-        """Number of frames that repeat a snapshot."""
-        return len(self.numbers) - len(np.unique(self.numbers))
-
 
 def _check_positive(name, value, most):
     if value is not None and not 0.0 < value <= most or value == np.inf:

@@ -28,7 +28,7 @@ PATCHES = {
 
 
 def groups(results: Iterable[PatchResult]) -> dict[tuple[str, ...], list[PatchResult]]:
-    """Return results by what tables do not mix, see Task.group."""
+    """Return the results of each table, see Task.group."""
     return grouped(results, lambda one: one.task.group)
 
 
@@ -43,7 +43,7 @@ def families(results: Iterable[PatchResult]) -> dict[tuple[str, float, float], l
 
 
 def heading(results: Sequence[PatchResult]) -> str:
-    """Return what the results of a group are of, for people."""
+    """Return the title of a group of results."""
     task = results[0].task
     formula = f" = {task.field.formula}" if task.field.formula else ""
     walls = f" ({task.operator.walls} rows)" if task.operator.walls else ""
@@ -96,7 +96,7 @@ def orders(results: Sequence[PatchResult], name: str) -> dict[tuple[str, float],
 
 
 def _orders(results: Sequence[PatchResult], names: Sequence[str]) -> list[str]:
-    """Return the table of the fitted orders of each operator and jitter with its title, or nothing."""
+    """Return title and table of the fitted orders of each operator and jitter, if there are any."""
     found = {name: orders(results, name) for name in names}
     places = dict.fromkeys(place for one in found.values() for place in one)
     rows = [[label, f"{k:g}", *(f"{one[label, k]:.2f}" if (label, k) in one else "-" for one in found.values())]
