@@ -1,4 +1,4 @@
-"""What a report says of the waves in a flume: incident and reflected."""
+"""Tables of a report: incident and reflected waves in a flume."""
 
 from collections.abc import Iterator
 
@@ -9,14 +9,14 @@ HEAD = ("waves", "gauges", "from [s]", "to [s]", "depth [m]", "incident height [
         "reflection coefficient", "residual")
 BANDS = ("frequency [Hz]", "incident [m²/Hz]", "reflected [m²/Hz]", "reflection coefficient")
 WORDS = (
-    "By least squares from the elevations at the gauges, as of Goda and Suzuki (two) and Mansard and Funke (three). "
-    "Heights of irregular waves are significant ones, of frequencies from half that of the peak to twice that. The "
-    "residual is what two waves leave of the amplitudes at the gauges. Other gauges or times: parisph reflection."
+    "By least squares from the elevations at the gauges: Goda and Suzuki (two), Mansard and Funke (three). Heights of "
+    "irregular waves are significant ones, of frequencies from half that of the peak to twice that. The residual is "
+    "the part of the amplitudes that two waves do not explain. Other gauges or times: parisph reflection."
 )
 
 
 def reflection(summary: Content) -> Iterator[tuple[CellTable, str]]:
-    """Yield tables with what is said below them; none for a run without gauges behind a wavemaker."""
+    """Yield tables with the words below them; none for a run without a `reflection`."""
     found = summary.get("reflection")
     if not found:
         return

@@ -1,7 +1,6 @@
-"""`parisph report --all DIR...`: a page with a picture, the truth, the error and the cost of every run.
+"""`parisph report --all DIR...`: a page with picture, truth, error and cost of every run. Needs matplotlib, no MPI.
 
-It is written twice: as HTML in one file, and as Markdown with its pictures beside it, either in a file of its own or
-inside another, between two marks. Needs matplotlib, no MPI.
+The page is one HTML file, and Markdown with pictures beside it, in its own file or between two marks of another.
 """
 
 from collections.abc import Sequence
@@ -25,7 +24,7 @@ HEAD = ("probe", "truth", "error, greatest value or time", "least error of other
 
 
 def found(folders: Sequence[AnyPath]) -> list[Path]:
-    """Return the folders of runs: those given, and those inside the given ones. Raises StoreError if there are none."""
+    """Return the given folders of runs, and those inside given folders. Raises StoreError if one has none."""
     runs: list[Path] = []
     for folder in map(Path, folders):
         inside = [folder] if (folder / "case.json").exists() else [
@@ -41,8 +40,7 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
     """Write gallery.html and gallery.md into a folder, with the pictures; return their paths.
 
     folders : of runs, or that hold runs
-
-    Raises StoreError for what is no run and for files that cannot be read or written; MissingLibrary.
+    Raises StoreError for a folder without runs and for files that cannot be read or written; MissingLibrary.
     """
     place = Path(out)
     pages, texts = [], ["# Gallery", ""]
@@ -60,12 +58,10 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
 
 
 def put_into(folders: Sequence[AnyPath], file: AnyPath) -> list[Path]:
-    """Put the gallery into a Markdown file, in place of what is between its lines START and END; return its path.
+    """Put the gallery between the lines START and END of a Markdown file; return its path.
 
-    The pictures go to the folder `pictures` beside it, or beside the file that it is a link to. A section has the name
-    of the run's folder. All other bytes of the file stay.
-
-    Raises CaseError for a file without the marks, or with another encoding than UTF-8; otherwise as `write`.
+    Sections are named as the folders of the runs. The pictures go to the folder `pictures` beside the file, or beside
+    the target of a link. Raises CaseError for a file without the marks, or not in UTF-8; otherwise as `write`.
     """
     place, texts = Between(file, START, END, "the gallery"), ["", _words(), ""]
     pictures = place.path.parent / PICTURES
@@ -103,7 +99,7 @@ def _picture(run: Run, path: Path) -> Path | None:
 
 
 def _moment(run: Run) -> int:
-    """Return the snapshot that shows the run best: two thirds of the way, after the impact and before the rest."""
+    """Return the snapshot at two thirds of the run: often after the impact and before the flow comes to rest."""
     return (2 * (len(run) - 1)) // 3
 
 
@@ -112,7 +108,7 @@ def _caption(run: Run) -> str:
 
 
 def _field(run: Run) -> str:
-    """Return what shows a flow best: the pressure, or the speed of a viscous one."""
+    """Return the quantity in the picture: the pressure, or the speed of a viscous flow."""
     return "speed" if any(fluid.get("viscosity") for fluid in style.fluids_of(run.case)) else "pressure"
 
 
@@ -135,7 +131,7 @@ def _facts(about: Subject) -> CellTable:
 
 
 def _table(about: Subject) -> CellTable:
-    """Return the truths of a run, a line for each: errors, greatest values with what others report, arrivals."""
+    """Return the truths of a run, a line for each: errors, greatest values beside those of others, arrivals."""
     judged: dict[str, list[tuple[Cell, ...]]] = {}
     for row in account.errors(about.probes, about.case, about.summary).rows:
         judged.setdefault(row[0].text, []).append(row)
@@ -176,7 +172,7 @@ def _beyond(cell: Cell) -> str:
 
 
 def _joined(text: str, *cells: Cell) -> Cell:
-    """Return a Cell of a text made of other cells, with all of their sources."""
+    """Return a Cell of a text made of other cells, with their sources."""
     return Cell(text, ", ".join(cell.source for cell in cells if cell.source))
 
 

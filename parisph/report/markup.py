@@ -1,4 +1,4 @@
-"""HTML of reports: one file without others beside it; pictures are part of it."""
+"""HTML of reports, as one file with its pictures inside."""
 
 import base64
 from collections.abc import Iterable
@@ -36,7 +36,7 @@ def paragraph(text: str, kind: str = "") -> str:
 
 
 def table(content: CellTable) -> str:
-    """Return a table; a cell with a number says in data-from, and when pointed at, where it is from."""
+    """Return a table; a cell with a number has its source in data-from and as title."""
     head = "".join(f"<th>{escape(name)}</th>" for name in content.head)
     lines = [f"<tr>{head}</tr>"] if head else []
     lines += ["<tr>" + "".join(map(_cell, row)) + "</tr>" for row in content.rows]
@@ -61,5 +61,5 @@ def picture(path: Path, caption: str) -> str:
 
 
 def folded(title: str, part: str) -> str:
-    """Return a part of the page (HTML) that is shown when its title is clicked."""
+    """Return a part of the page (HTML) that opens by a click on its title."""
     return f"<details>\n<summary>{escape(title)}</summary>\n{part}\n</details>"
