@@ -1,4 +1,4 @@
-"""The style of pictures: quantities with their labels, units and colours, and a scene's own scales."""
+"""The style of pictures: quantities with labels, units and colours, and the units of a scene."""
 
 import difflib
 import io
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.patheffects import AbstractPathEffect
 
+
 @dataclass(frozen=True)
 class PlottedQuantity:
     """A quantity that pictures can show.
@@ -36,8 +37,8 @@ class PlottedQuantity:
     of : function of that array (n, ...) -> (n,)
     symbol, unit : for the colour bar
     colours : name of a matplotlib colour map
-    scale : the one of a scene's SceneUnits that makes it dimensionless, "" for none
-    centre : None, or the value in the middle of a diverging colour map
+    scale : the one of SceneUnits that makes it dimensionless, "" for none
+    centre : in the middle of a diverging colour map, else None
     """
 
     needs: str
@@ -49,7 +50,7 @@ class PlottedQuantity:
     centre: float | None = None
 
 
-# Sequential maps are perceptually uniform, so that equal steps look equal.
+# Sequential maps are perceptually uniform: equal steps look equal.
 QUANTITIES = {
     "pressure": PlottedQuantity("p", lambda p: p, "pressure $p$", "Pa", "viridis", "pressure"),
     "speed": PlottedQuantity(
@@ -62,28 +63,27 @@ QUANTITIES = {
 }
 ALIASES = {"p": "pressure", "u": "speed", "velocity": "speed", "alpha": "density_ratio"}
 
-# Roles of particles: name and colour. They also differ in brightness, for readers with colour blindness.
+# Roles of particles: name and colour. Brightnesses differ too, for readers with colour blindness.
 ROLES = {
     INNER: ("inner", "#a6cee3"), SURFACE: ("free surface", "#d62728"), BALLISTIC: ("ballistic", "#ff9f1c"),
     WET: ("wet wall", "#4d4d4d"), DRY: ("dry wall", "#cfcfcf"), CONTACT: ("contact line", "#111111"),
 }
 WALL_COLOUR = "#333333"
-# Of lines: the colours of Okabe & Ito without black and yellow, and three dark ones. Readers with colour
-# blindness can distinguish all of them.
+# Colours of lines: those of Okabe & Ito without black and yellow, and three dark ones, for colour blindness too.
 LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#332288", "#882255", "#5b3a00")
 STYLES = ("-", (0, (6, 2)), (0, (6, 2, 1, 2)), (0, (2, 1.5)))  # full, dashed, dash-dotted, dotted
 LineLook = dict[str, Any]    # {"color", "linestyle"} of a line
 
 REST = {"kind": "at_rest"}    # of a tank stored by a release whose tanks had no motion of their own
 SCREEN = 90   # dots per inch of a picture in a notebook
-FEW = 6     # lines that differ in colour only; more of them also differ in line style
+FEW = 6     # most lines that differ in colour only
 
 
 def line_looks(groups: int, members: int = 1) -> list[LineLook]:
     """Return a list of {"color", "linestyle"} for groups x members lines, member after member in each group.
 
-    Up to FEW lines differ in colour only. More lines also differ in line style: groups in colour and
-    members in style if there are enough styles, else each next line in both.
+    Up to FEW lines differ in colour only. More lines differ in line style too: groups in colour and members in style if
+    there are enough styles, else each line in both.
     """
     count = groups * members
     if 1 < members <= len(STYLES) and 1 < groups <= len(LINES):
@@ -96,7 +96,7 @@ def line_looks(groups: int, members: int = 1) -> list[LineLook]:
 
 
 def quantity(name: str) -> PlottedQuantity:
-    """Return the PlottedQuantity of that name. Raises CaseError that lists the known ones."""
+    """Return the PlottedQuantity of a name. Raises CaseError with the known ones."""
     found = QUANTITIES.get(ALIASES.get(name, name))
     if found is None:
         raise CaseError(f"no quantity {shown(name)} to show (there are: {', '.join(QUANTITIES)})")
@@ -104,7 +104,7 @@ def quantity(name: str) -> PlottedQuantity:
 
 
 def check_colours(name: str | None) -> None:
-    """Raise CaseError if there is no matplotlib colour map of that name; None is fine."""
+    """Raise CaseError if matplotlib has no colour map of this name; None is allowed."""
     if name is None:
         return
     drawing()
@@ -117,7 +117,7 @@ def check_colours(name: str | None) -> None:
 
 @dataclass(frozen=True)
 class SceneUnits:
-    """A scene's own units; None for those that it does not have.
+    """The units of a scene; None for those that it does not have.
 
     Attributes
     ----------
@@ -145,10 +145,7 @@ def scene_units(case: Mapping[str, Any]) -> SceneUnits:
 
 
 def has_potential(case: Mapping[str, Any]) -> bool:
-    """Return whether probes of the energy have a potential energy in a case (dict).
-
-    It is that of gravity, if that is uniform and constant, in a tank that does not turn.
-    """
+    """Return whether energies of a case (dict) have a potential part: gravity is uniform, the tank does not turn."""
     turns = (case.get("frame") or REST)["kind"] == Roll.model_fields["kind"].default
     return not turns and uniform_field(case["gravity"]) is not None
 
@@ -196,7 +193,7 @@ def _bounds(shape, bodies):
 
 
 def literal(text: str, limit: int = 100) -> str:
-    """Return a title or name as matplotlib shows it unchanged: a dollar sign would begin a formula, or fail as one."""
+    """Return a title or name for matplotlib, in which a dollar sign begins no formula."""
     return clipped(plain(text), limit).replace("$", r"\$")
 
 
@@ -209,7 +206,7 @@ def time_label(time: float, own: SceneUnits) -> str:
 
 
 def height(own: SceneUnits) -> str:
-    """Return "H = 0.2 m", the length by which a scene's own units are made."""
+    """Return "H = 0.2 m", the length of the units of a scene."""
     return f"$H$ = {own.length:.4g} m"
 
 
@@ -223,14 +220,14 @@ def with_prefix(largest: float, unit: str) -> tuple[float, str]:
 
 
 def halo(width: float = 2.0) -> "list[AbstractPathEffect]":
-    """Return the path effects of text and lines with a white edge [points], which are seen on all colours."""
+    """Return the path effects of a white edge [points], which makes text and lines visible on all colours."""
     from matplotlib.patheffects import withStroke
 
     return [withStroke(linewidth=width, foreground="white")]
 
 
 def drawing() -> ModuleType:
-    """Return matplotlib's module `figure`. Raises MissingLibrary, which says how to get it."""
+    """Return matplotlib's module `figure`. Raises MissingLibrary with a remedy."""
     libraries.require("matplotlib")
     from matplotlib import figure
 
@@ -245,7 +242,7 @@ def new_figure(**how: Any) -> "Figure":
 @cache
 def _shown_in_notebooks():
     class Shown(drawing().Figure):
-        """A figure without pyplot, which alone tells notebooks how to show one."""
+        """A figure that notebooks show without pyplot."""
 
         def _repr_png_(self) -> bytes:
             drawn = io.BytesIO()
@@ -261,7 +258,7 @@ def written(unit: str) -> str:
 
 
 def discs(axes: "Axes", x: np.ndarray, diameter: float, **how: Any) -> "EllipseCollection":
-    """Draw discs at x (n, 2), in the units of the axes, so that their size stays right when one zooms in."""
+    """Draw discs at x (n, 2); x and diameter are in the units of the axes."""
     from matplotlib.collections import EllipseCollection
 
     size = np.full(len(x), diameter)
@@ -287,10 +284,10 @@ def save_small(picture: "Figure", path: AnyPath, dpi: float = 90, colours: int =
 
 
 def save(picture: "Figure", path: AnyPath | None, dpi: float = 150) -> None:
-    """Write a figure to `path` (the ending says the format); nothing if path is None. Raises CaseError, StoreError."""
+    """Write a figure to `path`, whose ending is the format; nothing for None. Raises CaseError, StoreError."""
     if path is None:
         return
-    if not Path(path).suffix[1:]:    # matplotlib would add one, and the file would have another name
+    if not Path(path).suffix[1:]:    # matplotlib would add one
         raise CaseError(f"{path}: must end in a kind of picture, such as .png or .pdf")
     try:
         with replacing(path) as new:
