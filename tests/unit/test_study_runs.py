@@ -12,13 +12,8 @@ from parisph.study import Study, processes, runs
 from parisph.study.plan import plan_study
 from parisph.study.study_folder import hold
 from tests.running import lives
+from tests.unit.test_study_plan import CASE
 
-CASE = '''
-from parisph import Box, Case, Fluid, Numerics, Tank
-def case(spacing: float = 0.1) -> Case:
-    return Case(title="tank", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), gravity=(0.0, -9.81),
-                walls=Tank(width=1.0, height=1.0), numerics=Numerics(spacing=spacing), end_time=1.0)
-'''
 # In place of parisph: it notes its process id and when it begins and ends, leaves a summary, and ends as it is told.
 PROGRAM = '''
 import os, pathlib, sys, time
@@ -38,6 +33,7 @@ sys.exit({code})
 def bench(tmp_path, monkeypatch):
     """A function that makes runs which end as told, and yields them with their ends; `bench.plan` is their Plan."""
     (tmp_path / "tank.py").write_text(CASE)
+    (tmp_path / "level.csv").write_text("t,y\n0,0.5\n10,0.5\n")
 
     def go(code=0, seconds=0.0, jobs=1, limit=None, renew=lambda: None, together=1):
         monkeypatch.setattr(processes, "command", lambda words, ranks: [
