@@ -1,10 +1,7 @@
 """The errors of summary.json: probes of a made-up run against truths whose distance is known."""
 
-import json
-
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph.base.errors import CaseError
 from parisph.case.profiles import height
@@ -21,9 +18,8 @@ from parisph.case.schema import (
 )
 from parisph.case.truths import PeakBand, WaveTruth
 from parisph.case.waves import Airy
-from parisph.io.reader import open_run
-from parisph.io.store import Store
 from parisph.truth import verdict
+from tests.stored import stored
 from tests.watched import scene
 
 T = np.linspace(0.0, 2.0, 201)
@@ -39,13 +35,9 @@ def reference(tmp_path):
 def judged(folder, watched, series, end=2.0):
     """Return the errors of probes in a run with these series, {probe: (columns, function of time)}."""
     case = scene(watched)
-    store = Store.create(MPI.COMM_SELF, folder / "run", json.dumps(json.loads(case.model_dump_json())))
-    for name, (columns, _) in series.items():
-        store.add_series(f"probes/{name}", columns)
-    for step, t in enumerate(T[T <= end]):
-        store.append(t, step, {f"probes/{name}": of(t) for name, (_, of) in series.items()})
-    store.close()
-    return verdict.errors(case, open_run(folder / "run"))
+    run = stored(folder / "run", case, {f"probes/{name}": columns for name, (columns, _) in series.items()}, [
+        (t, step, {f"probes/{name}": of(t) for name, (_, of) in series.items()}) for step, t in enumerate(T[T <= end])])
+    return verdict.errors(case, run)
 
 
 def risen(folder, bands, height):
