@@ -205,17 +205,11 @@ def test_it_is_the_state_that_a_snapshot_of_that_time_holds(whole, tmp_path):
         np.testing.assert_array_equal(peak[name], snapshot[name])
 
 
-def test_it_is_of_all_steps_however_seldom_samples_are_written(whole, tmp_path):
-    found = done(impact(2.0, probe_every=50), tmp_path / "a")
-    assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
-    found = done(impact(2.0, probe_interval=0.1), tmp_path / "b")
-    assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
-
-
-def test_it_is_of_all_steps_for_a_probe_with_few_samples(whole, tmp_path):
-    case = impact(2.0)
-    few = case.changed(probes=[probe.model_copy(update={"every": 50}) for probe in case.probes])
-    found = done(few, tmp_path / "run")
+@pytest.mark.parametrize(("output", "probe"), [({"probe_every": 50}, {}), ({"probe_interval": 0.1}, {}),
+                                               ({}, {"every": 50})])
+def test_it_is_of_all_steps_however_seldom_samples_are_written(whole, tmp_path, output, probe):
+    case = impact(2.0, **output)
+    found = done(case.changed(probes=[one.model_copy(update=probe) for one in case.probes]), tmp_path / "run")
     assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
 
 
