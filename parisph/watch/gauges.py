@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from parisph.case import probes
-from parisph.kernels.water_columns import BODY, HEIGHT, TOP, column_rows
+from parisph.kernels.water_columns import BODY, HEIGHT, TOP, Column, column_rows
 from parisph.watch.elevation import COLUMN, bodies, surface_height
 from parisph.watch.sampling import WIDTH, Sampler, Scene, View
 
@@ -42,8 +42,8 @@ class _Column(Sampler):
 
     def rows(self, view: View) -> np.ndarray:
         p, s = view.particles, self.scene.spacing
-        return column_rows(p.x, p.kind, p.role, self.at, COLUMN * s * ROUNDING, self.beside * s, self.gap * s,
-                           self.stretch * s, self.floors)
+        column = Column(self.at, COLUMN * s * ROUNDING, self.beside * s, self.gap * s, self.stretch * s)
+        return column_rows(p.x, p.kind, p.role, column, self.floors)
 
     def top(self, rows: np.ndarray) -> tuple[float, bool]:
         """Return the height of the water on the highest floor on which some stands [m], and whether there is any.
