@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base import garbage, log
+from parisph.base import log
 from parisph.base.errors import Interrupted, ParisphError, StoreError
 from parisph.base.paths import AnyPath, checked
 from parisph.base.signals import Signals
@@ -191,7 +191,6 @@ class _Run:
                 self._pause()
                 while not self.simulation.finished():
                     self._step()
-                    garbage.as_usual()    # now that the kernels of a step are loaded
                 self._save()
         except BaseException as problem:
             if not isinstance(problem, ParisphError) or not self.simulation.agreed(problem):
