@@ -32,7 +32,6 @@ from parisph.io.checkpoint import Checkpoint, Share
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
 from parisph.io.store import Store, provenance
-from parisph.parallel import last_resort
 from parisph.parallel.guard import guarded
 from parisph.pressure.options import as_text
 from parisph.pressure.trial import versions
@@ -138,7 +137,6 @@ def _signals(comm: MPI.Comm) -> Iterator[Signals]:
     """Return the active Signals, extended so that a second signal ends all ranks at once, whatever they do."""
     with Signals.active() as signals:
         signals.over(comm)
-        last_resort.arm(signals)
         yield signals
 
 

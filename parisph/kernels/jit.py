@@ -75,9 +75,6 @@ subkernel = _subkernel_compiler(**_OPTIONS)
 # these functions may read and write arrays, but neither make nor slice them.
 inlined = _subkernel_compiler(forceinline=True, _nrt=False, **_OPTIONS)
 
-# For what waits in a thread of its own, also while another one keeps Python's lock.
-unlocked = _compiler(nogil=True, cached=True, **_OPTIONS)
-
 # For scripts: a cache would keep the name of the module, of which a script that others import has two.
 uncached = _compiler(**_OPTIONS)
 

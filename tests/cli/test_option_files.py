@@ -111,7 +111,7 @@ def test_numba_does_not_read_the_current_folder(folder, before, read):
     """Neither when it is loaded nor when it compiles; but a program that has loaded numba itself keeps what it has."""
     pytest.importorskip("yaml")    # without it numba reads no file
     (folder / "work" / ".numba_config.yaml").write_text("developer_mode: 1\n")
-    script = (f"{before}\nimport parisph.parallel.last_resort, numba\nnumba.njit(lambda x: x)(1)\n"
+    script = (f"{before}\nimport parisph.kernels.jit, numba\nnumba.njit(lambda x: x)(1)\n"
               "print(numba.config.DEVELOPER_MODE)")
     done = run([sys.executable, "-c", script], cwd=folder / "work", timeout=COMPILING)
     assert done.stdout.split() == [str(read)], done.stderr

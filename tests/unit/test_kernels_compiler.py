@@ -191,7 +191,7 @@ def _taken_from_elsewhere(path):
     origin = {name.asname or name.name: node.module for node in tree.body if isinstance(node, ast.ImportFrom)
               for name in node.names if node.module.startswith("parisph.")}
     for node in tree.body:
-        if isinstance(node, ast.FunctionDef) and {"kernel", "subkernel", "inlined", "unlocked"} & {
+        if isinstance(node, ast.FunctionDef) and {"kernel", "subkernel", "inlined"} & {
                 mark.id for mark in node.decorator_list if isinstance(mark, ast.Name)}:
             for name in {part.id for statement in node.body for part in ast.walk(statement)
                          if isinstance(part, ast.Name)} & origin.keys():
