@@ -8,7 +8,7 @@ from parisph.base.fields import FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.bodies import StillWater
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import WallMesh, wall_mesh
-from parisph.kernels import density, solids
+from parisph.kernels import density, packing, solids
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
 
@@ -53,6 +53,13 @@ class Scene:
         elements = solids.element_lists(self.x, self.corners, self.normal, radius, self.spacing)
         around = neighbour_lists(self.x, len(self.x), radius)
         return (*solids.visible_lists(self.x, self.normal, self.corners, self.spacing, *elements, *around), *elements)
+
+    def pack(self):
+        """Move the fluid as a start does that fills a scene."""
+        for _ in range(packing.STEPS):
+            indptr, indices, *elements = self.lists()
+            self.x += packing.packing_move(self.x, self.kind, self.role, self.weight, self.area, self.corners,
+                                           self.present, self.table, indptr, indices, *elements)
 
     def _completed(self, kernel, out):
         indptr, indices, *elements = self.lists()

@@ -4,7 +4,7 @@ Then each particle gets the volume of all places to which it is nearest.
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -24,28 +24,20 @@ LEVEL = 2.1       # as near to the surface particles move level only, so that it
 FLAT = 0.5        # and not at all where it is not flat: it rises by more within that distance
 
 
-def pack(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, area: np.ndarray, corners: np.ndarray,
-         present: np.ndarray, table: Table, lists: Callable[[], tuple], steps: int = STEPS) -> None:
-    """Move the inner fluid x (n_all, dim) [m] in place, by shifts down the gradient of the completed density.
+def packing_move(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, area: np.ndarray,
+                 corners: np.ndarray, present: np.ndarray, table: Table, indptr: np.ndarray, indices: np.ndarray,
+                 element_indptr: np.ndarray, element_indices: np.ndarray) -> np.ndarray:
+    """Return the move (n_owned, dim) [m] of the inner fluid x (n_all, dim) [m] in one of STEPS steps.
 
-    Particles of other roles stay. Fluid that fills a lattice in front of flat walls stays, too.
+    It is a shift down the gradient of the completed density. Particles of other roles stay. Fluid that fills a
+    lattice in front of flat walls stays, too.
 
     kind, role, weight : (n_all,); area : (n_all, dim); corners : (M, dim, dim) [m]; present : (M,); as for
         density.completed_density. Walls above the water should not count: elements above its level, and nodes
         more than a spacing above it. Then the surface has no gradient at the walls.
-    lists : called before each step, brings the ghosts in x up to date, and returns the indptr, indices of the
-        neighbours of the owned particles that are visible, and those of their elements; collective if there are other
-        ranks
+    indptr, indices; element_indptr, element_indices : neighbours of the owned particles that are visible, and their
+        elements
     """
-    for _ in range(steps):
-        move = packing_move(x, kind, role, weight, area, corners, present, table, *lists())
-        x[:len(move)] += move
-
-
-def packing_move(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, area: np.ndarray,
-                 corners: np.ndarray, present: np.ndarray, table: Table, indptr: np.ndarray, indices: np.ndarray,
-                 element_indptr: np.ndarray, element_indices: np.ndarray) -> np.ndarray:
-    """Return the displacement (n_owned, dim) [m] in one step of `pack`, whose arguments and lists these are."""
     dim, n = x.shape[1], len(indptr) - 1
     axes = axes_of(dim)
     gradient, move = np.empty((n, dim)), np.empty((n, dim))

@@ -63,8 +63,3 @@ def picture(path: Path, caption: str) -> str:
 def folded(title: str, part: str) -> str:
     """Return a part of the page (HTML) that is shown when its title is clicked."""
     return f"<details>\n<summary>{escape(title)}</summary>\n{part}\n</details>"
-
-
-def link(text: str, target: str) -> str:
-    """Return a link to a file beside the page."""
-    return f'<a href="{escape(target)}">{escape(text)}</a>'
