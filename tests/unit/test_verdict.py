@@ -75,9 +75,12 @@ def test_waves_are_judged_without_the_depth_and_pressures_with_all(tmp_path, ref
     assert found["energy"]["relative_l2"] == pytest.approx(0.1)
 
 
-@pytest.mark.parametrize("end, file, reason", [(0.0, None, "two samples or more"), (2.0, "gone.csv", "cannot be read")])
-def test_what_cannot_be_judged_says_why(tmp_path, reference, end, file, reason):
-    about = Truth(file or reference, time="t_s", value="one")
+@pytest.mark.parametrize("end, file, window, reason", [
+    (0.0, None, None, "two samples or more"), (2.0, "gone.csv", None, "cannot be read"),
+    (2.0, None, (1.0, 3.0), "window"),    # the run is shorter
+])
+def test_what_cannot_be_judged_says_why(tmp_path, reference, end, file, window, reason):
+    about = Truth(file or reference, time="t_s", value="one", window=window)
     case, run = case_and_run(tmp_path, [WaterFront(name="front", truth=about)],
                              {"front": ({"x": "m"}, lambda t: (1.0,))}, end)
     found = verdict.errors(case, open_run(run))["front"]
@@ -127,14 +130,6 @@ def test_a_wave_is_compared_within_its_window_only(tmp_path):
     assert (found[1.0, 1.8]["start"], found[1.0, 1.8]["end"]) == (1.0, 1.8)
     assert found[None]["relative_l2"] > 0.4
     assert found[1.0, 30.0]["relative_l2"] is None and "window" in found[1.0, 30.0]["reason"]
-
-
-def test_a_run_shorter_than_the_window_has_no_error(tmp_path, reference):
-    about = Truth(reference, time="t_s", value="one", window=(1.0, 3.0), name="long")
-    of = {"front": ({"x": "m"}, lambda t: (1.0,))}
-    case, run = case_and_run(tmp_path, [WaterFront(name="front", truth=about)], of)
-    found = verdict.errors(case, open_run(run))["front"]
-    assert found["relative_l2"] is None and "window" in found["reason"]
 
 
 def test_numbers_without_a_series_are_beside_the_greatest_values(tmp_path):
