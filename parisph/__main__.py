@@ -34,7 +34,7 @@ def main(words: Sequence[str] | None = None) -> int:
                 if own:
                     stack.pop_all()    # they stay in force until the interpreter ends,
                     atexit.register(signals.ignore)    # which would die of one more, with another exit code
-                    gc.disable()    # nearly all that a start makes stays; verbs.py enables it again
+                    gc.disable()    # nearly all that a start makes stays; the first step enables it again
             from parisph import cli
 
             code = cli.execute(words)

@@ -1,7 +1,6 @@
 """What the verbs of the command line do, once the command is understood."""
 
 import argparse
-import gc
 import json
 import os
 from collections.abc import Callable
@@ -19,13 +18,14 @@ def _run(args):
     text, origin, out, parts = ranks.on_first(lambda: _prepared(args))
     ranks.stop_if_asked()
     comm = ranks.world()
+    from parisph import driver
     from parisph.case.schema import Case
 
     if comm.rank:
         _register(parts)
     case = Case.model_validate_json(text).of(origin)    # of rank 0: a case file may depend on host, clock or rank
-    summary = _engine("run")(case, comm, out, petsc_options=args.petsc, progress=not args.quiet,
-                             overwrite=args.overwrite, force=args.force)
+    summary = driver.run(case, comm, out, petsc_options=args.petsc, progress=not args.quiet, overwrite=args.overwrite,
+                         force=args.force)
     _tell(comm, summary, out)
 
 
@@ -38,21 +38,12 @@ def _prepared(args):
 def _restart(args):
     comm = ranks.world()
     ranks.everywhere(lambda: _register(args.parts))
+    from parisph import driver
     from parisph.io.layout import run_of
 
-    summary = _engine("restart")(args.path, comm, until=args.until, out=args.out, petsc_options=args.petsc,
-                                 progress=not args.quiet, force=args.force)
+    summary = driver.restart(args.path, comm, until=args.until, out=args.out, petsc_options=args.petsc,
+                             progress=not args.quiet, force=args.force)
     _tell(comm, summary, args.out or run_of(args.path))
-
-
-def _engine(name):
-    """Return `run` or `restart` of the driver. Python searches for garbage again, but not in what is loaded by now."""
-    from parisph import driver
-
-    call = getattr(driver, name)
-    gc.freeze()
-    gc.enable()
-    return call
 
 
 def _check(args):

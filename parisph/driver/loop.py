@@ -1,5 +1,6 @@
 """A run: steps, probes, snapshots, checkpoints, and its end."""
 
+import gc
 import logging
 import signal
 from collections.abc import Iterator, Mapping, Sequence
@@ -189,6 +190,9 @@ class _Run:
                 self._pause()
                 while not self.simulation.finished():
                     self._step()
+                    if not gc.isenabled():    # since the start: now the kernels of a step are loaded, too
+                        gc.freeze()
+                        gc.enable()
                 self._save()
         except BaseException as problem:
             if not isinstance(problem, ParisphError) or not self.simulation.agreed(problem):
