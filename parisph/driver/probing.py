@@ -49,7 +49,7 @@ class Watch:
     Parameters
     ----------
     simulation : Simulation
-    samplers : list of Sampler (io.probes.build)
+    samplers : list of Sampler (watch.instruments.build)
     output : Output of the case
     peaks : Peaks, which sees the values of its probes in every step: means when they are known
     state : of an earlier part of the run, from its checkpoint (see `state`)
@@ -73,9 +73,6 @@ class Watch:
         if state and self._averaged:
             self._means = Means.resumed(state["means"])
             self._pending = [(time, step, number) for time, step, number in state["pending"]]
-        for sampler in samplers:
-            for member in sampler.members:
-                member.follow(simulation.passages)
         self._look_at_clocks()
 
     def title(self, sampler: Sampler) -> str:
@@ -223,7 +220,7 @@ class Watch:
     def _sample(self, samplers: Sequence[Sampler]) -> Values:
         s = self.simulation
         with s.timers("probes"):
-            return instruments.sample_all(samplers, s.particles, s.domain, s.time)
+            return instruments.sample_all(samplers, s.particles, s.domain, s.time, s.passages)
 
 
 def _is_for(sampler: Sampler, number: int) -> bool:

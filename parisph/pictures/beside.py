@@ -8,7 +8,7 @@ import numpy as np
 from parisph.base.errors import CaseError
 from parisph.base.paths import AnyPath
 from parisph.case.model import Model
-from parisph.case.probes import AnyProbe, ProbeArray, SurfaceGauge
+from parisph.case.probes import Gauge, Probe, ProbeArray
 from parisph.case.profiles import read_profiles
 from parisph.case.truths import PeakBand, Truth, WaveTruth, bands_of, read_truth
 from parisph.io.reader import Run
@@ -23,20 +23,20 @@ if TYPE_CHECKING:
 MOST = 99.8    # percentile of the run's values up to which the axes reach, if the references do not reach higher
 
 
-def references(probe: AnyProbe, run: Run) -> dict[str, curves.Samples]:
+def references(probe: Probe, run: Run) -> dict[str, curves.Samples]:
     """Return {name: (times (n,) [s], values (n,))} of the references of a probe that has a truth.
 
     Raises CaseError for a file that cannot be read.
     """
     truth = probe.truth
-    if isinstance(truth, WaveTruth) and isinstance(probe, SurfaceGauge):
+    if isinstance(truth, WaveTruth) and isinstance(probe, Gauge):
         time = run.probe(probe.name)["time"]
         return {"wave": (time, truth.series(probe.at, time))}
     series = (truth, *truth.others) if isinstance(truth, Truth) else ()
     return {one.name or "reference": read_truth(one) for one in series}
 
 
-def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figure":
+def plot_beside(run: Run, probe: Probe, path: AnyPath | None = None) -> "Figure":
     """Draw a probe and its references over the time of the run, none of them shifted; return the matplotlib Figure.
 
     Grey: what is outside the window that is compared. Boxes: bands in which the peaks of experiments are.
@@ -61,7 +61,7 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
     bands = _bands(probe.truth)
     _mark(axes, probe.truth.window if isinstance(probe.truth, Truth | WaveTruth) else None, bands, found[0][-1], factor)
     _limit(axes, factor, shown, found, others, [band for band in bands if band.start < found[0][-1]])
-    what = curves.KINDS.get(probe.kind, curves.UNITS.get(unit, probe.kind.replace("_", " ")))
+    what = probe.quantity or curves.UNITS.get(unit, probe.kind.replace("_", " "))
     axes.set_ylabel(f"{what} [{style.written(shown) or '-'}]")
     axes.set_xlabel("$t$ [s]")
     curves.plain_axes(axes)

@@ -19,7 +19,7 @@ def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
 
 
 def _has_arrival(probe: Probe) -> bool:
-    return getattr(probe, "arrival", None) is not None
+    return probe.arrival is not None
 
 
 def first_passing(time: np.ndarray, values: np.ndarray, level: float) -> float | None:

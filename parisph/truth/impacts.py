@@ -14,7 +14,6 @@ from parisph.case.truths import intervals
 from parisph.truth import norms
 from parisph.truth.recorded import Recorded, parts
 
-JUDGED = {"pressure_tap": {"pressure": "Pa"}, "force": {"fx": "N/m", "fy": "N/m"}}    # columns of probes, their units
 MEAN = 0.005     # [s] over which the mean beside a peak is taken, about what a sensor and its amplifier resolve
 AROUND = 10      # samples to either side of a peak: the larger one of their medians is the level around it
 ABOVE = 1.5      # times that level: a lower peak is no spike, however short
@@ -75,16 +74,16 @@ def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     times that count.
     """
     found: dict[str, dict[str, Any]] = {}
-    for part in parts(case, run, lambda probe: probe.kind in JUDGED):
-        time = part.table["time"]
-        for column, unit in JUDGED[part.probe.kind].items():
+    for part in parts(case, run, lambda probe: bool(probe.impacts)):
+        time, several = part.table["time"], len(part.probe.impacts) > 1
+        for column in part.probe.impacts:
             values = part.values(column)
-            size = values if column == "pressure" else np.abs(values)
+            size = np.abs(values) if several else values
             some = greatest(time, size, _allowed(part.probe.truth, time), coarse(part.table))
             if some and some[0].value > 0.0:    # a component without any force has no peak
                 lasting = None if some[-1].short else some[-1]._asdict()
-                found[part.name if column == "pressure" else f"{part.name}.{column}"] = {
-                    **some[0]._asdict(), "unit": unit, "mean_over": MEAN, "lasting": lasting}
+                found[f"{part.name}.{column}" if several else part.name] = {
+                    **some[0]._asdict(), "unit": part.probe.columns[column], "mean_over": MEAN, "lasting": lasting}
     return found
 
 

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.case.probes import Flux
 from parisph.case.schema import Case
 from parisph.truth.recorded import Recorded, parts
 
@@ -16,7 +15,7 @@ def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     run : io.reader.Run. Events are those of `events`, None for a probe without `pause`.
     """
     found: dict[str, dict[str, Any]] = {}
-    for part in parts(case, run, lambda probe: isinstance(probe, Flux)):
+    for part in parts(case, run, lambda probe: probe.line is not None):
         total, pause = part.values("total"), part.probe.pause
         if len(total):
             found[part.name] = {"total": float(total[-1]),

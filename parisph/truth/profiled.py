@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.case.probes import ProbeArray, SurfaceGauge
+from parisph.case.probes import ProbeArray, surface_gauges
 from parisph.case.profiles import Profiles, height, read_profiles
 from parisph.truth.recorded import Recorded
 
@@ -18,7 +18,7 @@ def pairs(probe: ProbeArray, truth: Profiles, run: Recorded) -> list[Pair]:
     Raises CaseError, StoreError.
     """
     table = run.probe(probe.name)
-    gauges = sorted((one for one in probe.probes if isinstance(one, SurfaceGauge)), key=lambda one: one.at)
+    gauges = sorted(surface_gauges(probe.probes).values(), key=lambda one: one.at)
     places, found = np.array([one.at for one in gauges]), []
     for time, x, y in read_profiles(truth):
         if not table["time"][0] <= time <= table["time"][-1]:

@@ -5,14 +5,12 @@ from typing import Any
 import numpy as np
 
 from parisph.base.errors import ParisphError
-from parisph.case.probes import AnyProbe, ProbeArray
+from parisph.case.probes import Probe, ProbeArray
 from parisph.case.schema import Case
 from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth, read_truth
 from parisph.truth import impacts, norms, profiled
 from parisph.truth.recorded import Recorded
 
-# The column that a truth is of; the first one of other probes.
-COLUMNS = {"energy": "total", "volume": "cell", "flux": "total"}
 SOUGHT = 0.05    # share of the compared time by which the run is shifted either way, for the best shift
 
 
@@ -43,7 +41,7 @@ def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     return {probe.name: _error(probe, run) for probe in case.probes if probe.truth is not None}
 
 
-def series(probe: AnyProbe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
+def series(probe: Probe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
     """Return the times (n,) [s] and values (n,) of a probe's column that a truth is of."""
     found, column = _recorded(probe, run)
     return found["time"], found[column]
@@ -52,7 +50,7 @@ def series(probe: AnyProbe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
 def _recorded(probe, run):
     """Return the table of a probe, and the name of the column that a truth is of."""
     found = run.probe(probe.name)
-    return found, COLUMNS.get(probe.kind, next(name for name in found.dtype.names if name not in ("time", "step")))
+    return found, probe.judged or next(name for name in found.dtype.names if name not in ("time", "step"))
 
 
 def prepared(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
