@@ -267,7 +267,7 @@ def _of_its_kind(value: Any, info: ValidationInfo) -> Probe:
         return found
     if info.context and isinstance(kind, str):
         return Unknown.model_validate(value, context=info.context)
-    known = ", ".join(map(repr, dict.fromkeys((*ours(), *_LOADED))))
+    known = f"{', '.join(map(repr, dict.fromkeys((*ours(), *_LOADED))))}, or of a file that is named by --parts"
     raise PydanticKnownError("union_tag_invalid", {"discriminator": "'kind'", "tag": str(kind), "expected_tags": known})
 
 
