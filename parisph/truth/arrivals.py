@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from parisph.case.probes import Probe, singles
+from parisph.case.probes import singles
 from parisph.case.schema import Case
 from parisph.truth.recorded import Recorded, parts
 
@@ -12,14 +12,10 @@ def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
 
     run : io.reader.Run. The first column of a probe counts; probes in arrays have names as in "gauges.x1".
     """
-    found: dict[str, float | None] = {name: None for name, probe in singles(case.probes) if _has_arrival(probe)}
-    for part in parts(case, run, _has_arrival):
+    found: dict[str, float | None] = {name: None for name, probe in singles(case.probes) if probe.arrival is not None}
+    for part in parts(case, run, lambda probe: probe.arrival is not None):
         found[part.name] = first_passing(part.table["time"], part.table[part.columns[0]], part.probe.arrival)
     return found
-
-
-def _has_arrival(probe: Probe) -> bool:
-    return probe.arrival is not None
 
 
 def first_passing(time: np.ndarray, values: np.ndarray, level: float) -> float | None:

@@ -4,12 +4,12 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.case.probes import WIDTH
-from parisph.watch.elevation import COLUMN, bodies
 from parisph.watch.sampling import View
 
 HEIGHT, BODY, TOP = 0.0, 1.0, 2.0    # what a row is, as in kernels.water_columns, which only a run imports
 
 # Lengths in spacings.
+COLUMN = 1.5        # half the width of the column of water at a gauge
 GAUGE_GAP = 1.5     # air under a gauge: more than this between one particle and the next above it
 STRETCH = 1.25      # more than that above a particle inside the fluid: under the crest of a steep wave they lie apart
 COLUMN_GAP = 2.1    # air in a column: falling water stretches, in the dam break to 1.6, beside a wall to 2.2
@@ -17,6 +17,26 @@ BED = 2.0           # water on the bed is as near to it as this
 BED_GAP = 2.1       # and reaches from one particle to the next, as far as gradients do
 
 ROUNDING = 1.0 + 1e-9
+
+
+def bodies(z: Floats, gap: float, counts: Floats | None = None, ends: Floats | None = None) -> Floats:
+    """Return the connected bodies (n, 3) along a line: lower end [m], upper end [m], particles; in order.
+
+    Neighbours along the line belong to one body unless they are farther apart than `gap` [m].
+
+    z : (n,) positions of particles, or lower ends of bodies, in any order [m]
+    counts, ends : (n,), of bodies found before (each rank finds the bodies of its own particles;
+        joining these gives the bodies of all particles)
+    """
+    order = np.argsort(z)
+    z = z[order]
+    if len(z) == 0:
+        return np.empty((0, 3))
+    reach = z if ends is None else np.maximum.accumulate(ends[order])
+    first = np.flatnonzero(np.concatenate([[True], z[1:] - reach[:-1] > gap]))
+    last = np.append(first[1:], len(z)) - 1
+    number = np.ones(len(z)) if counts is None else counts[order]
+    return np.column_stack([z[first], reach[last], np.add.reduceat(number, first)])
 
 
 def column_rows(view: View, at: float, gap: float, beside: float = -1.0) -> Floats:

@@ -12,7 +12,7 @@ from mpi4py import MPI
 from parisph.base.arrays import Floats
 from parisph.base.communicator import Communicator
 from parisph.base.errors import CaseError, agree
-from parisph.case.probes import WIDTH, Probe, ProbeArray
+from parisph.case.probes import WIDTH
 from parisph.case.schema import Case
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
@@ -30,37 +30,11 @@ def build(case: Case, comm: Communicator) -> list[Sampler]:
     error, samplers = None, []
     try:
         scene = Scene.of(case)
-        samplers = [sampler(probe, scene) for probe in case.probes]
+        samplers = [Sampler(probe, scene) for probe in case.probes]
     except CaseError as problem:
         error = problem
     agree(comm, error)
     return samplers
-
-
-def sampler(probe: Probe, scene: Scene) -> Sampler:
-    """Return what measures a probe. Raises CaseError."""
-    if isinstance(probe, ProbeArray):
-        return Several(probe, scene)
-    return Sampler(probe, scene)
-
-
-class Several(Sampler):
-    """An array of probes: its columns are those of all of them, one after the other."""
-
-    def __init__(self, probe: ProbeArray, scene: Scene) -> None:
-        super().__init__(probe, scene)
-        self._members = tuple(sampler(one, scene) for one in probe.probes)
-        names = [(member, column, member.name if len(member.columns) == 1 else f"{member.name}_{column}")
-                 for member in self._members for column in member.columns]
-        self.columns = {name: member.columns[column] for member, column, name in names}
-        self.acted = frozenset(name for member, column, name in names if column in member.acted)
-        self.ghosts = tuple(sorted({name for member in self._members for name in member.ghosts}))
-        self.of_pressure = all(member.of_pressure for member in self._members)
-        self.title = "; ".join(f"{member.name}: {member.title}" for member in self._members)
-
-    @property
-    def members(self) -> Sequence[Sampler]:
-        return self._members
 
 
 def sample_all(samplers: Sequence[Sampler], particles: Particles, domain: Domain,
@@ -84,7 +58,7 @@ def sample_all(samplers: Sequence[Sampler], particles: Particles, domain: Domain
     rows = [member.measure.rows(view) for member in members]
     if particles.comm.size > 1:
         sums, rows = _together(particles.comm, sums, rows)
-    found = iter([member.found(own, others, view) for member, own, others in zip(members, sums, rows)])
+    found = iter([member.values(own, others, view) for member, own, others in zip(members, sums, rows)])
     return {sampler.name: sum((next(found) for _ in sampler.members), ()) for sampler in samplers}
 
 

@@ -1,6 +1,6 @@
 """Water that passes lines, counted particle by particle in every step (2D)."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,21 +23,16 @@ class Passages:
 
     Parameters
     ----------
-    probes : of which those with a `line` count
+    case : whose probes with a `line` count, those in arrays too
     comm : communicator
     state : of an earlier part of the run (`state`)
     """
 
-    def __init__(self, probes: Iterable[Probe], comm: Communicator, state: Mapping[str, float] | None = None) -> None:
-        self._lines = {_key(probe): np.array(probe.line, float) for probe in probes if probe.line}
+    def __init__(self, case: Case, comm: Communicator, state: Mapping[str, float] | None = None) -> None:
+        self._lines = {_key(probe): np.array(probe.line, float) for _, probe in singles(case.probes) if probe.line}
         self._comm = comm
         before = state if state and comm.rank == 0 else {}
         self._counted = {key: float(before.get(key, 0.0)) for key in self._lines}
-
-    @classmethod
-    def of(cls, case: Case, comm: Communicator, state: Mapping[str, float] | None = None) -> "Passages":
-        """Return the Passages of a case's probes, those in arrays too. Not collective."""
-        return cls([probe for _, probe in singles(case.probes)], comm, state)
 
     def look(self, particles: "Particles") -> None:
         """Count what has passed in the last step. Not collective."""

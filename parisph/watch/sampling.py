@@ -15,7 +15,7 @@ from parisph.base.arrays import Flags, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
 from parisph.case import expressions
-from parisph.case.probes import OfPressure, Probe
+from parisph.case.probes import OfPressure, Probe, ProbeArray
 from parisph.case.scenery import body_names
 from parisph.case.schema import Case
 from parisph.geometry import build
@@ -77,24 +77,19 @@ class Scene:
         upper[-1] = upper[-1] if self.lid else np.inf
         return self.lower, upper
 
-    @property
-    def bed(self) -> float | None:
-        """Height of the tank's bed [m], or None."""
-        return self.lower[-1] if self.tank else None
-
     def bed_at(self, x: Floats, time: float = 0.0) -> Floats | None:
         """Return the height (n,) [m] of the highest wall at x (n,) with fluid above it, or None without walls.
 
         Where there is none, as beyond the end of a bed, it is the lowest place of the scene.
         """
         if self.now is None:
-            return None if self.bed is None else np.full(len(x), self.bed)
+            return np.full(len(x), self.lower[-1]) if self.tank else None
         return self.now.bed(x, time)
 
     def floors_at(self, at: float, time: float) -> Floats:
         """Return the heights (n,) [m], upwards, of all walls with fluid above them at x = `at` [m]."""
         if self.now is None:
-            return np.array([] if self.bed is None else [self.bed])
+            return self.lower[-1:] if self.tank else np.empty(0)
         return self.now.floors(at, time)
 
     def sides_at(self, time: float) -> tuple[float, ...]:
@@ -177,7 +172,7 @@ class View:
 
 
 class Sampler:
-    """One probe of a run.
+    """One probe of a run, or an array of them, with the columns of all.
 
     Attributes
     ----------
@@ -189,6 +184,7 @@ class Sampler:
         are linear in it, and means in time in a run (watch.means)
     acted : names of columns with the pressure that acts in a step, also where others are means in time: all columns
         once more
+    members : the samplers of which its columns are: itself, but for an array
 
     Raises CaseError for a probe that does not exist in as many dimensions as the scene has, or whose place does not.
     """
@@ -198,19 +194,27 @@ class Sampler:
             raise CaseError(f"probe {probe.name!r}: {getattr(probe, 'kind', '')} exists in 2D only; "
                             f"leave it out of a scene in {scene.dim}D")
         self.name, self.probe, self.scene = probe.name, probe, scene
+        self.members: Sequence[Sampler] = (self,)
         self.title, self.columns, self.ghosts = probe.title(scene), probe.columns_in(scene), probe.ghosts()
         self.measure = probe.begin(scene)
         self.of_pressure, self.acted = isinstance(probe, OfPressure), frozenset[str]()
         if isinstance(probe, OfPressure) and probe.acted:
             again = {f"{name}_acted": unit for name, unit in self.columns.items()}
             self.columns, self.acted = self.columns | again, frozenset(again)
+        if isinstance(probe, ProbeArray):
+            self._take([Sampler(one, scene) for one in probe.probes])
 
-    @property
-    def members(self) -> "Sequence[Sampler]":
-        """The samplers of which its columns are: itself, but for an array of probes."""
-        return (self,)
+    def _take(self, members: "Sequence[Sampler]") -> None:
+        self.members = members
+        names = [(member, column, member.name if len(member.columns) == 1 else f"{member.name}_{column}")
+                 for member in members for column in member.columns]
+        self.columns = {name: member.columns[column] for member, column, name in names}
+        self.acted = frozenset(name for member, column, name in names if column in member.acted)
+        self.ghosts = tuple(sorted({name for member in members for name in member.ghosts}))
+        self.of_pressure = all(member.of_pressure for member in members)
+        self.title = "; ".join(f"{member.name}: {member.title}" for member in members)
 
-    def found(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
-        """Return the values of all columns: at an instant, all of them are what acts then. Not collective."""
+    def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
+        """Return the values of all columns of one probe: at an instant, all are what acts then. Not collective."""
         found = tuple(map(float, self.measure.values(sums, rows, view)))
         return found + found if self.acted else found

@@ -28,8 +28,9 @@ from parisph.base.errors import CaseError
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.case import probes as descriptions
 from parisph.watch import instruments
-from parisph.watch.elevation import bodies, surface_height
-from parisph.watch.sampling import Scene
+from parisph.watch.gauges import bodies
+from parisph.watch.probes.surface_gauge import surface_height
+from parisph.watch.sampling import Sampler, Scene
 from tests.watched import DENSITY, G, Watch, add_fluid, only, scene
 
 S = 0.05
@@ -354,7 +355,7 @@ def cube():
 
 def test_current_volumes_are_refused_in_3d():
     with pytest.raises(CaseError, match="'e': current volumes exist in 2D only"):
-        instruments.sampler(Energy(name="e", current=True), cube())
+        Sampler(Energy(name="e", current=True), cube())
 
 
 # -- volume -------------------------------------------------------------------------------
@@ -504,11 +505,11 @@ def test_a_run_that_breaks_down_is_still_sampled(share):
 def test_in_three_dimensions_what_has_no_meaning_is_refused():
     for probe in (Volume(name="v"), SurfaceGauge(name="g", at=0.0)):
         with pytest.raises(CaseError, match=f"'{probe.name}': {probe.kind} exists in 2D only.*in 3D"):
-            instruments.sampler(probe, cube())
+            Sampler(probe, cube())
     mid = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 0.25]])
     p = SimpleNamespace(comm=MPI.COMM_SELF, kind=np.zeros(2, np.int8), role=np.zeros(2, np.int8), x=mid,
                         u=np.ones((2, 3)), volume=np.full(2, S**3))
-    energy, momentum = (instruments.sampler(probe, cube()) for probe in (Energy(name="e"), Momentum(name="m")))
+    energy, momentum = (Sampler(probe, cube()) for probe in (Energy(name="e"), Momentum(name="m")))
     found = instruments.sample_all([energy, momentum], p, None, 0.0)
     assert found["e"] == pytest.approx(DENSITY * S**3 * np.array([3.0, 0.75 * G, 3.0 + 0.75 * G]))
     assert found["m"] == pytest.approx([2 * DENSITY * S**3] * 3)

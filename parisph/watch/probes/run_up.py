@@ -18,8 +18,7 @@ from parisph.case.scenery import body_names
 from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh
 from parisph.geometry.probe_places import Places, on_side
-from parisph.watch.elevation import bodies
-from parisph.watch.gauges import BODY, COLUMN_GAP, HEIGHT, bodies_of_all, body_rows
+from parisph.watch.gauges import BODY, COLUMN_GAP, HEIGHT, bodies, bodies_of_all, body_rows
 from parisph.watch.probes.surface_gauge import surface, surface_rows
 from parisph.watch.sampling import Scene, View
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.case.probes import Probe
-from parisph.watch.elevation import bodies
-from parisph.watch.gauges import BED, BED_GAP, ROUNDING, bodies_of_all, body_rows
+from parisph.watch.gauges import BED, BED_GAP, ROUNDING, bodies, bodies_of_all, body_rows
 from parisph.watch.sampling import Scene, View
 
 
