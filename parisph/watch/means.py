@@ -72,7 +72,7 @@ class Means:
 
         ended : whether there is no further step: then all of the line is known
         """
-        return _between([*self._line, *(self._last() if ended else ())], time), _between(self._acted, time)
+        return between([*self._line, *(self._last() if ended else ())], time), between(self._acted, time)
 
     def state(self) -> dict[str, Any]:
         """Return what a checkpoint needs."""
@@ -118,7 +118,7 @@ def _hat(time: float, before: float, knot: float, behind: float) -> float:
     return 0.5 * (behind - before) - 0.5 * max(behind - time, 0.0) ** 2 / (behind - knot)
 
 
-def _between(points: Sequence[Point], time: float) -> Floats:
+def between(points: Sequence[Point], time: float) -> Floats:
     """Return the values at a time on the line through points, those of the end points outside.
 
     If either of two values is nan, the nearer one is taken.

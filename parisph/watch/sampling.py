@@ -13,13 +13,13 @@ import numpy as np
 
 from parisph.base.arrays import Flags, Floats, Ints
 from parisph.base.errors import CaseError
-from parisph.base.fields import BALLISTIC, DRY, FLUID, SURFACE, WALL
+from parisph.base.fields import BALLISTIC, DRY, FLUID, WALL
 from parisph.case import expressions
 from parisph.case.probes import OfPressure, Probe, ProbeArray
 from parisph.case.scenery import body_names
 from parisph.case.schema import Case
 from parisph.geometry import build
-from parisph.geometry.mesh import CONVEX, WallMesh
+from parisph.geometry.mesh import CONVEX
 from parisph.geometry.standing import standing
 from parisph.watch.passages import Passages
 from parisph.watch.walls_now import WallsNow
@@ -62,11 +62,6 @@ class Scene:
                    *build.domain(case), case.tank is not None, _uniform(case), case.lidded,
                    None if mesh is None else WallsNow(mesh, standing(case)), sides,
                    {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)})
-
-    @property
-    def mesh(self) -> WallMesh | None:
-        """The mesh of the walls as at t = 0, None in a plain scene."""
-        return None if self.now is None else self.now.mesh
 
     @property
     def walls(self) -> tuple[Floats, Floats]:
@@ -127,23 +122,13 @@ class View:
         return found
 
     @cached_property
-    def fluid_places(self) -> Floats:
-        """Positions (n, dim) of all fluid, that in free flight, too [m]."""
-        return self.particles.x.compress(self.fluid, axis=0)
+    def body(self) -> Floats:
+        """Positions (n, dim) [m] of fluid that is not in free flight."""
+        return self.places(self.fluid & (self.particles.role != BALLISTIC))
 
-    @cached_property
-    def body(self) -> tuple[Floats, Floats]:
-        """Along and up: x and the vertical coordinate of fluid that is not in free flight, (n,) each [m]."""
-        return self._along_and_up(self.fluid & (self.particles.role != BALLISTIC))
-
-    @cached_property
-    def surface(self) -> tuple[Floats, Floats]:
-        """x and the vertical coordinate of fluid particles on the free surface, (n,) each [m]."""
-        return self._along_and_up(self.fluid & (self.particles.role == SURFACE))
-
-    def _along_and_up(self, chosen: Flags) -> tuple[Floats, Floats]:
-        x = self.particles.x.compress(chosen, axis=0)    # a fifth of the time that an index takes
-        return x[:, 0], x[:, -1]
+    def places(self, chosen: Flags) -> Floats:
+        """Return the positions (n, dim) [m] of some of the particles here (n_owned,)."""
+        return self.particles.x.compress(chosen, axis=0)    # a fifth of the time that an index takes
 
     @cached_property
     def walls(self) -> tuple[Floats, Floats]:

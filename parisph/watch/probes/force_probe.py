@@ -67,7 +67,7 @@ class Force(OfPressure):
     still: Optional[float] = Field(None, description="height of the still level, for the dynamic part [m]")
 
     def title(self, scene: Scene) -> str:
-        if scene.mesh is not None:
+        if scene.now is not None:
             what = f"{self.on}{f', {self.side} side' * bool(self.side)}"
         else:
             what = f"the {self.side or 'whole'}{' of the' * bool(self.side)} {self.on}"

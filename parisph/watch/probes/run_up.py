@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from parisph.base.arrays import Floats, Ints
 from parisph.base.errors import CaseError
+from parisph.base.fields import SURFACE
 from parisph.base.text import point
 from parisph.case import probe_checks
 from parisph.case.bodies import motion_of
@@ -188,8 +189,8 @@ class LineRunUp(Measure):
     def rows(self, view: View) -> Floats:
         s, self.points = self.scene.spacing, self._motion.placed(self._start, view.time)
         # in a torn film, particles have too few neighbours to be anything but spray
-        along, away = self._onto(np.stack(view.body, axis=1) if self.probe.film is None else view.fluid_places)
-        surface = np.stack(view.surface, axis=1)
+        along, away = self._onto(view.body if self.probe.film is None else view.places(view.fluid))
+        surface = view.places(view.fluid & (view.particles.role == SURFACE))
         surface = surface[self._onto(surface)[1] <= BESIDE * s]
         heights = np.zeros((len(surface), WIDTH))
         heights[:, 0], heights[:, 1:3] = HEIGHT, surface

@@ -29,11 +29,11 @@ class WaterFront(Probe):
     kind: Literal["water_front"] = "water_front"
 
     def title(self, scene: Scene) -> str:
-        return ("Position of the water's foremost particle along the bed" if scene.tank or scene.mesh is not None
+        return ("Position of the water's foremost particle along the bed" if scene.tank or scene.now is not None
                 else "Foremost position of the fluid")
 
     def rows(self, view: View) -> Floats:
-        x, y = view.body
+        x, y = view.body[:, 0], view.body[:, -1]
         bed = view.scene.bed_at(x, view.time)
         if bed is not None:
             x = x[y <= bed + BED * view.scene.spacing * ROUNDING]
