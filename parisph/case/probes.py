@@ -11,15 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Optional, Union
 
 import numpy as np
-from pydantic import (
-    ConfigDict,
-    Field,
-    PlainValidator,
-    SerializeAsAny,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, PlainValidator, SerializeAsAny, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticKnownError, SchemaValidator, core_schema
 
 from parisph.base import vocabulary
@@ -27,7 +19,7 @@ from parisph.base.arrays import Flags, Floats
 from parisph.base.text import shown
 from parisph.case.model import Model
 from parisph.case.profiles import Profiles
-from parisph.case.truths import Peaks, Truth
+from parisph.case.truths import Peaks, Truth, WaveTruth
 
 OURS = "parisph.watch.probes"    # with a module for each kind
 LAST = ("acted", "truth", "peak", "arrival", "every")    # fields that follow those of a kind
@@ -169,10 +161,10 @@ class Probe(Measure, Model):
 class Unknown(Probe):
     """A probe of a run that is only looked at, whose class is not here."""
 
-    model_config = ConfigDict(extra="allow")
+    model_config = {"extra": "allow"}
 
     kind: str
-    truth: Any = None
+    truth: Union[Truth, WaveTruth, Peaks, None] = None    # type: ignore[assignment]    # as of a SurfaceGauge, too
 
 
 class OfPressure(Probe):

@@ -24,7 +24,7 @@ class WallsNow:
         self.mesh, self.walls, motions = mesh, walls, motions_of(walls)
         self._motions = motions
         self._known: tuple[float, Floats] = (0.0, mesh.corners())
-        self._floors: tuple[Floats, dict[float, Floats]] = (self._known[1], {})    # of these corners, by places
+        self._floors: dict[float, Floats] = {}    # at the same time, by places
         moving = np.array([body.motion for body in mesh.bodies])[mesh.body]
         self._moving = [(motions[number], np.flatnonzero(moving == number)) for number in np.unique(moving[moving > 0])]
 
@@ -39,7 +39,7 @@ class WallsNow:
             x = self.mesh.x0.copy()
             for motion, own in self._moving:
                 x[own] = motion.placed(x[own], time)
-            self._known = (time, self.mesh.corners(x))
+            self._known, self._floors = (time, self.mesh.corners(x)), {}
         return self._known[1]
 
     def bed(self, x: Floats, time: float) -> Floats:
@@ -52,12 +52,9 @@ class WallsNow:
         Where there is none, as beyond the end of a bed, it is the lowest place of the walls.
         """
         corners = self.corners(time)
-        if self._floors[0] is not corners:
-            self._floors = corners, {}
-        known = self._floors[1]
-        if at not in known:
-            known[at] = self._found_floors(corners, at)
-        return known[at]
+        if at not in self._floors:
+            self._floors[at] = self._found_floors(corners, at)
+        return self._floors[at]
 
     def _found_floors(self, corners: Floats, at: float) -> Floats:
         up, aside = corners[corners[:, 0, 0] < corners[:, 1, 0]], BESIDE * self._width
