@@ -18,7 +18,6 @@ from parisph.driver.conservation import Conservation, has_level
 from parisph.driver.simulation import Simulation
 from parisph.io.reader import Run
 from parisph.kernels.closest import least_distance
-from parisph.kernels.jit import axes_of
 from parisph.watch import instruments
 from parisph.watch.probes.surface_gauge import SurfaceGauge
 from parisph.watch.sampling import Scene
@@ -130,7 +129,7 @@ class Doubts:
         s, p, seen = simulation, simulation.particles, self._seen
         self._left, self._gone = s.left.volume, s.left.particles
         s.domain.update("x")
-        own = least_distance(p.x_all, p.kind_all, s.domain.indptr, s.domain.indices, axes_of(s.case.dim))
+        own = least_distance(s.method.flow.cloud)
         least = s.comm.allreduce(own, MPI.MIN) / s.numerics.spacing
         if least < seen.pair:
             seen.pair, seen.pair_time = float(least), s.time

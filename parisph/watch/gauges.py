@@ -51,8 +51,8 @@ def column_rows(view: View, at: float, gap: float, beside: float = -1.0) -> Floa
     from parisph.kernels import water_columns
 
     p, s = view.particles, view.scene.spacing
-    found: Floats = water_columns.column_rows(p.x, p.kind, p.role, at, COLUMN * s * ROUNDING, beside * s, gap * s,
-                                              STRETCH * s, view.scene.floors_at(at, view.time))
+    column = water_columns.Column(at, COLUMN * s * ROUNDING, beside * s, gap * s, STRETCH * s)
+    found: Floats = water_columns.column_rows(p.x, p.kind, p.role, column, view.scene.floors_at(at, view.time))
     return found
 
 

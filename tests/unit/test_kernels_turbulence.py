@@ -56,8 +56,8 @@ def test_rotation_has_no_stress(dim):
 def test_of_the_gradient_of_disordered_particles():
     pool = block(2, 7, jitter=0.8)
     g, rate = np.empty((pool.n, 2, 2)), np.empty(pool.n)
-    strain.velocity_gradient(g, rate, np.empty((0, 2)), pool.x[:, ::-1] * [5.0, 0.0], pool.x, pool.kind, pool.role,
-                             2.1 * pool.spacing, 0.05, *pool.csr)
+    strain.velocity_gradient(g, rate, np.empty((0, 2)), pool.cloud, pool.x[:, ::-1] * [5.0, 0.0], 2.1 * pool.spacing,
+                             0.05)
     nu_t, tau = modelled(g, pool.kind)
     np.testing.assert_allclose(nu_t, LENGTH**2 * 5.0, rtol=1e-11)
     np.testing.assert_allclose(tau[:, 0, 1], (LENGTH * 5.0) ** 2, rtol=1e-11)

@@ -73,18 +73,17 @@ class Energy(Probe):
 
 
 def _current_volumes(view: View) -> Floats:
+    from parisph.kernels.records import cloud_of, no_walls
     from parisph.kernels.volumes import current_volumes
 
     p, d, s = view.particles, view.domain, view.scene
-    volume, reach = np.empty(p.n_owned), min(d.radius, CELL * s.spacing)
-    e, role, planes = d.elements, p.role_all, s.walls
-    if e is None:
-        none = np.zeros(0, np.int32)
-        walls = np.empty((0, 2, 2)), np.empty((0, 2), bool), np.zeros(p.n_owned + 1, np.int32), none
-    else:
+    volume, e, role, planes = np.empty(p.n_owned), d.elements, p.role_all, s.walls
+    walls, concave = no_walls(p.n_owned, 2), np.empty((0, 2), bool)
+    if e is not None:
         role, planes = _with_edges(role, e.nodes, e.edges), (np.full(2, -np.inf), np.full(2, np.inf))
-        walls = e.corners, e.edges == CONCAVE, e.indptr, e.indices
-    current_volumes(volume, p.x_all, p.kind_all, role, *planes, s.spacing, reach, *walls, d.indptr, d.indices)
+        walls, concave = walls._replace(corners=e.corners, indptr=e.indptr, indices=e.indices), e.edges == CONCAVE
+    cloud = cloud_of(p.x_all, p.kind_all, role, p.x_all, d.indptr, d.indices, s.spacing)
+    current_volumes(volume, cloud, walls, concave, *planes, min(d.radius, CELL * s.spacing))
     return volume
 
 
