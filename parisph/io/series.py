@@ -21,7 +21,7 @@ OF_RUN = "run "
 OF_RUN_LINE = f"# {OF_RUN}"
 
 
-class Series:
+class SeriesFile:
     """A CSV file that grows line by line. One rank only; every method raises OSError.
 
     Parameters
@@ -84,7 +84,7 @@ class Series:
 
 
 def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[str], list[list[str]]]:
-    """Return the names of the columns of a Series file and its complete lines, cell by cell. Not collective.
+    """Return the names of the columns of a SeriesFile and its complete lines, cell by cell. Not collective.
 
     run : identity of the expected run, "" for any; each_step : whether every step must have a line
 
@@ -122,7 +122,7 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
 
 
 def _checked(path, number, cells, count, before, each_step):
-    """Return (time, step) of a line of a Series file. Raises StoreError if the line cannot be one that was written."""
+    """Return (time, step) of a line of a SeriesFile. Raises StoreError if the line cannot be one that was written."""
     try:
         if len(cells) != count or not row_is_plain(cells):
             raise ValueError
@@ -151,7 +151,7 @@ def table(names: list[str], lines: list[list[str]]) -> np.ndarray:
 
 
 def units(path: AnyPath) -> dict[str, str]:
-    """Return the unit of each column of a Series file as a dict, "" for none or unknown."""
+    """Return the unit of each column of a SeriesFile as a dict, "" for none or unknown."""
     found = {}
     with open(path, encoding="utf-8") as file:
         for line in file:

@@ -107,9 +107,9 @@ def test_a_digest_that_does_not_fit_says_what_to_do(run):
 
 def test_what_parisph_wrote_itself_is_no_edit(run):
     """A run that was killed after its restart has written the new end, and before its first checkpoint."""
-    from parisph.base.seal import sealed
+    from parisph.base.json_digest import with_digest
     content = json.loads((run / "case.json").read_text())
-    (run / "case.json").write_text(json.dumps(sealed({**content, "end_time": 0.024})))
+    (run / "case.json").write_text(json.dumps(with_digest({**content, "end_time": 0.024})))
     assert driver.restart(run, COMM, progress=False)["time"] == pytest.approx(0.024)
     assert not (run / "replaced" / "1" / "case.json").exists()
 

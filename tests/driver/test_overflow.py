@@ -22,7 +22,7 @@ from parisph import (
 )
 from parisph.base.errors import ParticleLost
 from parisph.base.fields import FLUID
-from parisph.driver import Simulation, astray
+from parisph.driver import Simulation, wall_penetration
 from parisph.geometry.rims import faces_of, rim_of
 from parisph.io import reader
 from tests.scenes import difference, on_one_and_more, on_two_and_then
@@ -106,7 +106,7 @@ def test_water_flows_over_the_rim():
 
 
 RANKS = """
-from tests.driver.test_rim import pouring
+from tests.driver.test_overflow import pouring
 s = Simulation(pouring(), comm)
 for _ in range(45):
     s.advance()
@@ -134,7 +134,7 @@ def test_ranks_agree(tmp_path):
 
 
 def test_a_restart_goes_on_counting(tmp_path):
-    on_two_and_then(1, "from parisph import driver\nfrom tests.driver.test_rim import pouring", FIRST,
+    on_two_and_then(1, "from parisph import driver\nfrom tests.driver.test_overflow import pouring", FIRST,
                     'driver.restart("part", comm, until=0.2, progress=False)', tmp_path)
     whole, part = (reader.open_run(tmp_path / name) for name in ("whole", "part"))
     np.testing.assert_array_equal(part.steps["left"], whole.steps["left"])
@@ -175,9 +175,9 @@ def test_fluid_in_a_solid_is_an_error():
     s = Simulation(scene(Tank(1.0, 0.5), OUT), MPI.COMM_SELF)
     p = s.particles
     s.domain.refresh()
-    astray.find(s.domain)
+    wall_penetration.check(s.domain)
     p.x[np.flatnonzero(p.kind == FLUID)[3]] = (0.95, 0.1)
     s.domain.refresh()
     with pytest.raises(ParticleLost, match=r"particle .* at \[0.95, 0.1\] m: in block, or behind it, by up to 1 spac"):
-        astray.find(s.domain)
+        wall_penetration.check(s.domain)
     s.destroy()
