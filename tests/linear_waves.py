@@ -20,7 +20,6 @@ from parisph.geometry import build as geometry
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, potential, surfaces
 from parisph.methods.boundary import Boundary
-from parisph.methods.boundary import Boundary
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection

@@ -9,7 +9,7 @@ from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, FieldSet
 from parisph.geometry.mesh import motions_of, wall_mesh
 from parisph.kernels import density, gradient, surface, wetness
 from parisph.kernels.jit import axes_of
-from parisph.kernels.records import no_walls
+from parisph.kernels.records import cloud_of, no_walls
 from parisph.methods.boundary import Boundary
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
@@ -95,10 +95,8 @@ def test_sums_over_nodes_are_what_they_add():
     scene = filled(StillWater(0.5), [Tank(1.0, 1.0)], S)
     n, weight, area = scene.n, scene.weight.copy(), scene.area.copy()
     alpha, slope = scene.alpha(), scene.gradient()
-    indptr, indices, element_indptr, _ = scene.lists()
     ratio, added = np.empty(len(scene.x)), np.empty(scene.x.shape)
-    density.node_sums(ratio, added, scene.x, scene.kind, 0.3 * weight, 0.6 * area, scene.table.values, scene.table.h,
-                      scene.table.full, element_indptr, indptr, indices, scene.axes)
+    density.node_sums(ratio, added, *scene.records(), 0.3 * weight, 0.6 * area, scene.table)
     walls = scene.kind == WALL
     scene.weight[walls], scene.area[walls] = 0.7 * weight[walls], 0.4 * area[walls]
     np.testing.assert_allclose(alpha - scene.alpha(), ratio[:n], atol=1e-12)
@@ -143,8 +141,9 @@ def test_a_wall_between_its_nodes_closes_a_gap():
 
     def found(present):
         role = np.full(len(x), SURFACE, np.int8)
-        surface.surface_by_gap(role, role.copy(), x, kind, np.zeros_like(kind), np.zeros_like(x), np.ones(len(x)),
-                               2.0 * S, 2.3, 1.55, 0.55, False, bed, np.array([present]), *lists, axes_of(2))
+        cloud = cloud_of(x, kind, role, np.zeros_like(x), *lists[2:], S)
+        walls = no_walls(0, 2)._replace(corners=bed, present=np.array([present]), indptr=lists[0], indices=lists[1])
+        surface.surface_by_gap(role, role.copy(), cloud, walls, np.ones(len(x)), 2.0 * S, surface.Gap(2.3, 1.55, 0.55))
         return role[0]
     assert found(0.0) == SURFACE and found(1.0) == INNER
 
