@@ -36,7 +36,7 @@ class Scene:
     spacing [m]; step (dim,) of the lattice [m]; density [kg/m3]; lower, upper (dim,) corners of
     the tank, or of the fluid without one [m]; tank : whether there is one; gravity (dim,) [m/s2],
     zero unless the body force is uniform and constant in the tank's frame; lid : whether the tank is closed above;
-    now : the walls and where they are, None in a plain scene, whose walls are those of the tank; sides : x of both
+    now : the walls and where they are, None without walls; sides : x of both
     sides of the first tank as at t = 0 [m], () without one; kinds : {name: kind} of the bodies.
     """
 
@@ -56,36 +56,23 @@ class Scene:
     @classmethod
     def of(cls, case: Case) -> "Scene":
         """Return the Scene of a Case."""
-        s, mesh = case.numerics.spacing, None if case.plain else build.scene_mesh(case)
+        s, mesh = case.numerics.spacing, build.scene_mesh(case)
         sides = () if case.tank is None else tuple(float(corner[0]) for corner in case.tank.bounds)
         return cls(case.dim, s, build.lattice_step(case), case.density,
                    *build.domain(case), case.tank is not None, _uniform(case), case.lidded,
                    None if mesh is None else WallsNow(mesh, standing(case)), sides,
                    {name: body.kind for name, body in zip(body_names(case.bodies), case.bodies)})
 
-    @property
-    def walls(self) -> tuple[Floats, Floats]:
-        """Where the walls are: lower, upper (dim,) [m], infinite where there is none."""
-        if not self.tank:
-            return np.full(self.dim, -np.inf), np.full(self.dim, np.inf)
-        upper = self.upper.copy()
-        upper[-1] = upper[-1] if self.lid else np.inf
-        return self.lower, upper
-
     def bed_at(self, x: Floats, time: float = 0.0) -> Floats | None:
         """Return the height (n,) [m] of the highest wall at x (n,) with fluid above it, or None without walls.
 
         Where there is none, as beyond the end of a bed, it is the lowest place of the scene.
         """
-        if self.now is None:
-            return np.full(len(x), self.lower[-1]) if self.tank else None
-        return self.now.bed(x, time)
+        return None if self.now is None else self.now.bed(x, time)
 
     def floors_at(self, at: float, time: float) -> Floats:
         """Return the heights (n,) [m], upwards, of all walls with fluid above them at x = `at` [m]."""
-        if self.now is None:
-            return self.lower[-1:] if self.tank else np.empty(0)
-        return self.now.floors(at, time)
+        return np.empty(0) if self.now is None else self.now.floors(at, time)
 
     def sides_at(self, time: float) -> tuple[float, ...]:
         """Return x of the upright sides of the first tank [m]."""
@@ -142,17 +129,13 @@ class View:
 
     @property
     def wall_faces(self) -> tuple[Floats, Ints]:
-        """Normals (n, dim) of the particles of `walls`, and the numbers of their bodies (n,), where these have any."""
+        """Normals (n, dim) of the particles of `walls`, and the numbers of their bodies (n,)."""
         return self.particles.normal[self._wall], self.particles.body[self._wall]
 
     @cached_property
     def _wall(self) -> Ints:
         p = self.particles
-        there = p.kind == WALL
-        if "edge" in p.fields:
-            there &= p.edge != CONVEX
-        there &= ~self.domain.elements.without_room(p)
-        return np.flatnonzero(there)
+        return np.flatnonzero((p.kind == WALL) & (p.edge != CONVEX) & ~self.domain.elements.without_room(p))
 
 
 class Sampler:

@@ -16,12 +16,11 @@ from parisph.case.scene import Scene as Described
 from parisph.case.scenery import body_names
 from parisph.geometry.mesh import CONVEX, WallMesh, area_vectors
 from parisph.geometry.outline import outline_of
-from parisph.geometry.probe_places import SIDES, Places, on_side
+from parisph.geometry.probe_places import Places, on_side
 from parisph.watch.sampling import Scene, View
 from parisph.watch.walls_now import WallsNow
 
 DRY_BEHIND = "piston", "flap"    # bodies behind which walls are never wet
-FOOT = 1.0      # spacings in front of a wavemaker: dry nodes of other walls there are at its foot, not above the water
 LAST = -1.0     # the first number of a row that tells the greatest number of a wall particle; else that of a node
 
 
@@ -67,10 +66,7 @@ class Force(OfPressure):
     still: Optional[float] = Field(None, description="height of the still level, for the dynamic part [m]")
 
     def title(self, scene: Scene) -> str:
-        if scene.now is not None:
-            what = f"{self.on}{f', {self.side} side' * bool(self.side)}"
-        else:
-            what = f"the {self.side or 'whole'}{' of the' * bool(self.side)} {self.on}"
+        what = f"{self.on}{f', {self.side} side' * bool(self.side)}"
         dynamic = "" if self.still is None else f"; dynamic: less that of water at rest up to y = {self.still:g} m"
         return (f"Force of the pressure on {what}, and its moment about {point(self.about)} m, with the hydrostatic "
                 f"part{dynamic}")
@@ -111,57 +107,21 @@ class Force(OfPressure):
         return on_side(mesh, [body.name for body in mesh.bodies].index(self.on), self.side)
 
     def begin(self, scene: Scene) -> Measure:
-        return TankForce(self, scene) if scene.now is None else BodyForce(self, scene, scene.now)
-
-
-class TankForce(Measure):
-    """Force of the pressure on the walls of a tank alone, -sum p n A, and its moment about a point (2D).
-
-    Each wall particle stands for a spacing of wall, and at the ends of a side for half of one: this is the trapezoidal
-    rule, exact for the force by a pressure that is linear between particles. Dry walls have p = 0. Friction is not in
-    it. The dynamic part is found by the same rule from the pressure less that of water at rest.
-    """
-
-    def __init__(self, probe: Force, scene: Scene) -> None:
-        self.probe, self.scene, self.about = probe, scene, np.array(probe.about)
-        self._sides = [side for name, side in SIDES.items()
-                       if (probe.side in (None, name)) and (scene.lid or name != "lid")]
-
-    def sums(self, view: View) -> Floats:
-        x, p = view.walls
-        arm, pressures = x - self.about, [p]
-        if self.probe.still is not None:
-            pressures.append(p - self.probe.at_rest(self.scene, x))
-        found = np.zeros((len(pressures), 3))
-        for area in self._areas(x):
-            for row, pressure in zip(found, pressures):
-                force = -pressure[:, None] * area
-                row += (*force.sum(axis=0), (arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum())
-        return found.ravel()
-
-    def _areas(self, x: Floats) -> Iterator[Floats]:
-        """Yield the area vectors (n, dim) [m], into the fluid, of wall particles at x (n, dim), for each side."""
-        s = self.scene
-        for axis, inward in self._sides:
-            along = 1 - axis
-            plane = (s.lower if inward > 0.0 else s.upper)[axis]
-            on = np.abs(x[:, axis] - plane) < 0.5 * s.step[axis]
-            steps = np.round(np.minimum(x[:, along] - s.lower[along], s.upper[along] - x[:, along]) / s.step[along])
-            area = np.zeros_like(x)
-            area[on, axis] = inward * s.step[along] * np.clip(steps[on] + 0.5, 0.0, 1.0)
-            yield area
+        return BodyForce(self, scene)
 
 
 class BodyForce(Measure):
-    """As TankForce, for a body of any shape, which may move: its nodes are where they are now.
+    """Force of the pressure on a body, -sum p n A, and its moment about a point (2D). Its nodes are where they are now.
 
-    On each element the pressure is linear between its nodes, and the integrals are exact. A node on a convex edge has
-    no pressure: there that along the element's side of the edge is continued linearly, or as it is beside a dry node.
-    So it is at the end of a line of elements, as the foot of a wavemaker, which no row belongs to, but not below 0.
+    On each element the pressure is linear between its nodes, and the integrals are exact. Dry nodes have p = 0. A node
+    on a convex edge has no pressure, nor has one with no room for fluid in front (WallElements.without_room): there
+    that along the element's side of the edge is continued linearly, or as it is beside a dry node. At the end of a line
+    of elements, as at the foot of a wavemaker, it is not below 0.
     """
 
-    def __init__(self, probe: Force, scene: Scene, now: WallsNow) -> None:
-        self.probe, self.scene = probe, scene
+    def __init__(self, probe: Force, scene: Scene) -> None:
+        self.probe, self.scene, now = probe, scene, scene.now
+        assert now is not None    # its body is a wall
         mesh = now.mesh
         self.about, self._mesh, self._ends = np.array(probe.about), mesh, mesh.ends
         self._elements = probe.elements(mesh)
@@ -173,16 +133,17 @@ class BodyForce(Measure):
     def rows(self, view: View) -> Floats:
         """Return a row (its number, x, y, pressure) for each wall particle here that may be a node of the body.
 
-        The pressure is that of a node with one, inf at a dry one, nan on a convex edge.
+        The pressure is that of a node with one, inf at a dry one, nan where there is none.
         """
-        p = view.particles
+        p, without = view.particles, view.domain.elements.without_room(view.particles)
         wall = np.flatnonzero(p.kind == WALL)
         last = p.id[wall].max(initial=-1)
         wall = wall[np.isin(p.body[wall], self._bodies)]
         rows = np.empty((len(wall) + 1, WIDTH))
         rows[0] = LAST, last, 0.0, 0.0
         rows[1:, 0], rows[1:, 1:3] = p.id[wall], p.x[wall]
-        rows[1:, 3] = np.where(p.edge[wall] == CONVEX, np.nan, np.where(p.role[wall] == DRY, np.inf, p.p[wall]))
+        dry = np.where(p.role[wall] == DRY, np.inf, p.p[wall])
+        rows[1:, 3] = np.where((p.edge[wall] == CONVEX) | without[wall], np.nan, dry)
         return rows
 
     def values(self, sums: Floats, rows: Floats, view: View) -> tuple[float, ...]:
@@ -190,7 +151,6 @@ class BodyForce(Measure):
         x, p = np.zeros_like(self._mesh.x0), np.full(len(self._mesh.x0), np.inf)
         number = (nodes[:, 0] - (last + 1 - len(x))).astype(int)    # nodes are the last particles, in their order
         x[number], p[number] = nodes[:, 1:3], nodes[:, 3]
-        p[self._ends & np.isposinf(p)] = np.nan
         found = self._load(x, p)
         if self.probe.still is None:
             return found
@@ -200,15 +160,15 @@ class BodyForce(Measure):
         return (*found, *np.subtract(found, rest))
 
     def _behind(self, x: Floats) -> Flags:
-        """Return which nodes x (n, 2) [m] lie behind a wavemaker, on its dry side, or at its foot."""
+        """Return which nodes x (n, 2) [m] lie behind a wavemaker, on its dry side."""
         found = np.zeros(len(x), dtype=bool)
         for start, end in self._faces:
             way, off = x[end] - x[start], x - x[start]
-            found |= way[0] * off[:, 1] - way[1] * off[:, 0] < FOOT * self.scene.spacing * np.linalg.norm(way)
+            found |= way[0] * off[:, 1] - way[1] * off[:, 0] < 0.0
         return found
 
     def _load(self, x: Floats, p: Floats) -> tuple[float, ...]:
-        """Return the force and the moment of pressures p at nodes x: inf at dry ones, nan on convex edges."""
+        """Return the force and the moment of pressures p at nodes x: inf at dry ones, nan where there is none."""
         ends, pressure = x[self._elements], self._pressures(x, p)
         area = area_vectors(ends)
         force = -pressure.mean(axis=1)[:, None] * area

@@ -18,7 +18,6 @@ from parisph.geometry.mesh import WallMesh, area_vectors
 from parisph.geometry.outline import Wall, in_fluid, outline_of
 from parisph.geometry.probe_places import Places
 from parisph.watch.sampling import Scene, View
-from parisph.watch.walls_now import WallsNow
 
 RADIUS = 3.0    # [s] of the face of a tap: 2.1 and 2.6 follow an impact less well, 3.6 no better
 FACING = 1e-6   # cosine between the normals of a tap and of a node of its wall; that of a sharp corner is small
@@ -76,31 +75,11 @@ class PressureTap(OfPressure):
         return f"Pressure on the wall at {point(self.at)} m{disc}"
 
     def problems(self, case: Described) -> Iterator[str]:
-        """See Probe. Whether it lies on a wall of a scene that is not plain is for `misplaced`."""
+        """See Probe. Whether it lies on a wall is for `misplaced`."""
         if case.walls is None:
             yield "a pressure tap needs a wall; give walls=Tank(...) or leave the tap out"
         elif found := list(probe_checks.components(case, at=self.at)):
             yield from found
-        elif case.plain and case.tank is not None:
-            yield from self._off_tank(*case.tank.bounds, case.tank.closed)
-
-    def _off_tank(self, low: Floats, high: Floats, closed: bool) -> Iterator[str]:
-        """Yield what is wrong with its place in a tank alone, with these corners (dim,) [m]."""
-        if self.side is not None:
-            yield f"side = {self.side!r}: only a plate has two sides; leave it out"
-        at = np.array(self.at)
-        tolerance = 1e-6 * float(np.max(high - low))
-        walls = [abs(at - low) <= tolerance, abs(at - high) <= tolerance]
-        walls[1][-1] &= closed
-        if np.any(at < low - tolerance) or np.any(at > high + tolerance) or not np.any(walls):
-            which = "left, right, lower or upper" if closed else "left, right or lower"
-            yield (f"at = {self.at} is not on a wall; give a point of the {which} wall of the tank "
-                   f"from {point(low[:2])} to {point(high[:2])}")
-        elif self.diameter is not None:
-            free = ~(walls[0] | walls[1])
-            out = np.minimum(at - low, high - at)[free] < 0.5 * self.diameter - tolerance
-            if np.any(out) or not np.any(free):
-                yield self._beside_a_corner()
 
     def _beside_a_corner(self) -> str:
         return (f"a disc of diameter = {self.diameter:g} around {self.at} does not lie on one wall; "
@@ -153,16 +132,10 @@ class Tap(Measure):
     def __init__(self, probe: PressureTap, scene: Scene) -> None:
         self.probe, self.scene, self.at = probe, scene, np.array(probe.at)
         self.radius = max(scene.spacing, probe.radius or RADIUS * scene.spacing)
-        tolerance = 1e-6 * np.max(scene.upper - scene.lower)
-        self.across = (np.abs(self.at - scene.lower) <= tolerance) | (np.abs(self.at - scene.upper) <= tolerance)
-        self.axes = np.eye(scene.dim)    # the first across the wall
-        self._start: tuple[Floats, Floats] | None = None
-        if scene.now is not None:
-            self._begin(scene.now)
-
-    def _begin(self, now: WallsNow) -> None:
-        """Find the wall of the tap as it is at t = 0: then it and its nodes move with its body."""
-        element = tap_element(now.mesh, now.walls, self.probe, self.scene.spacing)
+        now = scene.now
+        assert now is not None    # the tap is on a wall
+        # the wall of the tap as it is at t = 0: then it and its nodes move with its body
+        element = tap_element(now.mesh, now.walls, probe, scene.spacing)
         normal = area_vectors(now.mesh.corners()[[element]])[0]
         normal /= np.linalg.norm(normal)
         self.axes = np.array([normal, [-normal[1], normal[0]]])
@@ -175,12 +148,9 @@ class Tap(Measure):
     def _nodes(self, view: View) -> tuple[Floats, Floats]:
         """Return positions (n, dim) [m] and pressures (n,) [Pa] of wall particles that may be of the wall of the tap.
 
-        The tap is put to where it is now. Where walls have elements, these face as the tap does, not as the other side
-        of a plate, and move with it.
+        The tap is put to where it is now. They face as the tap does, not as the other side of a plate, and move with it.
         """
         x, p = view.walls
-        if self._start is None:
-            return x, p
         at, axes = self._start
         self.at, self.axes = self._motion.placed(at[None], view.time)[0], self._motion.turned(axes, view.time)
         normal, body = view.wall_faces
