@@ -148,7 +148,7 @@ class Tap(Measure):
     def _nodes(self, view: View) -> tuple[Floats, Floats]:
         """Return positions (n, dim) [m] and pressures (n,) [Pa] of wall particles that may be of the wall of the tap.
 
-        The tap is put to where it is now. They face as the tap does, not as the other side of a plate, and move with it.
+        The tap is put to where it is now. They face as it does, not as the other side of a plate, and move with it.
         """
         x, p = view.walls
         at, axes = self._start
