@@ -77,27 +77,6 @@ def _tap(case: Scene, probe: PressureTap, what: str) -> Iterator[str]:
         return
     if len(probe.at) != case.dim:
         yield f"{what}: at = {probe.at} must have {case.dim} components"
-        return
-    if not case.plain or case.tank is None:
-        return    # whether it lies on a wall of such a scene is for geometry.probe_places
-    if probe.side is not None:
-        yield f"{what}: side = {probe.side!r}: only a plate has two sides; leave it out"
-    at, (low, high) = np.array(probe.at), case.tank.bounds
-    tolerance = 1e-6 * float(np.max(high - low))
-    walls = [abs(at - low) <= tolerance, abs(at - high) <= tolerance]
-    walls[1][-1] &= case.tank.closed
-    if np.any(at < low - tolerance) or np.any(at > high + tolerance) or not np.any(walls):
-        which = "left, right, lower or upper" if case.tank.closed else "left, right or lower"
-        yield (
-            f"{what}: at = {probe.at} is not on a wall; give a point of the {which} wall of the tank "
-            f"from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g})"
-        )
-    elif probe.diameter is not None:
-        free = ~(walls[0] | walls[1])
-        out = np.minimum(at - low, high - at)[free] < 0.5 * probe.diameter - tolerance
-        if np.any(out) or not np.any(free):
-            yield (f"{what}: a disc of diameter = {probe.diameter:g} around {probe.at} does not lie on one wall; "
-                   "move it away from the corner, or give a smaller one")
 
 
 def _on_body(case: Scene, probe: RunUp | Force, what: str) -> Iterator[str]:

@@ -269,8 +269,7 @@ def _makes(case: Case) -> bool:
 def _across(case: Case) -> Sequence[SurfaceGauge]:
     """Return gauges across the water of an open tank whose level is known: gravity is down in its frame."""
     scene = Scene.of(case)
-    still = isinstance(case.fluids[0].shape, StillWater) and case.dim == 2 and has_level(case, scene)
-    if case.lidded or not (still or (case.dim == 2 and case.plain and case.tank is not None)):
+    if case.lidded or case.dim != 2 or case.lone_tank is None:
         return ()
     if scene.gravity[0] != 0.0 or not scene.gravity[-1] < 0.0:
         return ()

@@ -375,7 +375,7 @@ def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     parts: Parts | CompressibleParts = parts_of(case.numerics, case.physics)
     error = None
     try:
-        parts.check(case.dim, case.plain)
+        parts.check(case.dim)
         written.check(case.output.fields, case.dim)
     except CaseError as problem:
         error = problem

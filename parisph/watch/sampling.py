@@ -107,7 +107,7 @@ class Scene:
     @classmethod
     def of(cls, case: Case) -> "Scene":
         """Return the Scene of a Case."""
-        s, mesh = case.numerics.spacing, None if case.plain else build.scene_mesh(case)
+        s, mesh = case.numerics.spacing, build.scene_mesh(case)
         sides = () if case.tank is None else tuple(float(corner[0]) for corner in case.tank.bounds)
         return cls(case.dim, s, build.lattice_step(case), case.density,
                    *build.domain(case), case.tank is not None, _uniform(case), case.lidded,
