@@ -49,13 +49,12 @@ def fill(case: Case, flow: Flow) -> None:
     found their pressure.
     """
     p, d, s = flow.particles, flow.domain, case.numerics.spacing
-    even, fluid = build.even(case), p.kind == FLUID
+    even = build.even(case)
     d.refresh()
     if not even:
         filling.pack(flow)
-        fluid = p.kind == FLUID
     if not build.weighed(case):
-        near = p.x[fluid] if fluid.any() else np.zeros((1, p.dim))
+        near = p.x[p.kind == FLUID] if (p.kind == FLUID).any() else np.zeros((1, p.dim))
         reach = d.radius + s
         filling.weigh(flow, build.samples(case, near.min(axis=0) - reach, near.max(axis=0) + reach))
     if not even:
