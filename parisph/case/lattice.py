@@ -64,10 +64,10 @@ class Lattice:
         an open tank belongs to the side walls alone.
         """
         assert self.top is not None
-        shape, closed, faces = self.top + 1, self._closed_above, []
+        shape, closed, faces = tuple(self.top + 1), self._closed_above, []
         for axis, upper in enumerate(closed):
             for place in (0, self.top[axis])[: 1 + upper]:
-                face = np.indices(np.where(np.arange(len(shape)) == axis, 1, shape)).reshape(len(shape), -1)
+                face = np.indices((*shape[:axis], 1, *shape[axis + 1:])).reshape(len(shape), -1)
                 face[axis] = place
                 faces.append(np.ravel_multi_index(tuple(face), shape))
         index: Ints = np.stack(np.unravel_index(np.unique(np.concatenate(faces)), shape), axis=1).astype(np.int64)

@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from parisph.base.arrays import Floats
 from parisph.base.fields import FLUID
-from parisph.case.bodies import StillWater, motion_of
+from parisph.case.bodies import motion_of
 from parisph.case.motion import AtRest
 from parisph.case.probes import SurfaceGauge
 from parisph.case.schema import Case

@@ -138,6 +138,8 @@ class Simulation:
                     absorb=case.absorber, friction=case.friction, wave_time=wave_time(case), vorticity=vorticity)
         if start is None:
             solid_walls.fill(case, flow)
+        else:
+            solid_walls.complete(case, flow, start.arrays)
         self.method = _method(case, flow, parts, petsc_options)
         self._made.append(self.method)
         if start is not None:

@@ -1,5 +1,7 @@
 """Walls of any shape in a simulation: their elements, and fluid that fills what they leave, before the first step."""
 
+from collections.abc import Collection
+
 import numpy as np
 from mpi4py import MPI
 
@@ -39,6 +41,24 @@ def elements_of(case: Case, particles: Particles) -> WallElements:
                         "start it anew with parisph run and its case.json")
     last = particles.comm.allreduce(int(particles.id.max(initial=-1)), op=MPI.MAX)
     return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, build.scene_motions(case))
+
+
+def complete(case: Case, flow: Flow, names: Collection[str]) -> None:
+    """Give particles the fields of walls that a checkpoint of an earlier release lacks. Collective.
+
+    Until then, a tank that was all the walls of a scene had no elements. names : of the fields that there are
+    """
+    p = flow.particles
+    if "area" in names or not p.n_global:
+        return
+    walls = np.flatnonzero(p.kind == WALL)
+    p.body[:] = -1
+    if len(walls):
+        nodes = build.wall_nodes(case, p.id[walls] - flow.walls.elements.first)
+        for name in ("weight", "area", "edge", "body"):
+            getattr(p, name)[walls] = nodes[name]
+    flow.domain.refresh()
+    filling.halve(flow)
 
 
 def fill(case: Case, flow: Flow) -> None:
