@@ -2,13 +2,13 @@
 
 from time import thread_time
 
-from parisph.methods import operators, positions, projection, straining, surfaces, velocities, wall_images
+from parisph.methods import boundary, operators, positions, projection, straining, surfaces, velocities
 from parisph.parallel import domain
 from parisph.pressure import rows
 
 _CALLED_FROM = {
     projection: ("gradients",), surfaces: ("surface",), velocities: ("collisions", "films"), straining: ("strain",),
-    positions: ("pairs", "shifting"), wall_images: ("collisions", "halves", "shifting", "surface"),
+    positions: ("pairs", "shifting"), boundary: ("density", "solids"),
     operators: ("gradient", "laplacian", "rankine", "walls"), rows: ("rankine", "surface_rows", "compress"),
     domain: ("neighbour_lists",),
 }

@@ -10,15 +10,17 @@ from pathlib import Path
 
 import numpy as np
 from mpi4py import MPI
-from parisph.methods.wall_images import WallImages
 
-from parisph.base.fields import FLUID, INNER, SURFACE, WET
+from parisph.base.fields import FLUID, INNER, SURFACE, WET, FieldSet
 from parisph.base.log import Timers
 from parisph.case.load import load
 from parisph.case.waves import angular_frequency
+from parisph.driver import solid_walls
 from parisph.geometry import build as geometry
 from parisph.kernels import gradient as gradients
 from parisph.methods import lengths, potential, surfaces
+from parisph.methods.boundary import Boundary
+from parisph.methods.boundary import Boundary
 from parisph.methods.catalogue import Parts
 from parisph.methods.flow import Flow
 from parisph.methods.projection import Projection
@@ -47,13 +49,16 @@ class StillTank:
         case = load(str(Path(__file__).parents[1] / "cases" / "small_sloshing.py"), {"spacing": 2.0 / across})
         self.numerics = case.numerics.model_copy(update={"volume_time": 0.0, **overrides}).resolved()
         parts = Parts.of(self.numerics)
-        self.particles = p = Particles(MPI.COMM_SELF, 2, parts.fields)
+        self.particles = p = Particles(MPI.COMM_SELF, 2, FieldSet((*parts.fields, *Boundary.fields)))
         p.assign({name: values for name, values in geometry.build(case).items() if name in p.fields})
         reach = parts.reach * self.numerics.spacing
-        self.domain = Domain(p, *geometry.domain(case), reach, 0.1 * self.numerics.spacing)
+        self.domain = Domain(p, *geometry.domain(case), reach, 0.1 * self.numerics.spacing,
+                             elements=solid_walls.elements_of(case, p))
         self.domain.refresh()
         self.flow = Flow(self.numerics.model_copy(update={"rtol": 1e-13}), 1.0, self._force, p, self.domain,
-                         WallImages(), Timers(), wave_time=np.sqrt(self.numerics.spacing / GRAVITY))
+                         Boundary(self.domain.elements, self.numerics.spacing), Timers(),
+                         wave_time=np.sqrt(self.numerics.spacing / GRAVITY))
+        solid_walls.fill(case, self.flow)
         self.method = Projection(self.flow, parts)
         flow = self.flow
         flow.force = self._force(p.x_all, 0.0)

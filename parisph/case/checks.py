@@ -144,8 +144,8 @@ def _within(case: Scene, name: str, box: tuple[Floats, Floats], tolerance: float
         above = upper[axis] > high[axis] + tolerance and (axis < case.dim - 1 or case.tank is not None)
         if lower[axis] < low[axis] - tolerance or above:
             yield (
-                f"{name} reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie in the walls, "
-                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge the walls{remedy}"
+                f"{name} reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie within the walls, "
+                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge them{remedy}"
             )
 
 

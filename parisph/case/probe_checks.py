@@ -41,7 +41,7 @@ def problems(case: Scene) -> Iterator[str]:
         elif isinstance(probe, (SurfaceGauge, ColumnHeight)) and case.wall_bounds is not None:
             low, high = case.wall_bounds
             if not low[0] <= probe.at <= high[0]:
-                yield f"{what}: at = {probe.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
+                yield f"{what}: at = {probe.at:g} must lie within the walls, from x = {low[0]:g} to {high[0]:g}"
         elif isinstance(probe, (RunUp, Force)):
             yield from _on_body(case, probe, what)
 
@@ -55,7 +55,7 @@ def _within(case: Scene, what: str, field: str, points: Sequence[Sequence[float]
     high = high + np.where(np.arange(case.dim) < case.dim - 1 + case.lidded, 0.0, np.inf)
     if not np.all((x >= low - tolerance) & (x <= high + tolerance), axis=1).any():
         ends = " to ".join(f"({', '.join(f'{a:g}' for a in end)})" for end in (low, high))
-        yield f"{what}: {field} = {shown(tuple(x[0].tolist()))} must lie in the tank, from {ends}; move it"
+        yield f"{what}: {field} = {shown(tuple(x[0].tolist()))} must lie within the walls, from {ends}; move it"
 
 
 def _components(case: Scene, what: str, **points: Sequence[float]) -> Iterator[str]:

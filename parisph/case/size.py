@@ -25,8 +25,9 @@ def counts(case: Scene) -> dict[str, int]:
     """
     s, area, length = case.numerics.spacing, 0.0, 0.0
     for fluid in case.fluids:
-        lower, upper = case.bounds_of(fluid)
-        area += float(np.prod(upper - lower)) if isinstance(fluid.shape, StillWater) else fluid.shape.area
+        width, height = case.bounds_of(fluid)[1] - case.bounds_of(fluid)[0]
+        filled = width * height if isinstance(fluid.shape, StillWater) else fluid.shape.area
+        area += max(float(filled), s * float(width))    # each column of the lattice is looked at
     for body in case.bodies:
         length += _length(body)
     fluid_count, wall = int(area / s**2), int(length / s)
@@ -38,6 +39,8 @@ def _length(body: Body) -> float:
     if isinstance(body, (Profile, Plate)):
         sides = 2.0 if isinstance(body, Plate) else 1.0
         return sides * float(np.linalg.norm(np.diff(body.points, axis=0), axis=1).sum())
-    if isinstance(body, (Tank, Obstacle)):
+    if isinstance(body, Tank):
+        return 2.0 * body.height + (1.0 + body.closed) * body.width
+    if isinstance(body, Obstacle):
         return 2.0 * float(np.sum(body.bounds[1] - body.bounds[0]))
     return 0.0

@@ -1,5 +1,6 @@
 """A run: steps, probes, snapshots, checkpoints, and its end."""
 
+import gc
 import logging
 import signal
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base import garbage, log
+from parisph.base import log
 from parisph.base.errors import Interrupted, ParisphError, StoreError
 from parisph.base.paths import AnyPath, checked
 from parisph.base.signals import Signals
@@ -32,7 +33,6 @@ from parisph.io.checkpoint import Checkpoint, Share
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
 from parisph.io.store import Store, provenance
-from parisph.parallel import last_resort
 from parisph.parallel.guard import guarded
 from parisph.pressure.options import as_text
 from parisph.pressure.trial import versions
@@ -139,7 +139,6 @@ def _signals(comm: MPI.Comm) -> Iterator[Signals]:
     """Return the active Signals, extended so that a second signal ends all ranks at once, whatever they do."""
     with Signals.active() as signals:
         signals.over(comm)
-        last_resort.arm(signals)
         yield signals
 
 
@@ -192,7 +191,9 @@ class _Run:
                 self._pause()
                 while not self.simulation.finished():
                     self._step()
-                    garbage.as_usual()    # now that the kernels of a step are loaded
+                    if not gc.isenabled():    # since the start: now the kernels of a step are loaded, too
+                        gc.freeze()
+                        gc.enable()
                 self._save()
         except BaseException as problem:
             if not isinstance(problem, ParisphError) or not self.simulation.agreed(problem):

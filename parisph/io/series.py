@@ -33,10 +33,6 @@ class SeriesFile:
     run : identity of the run that writes it, or ""
     until : of the lines up to `keep_to`, those of later times [s] are not kept either
 
-    Attributes
-    ----------
-    dropped : int, the number of lines after `keep_to` in the old file
-
     Of an old file with other columns, as an older release wrote it, those of the same name go on; new ones are empty.
 
     Raises
@@ -48,7 +44,7 @@ class SeriesFile:
                  run: str = "", until: float = math.inf) -> None:
         self.path = Path(path)
         self.columns = {"time": "s", "step": "", **columns}
-        kept, self.dropped = self._kept_lines(keep_to, run, until)
+        kept = self._kept_lines(keep_to, run, until)
         units = ", ".join(f"{name} [{unit or '-'}]" for name, unit in self.columns.items())
         head = ([f"# {line}" for line in (title, units, f"{OF_RUN}{run}" if run else "") if line]
                 + [",".join(self.columns)])
@@ -70,17 +66,16 @@ class SeriesFile:
         os.close(self._file)
 
     def _kept_lines(self, keep_to, run, until):
-        """Return the lines up to `keep_to` and `until`, and the number of those after it."""
+        """Return the lines of the old file up to `keep_to` and `until`."""
         if keep_to is None or not self.path.exists():
-            return [], 0
+            return []
         names, lines = read_own(self.path, run)
         if names != list(self.columns) and not set(names[2:]) & set(self.columns):
             raise StoreError(f"{self.path} has the columns {', '.join(names)[:200]}, not {', '.join(self.columns)}: "
                              "it is of another run")
         at = [names.index(name) if name in names else None for name in self.columns]
-        kept = [",".join("" if k is None else line[k] for k in at)
+        return [",".join("" if k is None else line[k] for k in at)
                 for line in lines if int(line[1]) <= keep_to and float(line[0]) <= until]
-        return kept, len(lines) - len(kept)
 
 
 def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[str], list[list[str]]]:

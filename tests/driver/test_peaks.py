@@ -17,7 +17,7 @@ from parisph.io import reader
 from parisph.io.store import Store
 from parisph.parallel.particles import Particles
 from tests import watched
-from tests.scenes import difference, on_two_and_then, scene
+from tests.scenes import assert_same, on_two_and_then, scene
 
 UNIT = (1.0 / 9.81) ** 0.5
 TAP = PressureTap("tap", at=(0.0, 0.1), peak=True)
@@ -226,8 +226,7 @@ def test_a_restart_on_other_ranks_before_or_after_it_ends_with_the_same(whole, t
     for folder in ("run", "elsewhere"):
         found = reader.open_run(tmp_path / folder).peak("P2")
         assert found["step"] == due["step"] and found["peak"] == pytest.approx(due["peak"], rel=1e-5)
-        for name in ("x", "u", "p"):
-            assert difference(found[name], due[name]) < 1e-5, name
+        assert_same(due, found, 1e-5)
 
 
 def test_ends_before_within_and_behind_it_leave_no_trace(whole, tmp_path):

@@ -5,11 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph.base.errors import SolverDiverged
 from parisph.base.fields import BALLISTIC, FLUID, SURFACE
-from parisph.driver import Simulation
 from tests.hard import __main__ as command
 from tests.hard import columns, drops, flow, scenes, table, waves
 from tests.hard.impulse import lost_energy
@@ -121,12 +119,13 @@ def test_names():
 @pytest.mark.parametrize("where", columns.WHERE)
 @pytest.mark.parametrize("width", [1, 2, 3, 4])
 def test_columns_are_as_wide_as_they_say(width, where):
-    from parisph.geometry.build import build
+    from parisph.geometry.build import build, volume
 
-    built = build(columns.column(width, where))
+    case = columns.column(width, where)
+    built = build(case)
     x = built["x"][built["kind"] == 0]
     assert len(np.unique(np.round(x[:, 0], 6))) == width
-    assert built["volume"].sum() == pytest.approx(width * columns.S * columns.HEIGHT)
+    assert volume(case) == pytest.approx(width * columns.S * columns.HEIGHT)
 
 
 def seen(x, role, spacing):
@@ -159,17 +158,14 @@ def test_centre_pressure_of_a_drop():
 
 
 @pytest.mark.parametrize("width", [2, 3, 4])
-def test_energy_of_a_column_that_spreads_from_a_wall_is_exact(width):
+def test_energy_of_a_column_that_spreads_from_a_wall_is_exact(width, simulated):
     """Of u = x and the mean height as x and u change; one velocity per volume has 31 % too much for a width of two."""
-    s = Simulation(columns.column(width, "wall"), MPI.COMM_SELF)
-    try:
-        p = s.particles
-        rows = columns.rows_of(s, width)
-        rest = columns.energy_between(s, rows)
-        p.u[:, 0] = p.x[:, 0]
-        exact = (width * columns.S) ** 3 / 6.0 * columns.HEIGHT
-        assert columns.energy_between(s, rows) - rest == pytest.approx(exact)
-        mine = p.kind == FLUID
-        assert 0.5 * p.volume[mine] @ p.u[mine, 0] ** 2 > 1.05 * exact
-    finally:
-        s.destroy()
+    s = simulated(columns.column(width, "wall"))
+    p = s.particles
+    rows = columns.rows_of(s, width)
+    rest = columns.energy_between(s, rows)
+    p.u[:, 0] = p.x[:, 0]
+    exact = (width * columns.S) ** 3 / 6.0 * columns.HEIGHT
+    assert columns.energy_between(s, rows) - rest == pytest.approx(exact)
+    mine = p.kind == FLUID
+    assert 0.5 * p.volume[mine] @ p.u[mine, 0] ** 2 > 1.05 * exact

@@ -4,34 +4,37 @@ import numpy as np
 import pytest
 
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
+from parisph.geometry.mesh import CONCAVE
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.records import cloud_of, no_walls
 from parisph.kernels.volumes import current_volumes
+from tests.pools import elements_near, mesh_of
 from tests.unit.test_kernels_interior import area_of, clipped, lattice
 
-OPEN = (np.full(2, -np.inf), np.full(2, np.inf))
 
-
-def volumes_of(x, role, walls=OPEN, kind=None, reach=2.6):
-    """Return the volumes of points (n, 2) with a spacing of 1."""
+def volumes_of(x, role, side=None, kind=None, reach=2.6):
+    """Return the volumes of points (n, 2) with a spacing of 1, in a box of a side or without walls."""
     x, role = np.asarray(x, float), np.array(role, np.int8)
     kind = np.full(len(x), FLUID, np.int8) if kind is None else kind
     indptr, indices = neighbour_lists(x, len(x), reach)
     out = np.full(len(x), np.nan)
-    cloud, lower, upper = cloud_of(x, kind, role, x, indptr, indices, 1.0), *(np.array(w, float) for w in walls)
-    current_volumes(out, cloud, no_walls(len(x), 2), np.empty((0, 2), bool), lower, upper, reach)
+    walls, concave = no_walls(len(x), 2), np.empty((0, 2), bool)
+    if side is not None:
+        mesh = mesh_of((side, side), spacing=1.0)
+        walls, concave = elements_near(x, mesh.corners(), reach, 1.0), mesh.edge[mesh.elements] == CONCAVE
+    current_volumes(out, cloud_of(x, kind, role, x, indptr, indices, 1.0), walls, concave, reach)
     return out
 
 
 def box_of(side, jitter, role=WET):
-    """Return points, kinds and roles of a full box with walls of wall particles, and where they are."""
+    """Return points, kinds and roles of a full box with walls of wall particles, and its side."""
     fluid = lattice(side - 1, jitter, seed=5) + 0.5
     along = np.arange(side + 1.0)
     walls = np.unique(np.concatenate([np.stack([a, b], axis=1) for c in (0.0, float(side)) for a, b in (
         (along, np.full(side + 1, c)), (np.full(side + 1, c), along))]), axis=0)
     x = np.concatenate([fluid, walls])
     kind = np.repeat(np.array([FLUID, WALL], np.int8), (len(fluid), len(walls)))
-    return x, kind, np.repeat([INNER, role], (len(fluid), len(walls))), (np.zeros(2), np.full(2, float(side)))
+    return x, kind, np.repeat([INNER, role], (len(fluid), len(walls))), side
 
 
 def test_on_the_lattice_they_are_those_of_the_start():

@@ -9,10 +9,10 @@ from mpi4py import MPI
 from parisph.base.fields import BALLISTIC, DRY, INNER, WET
 from parisph.parallel import partition
 from parisph.parallel.halo import senders
-from parisph.parallel.hilbert import keys_of_cells, machine
+from parisph.parallel.hilbert import machine
 from parisph.parallel.partition import Grid, Partition
 from parisph.parallel.work import work_of
-from tests.clouds import KINDS, cloud
+from tests.clouds import KINDS, cloud, keys_of_cells
 
 
 class Share:

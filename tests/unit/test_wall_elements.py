@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from mpi4py import MPI
-from parisph.methods.wall_solids import WallSolids
 
 from parisph import Box, Obstacle, Profile, Roll, StillWater, Sway, Tank
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, FieldSet
@@ -11,6 +10,7 @@ from parisph.geometry.mesh import motions_of, wall_mesh
 from parisph.kernels import density, gradient, surface, wetness
 from parisph.kernels.jit import axes_of
 from parisph.kernels.records import no_walls
+from parisph.methods.boundary import Boundary
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
 from tests.pools import nowhere
@@ -26,7 +26,7 @@ def turning():
     mesh = wall_mesh(walls, S)
     elements = WallElements(mesh, 2, S, motions_of(walls))
     n = len(mesh.x0) + 2
-    p = Particles(MPI.COMM_SELF, 2, FieldSet((*WallSolids.fields, "wall_u")))
+    p = Particles(MPI.COMM_SELF, 2, FieldSet((*Boundary.fields, "wall_u")))
     p.assign({"id": np.arange(n)[::-1], "kind": np.repeat(np.array([WALL, FLUID], np.int8), [n - 2, 2]),
               "x": np.concatenate([mesh.x0[::-1], np.full((2, 2), 0.1)])})
     elements.settle(p, 10.0)
@@ -43,7 +43,7 @@ def test_walls_are_placed_by_their_motions():
     np.testing.assert_allclose(elements.x[moves], ROLL.placed(mesh.x0[moves], 0.25), rtol=1e-14)
     np.testing.assert_allclose(p.x[p.kind == WALL][::-1], elements.x, rtol=1e-14)
     np.testing.assert_allclose(p.normal[p.kind == WALL][::-1][moves], ROLL.turned(mesh.normal0[moves], 0.25))
-    np.testing.assert_allclose(elements.corners[:, 0], elements.x[mesh.elements[:, 0]], rtol=1e-14)
+    np.testing.assert_allclose(elements.walls.corners[:, 0], elements.x[mesh.elements[:, 0]], rtol=1e-14)
     # the velocity at the start, and what it changes by, and the mean velocity of elements
     at = [ROLL.velocity_at(ROLL.placed(mesh.x0[moves], t), t) for t in (0.2, 0.3)]
     np.testing.assert_allclose(elements.u[moves], at[0])
