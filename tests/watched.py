@@ -3,6 +3,7 @@
 import numpy as np
 
 from parisph.case.schema import Box, Case, Fluid, Numerics, Tank
+from parisph.driver.solid_walls import elements_of
 from parisph.geometry import build as geometry
 from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
@@ -36,7 +37,8 @@ class Watch:
         s = case.numerics.spacing
         self.particles = Particles(comm, case.dim)
         self.particles.assign(arrays)
-        self.domain = Domain(self.particles, *geometry.domain(case), 2.6 * s, 0.4 * s, 0.04 * s)
+        self.domain = Domain(self.particles, *geometry.domain(case), 2.6 * s, 0.4 * s, 0.04 * s,
+                             elements=elements_of(case, self.particles))
         self.domain.refresh()
         self.samplers = instruments.build(case, comm)
 

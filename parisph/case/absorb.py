@@ -146,7 +146,7 @@ def problems(zones: Sequence[Zone], ends: tuple[float, float]) -> Iterator[str]:
     for number, zone in enumerate(zones):
         where = f"absorb[{number}]: {zone.kind} from x = {zone.start:g} to {zone.end:g}"
         if zone.start < ends[0] - slack or zone.end > ends[1] + slack:
-            yield f"{where}: must lie in the tank, from x = {ends[0]:g} to {ends[1]:g}"
+            yield f"{where}: must lie within the walls, from x = {ends[0]:g} to {ends[1]:g}"
         for other in zones[:number]:
             if min(zone.end, other.end) - max(zone.start, other.start) > slack:
                 yield f"{where}: lies over the {other.kind} from x = {other.start:g} to {other.end:g}; move one of them"

@@ -4,7 +4,7 @@ Each check yields one line per problem, with field, value, limit and remedy.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from parisph.case import absorb, scenery, size, time_checks, wave_sizes
 from parisph.case.bodies import Body, StillWater
 from parisph.case.expressions import uniform_field, vector_field
 from parisph.case.fluids import check_components
-from parisph.case.lattice import FIT, misfit, nearest_spacings
+from parisph.case.lattice import FIT
 from parisph.case.methods import METHODS
 from parisph.case.motion import Translation
 from parisph.case.probes import singles
@@ -26,7 +26,6 @@ from parisph.case.shapes import Box, Tank
 from parisph.case.time_scales import SAMPLES, sample
 from parisph.case.values import LARGEST
 
-LEAST = 4       # particles in a body of fluid
 FAR = 1e9       # spacings from the origin at which float64 still tells places apart well
 
 
@@ -36,7 +35,7 @@ def problems(case: Scene) -> list[str]:
     if not found:
         found += scenery.problems(case)
     if not found:
-        found += [*(_spacing(case) if case.plain else ()), *_inside(case), *_size(case)]
+        found += [*_inside(case), *_size(case)]
     if not found:
         found += [*_turning(case), *_absorbing(case), *_viscosity(case), *_friction(case), *_surface(case),
                   *_wave(case), *_elevation(case), *_finite(case), *_probes(case)]
@@ -123,65 +122,9 @@ def _surface(case: Scene) -> Iterator[str]:
                "is full; choose violent, gentle or solitary, or give numerics.surface_rule")
 
 
-def _spacing(case: Scene) -> Iterator[str]:
-    """The spacing must divide every length of the scene into whole spacings."""
-    lengths = dict(_lengths(case))
-    s = case.numerics.spacing
-
-    def fits(value: float, among: Sequence[float] = tuple(lengths.values())) -> bool:
-        return all(misfit(length, value) <= FIT and round(length / value) >= 1 for length in among)
-
-    bad = {name: length for name, length in lengths.items() if not fits(s, [length])}
-    if not bad:
-        return
-    listed = ", ".join(f"{name} = {_digits(length, lambda value: not fits(s, [value]))}"
-                       for name, length in bad.items())
-    fitting = [value for value in nearest_spacings(list(lengths.values()), s) if fits(value)]
-    if fitting:
-        remedy = "the nearest that fit are " + " and ".join(_digits(value, fits, 10) + _fraction(value)
-                                                            for value in fitting)
-    else:
-        name, length = next(iter(bad.items()))
-        near = max(round(length / s), 1) * s
-        remedy = ("no spacing near it fits all lengths: make the lengths multiples of one number, "
-                  f"such as {name} = {near:.10g}")
-    yield (f"numerics.spacing = {_digits(s, lambda value: not fits(value))}: must divide {listed} into whole spacings; "
-           f"{remedy}")
-
-
-def _digits(value: float, holds: Callable[[float], bool], least: int = 6) -> str:
-    """Return a number as text, with enough digits that `holds(number)` is also true for the rounded number."""
-    for digits in (least, 10):
-        text = f"{value:.{digits}g}"
-        if holds(float(text)):
-            return text
-    return repr(float(value))
-
-
-def _fraction(length: float) -> str:
-    """Return ' (1/n)' for a length [m] that is 1/n of a metre and has no short decimal, else ''."""
-    n = round(1.0 / length)
-    return f" (1/{n})" if abs(n * length - 1.0) < 1e-9 and float(f"{length:.6g}") != 1.0 / n else ""
-
-
-def _lengths(case: Scene) -> Iterator[tuple[str, float]]:
-    shape, tank = case.fluids[0].shape, case.tank
-    if isinstance(shape, Box):
-        yield "fluid.shape.width", shape.width
-        yield "fluid.shape.height", shape.height
-    if tank is not None:
-        yield "walls.width", tank.width
-        yield "walls.height", tank.height
-        if isinstance(shape, Box):
-            for axis, offset in enumerate(np.array(shape.at) - np.array(tank.at)):
-                if offset > FIT * case.numerics.spacing:    # less is rounding: it stands at the wall
-                    yield f"the distance of fluid.shape from the wall in {'xyz'[axis]}", float(offset)
-
-
 def _inside(case: Scene) -> Iterator[str]:
     if case.wall_bounds is None:
         return
-    what = "the tank" if case.plain else "the walls"
     tolerance = FIT * case.numerics.spacing
     for name, fluid in fluid_names(case):
         if isinstance(fluid.shape, StillWater):    # which is where the walls are
@@ -192,51 +135,31 @@ def _inside(case: Scene) -> Iterator[str]:
             level = fluid.shape.bounds[1][-1]
             fills = (f", or give StillWater(level={level:g}), which fills what the walls enclose"
                      if isinstance(fluid.shape, Box) and level <= case.wall_bounds[1][-1] else "")
-            yield from _within(case, f"{name}.shape", fluid.shape.bounds, what, tolerance, fills)
+            yield from _within(case, f"{name}.shape", fluid.shape.bounds, tolerance, fills)
 
 
-def _within(case: Scene, name: str, box: tuple[Floats, Floats], what: str, tolerance: float,
-            remedy: str = "") -> Iterator[str]:
+def _within(case: Scene, name: str, box: tuple[Floats, Floats], tolerance: float, remedy: str = "") -> Iterator[str]:
     """Say where a box reaches out of the walls; without a tank these are open above. remedy : a further one"""
     (lower, upper), (low, high) = box, case.wall_bounds or box
     for axis in range(case.dim):
         above = upper[axis] > high[axis] + tolerance and (axis < case.dim - 1 or case.tank is not None)
         if lower[axis] < low[axis] - tolerance or above:
             yield (
-                f"{name} reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie in {what}, "
-                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge {what}{remedy}"
+                f"{name} reaches from {'xyz'[axis]} = {lower[axis]:g} to {upper[axis]:g}: must lie within the walls, "
+                f"from {low[axis]:g} to {high[axis]:g}; move or shrink it, or enlarge them{remedy}"
             )
 
 
 def _size(case: Scene) -> Iterator[str]:
-    s = case.numerics.spacing
-    n = size.counts(case)
-    if not case.plain and n["all"] <= size.MOST:
+    s, n = case.numerics.spacing, size.counts(case)
+    if n["all"] <= size.MOST:
         yield from _far(case)
-    elif n["all"] > size.MOST:
+    else:
         yield (
             f"numerics.spacing = {s:g}: makes about {n['all']:.3g} particles, {n['wall']:.3g} of them on walls, "
             f"which take about {amount(size.memory(n['all']))} of memory; at most {size.MOST:.2g} can be numbered; "
             "use a larger spacing, or less fluid and a smaller tank"
         )
-    elif size.search(case) > size.MOST:
-        yield (
-            f"fluid.shape: the rectangle around it has {size.search(case):.3g} lattice points, "
-            f"at most {size.MOST:.2g} are searched for fluid; use a larger spacing, "
-            "or a body that fills more of its rectangle"
-        )
-    elif size.mostly_empty(case):
-        yield (
-            f"fluid.shape: fills {100.0 * n['fluid'] / size.search(case):.2g} % of the rectangle around it, "
-            f"which has {size.search(case):.3g} lattice points: must fill at least {100.0 * size.LEAST_FILLED:g} % if "
-            f"lattice points times corners are more than {size.SEARCHED:.2g}; use a larger spacing, "
-            "or turn the body along an axis"
-        )
-    elif n["exact"] and n["fluid"] < LEAST:
-        yield (f"numerics.spacing = {s:g}: leaves {n['fluid']} fluid particles, at least {LEAST} are needed; "
-               "use a smaller spacing")
-    else:
-        yield from _far(case)
 
 
 def _far(case: Scene) -> Iterator[str]:

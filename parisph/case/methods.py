@@ -18,7 +18,6 @@ class Method:
     source : paper and equation, such as "Z14 Eq 23" (Zheng, Ma & Duan 2014; Z17 is Zheng et al. 2017)
     values : {field of Numerics: value} that the method sets, unless the case does
     step : "projection", or "compressible" for weakly compressible SPH
-    wall_layers : layers of wall particles, the first one on the wall
     warning : what a user must know before running it, or ""
     """
 
@@ -26,7 +25,6 @@ class Method:
     source: str
     values: Mapping[str, Any] = field(default_factory=dict)
     step: str = "projection"
-    wall_layers: int = 1
     warning: str = ""
 
     def __post_init__(self) -> None:
@@ -69,7 +67,7 @@ METHODS = {
         Method("KG", "Z14 Eq 23, with the source of Khayyer and Gotoh", {
             "laplacian": "rankine", "source": "compensating", "kappa": 0.0, "shift": 0.0, "residual_strain": 0.0}),
         Method("SPH", "Z14 Eqs 3-9: weakly compressible, with artificial viscosity", {"laplacian": "sph"},
-               "compressible", wall_layers=3),
+               "compressible"),
         Method("Z14_ISPH_R", "Z14, its own settings", {**_Z14, "laplacian": "rankine_printed"}, warning=_DENSITY),
         Method("Z14_ISPH", "Z14, its own settings", {**_Z14, "laplacian": "sph"}, warning=_DENSITY),
         Method("Z14_CISPH1", "Z14, its own settings", {**_Z14, "laplacian": "cisph1"}, warning=_DENSITY),

@@ -19,7 +19,7 @@ def inside(case: Scene, field: str, points: Points) -> Iterator[str]:
     tolerance = 1e-6 * float(np.max(high - low))
     high = high + np.where(np.arange(case.dim) < case.dim - 1 + case.lidded, 0.0, np.inf)
     if not np.all((x >= low - tolerance) & (x <= high + tolerance), axis=1).any():
-        yield (f"{field} = {shown(tuple(x[0].tolist()))} must lie in the tank, from {point(low)} to {point(high)}; "
+        yield (f"{field} = {shown(tuple(x[0].tolist()))} must lie within the walls, from {point(low)} to {point(high)}; "
                "move it")
 
 

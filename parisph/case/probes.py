@@ -191,7 +191,7 @@ class Gauge(Probe):
         if case.wall_bounds is not None:
             low, high = case.wall_bounds
             if not low[0] <= self.at <= high[0]:
-                yield f"at = {self.at:g} must lie in the tank, from x = {low[0]:g} to {high[0]:g}"
+                yield f"at = {self.at:g} must lie within the walls, from x = {low[0]:g} to {high[0]:g}"
 
     def misplaced(self, places: Any) -> Iterator[str]:
         """See Probe: there is room for fluid."""

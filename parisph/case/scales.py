@@ -131,9 +131,10 @@ def _start_speed(case: Case) -> float:
 def _level(case: Case, down: Floats) -> Box | None:
     """Return the fluid if it is a Box between the tank's walls, on its bed, below -y; else None."""
     box = case.fluids[0].shape
-    if not case.plain or case.tank is None or not isinstance(box, Box) or down[-1] > -0.99:
+    tank = case.lone_tank
+    if tank is None or len(case.fluids) > 1 or not isinstance(box, Box) or down[-1] > -0.99:
         return None
-    (lower, upper), (low, high) = box.bounds, case.tank.bounds
+    (lower, upper), (low, high) = box.bounds, tank.bounds
     slack = 0.5 * case.numerics.spacing
     fills = np.all(np.abs(lower - low) < slack) and np.all(np.abs(upper - high)[:-1] < slack)
     return box if fills else None

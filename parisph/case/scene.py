@@ -99,9 +99,10 @@ class Scene(Model):
         return next((body for body in self.bodies if isinstance(body, Tank)), None)
 
     @property
-    def plain(self) -> bool:
-        """Whether the scene is one tank at rest in its frame, or none, and one shape of fluid: all on one lattice."""
-        return False
+    def lone_tank(self) -> Optional[Tank]:
+        """The Tank if it is the only wall and rests in the frame of the scene, or None."""
+        alone = self.tank is not None and len(self.bodies) == 1 and isinstance(self.tank.motion, AtRest)
+        return self.tank if alone else None
 
     @property
     def lidded(self) -> bool:
@@ -169,13 +170,14 @@ class Scene(Model):
     def closed(self) -> bool:
         """True for a tank with a lid that is full: no free surface, pressure up to a constant.
 
-        One with other bodies in it is full if still water reaches its lid.
+        A tank is full if still water reaches its lid, and without other bodies in it, if a Box fills it.
         """
-        shape, tank = self.fluids[0].shape, self.tank
-        if isinstance(shape, StillWater) and tank is not None and tank.closed:
-            up_to_lid = abs(shape.level - float(tank.bounds[1][-1])) <= FIT * self.numerics.spacing
-            return up_to_lid and len(self.fluids) == 1 and not self.fluids[0].raised and not self.fluids[0].holes
-        if not self.plain or tank is None or not tank.closed or not isinstance(shape, Box) or self.fluids[0].raised:
+        fluid, shape, tank = self.fluids[0], self.fluids[0].shape, self.tank
+        if tank is None or not tank.closed or len(self.fluids) > 1 or fluid.raised or fluid.holes:
+            return False
+        if isinstance(shape, StillWater):
+            return abs(shape.level - float(tank.bounds[1][-1])) <= FIT * self.numerics.spacing
+        if self.lone_tank is None or not isinstance(shape, Box):
             return False
         gaps = np.abs(np.array(shape.bounds) - np.array(tank.bounds))
         return bool(np.all(gaps < 0.5 * self.numerics.spacing))

@@ -10,7 +10,7 @@ from parisph.case.faults import first_lines
 from parisph.case.schema import Case
 from parisph.case.time_scales import stable_time_step
 from parisph.driver import cost, estimate
-from parisph.geometry import plain, scene_checks
+from parisph.geometry import scene_checks
 from parisph.methods import catalogue, velocities
 
 LONG = 1.25              # times the estimated limit: a fixed step that is warned of
@@ -23,7 +23,7 @@ def check(case: Case) -> None:
     found = [*estimate.faults(case)]
     if found:
         raise CaseError(first_lines(found))
-    parts_of(case).check(case.dim, case.plain)
+    parts_of(case).check(case.dim)
 
 
 def parts_of(case: Case) -> Any:
@@ -49,10 +49,6 @@ def warnings(case: Case, count: Mapping[str, int], expected: scales.Scales) -> I
     yield from _about_the_step(case)
     yield from _about_flaps(case)
     yield from doubts(case, count, expected)
-    if not case.closed and count["exact"] and case.plain and not plain.lattice(case).has_surface():
-        yield (f"none of the {count['fluid']} fluid particles is on a free surface, "
-               "so p = 0 is set only at the highest one; leave a spacing of air, "
-               "or fill the tank with a Box of its size, without elevation")
 
 
 def _about_the_step(case: Case) -> Iterator[str]:

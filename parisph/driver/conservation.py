@@ -230,7 +230,7 @@ def _rest(case: Case, scene: Scene) -> Callable[[float], float] | None:
     """Return the potential energy at rest as a function of the volume, or None if it is not defined.
 
     It is defined for a tank with vertical walls under gravity that points down. Particles represent the volumes
-    around them, as at the start (Lattice.cells): at rest on the lattice their potential energy is proportional
+    around them, as at the start (Filling.cells): at rest on the lattice their potential energy is proportional
     to d^2/2 + s^2/2, where water of depth d has d^2/2, because particles at the bed represent 3/2 cells and
     those on the surface 1/2. This applies if the water is as wide as the tank; water that flows into another
     shape comes to rest off the lattice. Without a force there is no potential energy.
@@ -238,11 +238,11 @@ def _rest(case: Case, scene: Scene) -> Callable[[float], float] | None:
     g, density = scene.gravity, case.density
     if not case.driven and not g.any():
         return lambda volume: 0.0
-    if not (scene.tank and case.plain) or np.abs(g[:-1]).max(initial=0.0) > 1e-12 * abs(g[-1]) or not g[-1] < 0.0:
+    if case.lone_tank is None or np.abs(g[:-1]).max(initial=0.0) > 1e-12 * abs(g[-1]) or not g[-1] < 0.0:
         return None
     width = float(np.prod((scene.upper - scene.lower)[:-1]))
     shape = case.fluids[0].shape
-    spans = (isinstance(shape, Box) and not case.closed
+    spans = (isinstance(shape, Box) and len(case.fluids) == 1 and not case.closed
              and np.allclose(shape.size[:-1], (scene.upper - scene.lower)[:-1]))
     extra = width * scene.step[-1] ** 2 if spans else 0.0
     return lambda volume: 0.5 * density * abs(g[-1]) * (volume**2 / width + extra)

@@ -10,11 +10,11 @@ from mpi4py import MPI
 
 from parisph.base.arrays import Floats
 from parisph.base.fields import FLUID
-from parisph.case.bodies import StillWater, motion_of
+from parisph.case.bodies import motion_of
 from parisph.case.motion import AtRest
 from parisph.case.probes import Gauge
 from parisph.case.schema import Case
-from parisph.driver.conservation import Conservation, has_level
+from parisph.driver.conservation import Conservation
 from parisph.driver.simulation import Simulation
 from parisph.io.reader import Run
 from parisph.kernels.closest import least_distance
@@ -271,8 +271,7 @@ def _makes(case: Case) -> bool:
 def _across(case: Case) -> Sequence[SurfaceGauge]:
     """Return gauges across the water of an open tank whose level is known: gravity is down in its frame."""
     scene = Scene.of(case)
-    still = isinstance(case.fluids[0].shape, StillWater) and case.dim == 2 and has_level(case, scene)
-    if case.lidded or not (still or (case.dim == 2 and case.plain and case.tank is not None)):
+    if case.lidded or case.dim != 2 or case.lone_tank is None:
         return ()
     if scene.gravity[0] != 0.0 or not scene.gravity[-1] < 0.0:
         return ()

@@ -35,7 +35,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
     lines = [
         ("case", case.title),
         ("method", f"{numerics.method}, preset {numerics.preset}"),
-        ("particles", f"{'' if count['exact'] else 'about '}{count['all']} ({count['fluid']} fluid, "
+        ("particles", f"{count['all']} ({count['fluid']} fluid, "
                       f"{count['wall']} wall), spacing {numerics.spacing:g} m"),
         ("resolution", _resolution(case)),
         *_waves(case, expected, steps),
@@ -58,9 +58,7 @@ def describe(case: Case, parameters: Mapping[str, Any] | None = None) -> str:
 
 
 def _geometry(case: Case) -> Iterator[tuple[str, str]]:
-    """Yield what there is to say about walls and filling of a scene that is not plain."""
-    if case.plain:
-        return
+    """Yield what there is to say about walls and filling of a scene."""
     moving = {name: type(motion_of(body)).__name__ for name, body in zip(body_names(case.bodies), case.bodies)
               if not isinstance(motion_of(body), AtRest)}
     known = scene_checks.facts(case)

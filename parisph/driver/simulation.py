@@ -138,6 +138,8 @@ class Simulation:
                     absorb=case.absorber, friction=case.friction, wave_time=wave_time(case), vorticity=vorticity)
         if start is None:
             solid_walls.fill(case, flow)
+        else:
+            solid_walls.complete(case, flow, start.arrays)
         self.method = _method(case, flow, parts, petsc_options)
         self._made.append(self.method)
         if start is not None:
@@ -375,7 +377,7 @@ def _parts(case: Case, comm: MPI.Comm) -> Parts | CompressibleParts:
     parts: Parts | CompressibleParts = parts_of(case.numerics, case.physics)
     error = None
     try:
-        parts.check(case.dim, case.plain)
+        parts.check(case.dim)
         written.check(case.output.fields, case.dim)
     except CaseError as problem:
         error = problem

@@ -49,7 +49,7 @@ def _filled(case: Case, x: Floats, y: Floats) -> Picture:
     free = in_fluid([outline_of(wall) for wall in walls if isinstance(wall.motion, AtRest)], places)
     mesh = wall_mesh(walls, case.numerics.spacing) if walls else None
     wet = in_fluid([outline_of(wall) for wall in walls], places)
-    wet &= np.any([fill.holds(places) for fill in fillings(case, walls, mesh)], axis=0)
+    wet &= np.any([fill.holds(places) for fill in fillings(case)], axis=0)
     return np.where(wet, WATER, np.where(free, AIR, SOLID)).reshape(len(y), len(x))
 
 

@@ -1,5 +1,7 @@
 """Walls of any shape in a simulation: their elements, and fluid that fills what they leave, before the first step."""
 
+from collections.abc import Collection
+
 import numpy as np
 from mpi4py import MPI
 
@@ -41,23 +43,62 @@ def elements_of(case: Case, particles: Particles) -> WallElements:
     return WallElements(mesh, last + 1 - len(mesh.x0), case.numerics.spacing, build.scene_motions(case))
 
 
-def fill(case: Case, flow: Flow) -> None:
-    """Pack the fluid of a scene of any walls, give it the volumes that it stands for, and jitter it. Collective.
+def complete(case: Case, flow: Flow, names: Collection[str]) -> None:
+    """Give particles the fields of walls that a checkpoint of an earlier release lacks. Collective.
 
-    A method that keeps pairs apart does so here, too. Its first step would only after it has found their pressure.
+    Until then, a tank that was all the walls of a scene had no elements. names : of the fields that there are
+    """
+    p = flow.particles
+    if "area" in names or not p.n_global:
+        return
+    walls = np.flatnonzero(p.kind == WALL)
+    p.body[:] = -1
+    if len(walls):
+        nodes = build.wall_nodes(case, p.id[walls] - flow.walls.elements.first)
+        for name in ("weight", "area", "edge", "body"):
+            getattr(p, name)[walls] = nodes[name]
+    flow.domain.refresh()
+    filling.halve(flow)
+
+
+def fill(case: Case, flow: Flow) -> None:
+    """Pack the fluid of a scene, give it the volumes that it stands for, and jitter it. Collective.
+
+    Fluid on the lattice of a tank alone is even as it is (build.even): neither walls nor other fluid move its jittered
+    particles. In other scenes a method that keeps pairs apart does so here, too. Its first step would only after it has
+    found their pressure.
     """
     p, d, s = flow.particles, flow.domain, case.numerics.spacing
+    even = build.even(case)
     d.refresh()
-    filling.pack(flow)
-    near = p.x[p.kind == FLUID] if (p.kind == FLUID).any() else np.zeros((1, p.dim))
-    reach = d.radius + s
-    filling.weigh(flow, build.samples(case, near.min(axis=0) - reach, near.max(axis=0) + reach))
+    if not even:
+        filling.pack(flow)
+    if not build.weighed(case):
+        near = p.x[p.kind == FLUID] if (p.kind == FLUID).any() else np.zeros((1, p.dim))
+        reach = d.radius + s
+        filling.weigh(flow, build.samples(case, near.min(axis=0) - reach, near.max(axis=0) + reach))
+    if not even:
+        filling.weigh_cells(flow)
+    filling.halve(flow)
     if case.numerics.jitter > 0.0:
-        move = build.jitter(case, p.id, p.role != INNER)
-        move[p.kind != FLUID] = 0.0
-        filling.scatter(flow, move)
-        apart = KeepApart()
-        if apart.name in (case.numerics.regularisers or ()) and apart.wanted(case.numerics):
-            for _ in range(APART):
-                apart.apply(flow, 0.0)
-            d.refresh()
+        _jitter(case, flow, even)
+    for name, values in build.started(case, p.id, p.x).items():
+        if name in p.fields:
+            view = getattr(p, name)
+            view[p.kind == FLUID] = values[p.kind == FLUID]
+
+
+def _jitter(case: Case, flow: Flow, even: bool) -> None:
+    p, d = flow.particles, flow.domain
+    move = build.jitter(case, p.id, p.role != INNER)
+    move[p.kind != FLUID] = 0.0
+    if even:
+        p.x[:] += move
+        d.refresh()
+        return
+    filling.scatter(flow, move)
+    apart = KeepApart()
+    if apart.name in (case.numerics.regularisers or ()) and apart.wanted(case.numerics):
+        for _ in range(APART):
+            apart.apply(flow, 0.0)
+        d.refresh()

@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 from parisph.base.errors import ParisphError, agree
 from parisph.case.numerics import Numerics
-from parisph.case.schema import Box, Case, Fluid, Obstacle, Tank
+from parisph.case.schema import Box, Case, Fluid, Obstacle, StillWater, Tank
 from parisph.kernels import jit, processor
 from parisph.parallel import halo
 from parisph.pressure import matrices
@@ -67,11 +67,11 @@ def small(case: Case, numerics: Numerics) -> Case:
     s = numerics.spacing
     side = CELLS * s
     filled = side if case.closed else FILLED * s
+    water = StillWater(level=side) if case.closed else Box(width=filled, height=filled)
     tank = Tank(width=side, height=side, lid=True)
     block = Obstacle(Box(width=2.0 * s, height=2.0 * s, at=(filled - 4.0 * s, 0.0)))
     return Case(
-        title="small", fluid=Fluid(Box(width=filled, height=filled), density=1000.0),
-        walls=tank if case.plain else (tank, block), gravity=(0.0, -1.0),
+        title="small", fluid=Fluid(water, density=1000.0), walls=(tank, block), gravity=(0.0, -1.0),
         probes=(Volume("volume"), Energy("energy")), end_time=1.0,
         numerics=numerics.model_copy(update={"time_step": STEP * s**0.5, "max_time_step": None, "jitter": 0.0}),
     )

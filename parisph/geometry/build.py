@@ -6,16 +6,18 @@ looks at the lines of the lattice and at the walls only, of which there are some
 """
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from parisph.base.arrays import Array, Floats, Ints
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FLUID, INNER, SURFACE, WALL, WET
-from parisph.case import size as case_size
 from parisph.case.bodies import StillWater
+from parisph.case.expressions import uniform_field
 from parisph.case.fluids import Fluid
-from parisph.case.lattice import FIT
+from parisph.case.methods import METHODS
 from parisph.case.motion import Motion, Rotation, course
 from parisph.case.scene import Scene
 from parisph.case.schema import Case
@@ -23,12 +25,12 @@ from parisph.case.shapes import Box, Lid, Tank
 from parisph.geometry.fill import Filling, Taken, taken
 from parisph.geometry.mesh import CONCAVE, CONVEX, WallMesh, motions_of, wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
-from parisph.geometry.plain import lattice, plain_particles, uniform
 from parisph.geometry.quadrature import fluid_area
 from parisph.geometry.quadrature import samples as samples_of
-from parisph.geometry.raised import raised
+from parisph.geometry.raised import lowered, raised
 from parisph.geometry.standing import standing
 
+CHUNK = 2**18   # particles looked at in one go; bounds the memory of a large scene
 BESIDE = 0.5    # spacings: a wall node this near to the surface is at the contact line
 LIFT = 0.1      # spacings: so far in front of a node its fluid is looked for
 TURN = 0.02     # [rad] between two places at which walls that turn are looked at
@@ -59,26 +61,21 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
 
     Returns
     -------
-    dict of arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8;
-    x [m], u [m/s], normal (n, dim); volume (n,) [m^dim] (see Lattice.cells), 0 for walls; p (n,)
-    [Pa], zero where the first solve finds it, else that of still water; start_role as role; no_slip (n,) int8, wall_u
-    (n, dim) [m/s]. Wall normals are unit vectors into the fluid, in a corner the normalised sum of both walls'.
+    dict of arrays: id (n,) int64, fluid first and then walls, in order; kind, corner, role (n,) int8; x [m], u [m/s],
+    normal (n, dim); volume (n,) [m^dim], of fluid the cell of its lattice, of walls 0 (see `weighed`); p (n,) [Pa], of
+    weakly compressible fluid that of still water, else 0 until the first solve; swirl (n,) [1/s]; start_role as role;
+    no_slip (n,) int8; wall_u (n, dim) [m/s]. Wall normals are unit vectors into the fluid, in a corner the normalised
+    sum of both walls'. Fluid is not jittered: see `jitter`.
 
-    In a scene that is not plain, all fluid has the volume of its lattice's cell: `samples` and kernels.packing.volumes
-    give that which it stands for. It is not jittered: see `jitter`. All scenes have weight (n,), of fluid its cell over
-    s^dim. If there are walls, it is for a node the part of a cell s^dim inside the fluid, area * share / s^(dim-1), and
-    there are in addition, as kernels.density takes them: area (n, dim), its vector area over s^(dim-1), 0 for fluid;
-    edge (n,) int8 (geometry.mesh); body (n,) int16, the number of the body in the mesh, 0 for fluid.
+    weight (n,), of fluid its cell over s^dim, of a node the part of a cell s^dim inside the fluid, area * share /
+    s^(dim-1); area (n, dim), of a node its vector area over s^(dim-1), of fluid 0; edge (n,) int8 (geometry.mesh); body
+    (n,) int16, of a node the number of its body in the mesh, of fluid -1.
 
     Raises
     ------
     CaseError : there is no fluid
     """
-    if case.plain:
-        return plain_particles(case, rank, size)
-    walls = standing(case)
-    mesh = wall_mesh(walls, case.numerics.spacing) if walls else None
-    fills = fillings(case, walls, mesh)
+    mesh, fills = scene_mesh(case), fillings(case)
     n_fluid, n_wall = sum(fill.count for fill in fills), 0 if mesh is None else len(mesh.x0)
     if n_fluid == 0:
         raise CaseError("fluid: there is room for no particle: it is too thin for the spacing, or behind the walls")
@@ -87,52 +84,77 @@ def build(case: Case, rank: int = 0, size: int = 1) -> dict[str, Array]:
     parts, first = [], 0
     for fluid, fill in zip(case.fluids, fills):
         low, high = (int(np.clip(end - first, 0, fill.count)) for end in (start, stop))
-        parts.append(_fluid(case, fluid, fill, fills, mesh, low, high))
+        parts.append(_fluid(case, fluid, fill, low, high))
         first += fill.count
     if mesh is not None:
-        nodes = np.arange(max(start - n_fluid, 0), max(stop - n_fluid, 0))
-        parts.append(_walls(case, walls, mesh, fills, nodes))
+        parts.append(wall_nodes(case, np.arange(max(start - n_fluid, 0), max(stop - n_fluid, 0))))
     arrays = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     arrays["id"] = np.arange(start, stop, dtype=np.int64)
-    arrays["p"] = np.zeros(stop - start)
     arrays["start_role"] = arrays["role"].copy()
     return arrays
 
 
-def fillings(case: Scene, walls: Sequence, mesh: WallMesh | None) -> list[Filling]:
-    """Return the Filling of each body of fluid, which gives way to other fluid; see `fill.taken`."""
-    s = case.numerics.spacing
-    return [Filling(fluid.shape, walls, mesh, s, fluid.holes, others,
-                    fluid.rise if fluid.raised and isinstance(fluid.shape, StillWater) else None)
-            for fluid, others in _with_others(case)]
+def fillings(case: Scene) -> tuple[Filling, ...]:
+    """Return the Filling of each body of fluid, which gives way to other fluid; see `fill.taken`. They are made once.
+    """
+    return _fillings(case.fluids, standing(case), case.numerics.spacing)
 
 
-def _with_others(case: Scene) -> list[tuple[Fluid, list[Taken]]]:
+@lru_cache(maxsize=4)
+def _fillings(fluids, walls, spacing):
+    mesh = wall_mesh(walls, spacing) if walls else None
+    return tuple(Filling(fluid.shape, walls, mesh, spacing, fluid.holes, others,
+                         fluid.rise if fluid.raised and isinstance(fluid.shape, StillWater) else None)
+                 for fluid, others in _with_others(fluids))
+
+
+def even(case: Scene) -> bool:
+    """Return whether all fluid starts on the lattice of the tank, which is the only wall, or there is no wall.
+
+    Such fluid lies evenly up to the walls: it need not be packed.
+    """
+    return all(fill.even for fill in fillings(case))
+
+
+def weighed(case: Scene) -> bool:
+    """Return whether the volumes of `build` are those for which particles stand: where all fluid is one even Box.
+
+    For other scenes `samples` and kernels.packing.volumes give them.
+    """
+    fluid = case.fluids[0]
+    return len(case.fluids) == 1 and isinstance(fluid.shape, Box) and not fluid.holes and even(case)
+
+
+def _with_others(fluids: Sequence[Fluid]) -> list[tuple[Fluid, list[Taken]]]:
     """Return each body of fluid and the other fluid to which it gives way."""
-    shapes, holes = [fluid.shape for fluid in case.fluids], [fluid.holes for fluid in case.fluids]
-    return [(fluid, taken(shapes, holes, number)) for number, fluid in enumerate(case.fluids)]
+    shapes, holes = [fluid.shape for fluid in fluids], [fluid.holes for fluid in fluids]
+    return [(fluid, taken(shapes, holes, number)) for number, fluid in enumerate(fluids)]
 
 
 def counts(case: Scene) -> dict[str, int]:
-    """Return {"fluid": n, "wall": n, "all": n, "exact": bool}, the numbers of particles of any scene."""
-    if case.plain:
-        return case_size.counts(case)
-    mesh = scene_mesh(case)
-    fluid = sum(fill.count for fill in fillings(case, standing(case), mesh))
+    """Return {"fluid": n, "wall": n, "all": n}, the numbers of particles of a scene."""
+    mesh, fluid = scene_mesh(case), sum(fill.count for fill in fillings(case))
     wall = 0 if mesh is None else len(mesh.x0)
-    return {"fluid": fluid, "wall": wall, "all": fluid + wall, "exact": True}
+    return {"fluid": fluid, "wall": wall, "all": fluid + wall}
+
+
+def has_surface(case: Scene) -> bool:
+    """Return whether any fluid of a scene is on the surface at the start. Looks at CHUNK particles at a time."""
+    fills = fillings(case)
+    return any(fill.is_surface(fill.indices(low, low + CHUNK), fills).any()
+               for fill in fills for low in range(0, fill.count, CHUNK))
 
 
 def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iterator[tuple[Array, Array]]:
     """Yield places (m, dim) [m] all over the fluid at the start, and the volume (m,) [m^dim] around each of them.
 
-    For kernels.packing.volumes, in a scene that is not plain. lower, upper : (dim,) [m], the part of the scene to look
+    For kernels.packing.volumes. lower, upper : (dim,) [m], the part of the scene to look
     at; the places do not depend on it
     """
     walls, s = standing(case), case.numerics.spacing
     mesh = wall_mesh(walls, s) if walls else None
     box = domain(case)
-    for fluid, others in _with_others(case):
+    for fluid, others in _with_others(case.fluids):
         low, high = np.array(lower, float), np.array(upper, float)
         part = [low.copy(), high.copy()]
         if fluid.raised:    # before they are raised, places may be anywhere above and below
@@ -144,17 +166,17 @@ def samples(case: Scene, lower: Sequence[float], upper: Sequence[float]) -> Iter
 
 
 def volume(case: Scene) -> float:
-    """Return the exact volume [m^dim] of all fluid at the start, in a scene that is not plain."""
+    """Return the exact volume [m^dim] of all fluid at the start."""
     walls, mesh, box, s = standing(case), scene_mesh(case), domain(case), case.numerics.spacing
     return sum(fluid_area(fluid.shape, walls, *box, s, fluid.holes,
                           lambda x, own=fluid: raised(own, mesh, case.bounds_of(own), x)[1], others)
-               for fluid, others in _with_others(case))
+               for fluid, others in _with_others(case.fluids))
 
 
 def jitter(case: Scene, number: Ints, surface: Array) -> Floats:
     """Return the displacement (n, dim) [m] by which the case jitters fluid particles of these numbers.
 
-    surface : (n,) bool, whether they are on the surface. A plain scene is built with it; others are packed first.
+    surface : (n,) bool, whether they are on the surface
     """
     n = case.numerics
     move: Floats = n.spacing * n.jitter * (uniform(n.seed, number, case.dim) - 0.5)
@@ -163,18 +185,46 @@ def jitter(case: Scene, number: Ints, surface: Array) -> Floats:
     return move
 
 
-def lattice_step(case: Case) -> Floats:
-    """Return the step (dim,) [m] of the lattice of a plain scene, the spacing in others."""
-    return lattice(case).step if case.plain else np.full(case.dim, case.numerics.spacing)
+def uniform(seed: int, number: Ints, columns: int) -> Floats:
+    """Return random numbers (n, columns) in [0, 1) that depend only on the seed and the particle's number.
+
+    They are a hash (splitmix64's finaliser) of a counter: without state, so the same on any number of ranks.
+    """
+    with np.errstate(over="ignore"):
+        column: NDArray[np.uint64] = np.arange(columns, dtype=np.uint64)
+        counter: NDArray[np.uint64] = np.asarray(number, dtype=np.uint64)[:, None] * np.uint64(columns) + column
+        bits = _mix(counter + _mix(np.array([seed], dtype=np.uint64))) >> np.uint64(11)
+        return bits.astype(np.float64) * 2.0**-53
 
 
-def uneven(case: Scene) -> bool:
-    """Return whether particles of a scene without elements stand for other cells than s^dim inside the fluid."""
-    s = case.numerics.spacing
-    if any(fluid.raised and isinstance(fluid.shape, Box) for fluid in case.fluids):
-        return True
-    steps = [lattice(case).step] if case.plain else [fill.step for fill in fillings(case, (), None)]
-    return any(abs(step.prod() / s**case.dim - 1.0) > FIT for step in steps)
+def _mix(z: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    z = z + np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return z ^ (z >> np.uint64(31))
+
+
+def started(case: Scene, number: Ints, x: Floats) -> dict[str, Floats]:
+    """Return u (n, dim) [m/s], swirl (n,) [1/s] and p (n,) [Pa] at the start of the fluid particles of these numbers,
+    at x (n, dim) [m]."""
+    found, first = {"u": np.zeros_like(x), "swirl": np.zeros(len(x)), "p": np.zeros(len(x))}, 0
+    for fluid, fill in zip(case.fluids, fillings(case)):
+        own = (number >= first) & (number < first + fill.count)
+        for name, values in _started(case, fluid, x[own]).items():
+            found[name][own] = values
+        first += fill.count
+    return found
+
+
+def _started(case: Scene, fluid: Fluid, x: Floats) -> dict[str, Floats]:
+    compressible = METHODS[case.numerics.method].step == "compressible"
+    return {"u": fluid.start_velocity(x), "swirl": case.start_vorticity(fluid, x),
+            "p": _still_pressure(case, fluid, x) if compressible else np.zeros(len(x))}
+
+
+def lattice_step(case: Scene) -> Floats:
+    """Return the step (dim,) [m] of the lattice of the first body of fluid."""
+    return fillings(case)[0].step
 
 
 def domain(case: Scene) -> tuple[Floats, Floats]:
@@ -182,8 +232,8 @@ def domain(case: Scene) -> tuple[Floats, Floats]:
 
     A scene without a lid is open above: the box then also holds the fluid at the start.
     """
-    if case.plain or case.wall_bounds is None:
-        return case.fluid_bounds if case.wall_bounds is None else case.wall_bounds
+    if case.wall_bounds is None:
+        return case.fluid_bounds
     lower, upper = (corner.copy() for corner in case.wall_bounds)
     for wall in standing(case):
         x = outline_of(wall).points
@@ -214,35 +264,41 @@ def _highest(case: Scene, fluid: Fluid) -> float:
     return float(upper[-1] + fluid.rise(np.linspace(lower[0], upper[0], min(many, 10000))).max())
 
 
-def _fluid(case: Case, fluid: Fluid, fill: Filling, fills: Sequence[Filling], mesh: WallMesh | None,
-           start: int, stop: int) -> dict[str, Array]:
+def _still_pressure(case: Scene, fluid: Fluid, x: Floats) -> Floats:
+    """Return the pressure [Pa] at x (n, dim) [m] of fluid below its level top in uniform gravity, 0 for other fluid.
+
+    With an elevation, the top is that above x.
+    """
+    gravity = uniform_field(case.gravity)
+    if gravity is None or not isinstance(fluid.shape, (Box, StillWater)):
+        return np.zeros(len(x))
+    pressure: Floats = np.maximum(case.density * -gravity[-1] * (fluid.top + fluid.rise(x[:, 0]) - x[:, -1]), 0.0)
+    return pressure
+
+
+def _fluid(case: Case, fluid: Fluid, fill: Filling, start: int, stop: int) -> dict[str, Array]:
     """Return points number start to stop of one body of fluid."""
     index = fill.indices(start, stop)
-    surface = fill.is_surface(index, [other for other in fills if other is not fill])
+    surface = fill.is_surface(index, fillings(case))
     x, factor = fill.position(index), np.ones(len(index))
     if not isinstance(fluid.shape, StillWater):
-        x, factor = raised(fluid, mesh, case.bounds_of(fluid), x)
+        x, factor = raised(fluid, scene_mesh(case), case.bounds_of(fluid), x)
     n, dim = x.shape
     cell = factor * fill.step.prod()
-    return _with_area(mesh, {
+    return {
         "kind": np.full(n, FLUID, dtype=np.int8), "corner": np.zeros(n, dtype=np.int8),
-        "role": np.where(surface, SURFACE, INNER).astype(np.int8), "x": x, "u": fluid.start_velocity(x),
-        "swirl": case.start_vorticity(fluid, x),
-        "volume": cell, "normal": np.zeros((n, dim)), "no_slip": np.zeros(n, dtype=np.int8),
-        "wall_u": np.zeros((n, dim)), "weight": cell / case.numerics.spacing**dim, "area": np.zeros((n, dim)),
-        "edge": np.zeros(n, dtype=np.int8), "body": np.zeros(n, dtype=np.int16)})
+        "role": np.where(surface, SURFACE, INNER).astype(np.int8), "x": x, **_started(case, fluid, x),
+        "volume": factor * fill.cells(index) if weighed(case) else cell, "normal": np.zeros((n, dim)),
+        "no_slip": np.zeros(n, dtype=np.int8), "wall_u": np.zeros((n, dim)),
+        "weight": cell / case.numerics.spacing**dim, "area": np.zeros((n, dim)),
+        "edge": np.zeros(n, dtype=np.int8), "body": np.full(n, -1, dtype=np.int16)}
 
 
-def _with_area(mesh, arrays):
-    """Leave out what only scenes with walls have."""
-    only = ("area", "edge", "body") if mesh is None else ()
-    return {name: values for name, values in arrays.items() if name not in only}
-
-
-def _walls(case: Case, walls: Sequence, mesh: WallMesh, fills: Sequence[Filling], nodes: Ints) -> dict[str, Array]:
-    """Return these nodes of the mesh as particles."""
-    x, s, n = mesh.x0[nodes], case.numerics.spacing, len(nodes)
-    no_slip, wall_u = np.zeros(n, dtype=np.int8), np.zeros_like(x)
+def wall_nodes(case: Case, nodes: Ints) -> dict[str, Array]:
+    """Return nodes (n,) of the mesh of a case as particles, the same arrays as `build` but for ids."""
+    walls, mesh, s, n = standing(case), scene_mesh(case), case.numerics.spacing, len(nodes)
+    assert mesh is not None
+    x, no_slip, wall_u = mesh.x0[nodes], np.zeros(n, dtype=np.int8), np.zeros((n, mesh.dim))
     motions = motions_of(walls)
     for number, body in enumerate(mesh.bodies):
         own = mesh.body[nodes] == number
@@ -254,21 +310,24 @@ def _walls(case: Case, walls: Sequence, mesh: WallMesh, fills: Sequence[Filling]
             no_slip[own] = body.slip == "none"
     scale = s ** (mesh.dim - 1)
     return {
-        "kind": np.full(n, WALL, dtype=np.int8), "corner": _in_corner(mesh)[nodes],
-        "role": _roles(case, walls, fills, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
-        "swirl": np.zeros(n), "volume": np.zeros(n), "normal": mesh.normal0[nodes], "no_slip": no_slip,
-        "wall_u": wall_u, "weight": mesh.area[nodes] * mesh.share[nodes] / scale,
+        "kind": np.full(n, WALL, dtype=np.int8), "corner": _in_corner(mesh, walls)[nodes],
+        "role": _roles(case, walls, x, mesh.normal0[nodes], mesh.edge[nodes]), "x": x, "u": np.zeros_like(x),
+        "p": np.zeros(n), "swirl": np.zeros(n), "volume": np.zeros(n), "normal": mesh.normal0[nodes],
+        "no_slip": no_slip, "wall_u": wall_u, "weight": mesh.area[nodes] * mesh.share[nodes] / scale,
         "area": mesh.vector_area[nodes] / scale,
         "edge": mesh.edge[nodes], "body": mesh.body[nodes].astype(np.int16)}
 
 
-def _in_corner(mesh):
-    """Return 1 for nodes in a concave corner, and at the end of an open line, as at the foot of a piston, (N,) int8."""
-    ends = (np.bincount(mesh.elements.ravel(), minlength=len(mesh.x0)) == 1) & (mesh.dim == 2)
+def _in_corner(mesh, walls):
+    """Return 1 for nodes in a concave corner, and at the end of an open line, as at the foot of a piston, (N,) int8.
+
+    The rim of an open tank is no corner.
+    """
+    ends = mesh.ends & (mesh.dim == 2) & ~np.isin(mesh.body, [k for k, wall in enumerate(walls) if isinstance(wall, Tank)])
     return ((mesh.edge == CONCAVE) | ends).astype(np.int8)
 
 
-def _roles(case, walls, fills, x, normal, edge):
+def _roles(case, walls, x, normal, edge):
     """Return the roles (n,) of nodes: wet where fluid comes to them, in contact near its surface, else dry.
 
     Dry are also nodes behind another body, as those of a bed behind a piston, and convex edges, which carry no row.
@@ -276,7 +335,8 @@ def _roles(case, walls, fills, x, normal, edge):
     s, outlines = case.numerics.spacing, [outline_of(wall) for wall in walls]
 
     def held(at: Floats) -> Array:
-        return np.any([fill.holds(at) for fill in fills], axis=0)
+        return np.any([fill.holds(lowered(fluid, at)) for fluid, fill in zip(case.fluids, fillings(case))], axis=0)
+
     before = x + LIFT * s * normal
     wet, free = held(x) & in_fluid(outlines, before), np.zeros(len(x), dtype=bool)
     for axis in range(x.shape[1]):

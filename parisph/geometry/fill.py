@@ -58,6 +58,7 @@ class Filling:
     ----------
     origin, step : (2,) [m]; still water hangs from its level, other shapes begin where those of case.lattice do
     count : number of points
+    even : whether they lie on the lattice of the tank, which is the only wall, or there is no wall
     """
 
     def __init__(self, shape: Shape | StillWater, walls: Sequence[Wall], mesh: WallMesh | None, spacing: float,
@@ -67,8 +68,9 @@ class Filling:
         self.shape, self.holes, self.others, self.spacing = shape, tuple(holes), tuple(others), spacing
         self._outlines = [outline_of(wall) for wall in walls]
         tank = next((wall for wall in walls if isinstance(wall, Tank)), None)
-        self.origin, self.step, first, last = self._frame(tank, mesh)
-        self._first = first[0]
+        self.even = not walls
+        self.origin, self.step, first, last = self._frame(tank, mesh, len(walls))
+        self._ends = first, last
         lines = self.origin[0] + np.arange(first[0], last[0] + 1) * self.step[0]
         lift = self._lift(lines)
         line, low, high = self._free(lines, mesh, first[1], last[1], lift)
@@ -84,7 +86,7 @@ class Filling:
         self._before = np.concatenate([[0], np.cumsum(end[kept] - begin[kept] + 1)])
         self.count = int(self._before[-1])
 
-    def _frame(self, tank, mesh):
+    def _frame(self, tank, mesh, bodies):
         """Return origin, step, and the least and the greatest index (2,) that may be filled."""
         s = self.spacing
         if isinstance(self.shape, StillWater):
@@ -95,6 +97,7 @@ class Filling:
             return origin, step, first, np.array([np.floor((upper[0] - origin[0]) / step[0]), 0], dtype=np.int64)
         if isinstance(self.shape, Box) and tank is not None and not _on_lattice(self.shape, tank, s):
             tank = None    # its own lattice: points on its edges, and so a surface where the user has it
+        self.even |= tank is not None and bodies == 1
         lattice = Lattice(self.shape, tank, s)
         return lattice.origin, lattice.step, lattice.first, lattice.first + lattice.counts - 1
 
@@ -178,20 +181,30 @@ class Filling:
         """Return the lattice indices (n, 2) of the points number start to stop. Only these are held in memory."""
         number = np.arange(start, self.count if stop is None else min(stop, self.count))
         run = np.searchsorted(self._before, number, side="right") - 1
-        return np.stack([self._line[run] + self._first, self._begin[run] + number - self._before[run]], axis=1)
+        return np.stack([self._line[run] + self._ends[0][0], self._begin[run] + number - self._before[run]], axis=1)
+
+    def cells(self, index: np.ndarray) -> np.ndarray:
+        """Return the area (n,) [m2] of a Box that is nearest to each of its points (n, 2), where these are all of it.
+
+        A point beside a wall has 3/2 cells, one on the surface 1/2.
+        """
+        (first, last), (lower, upper) = self._ends, self.shape.bounds
+        x, half = self.position(index), 0.5 * self.step
+        sides = np.where(index == last, upper, x + half) - np.where(index == first, lower, x - half)
+        return np.asarray(sides.prod(axis=1))
 
     def is_surface(self, index: np.ndarray, others: "Sequence[Filling]" = ()) -> np.ndarray:
         """Return which of the filled indices (n, 2) have a neighbour along an axis that is not in the shape, (n,) bool.
 
         Walls that the shape reaches have no free surface before them. others : further fluid, which may be there
         """
-        free = np.zeros(len(index), dtype=bool)
+        free, fills = np.zeros(len(index), dtype=bool), {self, *others}
         for axis in range(2):
             for side in (-1, 1):
                 beside = index.copy()
                 beside[:, axis] += side
                 x = self.position(beside)
-                free |= ~np.any([self.holds(x), *(other.holds(x) for other in others)], axis=0)
+                free |= ~np.any([fill.holds(x) for fill in fills], axis=0)
         return free
 
     def holds(self, x: np.ndarray) -> np.ndarray:
@@ -212,15 +225,3 @@ def _on_lattice(box, tank, spacing):
     step = Lattice(box, tank, spacing).step
     ends = (np.array(box.bounds) - tank.bounds[0]) / step
     return bool(np.all(np.abs(ends - np.round(ends)) <= FIT))
-
-
-def share(fillings: Sequence[Filling], rank: int, size: int) -> list[tuple[int, int]]:
-    """Return from which to which point of each filling a rank of `size` makes the particles.
-
-    Particles are numbered through all fillings in order, whatever the number of ranks, and ranks have equal parts of
-    them.
-    """
-    before = np.concatenate([[0], np.cumsum([fill.count for fill in fillings])])
-    start, stop = before[-1] * rank // size, before[-1] * (rank + 1) // size
-    return [(int(np.clip(start - first, 0, fill.count)), int(np.clip(stop - first, 0, fill.count)))
-            for first, fill in zip(before, fillings)]

@@ -8,10 +8,12 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.case.bodies import StillWater
 from parisph.case.fluids import Fluid
+from parisph.case.shapes import Box
 from parisph.geometry.columns import beds
 from parisph.geometry.mesh import WallMesh
 
-MOST = 0.5    # of the depth: where water is shallower, as at a shore, it is raised by no more
+MOST = 0.5    # of the depth: where the bed rises, as at a shore, water is raised by no more
+LEVEL = 1e-9  # of the depth, above the lowest place of the water: a bed no higher is level
 
 
 def raised(fluid: Fluid, mesh: WallMesh | None, bounds: tuple[Floats, Floats], x: Floats) -> tuple[Floats, Floats]:
@@ -28,9 +30,20 @@ def raised(fluid: Fluid, mesh: WallMesh | None, bounds: tuple[Floats, Floats], x
         bed = beds(mesh.corners(), columns, top)
         bottom = bed if isinstance(fluid.shape, StillWater) else np.maximum(bottom, bed)
     depth = np.maximum(top - bottom, 1e-300)
-    share = np.clip(fluid.rise(columns) / depth, -MOST, MOST)
+    share = fluid.rise(columns) / depth
+    share = np.where(bottom > bounds[0][-1] + LEVEL * depth, np.clip(share, -MOST, MOST), share)
     bottom, share = bottom[which.reshape(-1)], share[which.reshape(-1)]
     stretched = x[:, 1] > bottom
     moved = x.copy()
     moved[stretched, 1] = (bottom + (x[:, 1] - bottom) * (1.0 + share))[stretched]
     return moved, np.where(stretched, 1.0 + share, 1.0)
+
+
+def lowered(fluid: Fluid, x: Floats) -> Floats:
+    """Return where points x (n, 2) [m] of a raised Box on a level bed have come from; of other fluid, x itself."""
+    if not fluid.raised or not isinstance(fluid.shape, Box):
+        return x
+    bottom, height = fluid.shape.bounds[0][-1], fluid.shape.height
+    below = x.copy()
+    below[:, 1] = bottom + (x[:, 1] - bottom) / (1.0 + fluid.rise(x[:, 0]) / height)
+    return below

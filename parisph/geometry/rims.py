@@ -80,9 +80,6 @@ def rim_of(case: Scene) -> Rim | None:
     """Return the Rim of a scene, None without walls or under a lid."""
     if case.walls is None or case.lidded:
         return None
-    if case.plain:
-        lower, upper = case.wall_bounds or case.fluid_bounds
-        return Rim(AtRest(), np.array(lower), np.array(upper), float(upper[-1]), float(upper[-1]))
     pairs = list(zip(standing(case), case.bodies))
     holders = next(filter(None, ([wall for wall, body in pairs if isinstance(body, kind)] for kind in (Tank, Profile))),
                    None)

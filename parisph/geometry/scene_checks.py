@@ -15,7 +15,7 @@ from parisph.case.scenery import fluid_names
 from parisph.case.schema import Case
 from parisph.case.shapes import Box, Tank
 from parisph.geometry import feasible, probe_places, wave_places
-from parisph.geometry.build import domain, fillings, volume
+from parisph.geometry.build import counts, domain, fillings, has_surface, volume
 from parisph.geometry.encounters import Encounter, encounters
 from parisph.geometry.mesh import chains_of, wall_mesh
 from parisph.geometry.outline import Wall, outline_of
@@ -24,6 +24,7 @@ from parisph.geometry.standing import given, standing
 from parisph.geometry.tips import WIDTH, Tip, tips
 
 ROOM = 2.0      # spacings that a tank needs behind the farthest place of a wavemaker
+LEAST = 4       # fluid particles of a scene
 STRETCH = 0.1   # of a spacing: advice where the lattice of a Box differs more from it
 
 
@@ -45,45 +46,39 @@ class Facts:
 
 
 def check(case: Case) -> None:
-    """Raise CaseError if the geometry of a case cannot be computed, with one line for each fault. Not collective.
-
-    Of a plain scene all but the waves that are made has been checked when the case was made.
-    """
-    found = [*wave_places.faults(case, standing(case))] if case.plain else faults(case)
-    if found:
+    """Raise CaseError if the geometry of a case cannot be computed, with one line for each fault. Not collective."""
+    if found := faults(case):
         raise CaseError(first_lines(found))
 
 
 def faults(case: Case) -> list[str]:
-    """Return what makes a scene that is not plain impossible to compute, one line each with a remedy."""
+    """Return what makes a scene impossible to compute, one line each with a remedy."""
     try:
         walls = standing(case)
     except CaseError as error:
         return [str(error)]
     found = feasible.faults(walls, [fluid.shape for fluid in case.fluids], case.numerics.spacing,
                              [fluid.holes for fluid in case.fluids], [name for name, _ in fluid_names(case)])
-    return found or [*_full(case, walls), *_reached(case, walls), *probe_places.faults(case, walls),
+    return found or [*_few(case), *_full(case, walls), *_reached(case, walls), *probe_places.faults(case, walls),
                      *wave_places.faults(case, walls)]
 
 
 def warnings(case: Case) -> list[str]:
-    """Return what a scene that is not plain will be computed less well for, and advice on its spacing."""
-    if case.plain:
-        return []
+    """Return what a scene will be computed less well for, and advice on its spacing."""
     walls, shapes = standing(case), [fluid.shape for fluid in case.fluids]
     own = feasible.warnings(walls, shapes, case.numerics.spacing) if walls else ()
     return [*own, *_filled(case), *_neared(case, walls), *_airless(case), *_advice(case)]
 
 
 def facts(case: Case) -> Facts | None:
-    """Return the Facts of a scene with walls that is not plain, None for others."""
+    """Return the Facts of a scene with walls, None for others."""
     walls, s = standing(case), case.numerics.spacing
-    if case.plain or not walls:
+    if not walls:
         return None
     mesh, chains = wall_mesh(walls, s), chains_of(walls, s)
     gap, _, one, other = feasible.thinnest_gap(*feasible.resting(mesh, chains), walls)
     names = [body.name for body in mesh.bodies]
-    fills = fillings(case, walls, mesh)
+    fills = fillings(case)
     lattice = sum(fill.count * float(fill.step.prod()) for fill in fills)
     shores = [angle for angle, _, _ in feasible.shores(mesh, [fluid.top for fluid in case.fluids])]
     wedge = min([float(np.degrees(chain.angle.min())) for chain in chains] + shores)
@@ -173,6 +168,13 @@ def _amount(wall: Wall, value: float) -> str:
     return f"{abs(value):.3g} {'rad' if isinstance(wall.motion, Rotation) else 'm'}"
 
 
+def _few(case: Case) -> Iterator[str]:
+    count = counts(case)["fluid"]
+    if count < LEAST:
+        yield (f"numerics.spacing = {case.numerics.spacing:g}: leaves {count} fluid particles, at least {LEAST} are "
+               "needed; use a smaller spacing")
+
+
 def _full(case: Case, walls: tuple[Wall, ...]) -> Iterator[str]:
     """Tanks that other fluid than still water fills up to the lid: they are not known to be closed."""
     if case.closed or not _at_lid(case):
@@ -191,9 +193,10 @@ def _at_lid(case: Case) -> bool:
 
 
 def _airless(case: Case) -> Iterator[str]:
-    """Fluid up to a lid, in a scene that is not known to be full."""
-    if not case.closed and _at_lid(case):
-        yield "the fluid reaches the lid: leave a spacing of air, where its surface is to be"
+    """Fluid without a surface, in a scene that is not known to be full."""
+    if not case.closed and _at_lid(case) and not has_surface(case):
+        yield ("no fluid particle is on a free surface, so that p = 0 is set only at the highest one; leave a spacing "
+               "of air below the lid, or fill the tank")
 
 
 def _advice(case: Case) -> Iterator[str]:

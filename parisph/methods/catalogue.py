@@ -141,19 +141,13 @@ class Parts:
                 "solve" + (" (null space)" if closed else ""), f"correct ({self.gradient.name} gradient{surface})",
                 *(part.words for part in self.regularisers)]
 
-    def check(self, dim: int, plain: bool = True) -> None:
-        """Raise CaseError for a part that does not work in so many dimensions, or beside walls of any shape.
-
-        plain : whether the walls are those of a tank alone
-        """
+    def check(self, dim: int) -> None:
+        """Raise CaseError for a part that does not work in so many dimensions."""
         for field, part in self._asked():
-            if not (plain or part.shapes):
-                raise CaseError(f"{field}: works in a scene of one Tank with one Box, Disc or Polygon only, and this "
-                                f"scene has other walls or fluid; {self._remedy(part, dim, plain)}")
             if dim not in part.dims:
                 known = " and ".join(f"{n}D" for n in part.dims)
                 raise CaseError(f"{field}: works in {known} only, and this scene has {dim} dimensions; "
-                                f"{self._remedy(part, dim, plain)}")
+                                f"{self._remedy(part, dim)}")
 
     def _asked(self) -> Iterator[tuple[str, Part]]:
         """Yield the parts, each with what of the case asks for it."""
@@ -168,14 +162,14 @@ class Parts:
             own = f", of preset {n.preset}" if part.name in PRESETS[n.preset].get("regularisers", ()) else ""
             yield f"numerics.regularisers = {part.name}{own}", part
 
-    def _remedy(self, part: Part, dim: int, plain: bool) -> str:
+    def _remedy(self, part: Part, dim: int) -> str:
         """Return what to do about a part that does not work."""
         field = next((field for field in WORDS if WORDS[field].get(part.name) is part), None)
         if field is None:
             if isinstance(part, Regulariser):
                 return "choose another preset, or give numerics.regularisers without it"
             return "leave them out" if getattr(part, "only", "") == "viscous" else "leave it out"
-        fit = [name for name, other in WORDS[field].items() if (plain or other.shapes) and dim in other.dims
+        fit = [name for name, other in WORDS[field].items() if dim in other.dims
                and not (field == "surface_rule" and name == "none")]
         return f"give numerics.{field} = {' or '.join(fit)}, or choose another method"
 
@@ -200,7 +194,7 @@ class CompressibleParts:
                 f"equation of state ({n.equation_of_state})", "pressure of walls", f"pressure{viscosity}",
                 "half step of velocities"]
 
-    def check(self, dim: int, plain: bool = True) -> None:
+    def check(self, dim: int) -> None:
         """Raise CaseError for what weakly compressible SPH cannot do."""
         n = self.numerics
         if n.smagorinsky:

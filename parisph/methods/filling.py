@@ -32,10 +32,6 @@ def pack(flow: Flow, steps: int = packing.STEPS) -> None:
 def weigh(flow: Flow, samples: Iterable[tuple[np.ndarray, np.ndarray]]) -> float:
     """Give each fluid particle the volume of the places that are nearest to it; return their sum [m^dim]. Collective.
 
-    A particle on the surface beside a slope may then stand for more than half a cell, though nothing is above it:
-    the field half says so.
-    The field weight becomes that of its cell without the half cells of walls.
-
     samples : places and the volumes around them, at least all near particles of this rank (kernels.packing.volumes)
     """
     p = flow.particles
@@ -43,23 +39,30 @@ def weigh(flow: Flow, samples: Iterable[tuple[np.ndarray, np.ndarray]]) -> float
     own = fluid[fluid < p.n_owned]
     p.volume[own] = packing.volumes(p.x_all[fluid], samples, flow.spacing)[:len(own)]
     flow.domain.update("volume")
-    _weigh_cells(flow, fluid, own)
-    p.half[:] = (p.kind == FLUID) & (p.role == SURFACE) & (np.diff(flow.walls.elements.walls.indptr) > 0)
-    flow.domain.update("half")
     return float(p.comm.allreduce(p.volume[own].sum(), op=MPI.SUM))
 
 
-def _weigh_cells(flow, fluid, own):
+def halve(flow: Flow) -> None:
+    """Write which fluid stands for half a cell: that on the surface beside walls at the start. Collective.
+
+    Beside a slope it may have a greater volume, though nothing is above it.
+    """
+    p = flow.particles
+    p.half[:] = (p.kind == FLUID) & (p.role == SURFACE) & (np.diff(flow.walls.elements.walls.indptr) > 0)
+    flow.domain.update("half")
+
+
+def weigh_cells(flow: Flow) -> None:
     """Write the weight of the owned fluid: the volume that it stands for without the half cells of nodes, over s^dim.
 
     Then the sum of the kernels over fluid and nodes is that of the water: packing is even, but where layers do not
     divide the depth, not as dense as a lattice. Each node's half cell is that of its nearest fluid. The mean over the
     inner fluid around a particle is taken, so that no disorder is kept. Surface particles keep the weight of the
-    lattice: it stays where it is there, and half of their cells is air.
-
-    fluid : the numbers of all fluid, own : of the owned
+    lattice: it stays where it is there, and half of their cells is air. Collective.
     """
     p, d, s = flow.particles, flow.domain, flow.spacing
+    fluid = np.flatnonzero(p.kind_all == FLUID)
+    own = fluid[fluid < p.n_owned]
     inner = own[p.role[own] == INNER]
     cells = p.volume_all / s**p.dim
     d.update(*flow.walls.cover(flow))

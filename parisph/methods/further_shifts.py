@@ -24,7 +24,7 @@ NEAR_SURFACE = 2.0      # spacings from a surface particle within which the shif
 class Shift(Regulariser):
     """A shift with the weight and the strain of the numbers `shift` and `shift_strain`."""
 
-    cause, moves, shapes = "shift", True, False
+    cause, moves = "shift", True
     reads = ("shift", "shift_strain")
 
     def wanted(self, numerics: Numerics) -> bool:

@@ -29,7 +29,6 @@ class Part(ABC):
     reach : radius in spacings within which it needs neighbours
     fields : names of the fields it needs (base.fields), beside those that every scene has
     dims : numbers of dimensions in which it works
-    shapes : whether it works beside walls of any shape
     """
 
     name: ClassVar[str]
@@ -37,7 +36,6 @@ class Part(ABC):
     reach: ClassVar[float] = 0.0
     fields: ClassVar[tuple[str, ...]] = ()
     dims: ClassVar[tuple[int, ...]] = (2, 3)
-    shapes: ClassVar[bool] = True
 
     def wanted(self, numerics: Numerics) -> bool:
         """Return whether the numbers of a case switch it on."""

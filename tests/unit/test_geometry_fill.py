@@ -1,4 +1,4 @@
-"""Filling scenes with fluid: today's lattices, still water between any walls, holes, and slices of ranks."""
+"""Filling scenes with fluid: lattices, still water between any walls, holes, and slices of ranks."""
 
 import tracemalloc
 
@@ -10,7 +10,7 @@ from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.case.lattice import Lattice
 from parisph.geometry.columns import near_pieces, union
 from parisph.geometry.distance import nearest
-from parisph.geometry.fill import Filling, share
+from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
 
@@ -36,23 +36,20 @@ def by_looking(fill, walls, spacing=S):
     return index[good]
 
 
-@pytest.mark.parametrize("lid", [False, True])
+@pytest.mark.parametrize("tank", [None, Tank(2.0, 1.0), Tank(2.0, 1.0, lid=True)])
 @pytest.mark.parametrize("shape", [
     Box(1.0, 0.6), Box(1.0, 1.0), Box(0.5, 0.5, at=(0.25, 0.3)), Disc(0.3, at=(0.5, 0.5)), TRIANGLE])
-def test_shape_in_a_tank_has_the_points_of_today_to_the_bit(shape, lid):
-    tank = Tank(2.0, 1.0, lid=lid)
-    old, new = Lattice(shape, tank, S), filling(shape, tank)
-    index = old.fluid_indices()
-    np.testing.assert_array_equal(new.indices(), index)
-    assert new.position(new.indices()).tobytes() == old.position(index).tobytes()
-    np.testing.assert_array_equal(new.is_surface(index), old.is_surface(index))
+def test_shape_in_a_tank_or_none_has_the_points_of_the_lattice(shape, tank):
+    lattice, fill = Lattice(shape, tank, S), filling(shape, *([] if tank is None else [tank]))
+    index = lattice.first + np.indices(lattice.counts).reshape(2, -1).T
 
-
-@pytest.mark.parametrize("shape", [Box(1.0, 0.6), Disc(0.52, at=(0.5, 0.5)), TRIANGLE])
-def test_shape_without_walls_has_the_points_of_today(shape):
-    old, new = Lattice(shape, None, S), filling(shape)
-    np.testing.assert_array_equal(new.indices(), old.fluid_indices())
-    np.testing.assert_array_equal(new.is_surface(new.indices()), old.is_surface(new.indices()))
+    def inside(index):
+        return shape.inside(lattice.position(index), 0.01 * S)
+    index = index[inside(index)]
+    np.testing.assert_array_equal(fill.indices(), index)
+    assert fill.even and fill.position(index).tobytes() == lattice.position(index).tobytes()
+    np.testing.assert_array_equal(
+        fill.is_surface(index), ~np.all([inside(index + step) for step in ((1, 0), (-1, 0), (0, 1), (0, -1))], axis=0))
 
 
 SCENES = {
@@ -117,19 +114,6 @@ def test_slices_do_not_depend_on_the_number_of_ranks(ranks):
     stops = [fill.count * k // ranks for k in range(ranks + 1)]
     parts = [fill.indices(a, b) for a, b in zip(stops[:-1], stops[1:])]
     np.testing.assert_array_equal(np.concatenate(parts), fill.indices())
-
-
-@pytest.mark.parametrize("ranks", [1, 2, 5])
-def test_ranks_share_several_bodies(ranks):
-    shapes = Box(0.8, 0.5), Disc(0.2, at=(1.5, 0.6)), Box(0.3, 0.3, at=(2.5, 0.1))
-    fills = [filling(shape, *SCENES["sill"]) for shape in shapes]
-    parts = [share(fills, rank, ranks) for rank in range(ranks)]
-    for number, fill in enumerate(fills):
-        stops = [part[number] for part in parts]
-        assert stops[0][0] == 0 and stops[-1][1] == fill.count
-        assert all(before[1] == after[0] for before, after in zip(stops[:-1], stops[1:]))
-    sizes = [sum(stop - start for start, stop in part) for part in parts]
-    assert max(sizes) - min(sizes) <= 1
 
 
 @pytest.mark.parametrize(("level", "count"), [(-1.0, 0), (0.0, 0), (0.2 * S, 0), (0.6 * S, 59), (7.0, 59 * 19)])

@@ -119,12 +119,13 @@ def test_names():
 @pytest.mark.parametrize("where", columns.WHERE)
 @pytest.mark.parametrize("width", [1, 2, 3, 4])
 def test_columns_are_as_wide_as_they_say(width, where):
-    from parisph.geometry.build import build
+    from parisph.geometry.build import build, volume
 
-    built = build(columns.column(width, where))
+    case = columns.column(width, where)
+    built = build(case)
     x = built["x"][built["kind"] == 0]
     assert len(np.unique(np.round(x[:, 0], 6))) == width
-    assert built["volume"].sum() == pytest.approx(width * columns.S * columns.HEIGHT)
+    assert volume(case) == pytest.approx(width * columns.S * columns.HEIGHT)
 
 
 def seen(x, role, spacing):

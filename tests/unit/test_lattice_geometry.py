@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 
-from parisph import Box, Case, Disc, Fluid, Numerics, Polygon, Tank
+from parisph import Box, Case, Disc, Fluid, Numerics, Polygon, Simulation, Tank
 from parisph.base.errors import CaseError
 from parisph.base.fields import CONTACT, DRY, FIELDS, FLUID, INNER, SURFACE, WALL, WET
-from parisph.case import size
-from parisph.case.lattice import Lattice, misfit, nearest_spacings
+from parisph.case.lattice import Lattice, misfit
 from parisph.geometry import build as geometry
 
 
@@ -34,6 +34,14 @@ SCENES = {
 }
 
 
+def started(case):
+    """Return {field: array by id} of a case when its fluid is in place."""
+    simulation = Simulation(case, MPI.COMM_SELF)
+    found = simulation.gather("x", "u", "volume", "role", "kind")
+    simulation.destroy()
+    return found
+
+
 def role_at(arrays, x, y, kind=None):
     """Return the role of the particle at (x, y), which must be there once."""
     here = np.hypot(arrays["x"][:, 0] - x, arrays["x"][:, 1] - y) < 1e-9
@@ -57,7 +65,7 @@ def test_slices_make_up_the_whole(name):
 def test_arrays_are_those_of_the_registry(name):
     case = SCENES[name]
     arrays = geometry.build(case)
-    n = size.counts(case)
+    n = geometry.counts(case)
     assert n["all"] == n["fluid"] + n["wall"] == len(arrays["id"])
     assert np.array_equal(arrays["id"], np.arange(n["all"]))
     assert np.count_nonzero(arrays["kind"] == WALL) == n["wall"]
@@ -90,28 +98,23 @@ def test_cells_of_a_column_beside_walls():
 @pytest.mark.parametrize("shape, walls, volume, within", [
     (Box(width=0.5, height=1.0), None, 0.5, 1e-12),
     (Box(width=2.0, height=2.0), Tank(2.0, 2.0, True), 4.0, 1e-12),
-    (Disc(radius=0.5, at=(1.0, 1.0)), Tank(2.0, 2.0), 0.25 * np.pi, 0.01),
-    (Disc(radius=0.5), None, 0.25 * np.pi, 0.01),
-    (Polygon(points=((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), Tank(2.0, 2.0), 0.5, 0.01),
+    (Disc(radius=0.5, at=(1.0, 1.0)), Tank(2.0, 2.0), 0.25 * np.pi, 1e-3),
+    (Disc(radius=0.5), None, 0.25 * np.pi, 1e-3),
+    (Polygon(points=((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))), Tank(2.0, 2.0), 0.5, 1e-9),
 ])
 def test_volumes_add_up_to_the_body(shape, walls, volume, within):
-    assert geometry.build(scene(shape, walls))["volume"].sum() == pytest.approx(volume, rel=within)
+    assert started(scene(shape, walls))["volume"].sum() == pytest.approx(volume, rel=within)
 
 
-def test_fluid_that_is_counted_by_its_area_and_misses_all_points_is_refused():
-    # on the lattice of the tank, between its points, and among too many of them to look at each
-    sliver = Polygon(((0.05, 0.15), (299.0, 299.1), (299.0, 299.102)))
-    case = scene(sliver, Tank(300.0, 300.0), spacing=0.2)
-    assert not size.counts(case)["exact"] and size.counts(case)["fluid"] > 4
-    with pytest.raises(CaseError, match="no lattice point is in it"):
-        geometry.build(case)
+def test_fluid_that_misses_all_points_is_refused():
+    sliver = Polygon(((0.05, 0.15), (299.0, 299.1), (299.0, 299.102)))    # between the points of the tank's lattice
+    with pytest.raises(CaseError, match="there is room for no particle"):
+        geometry.build(scene(sliver, Tank(300.0, 300.0), spacing=0.2))
 
 
 def test_every_particle_stands_for_something():
-    sharp = geometry.build(scene(Polygon(points=((0.0, 0.0), (2.0, 0.0), (2.0, 0.02))), walls=None, spacing=0.05))
+    sharp = started(scene(Polygon(points=((0.0, 0.0), (2.0, 0.0), (2.0, 0.02))), walls=None, spacing=0.05))
     assert sharp["volume"].min() > 0.0
-    wedge = geometry.build(scene(Polygon(points=((0.0, 0.0), (2.0, 0.0), (2.0, 1.0)))))["volume"].sum()
-    assert 0.98 < wedge < 1.0, "what is missing is thinner than a cell"
 
 
 def test_stretched_columns_keep_their_share():
@@ -197,7 +200,7 @@ def test_water_raised_to_less_than_a_spacing_below_a_lid(rise):
 
 def test_column_one_spacing_from_a_wall_has_a_surface_there():
     arrays = geometry.build(scene(Box(0.9, 1.0, at=(0.1, 0.0)), Tank(2.0, 2.0)))
-    assert (role_at(arrays, 0.1, 0.5) == SURFACE and role_at(arrays, 0.0, 0.5) == CONTACT
+    assert (role_at(arrays, 0.1, 0.5) == SURFACE and role_at(arrays, 0.0, 0.5) == DRY
             and role_at(arrays, 0.2, 0.5) == INNER)
     touching = geometry.build(scene(Box(1.0, 1.0), Tank(2.0, 2.0)))
     assert role_at(touching, 0.1, 0.5) == INNER and role_at(touching, 0.0, 0.5) == WET
@@ -227,8 +230,8 @@ def test_drop_in_a_tank_uses_the_tanks_lattice():
 def test_triangle_on_the_bed():
     arrays = geometry.build(SCENES["triangle"])
     assert role_at(arrays, 0.5, 0.5) == SURFACE and role_at(arrays, 0.1, 0.1) == INNER
-    assert role_at(arrays, 0.0, 0.5, WALL) == WET and role_at(arrays, 0.0, 0.9, WALL) == CONTACT
-    assert role_at(arrays, 0.0, 1.0, WALL) == DRY
+    assert role_at(arrays, 0.0, 0.5, WALL) == WET and role_at(arrays, 0.0, 1.0, WALL) == CONTACT
+    assert role_at(arrays, 0.0, 1.1, WALL) == DRY
 
 
 def test_polygon_either_way_round_is_the_same():
@@ -251,7 +254,7 @@ def test_elevation_stretches_the_columns():
 
 
 def test_start_velocity_is_that_of_the_expression_at_the_particle():
-    arrays = geometry.build(scene(velocity=("x*y", -2), jitter=0.5))
+    arrays = started(scene(velocity=("x*y", -2), jitter=0.5))
     fluid = arrays["kind"] == 0
     x = arrays["x"][fluid]
     assert np.array_equal(arrays["u"][fluid], np.stack([x[:, 0] * x[:, 1], np.full(len(x), -2.0)], axis=1))
@@ -259,15 +262,15 @@ def test_start_velocity_is_that_of_the_expression_at_the_particle():
 
 
 def test_jitter_moves_inner_fluid_within_its_bounds_only():
-    plain, rough = geometry.build(SCENES["column"]), geometry.build(scene(jitter=0.4, seed=1))
+    plain, rough = geometry.build(SCENES["column"]), started(scene(jitter=0.4, seed=1))
     move = rough["x"] - plain["x"]
     inner = (plain["role"] == INNER) & (plain["kind"] == 0)
     assert not move[~inner].any() and np.all(move[inner] != 0.0)
     assert np.abs(move).max() <= 0.5 * 0.4 * 0.1
     assert np.array_equal(rough["role"], plain["role"])
-    other = geometry.build(scene(jitter=0.4, seed=2))
+    other = started(scene(jitter=0.4, seed=2))
     assert not np.allclose(other["x"], rough["x"])
-    wild = geometry.build(scene(jitter=0.4, seed=1, jitter_surface=True))
+    wild = started(scene(jitter=0.4, seed=1, jitter_surface=True))
     assert (wild["x"] - plain["x"])[plain["role"] == SURFACE].any()
     assert np.array_equal(wild["x"][inner], rough["x"][inner])
 
@@ -311,7 +314,7 @@ class Basin(Tank):
 
 @pytest.mark.parametrize("lid", [False, True])
 @pytest.mark.parametrize("shape, tank", [(Box, Tank), (Brick, Basin)])
-def test_slices_of_the_walls_make_up_the_faces_of_the_tank(shape, tank, lid):
+def test_walls_are_the_faces_of_the_tank(shape, tank, lid):
     points = Lattice(shape(0.4, 0.5), tank(0.8, 0.7, lid), 0.1)
     block = np.stack(np.meshgrid(*[np.arange(n + 1) for n in points.top], indexing="ij"),
                      axis=-1).reshape(-1, len(points.top))
@@ -319,28 +322,17 @@ def test_slices_of_the_walls_make_up_the_faces_of_the_tank(shape, tank, lid):
     on_upper[:, -1] &= lid
     faces = (on_lower | on_upper).any(axis=1)
     index, inward = points.wall_indices()
-    assert np.array_equal(index, block[faces]) and len(index) == points.wall_count()
+    assert np.array_equal(index, block[faces])
     assert np.array_equal(inward, on_lower[faces].astype(int) - on_upper[faces])
-    for cuts in ((0, 1, 2, 7, 20, len(index)), (0, 0, len(index), len(index))):
-        parts = [points.wall_indices(start, stop) for start, stop in zip(cuts, cuts[1:])]
-        assert np.array_equal(np.concatenate([part[0] for part in parts]), index)
-        assert np.array_equal(np.concatenate([part[1] for part in parts]), inward)
 
 
-def test_nearest_spacings():
-    assert nearest_spacings([0.5, 1.0, 2.0], 0.013) == pytest.approx((0.5 / 39, 0.5 / 38))
-    assert nearest_spacings([0.75, 1.0], 1.0) == pytest.approx((0.25,))
-    assert nearest_spacings([1.0, 2.0**0.5], 0.1) == ()
+def test_a_rounded_spacing_fits():
     assert misfit(1.0, 0.0416667) < 1e-3 < misfit(1.0, 0.0417)
 
 
 def test_lattice_in_three_dimensions():
     points = Lattice(Brick(0.4, 0.5), Basin(0.8, 1.0, True), 0.1)
-    fluid = points.fluid_indices()
-    assert len(fluid) == points.count() == 4 * 2 * 5  # walls at both sides in y
-    surface = fluid[points.is_surface(fluid)]
-    assert np.array_equal(points.is_surface(fluid), (fluid[:, 0] == 4) | (fluid[:, 2] == 5)) and len(surface) == 2 * 8
-    assert points.cells(fluid).sum() * 0.1**3 == pytest.approx(0.4 * 0.3 * 0.5)
+    assert points.counts.tolist() == [4, 2, 5]    # walls at both sides in y
     wall, inward = points.wall_indices()
     assert len(wall) == 9 * 4 * 11 - 7 * 2 * 9
     faces = np.abs(inward).sum(axis=1)

@@ -130,10 +130,6 @@ SILL = Obstacle(Box(0.2, 0.2, at=(1.0, 0.0)), name="sill")
 
 
 @pytest.mark.parametrize("make, words", [
-    (lambda: scene((TANK, SILL), numerics={"method": "Z14_ISPH_R"}), "numerics.surface_rule = auxiliary, of method "
-     "Z14_ISPH_R: works in a scene of one Tank with one Box, Disc or Polygon only, and this scene has other walls or "
-     "fluid; give numerics.surface_rule = gap or "),
-    (lambda: scene((TANK, SILL), numerics={"surface_rule": "divergence"}), "numerics.surface_rule = divergence: works"),
     (lambda: scene((TANK, Obstacle(Box(0.001, 0.001, at=(1.0, 0.1)), name="grain"))),
      "walls, grain: is 0.001 m thick, 0.02 spacings, must be at least 0.1, 0.005 m; give a Plate, which has no "
      "thickness, make it thicker, or use a spacing of at most 0.01"),
@@ -211,8 +207,6 @@ def test_still_water_up_to_the_lid_is_closed_beside_any_walls(simulated):
 @pytest.mark.parametrize("make, words", [
     (lambda: refused(scene((LIDDED, SILL), Fluid(Box(2.0, 1.0), 1000.0))),
      "fluid: it fills the tank up to its lid at y = 1, and none of it has a surface; give StillWater(level=1), which"),
-    (lambda: refused(scene((LIDDED, SILL), FULL, numerics={"preset": "closed"})),
-     "numerics.regularisers = shift_tensile, of preset closed: works in a scene of one Tank"),
 ])
 def test_full_tanks_that_are_not_computed_are_refused(make, words):
     assert words in make()

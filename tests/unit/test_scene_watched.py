@@ -23,6 +23,7 @@ from parisph import (
     WaterFront,
 )
 from parisph.base.fields import FLUID, WALL
+from parisph.driver import solid_walls
 from parisph.driver.overflow import OpenTank
 from parisph.geometry import build
 from parisph.geometry.columns import beds
@@ -49,7 +50,8 @@ def sampled(case, change=lambda arrays: None):
     change(arrays)
     particles = Particles(MPI.COMM_SELF, 2)
     particles.assign({name: values for name, values in arrays.items() if name in particles.fields})
-    domain = Domain(particles, *build.domain(case), 2.6 * S, 0.4 * S, 0.04 * S)
+    domain = Domain(particles, *build.domain(case), 2.6 * S, 0.4 * S, 0.04 * S,
+                    elements=solid_walls.elements_of(case, particles))
     domain.refresh()
     try:
         found = instruments.sample_all(instruments.build(case, MPI.COMM_SELF), particles, domain, 0.0)

@@ -221,7 +221,7 @@ def test_an_array_has_the_columns_of_its_probes_and_their_values():
 def test_an_array_is_stored_and_its_places_are_checked():
     case = scene([ARRAY])
     assert from_json(to_json(case)) == case
-    with pytest.raises(CaseError, match="'several.x9': at = 9 must lie in the tank"):
+    with pytest.raises(CaseError, match="'several.x9': at = 9 must lie within the walls"):
         scene([ProbeArray("several", [SurfaceGauge("x9", at=9.0)])])
 
 
