@@ -19,8 +19,8 @@ def inside(case: Scene, field: str, points: Points) -> Iterator[str]:
     tolerance = 1e-6 * float(np.max(high - low))
     high = high + np.where(np.arange(case.dim) < case.dim - 1 + case.lidded, 0.0, np.inf)
     if not np.all((x >= low - tolerance) & (x <= high + tolerance), axis=1).any():
-        yield (f"{field} = {shown(tuple(x[0].tolist()))} must lie within the walls, from {point(low)} to {point(high)}; "
-               "move it")
+        yield (f"{field} = {shown(tuple(x[0].tolist()))} must lie within the walls, from {point(low)} to "
+               f"{point(high)}; move it")
 
 
 def components(case: Scene, **points: Sequence[float]) -> Iterator[str]:

@@ -10,7 +10,6 @@ from parisph.base.arrays import Floats
 from parisph.case.motion import AtRest
 from parisph.case.schema import Case
 from parisph.geometry.build import domain, fillings
-from parisph.geometry.mesh import wall_mesh
 from parisph.geometry.outline import in_fluid, outline_of
 from parisph.geometry.standing import standing
 
@@ -47,7 +46,6 @@ def _filled(case: Case, x: Floats, y: Floats) -> Picture:
     places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     walls = standing(case)
     free = in_fluid([outline_of(wall) for wall in walls if isinstance(wall.motion, AtRest)], places)
-    mesh = wall_mesh(walls, case.numerics.spacing) if walls else None
     wet = in_fluid([outline_of(wall) for wall in walls], places)
     wet &= np.any([fill.holds(places) for fill in fillings(case)], axis=0)
     return np.where(wet, WATER, np.where(free, AIR, SOLID)).reshape(len(y), len(x))

@@ -323,7 +323,8 @@ def _in_corner(mesh, walls):
 
     The rim of an open tank is no corner.
     """
-    ends = mesh.ends & (mesh.dim == 2) & ~np.isin(mesh.body, [k for k, wall in enumerate(walls) if isinstance(wall, Tank)])
+    tanks = [number for number, wall in enumerate(walls) if isinstance(wall, Tank)]
+    ends = mesh.ends & (mesh.dim == 2) & ~np.isin(mesh.body, tanks)
     return ((mesh.edge == CONCAVE) | ends).astype(np.int8)
 
 

@@ -64,7 +64,7 @@ def test_a_lid_drives_the_water_that_it_touches(simulated):
 
 
 def test_a_lid_below_the_surface_is_refused():
-    with pytest.raises(CaseError, match="fluid.shape reaches from y = 0 to 0.5: must lie within the walls, from 0 to 0.4"):
+    with pytest.raises(CaseError, match="from y = 0 to 0.5: must lie within the walls, from 0 to 0.4"):
         open_tank(0.01, top=0.4, lid=Lid(1.0))
 
 

@@ -165,8 +165,8 @@ def test_parts(make, message):
     ({"output": Output(checkpoint_every=1e-9)}, "output.checkpoint_every = 1e-09 s: makes"),
     ({"fluid": fluid(velocity=("1e200", 0.0))},
      r"fluid.velocity\[0\] = '1e200': is 1e.200, more than 1e.30 in size, at \(0, 0\)"),
-    ({"fluid": fluid(shape=Box(1.0, 3.0))}, "fluid.shape reaches from y = 0 to 3: must lie within the walls, from 0 to 2"),
-    ({"fluid": fluid(shape=Disc(1.0, (0.5, 1.0)))}, "fluid.shape reaches from x = -0.5 to 1.5: must lie within the walls"),
+    ({"fluid": fluid(shape=Box(1.0, 3.0))}, "reaches from y = 0 to 3: must lie within the walls, from 0 to 2"),
+    ({"fluid": fluid(shape=Disc(1.0, (0.5, 1.0)))}, "reaches from x = -0.5 to 1.5: must lie within the walls"),
     ({"fluid": fluid(elevation="0.6*x-0.6")}, "fluid.elevation = '0.6.x-0.6': reaches from -0.6 to 0, "
                                               "must stay between -0.5 and 1"),
     ({"fluid": fluid(elevation="1/x")}, "fluid.elevation = '1/x': is not a finite number at x = 0"),

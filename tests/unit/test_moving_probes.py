@@ -136,7 +136,7 @@ TANK, MAKER = Tank(2.0, 1.0), Piston(at=0.5, motion=SWAY, side="right", name="ma
     ((TANK, MAKER), RunUp("u", points=[(0.5, 0.0), (0.5, 0.9)]), "its points lie on maker, which moves; give on="),
     ((TANK, PLATE), RunUp("u", on="gate"), "give the side of it, side='left' or 'right', or the points of a line"),
     (TANK, RunUp("u", points=[(10.0, 0.0), (10.0, 0.9)]), r"points = \(10.0, 0.0\) must lie within the walls, from"),
-    (TANK, VelocityPoint("v", at=(10.0, 0.2)), r"at = \(10.0, 0.2\) must lie within the walls, from \(0, 0\) to \(2, inf"),
+    (TANK, VelocityPoint("v", at=(10.0, 0.2)), r"must lie within the walls, from \(0, 0\) to \(2, inf"),
     ((TANK, Obstacle(Box(0.2, 0.2, at=(1.0, 0.2)))), VelocityPoint("v", at=(1.1, 0.3)), "is not in front of the walls"),
 ])
 def test_places_that_no_fluid_comes_to_are_refused(walls, probe, words):
