@@ -1,41 +1,47 @@
 """parisph: MPI-parallel incompressible SPH for violent water waves."""
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from parisph.base.errors import *
+    from parisph.case.load import load
+    from parisph.case.schema import *
+    from parisph.driver.loop import restart, run
+    from parisph.driver.simulation import Simulation
+    from parisph.io.reader import open_run
 
 __version__ = "0.1.0"
 
-# What `from parisph import ...` offers, and where it lives. Loaded when first asked for, so that
-# `import parisph` costs nothing, and describing a case needs neither MPI nor PETSc.
-_SCHEMA = (
-    "Case Fluid StillWater Box Disc Polygon Tank Lid Profile Obstacle Plate Piston Flap Numerics Output PeakBand Peaks "
-    "Truth AtRest Sway Heave Roll Moved Series Tabulated PistonStroke FlapStroke Sponge Relaxation "
-    "SurfaceGauge PressureTap WaterFront ColumnHeight Energy Volume Momentum VelocityPoint VelocityProfile "
-    "RunUp Force Flux Friction ProbeArray Profiles "
-    "Airy Jonswap Sloshing SolitaryWave StandingWave Stokes StreamFunction WaveTruth"
-)
-_PUBLIC = {
-    **{name: "parisph.case.schema" for name in _SCHEMA.split()},
-    "load": "parisph.case.load",
-    **{
-        name: "parisph.base.errors"
-        for name in ("ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted",
-                     "MissingLibrary", "BadEnvironment")
-    },
-    **{name: "parisph.driver" for name in ("run", "restart", "Simulation")},
-    "open_run": "parisph.io.reader",
-}
+# Type checkers read this list, so it is written out.
+__all__ = [
+    "__version__",
+    "Case", "Fluid", "StillWater", "Box", "Disc", "Polygon", "Tank", "Lid", "Profile", "Obstacle", "Plate", "Piston",
+    "Flap", "Numerics", "Output", "PeakBand", "Peaks", "Truth", "AtRest", "Sway", "Heave", "Roll", "Moved", "Series",
+    "Tabulated", "PistonStroke", "FlapStroke", "Sponge", "Relaxation", "SurfaceGauge", "PressureTap", "WaterFront",
+    "ColumnHeight", "Energy", "Volume", "Momentum", "VelocityPoint", "VelocityProfile", "RunUp", "Force", "Flux",
+    "Friction", "ProbeArray", "Profiles", "Airy", "Jonswap", "Sloshing", "SolitaryWave", "StandingWave", "Stokes",
+    "StreamFunction", "WaveTruth",
+    "load", "run", "restart", "Simulation", "open_run",
+    "ParisphError", "CaseError", "SolverDiverged", "ParticleLost", "StoreError", "Interrupted", "MissingLibrary",
+    "BadEnvironment",
+]
 
-__all__ = ["__version__", *_PUBLIC]
+if not TYPE_CHECKING:
+    # Names are loaded when first asked for, so that `import parisph` costs nothing, and describing a case needs neither
+    # MPI nor PETSc.
+    _HOMES = {
+        "load": "parisph.case.load", "open_run": "parisph.io.reader",
+        **dict.fromkeys(("run", "restart", "Simulation"), "parisph.driver"),
+        **dict.fromkeys(__all__[__all__.index("ParisphError"):], "parisph.base.errors"),
+    }
 
+    def __getattr__(name: str) -> object:
+        if name not in __all__:
+            raise AttributeError(f"module 'parisph' has no attribute {name!r}")
+        value = getattr(import_module(_HOMES.get(name, "parisph.case.schema")), name)
+        globals()[name] = value
+        return value
 
-def __getattr__(name: str) -> Any:
-    if name not in _PUBLIC:
-        raise AttributeError(f"module 'parisph' has no attribute {name!r}")
-    value = getattr(import_module(_PUBLIC[name]), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__all__})

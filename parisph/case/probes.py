@@ -9,7 +9,7 @@ from pydantic import Field, field_validator, model_validator
 
 from parisph.base.arrays import Floats
 from parisph.base.text import shown
-from parisph.case.model import Model
+from parisph.case.model import Model, Several
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
 
@@ -57,7 +57,7 @@ class SurfaceGauge(Probe):
     'gauge'
     """
 
-    kind: Literal["surface_gauge"] = "surface_gauge"
+    kind: Literal["surface_gauge"] = Field(default="surface_gauge", init=False)
     at: float = Field(description="position x of the gauge [m]")
     truth: Union[Truth, WaveTruth, Peaks, None] = None
     peak: Peak = False
@@ -89,14 +89,14 @@ class PressureTap(Probe):
     0.09
     """
 
-    kind: Literal["pressure_tap"] = "pressure_tap"
+    kind: Literal["pressure_tap"] = Field(default="pressure_tap", init=False)
     at: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="point (x, y) on a wall [m]")]
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     radius: Union[float, None] = Field(
-        None, gt=0, description="radius of the face of the tap [m]; one spacing if it is less; default 3 spacings")
-    diameter: Optional[float] = Field(None, gt=0, description="diameter of the disc of the sensor [m]")
-    side: Optional[Literal["left", "right"]] = Field(None, description="side of a plate, as seen along its points")
+        default=None, gt=0, description="radius of the face of the tap [m], at least one spacing; default 3 spacings")
+    diameter: Optional[float] = Field(default=None, gt=0, description="diameter of the disc of the sensor [m]")
+    side: Literal["left", "right"] | None = Field(default=None, description="side of a plate, as seen along its points")
     acted: Acted = False
     arrival: Arrival = None
     every: Every = 1
@@ -118,7 +118,7 @@ class WaterFront(Probe):
     'water_front'
     """
 
-    kind: Literal["water_front"] = "water_front"
+    kind: Literal["water_front"] = Field(default="water_front", init=False)
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None
@@ -134,7 +134,7 @@ class ColumnHeight(Probe):
     0.0
     """
 
-    kind: Literal["column_height"] = "column_height"
+    kind: Literal["column_height"] = Field(default="column_height", init=False)
     at: float = Field(description="position x of the column [m]")
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
@@ -153,10 +153,10 @@ class Energy(Probe):
     True
     """
 
-    kind: Literal["energy"] = "energy"
+    kind: Literal["energy"] = Field(default="energy", init=False)
     truth: Union[Truth, None] = None
     peak: Peak = False
-    current: bool = Field(False, description="whether also by the volumes that particles represent now")
+    current: bool = Field(default=False, description="whether also by the volumes that particles represent now")
     every: Every = 1
 
 
@@ -171,7 +171,7 @@ class Volume(Probe):
     10
     """
 
-    kind: Literal["volume"] = "volume"
+    kind: Literal["volume"] = Field(default="volume", init=False)
     truth: Union[Truth, None] = None
     peak: Peak = False
     every: Every = 1
@@ -186,7 +186,7 @@ class Momentum(Probe):
     'momentum'
     """
 
-    kind: Literal["momentum"] = "momentum"
+    kind: Literal["momentum"] = Field(default="momentum", init=False)
     truth: Union[Truth, None] = None
     peak: Peak = False
     every: Every = 1
@@ -203,10 +203,10 @@ class VelocityProfile(Probe):
     [[0.5, 0.0], [0.5, 0.5], [0.5, 1.0]]
     """
 
-    kind: Literal["velocity_profile"] = "velocity_profile"
+    kind: Literal["velocity_profile"] = Field(default="velocity_profile", init=False)
     start: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="first point (x, y) [m]")]
     end: Annotated[tuple[float, ...], Field(min_length=2, max_length=3, description="last point (x, y) [m]")]
-    points: int = Field(21, ge=2, le=1000, description="number of points")
+    points: int = Field(default=21, ge=2, le=1000, description="number of points")
     truth: Union[Truth, None] = None
     peak: Peak = False
     every: Every = 1
@@ -226,7 +226,7 @@ class VelocityPoint(Probe):
     (2.0, 0.1)
     """
 
-    kind: Literal["velocity_point"] = "velocity_point"
+    kind: Literal["velocity_point"] = Field(default="velocity_point", init=False)
     at: Point
     truth: Union[Truth, None] = None
     peak: Peak = False
@@ -255,12 +255,12 @@ class RunUp(Probe):
     (6.0, 0.5)
     """
 
-    kind: Literal["run_up"] = "run_up"
-    on: str = Field("tank", description="name of the body")
-    side: Optional[Literal["left", "right"]] = Field(None, description="side of the body, or end of the profile")
-    points: Optional[tuple[Point, ...]] = Field(None, min_length=2, max_length=10_000,
-                                                description="line along the wall, from below the water upwards [m]")
-    film: Optional[float] = Field(None, gt=0.0, description="thinnest film that counts [m]")
+    kind: Literal["run_up"] = Field(default="run_up", init=False)
+    on: str = Field(default="tank", description="name of the body")
+    side: Literal["left", "right"] | None = Field(default=None, description="side of the body, or end of the profile")
+    points: Several[Point] | None = Field(default=None, min_length=2, max_length=10_000,
+                                         description="line along the wall, from below the water upwards [m]")
+    film: Optional[float] = Field(default=None, gt=0.0, description="thinnest film that counts [m]")
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     arrival: Arrival = None
@@ -304,11 +304,11 @@ class Force(Probe):
     'right'
     """
 
-    kind: Literal["force"] = "force"
-    on: str = Field("tank", description="name of the body")
-    side: Optional[Literal["left", "right", "bed", "lid"]] = Field(None, description="side of the tank")
+    kind: Literal["force"] = Field(default="force", init=False)
+    on: str = Field(default="tank", description="name of the body")
+    side: Optional[Literal["left", "right", "bed", "lid"]] = Field(default=None, description="side of the tank")
     about: Point = (0.0, 0.0)
-    still: Optional[float] = Field(None, description="height of the still level, for the dynamic part [m]")
+    still: Optional[float] = Field(default=None, description="height of the still level, for the dynamic part [m]")
     acted: Acted = False
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
@@ -335,10 +335,10 @@ class Flux(Probe):
     0.3
     """
 
-    kind: Literal["flux"] = "flux"
+    kind: Literal["flux"] = Field(default="flux", init=False)
     start: Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="first point (x, y) [m]")]
     end: Annotated[tuple[float, ...], Field(min_length=2, max_length=2, description="last point (x, y) [m]")]
-    pause: Optional[float] = Field(None, gt=0, description="time without water passing that ends an event [s]")
+    pause: Optional[float] = Field(default=None, gt=0, description="time without water passing that ends an event [s]")
     truth: Union[Truth, Peaks, None] = None
     peak: Peak = False
     every: Every = 1
@@ -363,8 +363,8 @@ class ProbeArray(Probe):
     ['x1', 'x2', 'x3']
     """
 
-    kind: Literal["probe_array"] = "probe_array"
-    probes: tuple[Single, ...] = Field(min_length=1, max_length=1000, description="probes")
+    kind: Literal["probe_array"] = Field(default="probe_array", init=False)
+    probes: Several[Single] = Field(min_length=1, max_length=1000, description="probes")
     truth: Optional[Profiles] = None
     peak: Literal[False] = False
     every: Every = 1

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Any, Optional
+from typing import Any
 
 import numpy as np
 from pydantic import Field, field_validator
@@ -26,11 +26,11 @@ class AnalyticField(Model):
 
     name: str = Field(min_length=1, max_length=40, description="name of the field")
     value: Values = Field(exclude=True, description="function of positions (n, dim) that returns (n,)")
-    gradient: Optional[Values] = Field(
-        None, exclude=True, description="function of positions (n, dim) that returns (n, dim)")
-    laplacian: Optional[Values] = Field(
-        None, exclude=True, description="function of positions (n, dim) that returns (n,)")
-    formula: str = Field("", max_length=80, description="formula for titles")
+    gradient: Values | None = Field(
+        default=None, exclude=True, description="function of positions (n, dim) that returns (n, dim)")
+    laplacian: Values | None = Field(
+        default=None, exclude=True, description="function of positions (n, dim) that returns (n,)")
+    formula: str = Field(default="", max_length=80, description="formula for titles")
 
     @field_validator("value", "gradient", "laplacian", mode="before")
     @classmethod

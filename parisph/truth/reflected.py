@@ -139,7 +139,7 @@ def _known(value):
 def _makers(case: Case) -> list[tuple[Any, float]]:
     """Return (wave, x of what makes it [m]) of all wavemakers whose waves have a period."""
     found = [(body.wave, body.place) for body in case.bodies if isinstance(body, (Piston, Flap))]
-    found += [(zone.wave, zone.end) for zone in case.absorb if isinstance(zone, Relaxation)]
+    found += [(zone.wave, zone.end) for zone in case.zones if isinstance(zone, Relaxation)]
     return [(wave, place) for wave, place in found if wave is not None and hasattr(wave, "period")]
 
 
@@ -149,7 +149,7 @@ def _gauges(case: Case, depth: float) -> dict[str, SurfaceGauge]:
     Over a bed that is not level, those from the wavemaker to the first gauge in another depth.
     """
     found = [(name, probe) for name, probe in singles(case.probes) if isinstance(probe, SurfaceGauge)
-             and not any(zone.start <= probe.at <= zone.end for zone in case.absorb)]
+             and not any(zone.start <= probe.at <= zone.end for zone in case.zones)]
     mesh = None if all(isinstance(body, (Tank, Piston, Flap)) for body in case.bodies) else build.scene_mesh(case)
     if found and mesh is not None:
         start = _makers(case)[0][1] if _makers(case) else -np.inf
