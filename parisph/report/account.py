@@ -69,11 +69,12 @@ def _at_the_end(summary: Content, path: list[Any]) -> bool:
 
 def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list[Any]]]:
     """Yield the truth of the probe number k and those beside it, each with its places in the case and the summary."""
-    truth, path = probe.truth, ["errors", probe.name]
-    place: list[Any] = ["probes", k, "truth"]
+    truth: AnyTruth | None = probe.truth
+    path, place = ["errors", probe.name], ["probes", k, "truth"]
     if truth is not None and not isinstance(truth, Peaks):
         yield truth, place, [*path]
-    for n, other in enumerate(truth.others if isinstance(truth, (Truth, Profiles)) else ()):
+    others: Sequence[Truth | Profiles] = truth.others if isinstance(truth, (Truth, Profiles)) else ()
+    for n, other in enumerate(others):
         yield other, [*place, "others", n], [*path, "others", other.name]
 
 

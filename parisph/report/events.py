@@ -1,6 +1,6 @@
 """What a report says of events: the greatest values in intervals of time, and when probes pass a value."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from parisph.case.truths import bands_of
@@ -40,12 +40,12 @@ def peaks(probes: Probes, summary: Content) -> Table:
         (Cell(probe.name), *(number(summary, SUMMARY, [*path, name], form, remarks.get(name, ""))
                              for name, form in columns), Cell(name_of(probe.truth)))
         for probe in probes if probe.truth is not None
-        for path in (["errors", probe.name, "peaks", k] for k in range(len(bands_of(probe.truth))))
+        for path in (("errors", probe.name, "peaks", k) for k in range(len(bands_of(probe.truth))))
         for remarks in (_remarks(summary, path),)
     ))
 
 
-def _remarks(summary: Content, path: list[Any]) -> dict[str, str]:
+def _remarks(summary: Content, path: Sequence[str | int]) -> dict[str, str]:
     """Return {column: what is said behind its number} of a peak: one that rises until the end is none."""
     mean = number(summary, SUMMARY, [*path, "mean"]).text
     said = {"short": ("found", f"(short: not resolved; {mean} over 5 ms)"),
@@ -76,7 +76,7 @@ def impacts(summary: Content) -> Table:
 
 def passed(summary: Content) -> Table:
     """Return the volumes that have passed the lines of probes: in all, and in each event."""
-    rows = []
+    rows: list[tuple[Cell, ...]] = []
     for name, found in (summary.get("passed") or {}).items():
         path = ["passed", name]
         rows.append((Cell(name), Cell("all"), Cell(""), Cell(""), number(summary, SUMMARY, [*path, "total"])))

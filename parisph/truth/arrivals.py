@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from parisph.base.arrays import Floats
 from parisph.case.probes import Probe, singles
 from parisph.case.schema import Case
 from parisph.truth.recorded import Recorded, parts
@@ -22,7 +23,7 @@ def _has_arrival(probe: Probe) -> bool:
     return getattr(probe, "arrival", None) is not None
 
 
-def first_passing(time: np.ndarray, values: np.ndarray, level: float) -> float | None:
+def first_passing(time: Floats, values: Floats, level: float) -> float | None:
     """Return the first time [s] at which a series is at a level or on its other side than at the start; None if never.
 
     time, values : (n,); between two samples the series is a straight line. Samples that are no number are left out.

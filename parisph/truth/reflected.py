@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
-from typing import Any, Optional
+from typing import Any
 
 import numpy as np
 
@@ -43,7 +43,7 @@ def of_case(case: Case, run: Recorded) -> dict[str, Any] | None:
         return {"reason": str(problem)}
 
 
-def analysed(case: Case, run: Recorded, probes: Optional[Sequence[str]] = None, period: float | None = None,
+def analysed(case: Case, run: Recorded, probes: Sequence[str] | None = None, period: float | None = None,
              depth: float | None = None, start: float | None = None, end: float | None = None) -> dict[str, Any]:
     """Return incident and reflected waves as {entry: value}.
 
@@ -125,20 +125,21 @@ def text(found: Mapping[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _bands(frequencies, incident, reflected):
+def _bands(frequencies: Floats, incident: Floats, reflected: Floats) -> list[dict[str, float | None]]:
     least = ENOUGH * np.nanmax(incident)
     return [{"frequency": float(f), "incident": _known(a), "reflected": _known(b),
              "coefficient": float(np.sqrt(b / a)) if a >= least else None}
             for f, a, b in zip(frequencies, incident, reflected)]
 
 
-def _known(value):
+def _known(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
 def _makers(case: Case) -> list[tuple[Any, float]]:
     """Return (wave, x of what makes it [m]) of all wavemakers whose waves have a period."""
-    found = [(body.wave, body.place) for body in case.bodies if isinstance(body, (Piston, Flap))]
+    found: list[tuple[Any, float]] = [(body.wave, body.place) for body in case.bodies
+                                      if isinstance(body, (Piston, Flap))]
     found += [(zone.wave, zone.end) for zone in case.zones if isinstance(zone, Relaxation)]
     return [(wave, place) for wave, place in found if wave is not None and hasattr(wave, "period")]
 
