@@ -1,6 +1,7 @@
 """parisph: MPI-parallel incompressible SPH for violent water waves."""
 
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -10,6 +11,18 @@ if TYPE_CHECKING:
     from parisph.driver.loop import restart, run
     from parisph.driver.simulation import Simulation
     from parisph.io.reader import open_run
+    from parisph.watch.probes.column_height import ColumnHeight
+    from parisph.watch.probes.energy_probe import Energy
+    from parisph.watch.probes.flux_probe import Flux
+    from parisph.watch.probes.force_probe import Force
+    from parisph.watch.probes.momentum import Momentum
+    from parisph.watch.probes.pressure_tap import PressureTap
+    from parisph.watch.probes.run_up import RunUp
+    from parisph.watch.probes.surface_gauge import SurfaceGauge
+    from parisph.watch.probes.velocity_point import VelocityPoint
+    from parisph.watch.probes.velocity_profile import VelocityProfile
+    from parisph.watch.probes.volume import Volume
+    from parisph.watch.probes.water_front import WaterFront
 
 __version__ = "0.1.0"
 
@@ -29,17 +42,20 @@ __all__ = [
 
 if not TYPE_CHECKING:
     # Names are loaded when first asked for, so that `import parisph` costs nothing, and describing a case needs neither
-    # MPI nor PETSc.
-    _HOMES = {
+    # MPI nor PETSc. The module of a kind of probe is named after its class.
+    _PUBLIC = {
+        **dict.fromkeys(__all__[1:], "parisph.case.schema"),
+        **{path.stem.removesuffix("_probe").title().replace("_", ""): f"parisph.watch.probes.{path.stem}"
+           for path in Path(__file__).parent.joinpath("watch", "probes").glob("[a-z]*.py")},
         "load": "parisph.case.load", "open_run": "parisph.io.reader",
         **dict.fromkeys(("run", "restart", "Simulation"), "parisph.driver"),
         **dict.fromkeys(__all__[__all__.index("ParisphError"):], "parisph.base.errors"),
     }
 
     def __getattr__(name: str) -> object:
-        if name not in __all__:
+        if name not in _PUBLIC:
             raise AttributeError(f"module 'parisph' has no attribute {name!r}")
-        value = getattr(import_module(_HOMES.get(name, "parisph.case.schema")), name)
+        value = getattr(import_module(_PUBLIC[name]), name)
         globals()[name] = value
         return value
 

@@ -16,19 +16,20 @@ else:
 
 
 def given(model: type[BaseModel]) -> dict[str, FieldInfo]:
-    """Return the fields that a user may give, by name. The others are marked by init=False, as `kind` is."""
-    return {name: field for name, field in model.model_fields.items() if field.init is not False}
+    """Return the fields that a user may give, by name: all but `kind`."""
+    return {name: field for name, field in model.model_fields.items() if name != "kind"}
 
 
 # PEP 681: checkers and editors read the arguments of a record from its fields. They see a default only if it is written
-# default=..., and want kw_only=True for a field without a default after one that has a default.
+# default=..., want kw_only=True for a field without a default after one that has a default, and init=False for one that
+# is not to be given.
 @dataclass_transform(frozen_default=True, field_specifiers=(Field, PrivateAttr))
 class Described(ModelMetaclass):
     """The type of all records. A record has the signature of its fields; help() leaves out what pydantic adds."""
 
     @property
     def __signature__(cls) -> inspect.Signature:
-        """Fields in their order, with types and defaults; those that are given by name only come last."""
+        """Fields in their order, with types and defaults; those with kw_only=True come last."""
         found = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY if field.kw_only
                                    else inspect.Parameter.POSITIONAL_OR_KEYWORD,
                                    default=inspect.Parameter.empty if field.is_required()

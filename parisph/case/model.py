@@ -23,8 +23,7 @@ else:
 class Model(BaseModel, metaclass=Described):
     """A frozen, validated record.
 
-    Fields may be given by position, in the order in which the class lists them, or by name; those with kw_only=True by
-    name only.
+    Fields may be given by position, in the order in which the class lists them, or by name.
 
     Raises
     ------
@@ -35,7 +34,7 @@ class Model(BaseModel, metaclass=Described):
                               defer_build=True)    # a start uses few of all records
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        names = [name for name, field in given(type(self)).items() if not field.kw_only]
+        names = list(given(type(self)))
         if len(args) > len(names):
             raise CaseError(
                 f"{type(self).__name__} takes at most {len(names)} values by position ({', '.join(names)}), "

@@ -12,14 +12,14 @@ from parisph.base.arrays import Floats
 from parisph.base.fields import FLUID
 from parisph.case.bodies import StillWater, motion_of
 from parisph.case.motion import AtRest
-from parisph.case.probes import SurfaceGauge
+from parisph.case.probes import Gauge
 from parisph.case.schema import Case
 from parisph.driver.conservation import Conservation, has_level
 from parisph.driver.simulation import Simulation
 from parisph.io.reader import Run
 from parisph.kernels.closest import least_distance
-from parisph.kernels.jit import axes_of
 from parisph.watch import instruments
+from parisph.watch.probes.surface_gauge import SurfaceGauge
 from parisph.watch.sampling import Scene
 
 
@@ -129,7 +129,7 @@ class Doubts:
         s, p, seen = simulation, simulation.particles, self._seen
         self._left, self._gone = s.left.volume, s.left.particles
         s.domain.update("x")
-        own = least_distance(p.x_all, p.kind_all, s.domain.indptr, s.domain.indices, axes_of(s.case.dim))
+        own = least_distance(s.method.flow.cloud)
         least = s.comm.allreduce(own, MPI.MIN) / s.numerics.spacing
         if least < seen.pair:
             seen.pair, seen.pair_time = float(least), s.time
@@ -219,7 +219,8 @@ def of_gauges(case: Case, run: Run) -> list[str]:
         return []
     found = []
     for probe in case.probes:
-        if isinstance(probe, SurfaceGauge) and not any(zone.start <= probe.at <= zone.end for zone in case.zones):
+        if isinstance(probe, Gauge) and probe.of_surface and not any(
+                zone.start <= probe.at <= zone.end for zone in case.zones):
             series = run.probe(probe.name)
             found.append((*_uneven(series["time"], series["y"], case.numerics.spacing), probe.name))
     share, when, name = max(found, key=lambda one: abs(one[0]), default=(0.0, 0.0, ""))

@@ -1,44 +1,45 @@
 """Cell sort and neighbour lists."""
 
 import math
+from collections import namedtuple
 
 import numpy as np
 
 from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
 
+# Points x in a grid of cells: its lower corner, the size and the (dim,) counts of cells; in cell c are the points
+# member[start[c]:start[c + 1]].
+_Cells = namedtuple("_Cells", "x lower size counts start member axes")
+
 
 def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the neighbours of the first n_owned points among all points, as CSR.
+    """Return the neighbours of the first n_owned points among all points, as CSR: indptr, indices, int32.
 
-    Parameters
-    ----------
-    x : (n, dim) positions [m], dim 2 or 3; the owned points come first
-    n_owned : int
-    radius : float
-        Points closer than this are neighbours [m].
+    A point is not its own neighbour. Owned neighbours come first, in the order of their numbers (_ordered). Raises
+    ValueError if the radius is not positive, or a position or a distance is not finite.
 
-    Returns
-    -------
-    indptr : (n_owned + 1,) int32, indices : (nnz,) int32
-        A point is not its own neighbour. Owned neighbours come first, in the order of their numbers (_ordered).
-
-    Raises
-    ------
-    ValueError : the radius is not positive, or a position or a distance is not finite.
+    x : (n, dim) positions [m], dim 2 or 3; radius : points closer than this are neighbours [m]
     """
     x = np.ascontiguousarray(x)
     if not radius > 0.0:
         raise ValueError(f"radius {radius} must be positive")
     if n_owned == 0:
         return np.zeros(1, np.int32), np.zeros(0, np.int32)
+    indptr, indices = _search(_sorted(x, radius), n_owned, radius)
+    return indptr, _ordered(indptr, indices)
+
+
+def _sorted(x, radius, other=0.0, rim=0):
+    """Return the _Cells of points x (n, dim) [m], as wide as the radius [m] or wider, with `rim` empty rows around.
+
+    Raises ValueError if a point, or the sum `other` of further ones, is not finite.
+    """
     lower, extent = np.empty((2, x.shape[1]))
-    if not _corners(lower, extent, x):
+    if not (_corners(lower, extent, x) and np.isfinite(other)):
         raise ValueError("a position, or the distance of two points, is not finite")
     counts, size = _grid(extent, radius, len(x))
-    axes = axes_of(x.shape[1])
-    start, member = _sort(x, lower, size, counts, axes)
-    indptr, indices = _search(x, n_owned, radius, lower, size, counts, start, member, axes)
-    return indptr, _ordered(indptr, indices)
+    lower, counts, axes = lower - rim * size, counts + 2 * rim, axes_of(x.shape[1])
+    return _Cells(x, lower, size, counts, *_sort(x, lower, size, counts, axes), axes)
 
 
 @kernel
@@ -104,7 +105,8 @@ def _enlarged(indices, n, size):
 
 
 @kernel
-def _search(x, n_owned, radius, lower, size, counts, start, member, axes):
+def _search(cells, n_owned, radius):
+    x, lower, size, counts, start, member, axes = cells
     dim = len(axes)
     blocks = 1
     for a in range(dim - 1):
@@ -190,14 +192,8 @@ def nearby(x: np.ndarray, others: np.ndarray, radius: float) -> tuple[np.ndarray
         raise ValueError(f"radius {radius} must be positive")
     if len(others) == 0 or len(x) == 0:
         return np.zeros(len(x) + 1, np.int32), np.zeros(0, np.int32)
-    lower, extent = np.empty((2, x.shape[1]))
-    if not (_corners(lower, extent, others) and np.isfinite(x.sum())):
-        raise ValueError("a position, or the distance of two points, is not finite")
-    counts, size = _grid(extent, radius, len(others))
-    axes = axes_of(x.shape[1])
-    lower, counts = lower - size, counts + 2    # empty cells all around
-    start, member = _sort(others, lower, size, counts, axes)
-    return _search_nearby(x, others, radius, lower, size, counts, start, member, _beside(start, counts, axes), axes)
+    cells = _sorted(others, radius, x.sum(), rim=1)
+    return _search_nearby(x, cells, radius, _beside(cells.start, cells.counts, cells.axes))
 
 
 @kernel
@@ -222,7 +218,8 @@ def _step(block, counts, axes):
 
 
 @kernel
-def _search_nearby(x, others, radius, lower, size, counts, start, member, beside, axes):
+def _search_nearby(x, cells, radius, beside):
+    others, lower, size, counts, start, member, axes = cells
     dim = len(axes)
     indptr = np.zeros(len(x) + 1, np.int32)
     indices = np.empty(4 * len(others) + 256, np.int32)
@@ -261,20 +258,14 @@ def nearest_points(x: np.ndarray, places: np.ndarray, spacing: float) -> np.ndar
     x, places = np.ascontiguousarray(x), np.ascontiguousarray(places)
     if len(x) == 0:
         raise ValueError("there is no point")
-    lower, extent = np.empty((2, x.shape[1]))
-    if not (_corners(lower, extent, x) and np.isfinite(places.sum())):
-        raise ValueError("a position, or the distance of two points, is not finite")
-    counts, size = _grid(extent, spacing, len(x))
-    axes = axes_of(x.shape[1])
-    start, member = _sort(x, lower, size, counts, axes)
     found = np.empty(len(places), np.int64)
-    _search_nearest(found, x, places, lower, size, counts, start, member, axes)
+    _search_nearest(found, places, _sorted(x, spacing, places.sum()))
     return found
 
 
 @kernel
-def _search_nearest(found, x, places, lower, size, counts, start, member, axes):
-    dim, last = len(axes), counts.max()
+def _search_nearest(found, places, cells):
+    lower, size, counts, dim, last = cells.lower, cells.size, cells.counts, len(cells.axes), cells.counts.max()
     home = np.empty(dim, np.int64)
     for i in range(len(places)):
         away = 0    # cells between the place and the grid
@@ -283,14 +274,15 @@ def _search_nearest(found, x, places, lower, size, counts, start, member, axes):
             away = max(away, -home[a], home[a] - counts[a] + 1)
         best, ring = math.inf, away
         while ring <= last + away and best > ((ring - 1) * size) ** 2 * (ring > 0):
-            best = _nearest_in_ring(found, best, i, home, ring, x, places, counts, start, member, axes)
+            best = _nearest_in_ring(found, best, i, home, ring, places, cells)
             ring += 1
 
 
 @inlined
-def _nearest_in_ring(found, best, i, home, ring, x, places, counts, start, member, axes):
+def _nearest_in_ring(found, best, i, home, ring, places, cells):
     """Look at the points in the cells that are `ring` cells away from a place's home; return the least distance^2."""
-    dim, side = len(axes), 2 * ring + 1
+    x, counts, start, member = cells.x, cells.counts, cells.start, cells.member
+    dim, side = len(cells.axes), 2 * ring + 1
     for block in range(side**dim):
         rest, cell, edge, inside = block, 0, False, True
         for a in range(dim):

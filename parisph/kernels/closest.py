@@ -2,19 +2,15 @@
 
 import math
 
-import numpy as np
-
 from parisph.base.fields import FLUID
 from parisph.kernels.jit import kernel
+from parisph.kernels.records import Cloud
 
 
 @kernel
-def least_distance(x: np.ndarray, kind: np.ndarray, indptr: np.ndarray, indices: np.ndarray,
-                   axes: tuple[int, ...]) -> float:
-    """Return the least distance [m] of an owned fluid particle from another one in its list, infinite without one.
-
-    x : (n_all, dim) [m], of ghosts too; kind : (n_all,)
-    """
+def least_distance(cloud: Cloud) -> float:
+    """Return the least distance [m] of an owned fluid particle from another one in its list, infinite without one."""
+    x, kind, indptr, indices = cloud.x, cloud.kind, cloud.indptr, cloud.indices
     least = math.inf
     for i in range(len(indptr) - 1):
         if kind[i] != FLUID:
@@ -23,7 +19,7 @@ def least_distance(x: np.ndarray, kind: np.ndarray, indptr: np.ndarray, indices:
             j = indices[k]
             if kind[j] == FLUID and j != i:
                 r2 = 0.0
-                for a in range(len(axes)):
+                for a in range(len(cloud.axes)):
                     r2 += (x[j, a] - x[i, a]) ** 2
                 least = min(least, r2)
     return math.sqrt(least)

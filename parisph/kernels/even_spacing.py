@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from parisph.base.fields import FLUID, SURFACE
-from parisph.kernels.jit import kernel, subkernel
+from parisph.kernels.jit import inlined, kernel, subkernel
+from parisph.kernels.records import Cloud
 
 # Radius of the neighbours that push, in spacings: those of the next layers, but not of the ones behind them, so that
 # nothing is missing around the particles of the second layer.
@@ -18,9 +19,7 @@ TINY = float(np.finfo(float).tiny)  # keeps 0/0 away
 
 
 @kernel
-def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray,
-             known: np.ndarray, normal: np.ndarray, strength: np.ndarray, spacing: float, indptr: np.ndarray,
-             indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def even_out(move: np.ndarray, cloud: Cloud, across: np.ndarray, known: np.ndarray, strength: np.ndarray) -> None:
     """Write the moves of owned fluid away from neighbours that are too close (n_owned, dim) [m].
 
     Each neighbour within the reach pushes with (1 - q^2)^2, q = r/(1.9 s), wall particles across their wall only. On a
@@ -30,38 +29,28 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
     across : (n_owned, dim), any length, the direction across the surface; known : (n_all,) bool, walls with one normal
     strength : (n_owned,), part of a displacement of one particle on the lattice that is undone
     """
-    dim, reach2 = len(axes), (REACH * spacing) ** 2
-    push = np.empty(dim)
+    x, role, indptr, dim, spacing = cloud.x, cloud.role, cloud.indptr, len(cloud.axes), cloud.spacing
+    push, reach2 = np.empty(dim), (REACH * spacing) ** 2
     for i in range(len(indptr) - 1):
         move[i, :] = 0.0
-        if kind[i] != FLUID:
+        if cloud.kind[i] != FLUID:
             continue
         on, size = role[i] == SURFACE, TINY
         push[:] = 0.0
         for a in range(dim):
             size += across[i, a] ** 2
         for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
-            j = np.uint32(indices[k])
+            j = np.uint32(cloud.indices[k])
             r2 = 0.0
             for a in range(dim):
                 r2 += (x[i, a] - x[j, a]) ** 2
-            if kind[j] == FLUID:
+            if cloud.kind[j] == FLUID:
                 if r2 < reach2 and (not on or role[j] == SURFACE):
                     f = _push(r2, spacing)
                     for a in range(dim):
                         push[a] += f * (x[i, a] - x[j, a])
             elif known[j]:
-                share, away, above = 1.0, 0.0, 0.0
-                for a in range(dim):
-                    away += normal[j, a] * (x[i, a] - x[j, a])
-                    above += across[i, a] * (x[i, a] - x[j, a])
-                if on:
-                    above2 = above * above / size
-                    r2 -= above2
-                    share = max(1.0 - math.sqrt(above2) / spacing, 0.0)
-                f = share * _push(max(r2, 0.0), spacing) * away
-                for a in range(dim):
-                    push[a] += f * normal[j, a]
+                _add_push_of_wall(push, i, j, r2, cloud, across, size if on else 0.0)
         if on:
             along = 0.0
             for a in range(dim):
@@ -70,6 +59,22 @@ def even_out(move: np.ndarray, across: np.ndarray, x: np.ndarray, kind: np.ndarr
                 push[a] -= along / size * across[i, a]
         for a in range(dim):
             move[i, a] = strength[i] / STIFFNESS * spacing * push[a]
+
+
+@inlined
+def _add_push_of_wall(push, i, j, r2, cloud, across, size):
+    """Add the push of wall particle j at the square of a distance r2; size : of across^2 on the surface, else 0."""
+    share, away, above = 1.0, 0.0, 0.0
+    for a in range(len(cloud.axes)):
+        away += cloud.normal[j, a] * (cloud.x[i, a] - cloud.x[j, a])
+        above += across[i, a] * (cloud.x[i, a] - cloud.x[j, a])
+    if size > 0.0:
+        above2 = above * above / size
+        r2 -= above2
+        share = max(1.0 - math.sqrt(above2) / cloud.spacing, 0.0)
+    f = share * _push(max(r2, 0.0), cloud.spacing) * away
+    for a in range(len(cloud.axes)):
+        push[a] += f * cloud.normal[j, a]
 
 
 @subkernel

@@ -7,6 +7,7 @@ from parisph.kernels.jit import inlined, kernel
 from parisph.kernels.mirrors import height
 from parisph.kernels.moments import invert
 from parisph.kernels.near import room_for
+from parisph.kernels.records import Cloud
 from parisph.kernels.smoothing import quartic_weight
 
 DEEPEST = 1.5    # spacings from the wall: farther away there is room for a second layer
@@ -14,34 +15,32 @@ CALM = 0.1       # speed along the wall over sqrt(f s), with the force f into it
 
 
 @kernel
-def settle(change: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, corner: np.ndarray,
-           normal: np.ndarray, force: np.ndarray, spacing: float, radius: float, floor: float, dt: float,
-           indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Change of velocity that makes the depth h of a film obey continuity, dh/dt = -h div u along the wall.
+def settle(change: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.ndarray, radius: float, floor: float,
+           dt: float) -> None:
+    """Write the change of velocity that makes the depth h of a film obey continuity, dh/dt = -h div u along the wall.
 
-    All particles of a film are surface: no equation knows how much fluid is between them. Along an inclined wall, one
-    that moves up would lift the surface, and two that approach each other would not: still water would start to move
-    by itself, at the rate sqrt(g k sin(a)/2) of a wave of number k on a slope of angle a. The velocity across the wall
-    is therefore that of the film as a whole, as far as the force that holds the film on the wall can change it in a
-    step. Nothing changes in films that flow, nor where the fluid around a particle is not all in one layer.
+    All particles of a film are surface: no equation knows how much fluid is between them. On an inclined wall, still
+    water would start to move by itself, at the rate sqrt(g k sin(a)/2) of a wave of number k on a slope of angle a:
+    a particle that moves up would lift the surface, and two that approach each other would not. The velocity across
+    the wall is therefore that of the film as a whole, as far as the force that holds the film on the wall can change
+    it in a step. Nothing changes in films that flow, nor where the fluid around a particle is not all in one layer.
 
     change : (n_owned, dim) output [m/s]
-    u : (n_all, dim) [m/s]; of walls, which may have the velocity of the fluid along them, only what is across counts
-    force : (n_all, dim) body force per unit mass [m/s^2]
+    u : (n_all, dim) [m/s], of walls only what is across counts; force : (n_all, dim) per unit mass [m/s^2]
     radius : of the least squares [m]; dt : of the step [s]
     floor : of det/(trace/dim)^dim of the moment of a particle's neighbours, above which they are not one layer
     """
-    dim, room = len(axes), room_for(indptr)
+    normal, dim, room = cloud.normal, len(cloud.axes), room_for(cloud.indptr)
     member, m, inverse = np.empty(room, np.int64), np.empty((dim, dim)), np.empty((dim, dim))
-    for i in range(len(indptr) - 1):
+    for i in range(len(cloud.indptr) - 1):
         change[i, :] = 0.0
-        if kind[i] != FLUID or role[i] != SURFACE:
+        if cloud.kind[i] != FLUID or cloud.role[i] != SURFACE:
             continue
-        wall = _wall_below(i, x, kind, corner, normal, force, DEEPEST * spacing, indptr, indices, axes)
+        wall = _wall_below(i, cloud, force)
         if wall < 0:
             continue
-        n = _layer(member, i, x, kind, role, radius, indptr, indices, axes)
-        layered = 1.0 - _moment(m, inverse, member, n, i, wall, x, normal, radius, axes) / floor
+        n = _layer(member, i, cloud, radius)
+        layered = 1.0 - _moment(m, inverse, member, n, i, wall, cloud, radius) / floor
         if layered <= 0.0:
             continue
         across, approach, held, square = 0.0, 0.0, 0.0, 0.0
@@ -50,10 +49,10 @@ def settle(change: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, r
             approach += u[wall, a] * normal[wall, a]
             held -= force[i, a] * normal[wall, a]
             square += u[i, a] ** 2
-        spread = _divergence(inverse, member, n, i, wall, u, x, normal, radius, axes)
-        missing = approach - height(i, wall, x, normal, axes) * spread - across
+        spread = _divergence(inverse, member, n, i, wall, u, cloud, radius)
+        missing = approach - height(i, wall, cloud.x, normal, cloud.axes) * spread - across
         most = held * dt
-        calm = 1.0 - (square - across * across) / (CALM * CALM * held * spacing)
+        calm = 1.0 - (square - across * across) / (CALM * CALM * held * cloud.spacing)
         if calm <= 0.0:
             continue
         missing = min(calm, 1.0) * layered * min(max(missing, -most), most)
@@ -62,43 +61,44 @@ def settle(change: np.ndarray, u: np.ndarray, x: np.ndarray, kind: np.ndarray, r
 
 
 @inlined
-def _wall_below(i, x, kind, corner, normal, force, deepest, indptr, indices, axes):
-    """Return the nearest wall particle on which the force holds particle i, -1 if there is none so near."""
+def _wall_below(i, cloud, force):
+    """Return the nearest wall particle on which the force holds particle i, -1 if there is none nearer than DEEPEST."""
+    x, normal, axes = cloud.x, cloud.normal, cloud.axes
     nearest, found = np.inf, -1
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
-        if kind[j] != WALL or corner[j]:
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = cloud.indices[k]
+        if cloud.kind[j] != WALL or cloud.corner[j]:
             continue
         held, r2 = 0.0, 0.0
         for a in range(len(axes)):
             held -= force[i, a] * normal[j, a]
             r2 += (x[j, a] - x[i, a]) ** 2
-        if held > 0.0 and r2 < nearest and 0.0 < height(i, j, x, normal, axes) < deepest:
+        if held > 0.0 and r2 < nearest and 0.0 < height(i, j, x, normal, axes) < DEEPEST * cloud.spacing:
             nearest, found = r2, j
     return found
 
 
 @inlined
-def _layer(member, i, x, kind, role, radius, indptr, indices, axes):
+def _layer(member, i, cloud, radius):
     """Write the fluid neighbours within the radius that are not in free flight; return their number."""
     n = 0
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = cloud.indices[k]
         r2 = 0.0
-        for a in range(len(axes)):
-            r2 += (x[j, a] - x[i, a]) ** 2
+        for a in range(len(cloud.axes)):
+            r2 += (cloud.x[j, a] - cloud.x[i, a]) ** 2
         member[n] = j
-        n += (kind[j] == FLUID) & (role[j] != BALLISTIC) & (r2 < radius * radius)
+        n += (cloud.kind[j] == FLUID) & (cloud.role[j] != BALLISTIC) & (r2 < radius * radius)
     return n
 
 
 @inlined
-def _moment(m, inverse, member, n, i, wall, x, normal, radius, axes):
+def _moment(m, inverse, member, n, i, wall, cloud, radius):
     """Write the inverse of the neighbours' moment along the wall; return det/(trace/dim)^dim of the whole moment.
 
     Without neighbours, or with all of them above particle i, the fluid is no layer: 1.
     """
-    dim, trace = len(axes), 0.0
+    x, normal, axes, dim, trace = cloud.x, cloud.normal, cloud.axes, len(cloud.axes), 0.0
     m[:, :] = 0.0
     for k in range(n):
         j, r2 = member[k], 0.0
@@ -123,9 +123,9 @@ def _moment(m, inverse, member, n, i, wall, x, normal, radius, axes):
 
 
 @inlined
-def _divergence(inverse, member, n, i, wall, u, x, normal, radius, axes):
+def _divergence(inverse, member, n, i, wall, u, cloud, radius):
     """Return the divergence [1/s] of the velocity along the wall, by linear least squares."""
-    dim, found = len(axes), 0.0
+    x, normal, dim, found = cloud.x, cloud.normal, len(cloud.axes), 0.0
     for k in range(n):
         j, r2, across = member[k], 0.0, 0.0
         for a in range(dim):

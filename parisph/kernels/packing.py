@@ -4,14 +4,15 @@ Then each particle gets the volume of all places to which it is nearest.
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 
 from parisph.base.fields import FLUID, INNER
 from parisph.kernels.cells import nearest_points
 from parisph.kernels.density import Table, completed_gradient
-from parisph.kernels.jit import axes_of, kernel
+from parisph.kernels.jit import kernel
+from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.shifting import fick_shift
 from parisph.kernels.solids import keep_off_solids
 
@@ -24,62 +25,47 @@ LEVEL = 2.1       # as near to the surface particles move level only, so that it
 FLAT = 0.5        # and not at all where it is not flat: it rises by more within that distance
 
 
-def pack(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, area: np.ndarray, corners: np.ndarray,
-         present: np.ndarray, table: Table, lists: Callable[[], tuple], steps: int = STEPS) -> None:
-    """Move the inner fluid x (n_all, dim) [m] in place, by shifts down the gradient of the completed density.
+def packing_move(cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray, table: Table) -> np.ndarray:
+    """Return the move (n_owned, dim) [m] of the inner fluid in one of STEPS steps.
 
-    Particles of other roles stay. Fluid that fills a lattice in front of flat walls stays, too.
+    It is a shift down the gradient of the completed density. Particles of other roles stay, and so does fluid that
+    fills a lattice in front of flat walls.
 
-    kind, role, weight : (n_all,); area : (n_all, dim); corners : (M, dim, dim) [m]; present : (M,); as for
-        density.completed_density. Walls above the water should not count: elements above its level, and nodes
-        more than a spacing above it. Then the surface has no gradient at the walls.
-    lists : called before each step, brings the ghosts in x up to date, and returns the indptr, indices of the
-        neighbours of the owned particles that are visible, and those of their elements; collective if there are other
-        ranks
+    weight : (n_all,); area : (n_all, dim); table : as for density.completed_density. Walls above the water should not
+        count: elements above its level, and nodes more than a spacing above it. Then the surface has no gradient at
+        the walls.
     """
-    for _ in range(steps):
-        move = packing_move(x, kind, role, weight, area, corners, present, table, *lists())
-        x[:len(move)] += move
-
-
-def packing_move(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, area: np.ndarray,
-                 corners: np.ndarray, present: np.ndarray, table: Table, indptr: np.ndarray, indices: np.ndarray,
-                 element_indptr: np.ndarray, element_indices: np.ndarray) -> np.ndarray:
-    """Return the displacement (n_owned, dim) [m] in one step of `pack`, whose arguments and lists these are."""
-    dim, n = x.shape[1], len(indptr) - 1
-    axes = axes_of(dim)
-    gradient, move = np.empty((n, dim)), np.empty((n, dim))
-    completed_gradient(gradient, x, kind, weight, area, corners, present, *table, element_indptr, element_indices,
-                       indptr, indices, axes)
-    strength = np.full(n, STRENGTH * table.h**2)
-    fick_shift(move, gradient, role, x, kind, strength, CAP * table.spacing, 0.0, indptr, indices, axes)
-    level_off(move, x, kind, role, LEVEL * table.spacing, FLAT * table.spacing, indptr, indices, axes)
-    keep_off_solids(move, x, kind, corners, GUARD * table.spacing, element_indptr, element_indices, axes)
+    n, s = len(cloud.indptr) - 1, cloud.spacing
+    gradient, move = np.empty((2, n, len(cloud.axes)))
+    completed_gradient(gradient, cloud.x, cloud.kind, weight, area, walls.corners, walls.present, *table, walls.indptr,
+                       walls.indices, cloud.indptr, cloud.indices, cloud.axes)
+    fick_shift(move, cloud, gradient, np.full(n, STRENGTH * table.h**2), CAP * s, 0.0)
+    level_off(move, cloud, LEVEL * s, FLAT * s)
+    keep_off_solids(move, cloud.x, cloud.kind, walls.corners, GUARD * s, walls.indptr, walls.indices, cloud.axes)
     return move
 
 
 @kernel
-def level_off(move: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, reach: float, flat: float,
-              indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def level_off(move: np.ndarray, cloud: Cloud, reach: float, flat: float) -> None:
     """Take the vertical part, that along the last axis, from moves (n_owned, dim) of particles near a level surface.
 
     Beside a surface that is not level, as the side of a column of water, particles stay.
 
     reach : [m], within which a fluid particle that is not inner makes a surface; flat : [m], by which that may rise
     """
-    last = len(axes) - 1
-    for i in range(len(indptr) - 1):
+    x, dim = cloud.x, len(cloud.axes)
+    for i in range(len(cloud.indptr) - 1):
         low, high = math.inf, -math.inf
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if kind[j] == FLUID and role[j] != INNER:
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j = cloud.indices[k]
+            if cloud.kind[j] == FLUID and cloud.role[j] != INNER:
                 r2 = 0.0
-                for a in range(len(axes)):
+                for a in range(dim):
                     r2 += (x[j, a] - x[i, a]) ** 2
                 if r2 < reach * reach:
-                    low, high = min(low, x[j, last]), max(high, x[j, last])
+                    low, high = min(low, x[j, dim - 1]), max(high, x[j, dim - 1])
         if high >= low:
-            move[i, last] = 0.0
+            move[i, dim - 1] = 0.0
         if high - low > flat:
             move[i, :] = 0.0
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import inlined, kernel, subkernel
+from parisph.kernels.records import Cloud
 
 TILT = math.pi / 6.0    # between the line of a pair and the direction in which it parts
 
@@ -38,14 +39,18 @@ def across(side: np.ndarray, d: np.ndarray, first: int, second: int, axes: tuple
     side[0], side[1], side[2] = ay * d[2] - z * d[1], z * d[0] - ax * d[2], ax * d[1] - ay * d[0]
 
 
-@kernel
-def close_pairs(x: np.ndarray, kind: np.ndarray, distance: float, indptr: np.ndarray, indices: np.ndarray,
-                axes: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the fluid neighbours of owned fluid that are nearer than the distance [m], but not in the same place.
+def close_pairs(cloud: Cloud, distance: float) -> Cloud:
+    """Return a cloud with lists of close pairs: of fluid with fluid nearer than the distance [m], not in one place.
 
-    As CSR, in the order of the lists: indptr (n_owned + 1,) int32, indices int32. What only concerns close pairs looks
-    at these, which are few, in place of all neighbours.
+    The functions below take such clouds.
     """
+    indptr, indices = _close_lists(cloud, distance)
+    return cloud._replace(indptr=indptr, indices=indices)
+
+
+@kernel
+def _close_lists(cloud, distance):
+    x, kind, indptr, indices, axes = cloud.x, cloud.kind, cloud.indptr, cloud.indices, cloud.axes
     n, close, distance2 = np.uint32(0), np.empty(len(indices), np.int32), distance * distance
     start = np.zeros(len(indptr), np.int32)
     for i in range(len(indptr) - 1):
@@ -66,83 +71,76 @@ def close_pairs(x: np.ndarray, kind: np.ndarray, distance: float, indptr: np.nda
 
 
 @kernel
-def turn_pairs(shift: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, ident: np.ndarray, distance: float,
-               strength: np.ndarray, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Add a turn of close pairs of inner particles: a lattice that is compressed has no gradient of concentration.
+def turn_pairs(shift: np.ndarray, cloud: Cloud, ident: np.ndarray, strength: np.ndarray, distance: float) -> None:
+    """Turn close pairs of inner particles: a lattice that is compressed has no gradient of concentration.
 
-    Each pair moves apart across its line, by (1 - r/distance) times the mean of its strengths.
+    Each particle of a pair moves across its line, by (1 - r/distance) times half the mean of their strengths.
 
-    shift : (n_owned, dim), changed [m]; strength : (n_all,) [m]; distance [m]
+    shift : (n_owned, dim) [m], to which the moves are added; ident : (n_all,); strength : (n_all,) [m]; distance [m]
     """
-    dim = len(axes)
+    role, indptr, indices, dim = cloud.role, cloud.indptr, cloud.indices, len(cloud.axes)
     d, side = np.empty(dim), np.empty(dim)
     for i in range(len(indptr) - 1):
         if role[i] != INNER:
             continue
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
-            if role[j] != INNER or kind[j] != FLUID:
+            r = _distance(d, i, j, cloud)
+            if role[j] != INNER or not r < distance:
                 continue
-            r = _distance(d, i, j, x, axes)
-            if not 0.0 < r < distance:
-                continue
-            across(side, d, ident[i], ident[j], axes)
+            across(side, d, ident[i], ident[j], cloud.axes)
             move = 0.5 * (strength[i] + strength[j]) * (1.0 - r / distance) / r
             for a in range(dim):
                 shift[i, a] -= move * side[a]
 
 
 @kernel
-def count_close(number: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray, distance: float,
-                indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Number of fluid neighbours nearer than the distance, of pairs that are not both inner: (n_owned,)."""
-    d = np.empty(len(axes))
-    for i in range(len(indptr) - 1):
+def count_close(number: np.ndarray, cloud: Cloud, distance: float) -> None:
+    """Count the pairs of each particle nearer than the distance [m] that are not both inner: number (n_owned,)."""
+    role, d = cloud.role, np.empty(len(cloud.axes))
+    for i in range(len(number)):
         number[i] = 0
-        if kind[i] != FLUID:
-            continue
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if kind[j] == FLUID and (role[i] != INNER or role[j] != INNER):
-                number[i] += 0.0 < _distance(d, i, j, x, axes) < distance
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j = cloud.indices[k]
+            if role[i] != INNER or role[j] != INNER:
+                number[i] += _distance(d, i, j, cloud) < distance
 
 
 @kernel
-def part_pairs(shift: np.ndarray, number: np.ndarray, x: np.ndarray, kind: np.ndarray, role: np.ndarray,
-               ident: np.ndarray, distance: float, strength: float, indptr: np.ndarray, indices: np.ndarray,
-               axes: tuple[int, ...]) -> None:
-    """Part fluid pairs nearer than the distance of which at least one has no pressure equation (jets, drops, films).
+def part_pairs(shift: np.ndarray, cloud: Cloud, number: np.ndarray, ident: np.ndarray, distance: float,
+               strength: float) -> None:
+    """Part close pairs of which at least one particle has no pressure equation (jets, drops, films).
 
     A pair parts by strength (distance - r), divided by the larger number of such pairs of the two,
     so that no sum of moves exceeds it. It parts along its line turned by TILT to one side or the other:
     particles in one line then form a column again, and not a point.
 
-    shift : (n_owned, dim) output [m]; number : (n_all,) of `count_close`
+    shift : (n_owned, dim) output [m]; number : (n_all,) of `count_close`; ident : (n_all,); distance [m]
     """
-    dim = len(axes)
+    role, indptr, indices, dim = cloud.role, cloud.indptr, cloud.indices, len(cloud.axes)
     d, side = np.empty(dim), np.empty(dim)
     cosine, sine = math.cos(TILT), math.sin(TILT)
     for i in range(len(indptr) - 1):
         shift[i, :] = 0.0
-        if kind[i] != FLUID or number[i] == 0:
+        if number[i] == 0:
             continue
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
-            if kind[j] != FLUID or (role[i] == INNER and role[j] == INNER):
+            if role[i] == INNER and role[j] == INNER:
                 continue
-            r = _distance(d, i, j, x, axes)
-            if not 0.0 < r < distance:
+            r = _distance(d, i, j, cloud)
+            if not r < distance:
                 continue
-            across(side, d, ident[i], ident[j], axes)
+            across(side, d, ident[i], ident[j], cloud.axes)
             move = 0.5 * strength * (distance - r) / (r * max(number[i], number[j]))
             for a in range(dim):
                 shift[i, a] -= move * (cosine * d[a] + sine * side[a])
 
 
 @kernel
-def keep_apart(move: np.ndarray, near: np.ndarray, x: np.ndarray, kind: np.ndarray, ident: np.ndarray, distance: float,
-               longest: float, indptr: np.ndarray, indices: np.ndarray, axes: tuple[int, ...]) -> tuple[int, int]:
-    """Sum of the moves that bring each fluid pair to the distance, half each, along its line turned by TILT.
+def keep_apart(move: np.ndarray, near: np.ndarray, cloud: Cloud, ident: np.ndarray, distance: float,
+               longest: float) -> tuple[int, int]:
+    """Sum the moves that bring each pair to the distance [m], half each, along its line turned by TILT.
 
     For repeated sweeps: the sum is right for a pair of its own, and limited in a crowd.
 
@@ -150,29 +148,28 @@ def keep_apart(move: np.ndarray, near: np.ndarray, x: np.ndarray, kind: np.ndarr
         sweep
     near : int32, the owned particles to look at, all in the first sweep; those that have a neighbour which the next
         sweep may bring too near are moved to its beginning
+    ident : (n_all,)
     Returns the number of particles with a neighbour nearer than the distance, and how many are left in `near`.
     """
-    dim = len(axes)
+    indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
     d, side = np.empty(dim), np.empty(dim)
     cosine, sine = math.cos(TILT), math.sin(TILT)
     crowded, left, reach = 0, 0, distance + longest
     for i in near:
         for a in range(dim):
             move[i, a] = 0.0
-        if kind[i] != FLUID or not _any_within(reach, i, x, kind, indptr, indices, axes):
+        if not _any_within(reach, i, cloud):
             continue
         near[left] = i
         left += 1
         close = False
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
-            if kind[j] != FLUID:
-                continue
-            r = _distance(d, i, j, x, axes)
+            r = _distance(d, i, j, cloud)
             if not 0.0 < r < distance:
                 continue
             close = True
-            across(side, d, ident[i], ident[j], axes)
+            across(side, d, ident[i], ident[j], cloud.axes)
             for a in range(dim):
                 move[i, a] -= 0.5 * (distance - r) / r * (cosine * d[a] + sine * side[a])
         crowded += close
@@ -186,23 +183,23 @@ def keep_apart(move: np.ndarray, near: np.ndarray, x: np.ndarray, kind: np.ndarr
 
 
 @inlined
-def _any_within(reach, i, x, kind, indptr, indices, axes):
-    """Return whether a fluid neighbour of i is nearer than the reach; without branches, as most have none."""
-    found = False
-    for k in range(indptr[i], indptr[i + 1]):
-        j = np.uint32(indices[k])
+def _any_within(reach, i, cloud):
+    """Return whether a neighbour of i is nearer than the reach; without branches, as most have none."""
+    x, found = cloud.x, False
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = np.uint32(cloud.indices[k])
         r2 = 0.0
-        for a in range(len(axes)):
+        for a in range(len(cloud.axes)):
             r2 += (x[j, a] - x[i, a]) ** 2
-        found |= (kind[j] == FLUID) & (r2 < reach * reach)
+        found |= r2 < reach * reach
     return found
 
 
 @inlined
-def _distance(d, i, j, x, axes):
+def _distance(d, i, j, cloud):
     """Write x_j - x_i, and return its length."""
     r2 = 0.0
-    for a in range(len(axes)):
-        d[a] = x[j, a] - x[i, a]
+    for a in range(len(cloud.axes)):
+        d[a] = cloud.x[j, a] - cloud.x[i, a]
         r2 += d[a] ** 2
     return math.sqrt(r2)

@@ -8,13 +8,13 @@ from parisph.base.fields import FLUID, INNER
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mirrors import gather_around
 from parisph.kernels.near import dot, room_for
+from parisph.kernels.records import Cloud
 from parisph.kernels.smoothing import cubic_spline, cubic_spline_slope
 
 
 @kernel
-def compression(e: np.ndarray, alpha: np.ndarray, surplus: np.ndarray, rapid: np.ndarray, role: np.ndarray,
-                x: np.ndarray, kind: np.ndarray, limit: float, doubt: np.ndarray, reach: float, indptr: np.ndarray,
-                indices: np.ndarray, axes: tuple[int, ...]) -> None:
+def compression(e: np.ndarray, cloud: Cloud, alpha: np.ndarray, surplus: np.ndarray, rapid: np.ndarray,
+                doubt: np.ndarray, limit: float, reach: float) -> None:
     """Relative density error that the position projection removes.
 
     e = alpha - 1 at inner particles, clipped to +-limit. If a surface particle lies within the reach [m], only
@@ -22,18 +22,17 @@ def compression(e: np.ndarray, alpha: np.ndarray, surplus: np.ndarray, rapid: np
     disorder, which makes alpha too large here and too small there, one side alone would be left, and its mean
     pushes the surface outwards: a wave gains the energy to which its crests are lifted.
 
-    e : (n_owned,) output; doubt : (n_owned,)
+    e : (n_owned,) output; alpha, doubt : (n_owned,)
     surplus : (n_owned,), the part of alpha that is left out as `less_pushed` does; rapid : (n_owned,), 0 to 1
     """
-    reach2, bare = reach * reach, _without_equation(kind, role)
-    for i in range(len(indptr) - 1):
+    role, reach2, bare = cloud.role, reach * reach, _without_equation(cloud.kind, cloud.role)
+    for i in range(len(cloud.indptr) - 1):
         e[i] = 0.0
         if role[i] != INNER:
             continue
         full = min(max(alpha[i] - 1.0, -limit), limit)
         less = min(max(alpha[i] - surplus[i] - 1.0, -limit), limit)
-        if ((full != 0.0 or less != 0.0) and _any(bare, i, indptr, indices)
-                and _near_surface(i, x, bare, reach2, indptr, indices, axes)):
+        if (full != 0.0 or less != 0.0) and _any(bare, i, cloud) and _near_surface(i, bare, reach2, cloud):
             full, less = max(full - doubt[i], 0.0), max(less - doubt[i], 0.0)
         e[i] = less_pushed(full, less, rapid[i]) if surplus[i] != 0.0 else full
 
@@ -80,24 +79,24 @@ def _without_equation(kind, role):
 
 
 @inlined
-def _any(marked, i, indptr, indices):
+def _any(marked, i, cloud):
     """Return whether any neighbour in the list of i is marked. Most particles have none; a loop without branches tells
     in a third of the time."""
     found = False
-    for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
-        found |= marked[np.uint32(indices[k])]
+    for k in range(np.uint32(cloud.indptr[i]), np.uint32(cloud.indptr[i + 1])):
+        found |= marked[np.uint32(cloud.indices[k])]
     return found
 
 
 @inlined
-def _near_surface(i, x, bare, reach2, indptr, indices, axes):
+def _near_surface(i, bare, reach2, cloud):
     """Return whether a marked neighbour lies within the reach of particle i."""
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = cloud.indices[k]
         if bare[j]:
             r2 = 0.0
-            for a in range(len(axes)):
-                r2 += (x[j, a] - x[i, a]) ** 2
+            for a in range(len(cloud.axes)):
+                r2 += (cloud.x[j, a] - cloud.x[i, a]) ** 2
             if r2 < reach2:
                 return True
     return False
@@ -137,9 +136,8 @@ def concentration(alpha: np.ndarray, out: np.ndarray, x: np.ndarray, kind: np.nd
 
 
 @kernel
-def fick_shift(shift: np.ndarray, gradient: np.ndarray, role: np.ndarray, x: np.ndarray, kind: np.ndarray,
-               strength: np.ndarray, cap: float, reach: float, indptr: np.ndarray, indices: np.ndarray,
-               axes: tuple[int, ...]) -> None:
+def fick_shift(shift: np.ndarray, cloud: Cloud, gradient: np.ndarray, strength: np.ndarray, cap: float,
+               reach: float) -> None:
     """Shift down the gradient of concentration; near the surface, only along it.
 
     dr = -strength grad alpha (Lind et al. 2012), |dr| <= cap; zero on the surface; within the
@@ -148,27 +146,27 @@ def fick_shift(shift: np.ndarray, gradient: np.ndarray, role: np.ndarray, x: np.
 
     shift : (n_owned, dim) output [m]; gradient : (n_all, dim); strength : (n_owned,), C h^2 [m^2]
     """
-    dim = len(axes)
-    bare, direction = _without_equation(kind, role), np.empty(dim)
-    for i in range(len(indptr) - 1):
+    role, axes, dim = cloud.role, cloud.axes, len(cloud.axes)
+    bare, direction = _without_equation(cloud.kind, role), np.empty(dim)
+    for i in range(len(cloud.indptr) - 1):
         for a in range(dim):
             shift[i, a] = -strength[i] * gradient[i, a] if role[i] == INNER else 0.0
         if role[i] != INNER:
             continue
-        if _any(bare, i, indptr, indices):
-            _surface_normal(direction, i, gradient, x, bare, reach * reach, indptr, indices, axes)
+        if _any(bare, i, cloud):
+            _surface_normal(direction, i, gradient, bare, reach * reach, cloud)
             _remove_along(shift, i, direction, axes)
         limit_length(shift, i, cap, axes)
 
 
 @inlined
-def _surface_normal(direction, i, gradient, x, bare, reach2, indptr, indices, axes):
+def _surface_normal(direction, i, gradient, bare, reach2, cloud):
     """Write the sum of grad alpha/r^2 of the marked neighbours within the reach of particle i."""
-    dim = len(axes)
+    x, dim = cloud.x, len(cloud.axes)
     for a in range(dim):
         direction[a] = 0.0
-    for k in range(indptr[i], indptr[i + 1]):
-        j = indices[k]
+    for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+        j = cloud.indices[k]
         if not bare[j]:
             continue
         r2 = 0.0

@@ -9,6 +9,7 @@ from parisph.kernels.gradient import fitted
 from parisph.kernels.jit import inlined, kernel, subkernel
 from parisph.kernels.mls import linear_fit, moment_count
 from parisph.kernels.near import fill_up, gather_within, room_for, sum_changes
+from parisph.kernels.records import Cloud
 
 # The weight of a particle in its own mean is 1 if the fit passes through it, and .6 to .8 beside a contact line, where
 # surface particles would creep without the filter.
@@ -17,24 +18,23 @@ TINY = float(np.finfo(float).tiny)  # keeps 0/0 away
 
 
 @kernel
-def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, u: np.ndarray, x: np.ndarray,
-                      kind: np.ndarray, role: np.ndarray, radius: float, floor: float, indptr: np.ndarray,
-                      indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Gradient of the velocity at owned fluid particles, by linear least squares with the quartic weight, and what the
-    velocity has beyond such a fit.
+def velocity_gradient(g: np.ndarray, rate: np.ndarray, beyond: np.ndarray, cloud: Cloud, u: np.ndarray, radius: float,
+                      floor: float) -> None:
+    """Write the velocity gradient of owned fluid by linear least squares, and what the velocity has beyond that fit.
 
-    The gradient is exact for a linear velocity. It is zero at walls, and where the neighbours do not span the
-    plane: fewer than dim + 1 of them, or det/(trace/dim)^dim of their moment < floor.
+    The weight is quartic. The gradient is exact for a linear velocity. It is zero at walls, and where the neighbours
+    do not span the plane: fewer than dim + 1 of them, or det/(trace/dim)^dim of their moment < floor.
 
-    Beyond the fit is what the filter removes: the velocity less the moving least squares of it, which include the
-    particle itself. A harmonic velocity has no Laplacian, so that of a wave has almost nothing there. It is zero where
-    the neighbours do not span a plane (jets, drops), because an extrapolation from two neighbours is unbounded.
+    The filter removes what is beyond the fit: the velocity less its moving least squares, which include the particle
+    itself. A harmonic velocity has no Laplacian, so a wave has almost nothing there. It is zero where the neighbours
+    do not span a plane (jets, drops), because an extrapolation from two neighbours is unbounded.
 
     g : (n_owned, dim, dim) output, g[i, a, b] = d u_a / d x_b [1/s]
     rate : (n_owned,) output, sqrt(2 S : S) with S the symmetric part of g [1/s]; both without rows if not wanted
     beyond : (n_owned, dim) output [m/s], without rows if not wanted
-    u, x, kind, role : of owned and ghost particles, walls with the velocity of `wall_velocity`
+    u : (n_all, dim) [m/s], of walls that of gradient.wall_velocity; radius : of the weight [m]
     """
+    x, kind, role, indptr, indices, axes = cloud.x, cloud.kind, cloud.role, cloud.indptr, cloud.indices, cloud.axes
     dim, room = len(axes), room_for(indptr)
     near, weighted, difference = np.empty((dim, room)), np.empty((1, room)), np.empty((dim, room))
     member = np.empty(room, np.int32)
@@ -98,12 +98,10 @@ def _strain_rate(g, i, axes):
 
 
 @kernel
-def mean_over_fluid(out: np.ndarray, f: np.ndarray, x: np.ndarray, kind: np.ndarray, radius: float, indptr: np.ndarray,
-                    indices: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Mean of a scalar over the fluid within the radius, the particle itself included.
-
-    out : (n_owned,) output, zero at walls; f, x, kind : of owned and ghost particles
+def mean_over_fluid(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: float) -> None:
+    """Write the mean of f (n_all,) over the fluid within the radius [m], the particle included: (n_owned,), 0 at walls.
     """
+    x, kind, indptr, indices, axes = cloud.x, cloud.kind, cloud.indptr, cloud.indices, cloud.axes
     radius2 = radius * radius
     for i in range(len(indptr) - 1):
         out[i] = 0.0
@@ -124,16 +122,17 @@ def mean_over_fluid(out: np.ndarray, f: np.ndarray, x: np.ndarray, kind: np.ndar
 
 
 @kernel
-def judge(strained: np.ndarray, rapid: np.ndarray, doubt: np.ndarray, rate: np.ndarray, by_pressure: np.ndarray,
-          spacing: float, dt: float, rest: float, quick: float, disorder: float) -> None:
-    """Write the strain of a step, how rapid it is, and the density error that may be disorder.
+def judge(out: np.ndarray, rate: np.ndarray, by_pressure: np.ndarray, spacing: float, dt: float, rest: float,
+          quick: float, disorder: float) -> None:
+    """Write the strain of a step, how rapid it is, and the density error that may be disorder: out (3, n).
 
     With the rate D and the acceleration a by pressure alone: the strain dt D, less where D is far below
-    rest sqrt(a/s); rapid = D^2/(D^2 + quick^2 a/s), from 0 in calm fluid to 1; doubt = disorder (1 - rapid). Rapid
+    rest sqrt(a/s); rapid = D^2/(D^2 + quick^2 a/s), from 0 in calm fluid to 1; the error disorder (1 - rapid). Rapid
     strain packs particles faster than disorder does, and all of that is compression.
 
-    strained, rapid, doubt : (n,) output; rate : (n,) [1/s]; by_pressure : (n,) [m/s^2]; spacing [m]; dt [s]
+    rate : (n,) [1/s]; by_pressure : (n,) [m/s^2]; spacing [m]; dt [s]
     """
+    strained, rapid, doubt = out[0], out[1], out[2]
     for i in range(len(rate)):
         square = by_pressure[i] / spacing
         calm = quick * quick * square

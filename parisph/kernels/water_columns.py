@@ -1,5 +1,7 @@
 """What a gauge sees: the bodies of water above a place, and the surface beside it."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE
@@ -9,18 +11,29 @@ from parisph.kernels.jit import inlined, kernel
 HEIGHT, BODY, TOP = 0.0, 1.0, 2.0
 
 
+class Column(NamedTuple):
+    """Where a gauge looks, within `half` of `at` along x, for surface particles within `beside` (negative: none) [m].
+
+    Neighbours upwards are of one body unless they are farther apart than the gap, above an inner particle than
+    gap + stretch [m].
+    """
+
+    at: float
+    half: float
+    beside: float
+    gap: float
+    stretch: float
+
+
 @kernel
-def column_rows(x: np.ndarray, kind: np.ndarray, role: np.ndarray, at: float, half: float, beside: float, gap: float,
-                stretch: float, floors: np.ndarray) -> np.ndarray:
+def column_rows(x: np.ndarray, kind: np.ndarray, role: np.ndarray, column: Column, floors: np.ndarray) -> np.ndarray:
     """Return rows (n, 4) of what these are and three numbers: HEIGHT, BODY and TOP, one TOP for each BODY.
 
-    Bodies are of fluid that is not in free flight, in the column within `half` of `at` along x. Neighbours upwards are
-    of one body unless they are farther apart than the gap, above an inner particle than gap + stretch. Water on
-    one floor is no part of that on another.
+    Bodies are of fluid that is not in free flight. Water on one floor is no part of that on another.
 
-    x : (n, dim), the last axis upwards; kind, role : (n,); beside : from `at`, of surface particles, negative for none
-    floors : (m,) heights of the floors, upwards; all lengths [m]
+    x : (n, dim) [m], the last axis upwards; kind, role : (n,); floors : (m,) heights of the floors, upwards [m]
     """
+    at, half, beside, gap, stretch = column
     up, inside, most = x.shape[1] - 1, 0, 0
     for i in range(len(x)):
         away = abs(x[i, 0] - at)

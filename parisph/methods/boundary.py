@@ -121,7 +121,7 @@ class Boundary(ABC):
         """
         p = flow.particles
         closing = p.closing_all if "closing" in p.fields else np.empty(0, np.int8)    # a full tank: all walls are wet
-        return wetness.known_slopes(p.kind_all, p.corner_all, closing, p.normal_all, flow.body_force)
+        return wetness.known_slopes(flow.cloud, closing, flow.body_force)
 
     def slope(self, flow: "Flow", along: np.ndarray | None) -> np.ndarray:
         """Return the slope across walls (n_all,) of a field with the gradient `along` (n_all, dim) in water at rest.

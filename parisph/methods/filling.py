@@ -8,6 +8,7 @@ from mpi4py import MPI
 from parisph.base.fields import FLUID, INNER, SURFACE, WALL
 from parisph.kernels import packing, strain
 from parisph.kernels.cells import nearest_points
+from parisph.kernels.records import no_walls
 from parisph.kernels.solids import keep_off_solids
 from parisph.methods import lengths
 from parisph.methods.flow import Flow
@@ -17,7 +18,7 @@ TIE = 1e-3    # spacings by which nodes are moved, so that none is as near to tw
 
 
 def pack(flow: Flow, steps: int = packing.STEPS) -> None:
-    """Move the inner fluid until it lies evenly up to the walls (kernels.packing.pack). Collective."""
+    """Move the inner fluid until it lies evenly up to the walls (kernels.packing.packing_move). Collective."""
     p, d, walls = flow.particles, flow.domain, flow.walls
     if not isinstance(walls, WallSolids):
         return
@@ -25,10 +26,10 @@ def pack(flow: Flow, steps: int = packing.STEPS) -> None:
         d.refresh()
         d.update(*walls.cover(flow))
         e, covered = walls.elements, p.covered_all
-        move = packing.packing_move(p.x_all, p.kind_all, p.role_all, p.weight_all * covered,
-                                    p.area_all * covered[:, None], e.corners, e.mean_of_nodes(covered), walls.table,
-                                    d.indptr, d.indices, e.indptr, e.indices)
-        p.x[:] += move
+        elements = no_walls(0, p.dim)._replace(corners=e.corners, present=e.mean_of_nodes(covered), indptr=e.indptr,
+                                               indices=e.indices)
+        p.x[:] += packing.packing_move(flow.cloud, elements, p.weight_all * covered, p.area_all * covered[:, None],
+                                       walls.table)
     d.refresh()
 
 
@@ -77,8 +78,8 @@ def _weigh_cells(flow, fluid, own):
     p.weight[inner] = cells[inner]
     d.update("weight")
     mean = np.empty(p.n_owned)
-    strain.mean_over_fluid(mean, p.weight_all, p.x_all, np.where(p.role_all == INNER, FLUID, WALL), lengths.NEAR * s,
-                           d.indptr, d.indices, flow.axes)
+    inside = flow.cloud._replace(kind=np.where(p.role_all == INNER, np.int8(FLUID), np.int8(WALL)))
+    strain.mean_over_fluid(mean, inside, p.weight_all, lengths.NEAR * s)
     p.weight[inner] = mean[inner]
     d.update("weight")
 

@@ -201,17 +201,15 @@ class Flow:
                                    self.axes)
         return p.swirl_all
 
-    def close_pairs(self, distance: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the CSR lists of fluid pairs nearer than a distance [spacings]: (indptr, indices) of
-        kernels.pairs.close_pairs. Not collective.
+    def close_pairs(self, distance: float) -> Cloud:
+        """Return the cloud of fluid pairs nearer than a distance [spacings], kernels.pairs.close_pairs. Not collective.
 
         For `prepare` and `change` of regularisers, which see the same positions: lists are made once in a preparation.
         Limiters, which act when positions have changed, make their own.
         """
-        p, d, name = self.particles, self.domain, f"pairs within {distance}"
+        name = f"pairs within {distance}"
         if name not in self.found:
-            self.found[name] = pairs.close_pairs(p.x_all, p.kind_all, distance * self.spacing, d.indptr, d.indices,
-                                                 self.axes)
+            self.found[name] = pairs.close_pairs(self.cloud, distance * self.spacing)
         return self.found[name]
 
     def density_ratio(self, least: int) -> None:

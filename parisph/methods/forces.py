@@ -107,8 +107,7 @@ class Viscous(Force):
         if "touched" not in p.fields:    # a full closed tank, all of whose walls are wet
             d.update("u", "nu", "role")
             return flow.walls.frictional(flow, p.kind_all)
-        wetness.touched_walls(p.touched, p.role_all, p.x_all, p.kind_all, p.normal_all, flow.spacing,
-                              d.indptr, d.indices, flow.axes)
+        wetness.touched_walls(p.touched, flow.cloud)
         d.update("u", "nu", "role", "touched")
         return flow.walls.frictional(flow, np.where(p.touched_all == 0, np.int8(ABSENT), p.kind_all))
 

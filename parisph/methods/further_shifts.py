@@ -57,10 +57,9 @@ class TensileShift(Shift):
         tensile_gradient(flow)
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
-        p, d = flow.particles, flow.domain
         h = lengths.DENSITY * flow.spacing
-        shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all, self.strength(flow) * h * h,
-                            CAP * flow.spacing, NEAR_SURFACE * flow.spacing, d.indptr, d.indices, flow.axes)
+        shifting.fick_shift(move, flow.cloud, flow.particles.grad_alpha_all, self.strength(flow) * h * h,
+                            CAP * flow.spacing, NEAR_SURFACE * flow.spacing)
 
 
 def tensile_gradient(flow: "Flow") -> None:

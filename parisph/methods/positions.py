@@ -115,8 +115,7 @@ def voids(flow: "Flow") -> np.ndarray:
     d.update("lack")
     found = np.zeros(p.n_owned)
     if np.any(p.lack_all < -VOID):    # else no mean is
-        strain.mean_over_fluid(found, p.lack_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr, d.indices,
-                               flow.axes)
+        strain.mean_over_fluid(found, flow.cloud, p.lack_all, lengths.MLS * flow.spacing)
         found = np.where(p.role == INNER, np.minimum(found + VOID, 0.0), 0.0)
     np.copyto(p.hollow, found, where=np.isnan(p.hollow))
     return np.minimum(found - p.hollow, 0.0)
@@ -151,16 +150,13 @@ class Parting(Regulariser):
         return numerics.shift > 0.0
 
     def prepare(self, flow: "Flow", dt: float) -> None:
-        p = flow.particles
-        pairs.count_close(p.pairs, p.x_all, p.kind_all, p.role_all, PART_WITHIN * flow.spacing,
-                          *flow.close_pairs(CLOSE), flow.axes)
+        pairs.count_close(flow.particles.pairs, flow.close_pairs(CLOSE), PART_WITHIN * flow.spacing)
         flow.stale.add("pairs")
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p = flow.particles
         move = np.empty_like(p.x)
-        pairs.part_pairs(move, p.pairs_all, p.x_all, p.kind_all, p.role_all, p.id_all, PART_WITHIN * flow.spacing, PART,
-                         *flow.close_pairs(CLOSE), flow.axes)
+        pairs.part_pairs(move, flow.close_pairs(CLOSE), p.pairs_all, p.id_all, PART_WITHIN * flow.spacing, PART)
         return move
 
 
@@ -192,14 +188,13 @@ class FickShift(Regulariser):
         flow.stale.update(self.fields)
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        p, d, n = flow.particles, flow.domain, flow.numerics
+        p, n = flow.particles, flow.numerics
         h = lengths.DENSITY * flow.spacing
         move = np.empty_like(p.x)
-        shifting.fick_shift(move, p.grad_alpha_all, p.role_all, p.x_all, p.kind_all,
+        shifting.fick_shift(move, flow.cloud, p.grad_alpha_all,
                             straining.strength(flow, n.shift, n.shift_strain) * h * h, CAP * flow.spacing,
-                            2.0 * flow.spacing, d.indptr, d.indices, flow.axes)
-        pairs.turn_pairs(move, p.x_all, p.kind_all, p.role_all, p.id_all, TURN_WITHIN * flow.spacing, p.turn_all,
-                         *flow.close_pairs(CLOSE), flow.axes)
+                            2.0 * flow.spacing)
+        pairs.turn_pairs(move, flow.close_pairs(CLOSE), p.id_all, p.turn_all, TURN_WITHIN * flow.spacing)
         return move
 
 
@@ -217,14 +212,13 @@ class KeepApart(Limiter):
         return numerics.shift > 0.0
 
     def apply(self, flow: "Flow", dt: float) -> None:
-        p, d = flow.particles, flow.domain
+        p = flow.particles
         flow.fresh("x")
-        watched = pairs.close_pairs(p.x_all, p.kind_all, WATCHED * flow.spacing, d.indptr, d.indices, flow.axes)
+        watched = pairs.close_pairs(flow.cloud, WATCHED * flow.spacing)
         move, near = np.zeros_like(p.x), np.arange(p.n_owned, dtype=np.int32)
         for _ in range(SWEEPS):
             flow.fresh("x")
-            crowded, left = pairs.keep_apart(move, near, p.x_all, p.kind_all, p.id_all, APART * flow.spacing,
-                                             SWEEP * flow.spacing, *watched, flow.axes)
+            crowded, left = pairs.keep_apart(move, near, watched, p.id_all, APART * flow.spacing, SWEEP * flow.spacing)
             if not sums(p.comm, crowded)[0]:
                 break
             near = near[:left]
@@ -284,11 +278,9 @@ def compression(flow: "Flow", alpha: np.ndarray, doubt: np.ndarray | None = None
 
     alpha : (n_owned,); doubt, more, rapid : (n_owned,), default 0
     """
-    p, d = flow.particles, flow.domain
-    e, zero = np.empty(p.n_owned), np.zeros(p.n_owned)
+    e, zero = np.empty_like(alpha), np.zeros_like(alpha)
     doubt, more, rapid = (zero if one is None else one for one in (doubt, more, rapid))
-    shifting.compression(e, alpha, more, rapid, p.role_all, p.x_all, p.kind_all, 0.1, doubt,
-                         lengths.WALL * flow.spacing, d.indptr, d.indices, flow.axes)
+    shifting.compression(e, flow.cloud, alpha, more, rapid, doubt, 0.1, lengths.WALL * flow.spacing)
     return e
 
 

@@ -25,10 +25,9 @@ class EvenShift(Shift):
         return (*self.fields, *straining.FIELDS)
 
     def write(self, move: np.ndarray, flow: "Flow", dt: float) -> None:
-        p, d = flow.particles, flow.domain
+        p = flow.particles
         across = p.acceleration - flow.force[:p.n_owned]
-        even_spacing.even_out(move, across, p.x_all, p.kind_all, p.role_all, flow.walls.known_slopes(flow),
-                              p.normal_all, self.strength(flow), flow.spacing, d.indptr, d.indices, flow.axes)
+        even_spacing.even_out(move, flow.cloud, across, flow.walls.known_slopes(flow), self.strength(flow))
         shifting.limit_lengths(move, p.n_owned, CAP * flow.spacing, flow.axes)
 
 

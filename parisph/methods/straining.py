@@ -29,7 +29,7 @@ def begin(flow: "Flow", fit: bool = False) -> None:
 
     fit : whether flow.beyond_fit is wanted, which the same pass finds
     """
-    p, d = flow.particles, flow.domain
+    p = flow.particles
     flow.stale.update(FIELDS)
     if flow.potential is not None and not fit:
         p.grad_u[:], flow.beyond_fit = flow.potential.gradient, None
@@ -37,8 +37,7 @@ def begin(flow: "Flow", fit: bool = False) -> None:
         return
     flow.fresh("role", "u")
     found = np.empty((p.n_owned if fit else 0, p.dim))
-    strain.velocity_gradient(p.grad_u, p.strain_rate, found, p.u_all, p.x_all, p.kind_all, p.role_all,
-                             lengths.MLS * flow.spacing, SPAN, d.indptr, d.indices, flow.axes)
+    strain.velocity_gradient(p.grad_u, p.strain_rate, found, flow.cloud, p.u_all, lengths.MLS * flow.spacing, SPAN)
     if flow.potential is not None:
         np.minimum(p.strain_rate, np.sqrt(2.0 * flow.potential.square), out=p.strain_rate)
     flow.beyond_fit = found if fit else None
@@ -49,12 +48,12 @@ def beyond_fit(flow: "Flow") -> np.ndarray:
 
     It is that of `begin` if this has found it. Not collective.
     """
-    p, d = flow.particles, flow.domain
     if flow.beyond_fit is not None:
         return flow.beyond_fit
+    p = flow.particles
     found = np.empty_like(p.u)
-    strain.velocity_gradient(np.empty((0, p.dim, p.dim)), np.empty(0), found, p.u_all, p.x_all, p.kind_all, p.role_all,
-                             lengths.MLS * flow.spacing, SPAN, d.indptr, d.indices, flow.axes)
+    strain.velocity_gradient(np.empty((0, p.dim, p.dim)), np.empty(0), found, flow.cloud, p.u_all,
+                             lengths.MLS * flow.spacing, SPAN)
     return found
 
 
@@ -66,17 +65,16 @@ def finish(flow: "Flow", dt: float) -> None:
     acceleration a by pressure alone, counts for less, with its square: in still water of disordered particles,
     moves in proportion to a small velocity would make it grow. See kernels.strain.judge.
     """
-    p, d = flow.particles, flow.domain
+    p = flow.particles
     flow.fresh(*FIELDS)
     out = p.strain_rate
     if flow.potential is None or flow.beyond_fit is not None:    # else its fit is a mean itself
         out = np.empty(p.n_owned)
-        strain.mean_over_fluid(out, p.strain_rate_all, p.x_all, p.kind_all, lengths.MLS * flow.spacing, d.indptr,
-                               d.indices, flow.axes)
-    flow.strained, flow.rapid, flow.doubt = np.empty((3, p.n_owned))
+        strain.mean_over_fluid(out, flow.cloud, p.strain_rate_all, lengths.MLS * flow.spacing)
+    found = np.empty((3, p.n_owned))
     # a full closed tank does not notice a uniform force, which only its pressure balances
-    strain.judge(flow.strained, flow.rapid, flow.doubt, out, flow.by_pressure, flow.spacing, dt,
-                 0.0 if flow.closed else REST, RAPID, DOUBT)
+    strain.judge(found, out, flow.by_pressure, flow.spacing, dt, 0.0 if flow.closed else REST, RAPID, DOUBT)
+    flow.strained, flow.rapid, flow.doubt = found
     flow.whole = whole(flow, dt)
 
 

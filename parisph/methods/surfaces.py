@@ -27,8 +27,7 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     if not rule.open:
         rule.find(flow, p.kind_all)
         return
-    wetness.closing_walls(p.closing_all, p.role_all, p.x_all, p.u_all, flow.force, p.kind_all, p.normal_all,
-                          flow.spacing, dt, d.indptr, d.indices, flow.axes)
+    wetness.closing_walls(p.closing_all, flow.cloud, p.u_all, flow.force, dt)
     if "share" in p.fields:
         halves.wall_share(p.share, p.x_all, p.kind_all, flow.cells, p.normal_all, flow.spacing, 1.0, halves.BEFORE,
                           d.indptr, d.indices, flow.axes)
@@ -39,8 +38,7 @@ def classify(flow: "Flow", rule: Surface, dt: float) -> None:
     rule.find(flow, flow.seen(wetness.CLOSING))
     d.update("role")
     # also for a frozen surface: it falls and rises past the nodes of the walls
-    wetness.wet_walls(p.role_all, p.closing_all, p.x_all, p.kind_all, p.corner_all, p.normal_all, flow.spacing,
-                      d.indptr, d.indices, flow.axes)
+    wetness.wet_walls(flow.cloud, p.closing_all)
     flow.walls.leave_out(flow)
 
 

@@ -40,10 +40,9 @@ class Film(Regulariser):
         return numerics.surface_rule != "none"    # a full tank has no film
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
-        p, d = flow.particles, flow.domain
+        p = flow.particles
         change = np.empty_like(p.u)
-        films.settle(change, p.u_all, p.x_all, p.kind_all, p.role_all, p.corner_all, p.normal_all, flow.force,
-                     flow.spacing, lengths.MLS * flow.spacing, straining.SPAN, dt, d.indptr, d.indices, flow.axes)
+        films.settle(change, flow.cloud, p.u_all, flow.force, lengths.MLS * flow.spacing, straining.SPAN, dt)
         return change
 
 
@@ -58,16 +57,17 @@ class Collisions(Regulariser):
 
     def prepare(self, flow: "Flow", dt: float) -> None:
         p, distance = flow.particles, flow.numerics.collision_distance
-        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.kind_all, distance * flow.spacing,
-                                    *flow.close_pairs(distance), flow.axes)
+        pairs = flow.close_pairs(distance)
+        collisions.count_collisions(p.pairs, p.u_all, p.x_all, p.kind_all, distance * flow.spacing, pairs.indptr,
+                                    pairs.indices, flow.axes)
         flow.stale.add("pairs")
 
     def change(self, flow: "Flow", dt: float) -> np.ndarray:
         p, n = flow.particles, flow.numerics
-        change = np.empty_like(p.u)
+        change, pairs = np.empty_like(p.u), flow.close_pairs(n.collision_distance)
         flow.collisions = collisions.pair_collisions(change, p.pairs_all, p.u_all, p.x_all, p.grad_u_all, p.kind_all,
                                                      p.volume_all, n.collision_distance * flow.spacing, n.restitution,
-                                                     *flow.close_pairs(n.collision_distance), flow.axes)
+                                                     pairs.indptr, pairs.indices, flow.axes)
         return change
 
 

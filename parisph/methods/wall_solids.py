@@ -34,9 +34,8 @@ class WallSolids(Boundary):
         self.table = density.table(spacing, lengths.DENSITY * spacing, elements.mesh.dim)
 
     def cover(self, flow: "Flow") -> tuple[str, ...]:
-        p, d = flow.particles, flow.domain
-        wetness.covered_walls(p.covered, p.x_all, p.kind_all, p.normal_all, flow.spacing, d.indptr, d.indices,
-                              flow.axes)
+        p = flow.particles
+        wetness.covered_walls(p.covered, flow.cloud)
         if self.elements.moving:
             p.covered *= np.clip(0.5 + self.elements.before_moving(p) / flow.spacing, 0.0, 1.0)
         return ("covered",)

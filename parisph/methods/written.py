@@ -31,11 +31,11 @@ def check(names: Iterable[str], dim: int) -> None:
 
 def _vorticity(flow, time):
     """That of the velocity gradient by least squares (kernels.strain): exact for a linear velocity."""
-    p, d = flow.particles, flow.domain
+    p = flow.particles
     gradient, rate = np.empty((p.n_owned, p.dim, p.dim)), np.empty(p.n_owned)
     with _walls_along(flow, time):
-        strain.velocity_gradient(gradient, rate, np.empty((0, p.dim)), p.u_all, p.x_all, p.kind_all, p.role_all,
-                                 lengths.MLS * flow.spacing, straining.SPAN, d.indptr, d.indices, flow.axes)
+        strain.velocity_gradient(gradient, rate, np.empty((0, p.dim)), flow.cloud, p.u_all, lengths.MLS * flow.spacing,
+                                 straining.SPAN)
     p.vorticity[:] = gradient[:, 1, 0] - gradient[:, 0, 1]
 
 

@@ -1,6 +1,7 @@
 """The partition of space among the ranks: ranges of the Hilbert curve with equal work."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -12,8 +13,7 @@ from parisph.parallel.hilbert import KEY_BITS, key_of, machine
 SORT_LEVELS = 2   # particles are sorted by cells finer than those that ranks own, by this many levels
 
 
-@dataclass(frozen=True)
-class Grid:
+class Grid(NamedTuple):
     """Cubic cells that cover all space: cells on the border extend to infinity.
 
     Attributes
@@ -22,12 +22,15 @@ class Grid:
     size : float, side of a cell, at least the halo's width [m]
     bits : int; there are 2^bits cells along each axis
     fine : int; a fine key has this many levels below the cell, to sort particles inside it
+    place, following : tables of the Hilbert curve through the cells (hilbert.machine)
     """
 
     origin: Floats
     size: float
     bits: int
     fine: int
+    place: Ints
+    following: Ints
 
     @classmethod
     def covering(cls, lower: Floats, upper: Floats, width: float) -> "Grid":
@@ -37,7 +40,7 @@ class Grid:
         needed = int(np.ceil(np.log2(extent / width))) + 1  # + 1: keeps particles off the far border
         bits = min(needed, KEY_BITS // dim)
         return cls(np.array(lower, float), width * 2.0 ** (needed - bits), bits,
-                   min(SORT_LEVELS, KEY_BITS // dim - bits))
+                   min(SORT_LEVELS, KEY_BITS // dim - bits), *machine(dim))
 
     @property
     def dim(self) -> int:
@@ -56,8 +59,7 @@ class Grid:
     def keys(self, x: Floats) -> Ints:
         """Return the fine keys (n,) int64 of positions (n, dim) [m], by which particles are sorted."""
         keys = np.empty(len(x), np.int64)
-        size, bits = self.size / 2.0**self.fine, self.bits + self.fine
-        _position_keys(keys, x, self.origin, size, bits, *machine(self.dim))
+        _position_keys(keys, x, self)
         return keys
 
     def cells(self, keys: Ints) -> Ints:
@@ -73,14 +75,14 @@ def cell_along(x: float, origin: float, size: float, count: float) -> int:
 
 
 @kernel
-def _position_keys(keys, x, origin, size, bits, place, following):
-    dim = len(origin)
+def _position_keys(keys, x, grid):
+    dim, size, bits = len(grid.origin), grid.size / 2.0**grid.fine, grid.bits + grid.fine
     count = 2.0**bits
     cell = np.empty(dim, np.int64)
     for i in range(len(x)):
         for a in range(dim):
-            cell[a] = cell_along(x[i, a], origin[a], size, count)
-        keys[i] = key_of(cell, bits, place, following)
+            cell[a] = cell_along(x[i, a], grid.origin[a], size, count)
+        keys[i] = key_of(cell, bits, grid.place, grid.following)
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ def survey(particles: Particles, plan_x: Floats | None, list_x: Floats | None,
     everywhere = np.full(particles.dim, np.inf)
     walls = tank or (-everywhere, everywhere)
     found = np.zeros(4)
-    squares = _survey(found, x, x if plan_x is None else plan_x, x if list_x is None else list_x, *grid, *walls)
+    squares = _survey(found, x, x if plan_x is None else plan_x, x if list_x is None else list_x, grid, walls)
     # A rank without earlier positions reports an infinite drift.
     found[:2] = np.where([plan_x is None, list_x is None], np.inf, np.sqrt(found[:2]))
     if comm.size > 1:
@@ -57,14 +57,14 @@ def survey(particles: Particles, plan_x: Floats | None, list_x: Floats | None,
 
 
 @kernel
-def _survey(found, x, plan_x, list_x, grid_lower, grid_upper, lower, upper):
-    squares = 0.0
+def _survey(found, x, plan_x, list_x, grid, walls):
+    squares, (lower, upper) = 0.0, walls
     for i in range(len(x)):
         plan = last = 0.0
         for a in range(x.shape[1]):
             plan += (x[i, a] - plan_x[i, a]) ** 2
             last += (x[i, a] - list_x[i, a]) ** 2
-            found[2] = max(found[2], grid_lower[a] - x[i, a], x[i, a] - grid_upper[a])
+            found[2] = max(found[2], grid[0][a] - x[i, a], x[i, a] - grid[1][a])
             # Written so that NaN fails the test.
             if not (np.isfinite(x[i, a]) and lower[a] <= x[i, a] <= upper[a]):
                 found[3] = 1.0

@@ -11,6 +11,7 @@ from parisph.geometry.distance import nearest
 from parisph.geometry.mesh import WallMesh
 from parisph.kernels import solids, wetness
 from parisph.kernels.jit import axes_of
+from parisph.kernels.records import no_walls
 from parisph.parallel.particles import Particles
 
 NO_ROOM = 0.4    # spacings in front of a wall that moves: nodes of others there are dry, as no particle fits between
@@ -62,11 +63,11 @@ class WallElements:
     def before_moving(self, particles: Particles) -> Floats:
         """Return how far wall particles (n_owned,) are from walls that move against theirs [m], 0 behind these."""
         p = particles
-        found, own = np.full(p.n_owned, np.inf), np.zeros(p.n_owned, np.int64)
+        found, own = np.full(p.n_owned, np.inf), np.full(p.n_owned, self.motion.max(initial=0))    # fluid is left out
         walls = p.kind == WALL
         own[walls] = self.node_motion[p.id[walls] - self.first]
-        wetness.before_moving_walls(found, p.x, p.kind, own, self.corners, self.motion, self.indptr, self.indices,
-                                    axes_of(p.dim))
+        elements = no_walls(0, p.dim)._replace(corners=self.corners, indptr=self.indptr, indices=self.indices)
+        wetness.before_moving_walls(found, p.x, own, elements, self.motion, axes_of(p.dim))
         return found
 
     def without_room(self, particles: Particles) -> Flags:

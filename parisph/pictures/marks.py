@@ -1,4 +1,4 @@
-"""Marks in pictures of a scene: where its probes are, zones that absorb waves, and the level of still water."""
+"""Marks in pictures of a scene: probes, zones that absorb waves, and the level of still water."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -7,17 +7,7 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 from parisph.case.expressions import uniform_field
-from parisph.case.probes import (
-    ColumnHeight,
-    Flux,
-    PressureTap,
-    Probe,
-    ProbeArray,
-    RunUp,
-    SurfaceGauge,
-    VelocityPoint,
-    VelocityProfile,
-)
+from parisph.case.probes import Gauge, ProbeArray
 from parisph.case.schema import Case
 from parisph.pictures import labels, style
 
@@ -25,13 +15,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOUR = "black"
-MANY = 12    # gauges of an array with one name, of which only the upper ends are drawn
-WIDE = 0.98    # share of the width between the walls that still water has
+MANY = 12    # gauges of an array, beyond which it has one name, and only upper ends are drawn
+WIDE = 0.98    # of the width between the walls, from which on water is still water
 Placed = Callable[[Floats], Floats]    # from places (n, 2) [m] in the scene to those in the axes, in their unit
 
 
 def draw_still_level(axes: "Axes", case: Case, placed: Placed) -> None:
-    """Draw the level of still water in the frame of the tank as a thin dashed line, if the scene has one."""
+    """Draw the level of still water as a thin dashed line, if the scene has one."""
     level = still_level(case)
     if level is not None:
         left, right = case.ends
@@ -40,7 +30,7 @@ def draw_still_level(axes: "Axes", case: Case, placed: Placed) -> None:
 
 
 def draw_zones(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, float]) -> list[labels.Label]:
-    """Shade the zones that absorb waves, and return their names. heights : of their lower and upper ends [m]"""
+    """Shade the zones that absorb waves; return their names. heights : of their lower and upper ends [m]"""
     found = []
     for zone in case.zones:
         corners = placed(np.array([(zone.start, heights[0]), (zone.end, heights[0]), (zone.end, heights[1]),
@@ -56,17 +46,16 @@ def draw_zones(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, f
 
 def draw_probes(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, float], lines: list[Floats],
                 dots: list[Floats]) -> list[labels.Label]:
-    """Draw where the probes are at the start: gauges as upright lines, taps and points as dots; return their names.
+    """Draw probes at the start, gauges as upright lines, taps and points as dots; return their names.
 
-    heights : of the lower and upper ends of gauges [m]. Lines (n, 2) and dots (1, 2) are added to `lines` and `dots`.
+    heights : of the lower and upper ends of gauges [m]; lines, dots : what is drawn, (n, 2) and (1, 2), is added
     """
     names: list[labels.Label] = []
     for probe in case.probes:
         members = probe.probes if isinstance(probe, ProbeArray) else (probe,)
         many = len(members) > MANY
         for number, one in enumerate(members):
-            upright = isinstance(one, (SurfaceGauge, ColumnHeight))
-            x = _places(one, heights)
+            upright, x = isinstance(one, Gauge), one.drawn(heights)
             if x is None:
                 continue
             if many and upright:
@@ -86,9 +75,9 @@ def draw_probes(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, 
 
 
 def still_level(case: Case) -> float | None:
-    """Return the height y [m] of the surface at rest of a scene that starts with still water between its walls.
+    """Return the level y [m] of a scene that starts with still water from wall to wall, None of another.
 
-    None for a dam break, and where gravity does not point down.
+    None too where gravity does not point down.
     """
     gravity = uniform_field(case.gravity)
     if case.wall_bounds is None or len(case.fluids) > 1 or case.closed or gravity is None:
@@ -96,14 +85,3 @@ def still_level(case: Case) -> float | None:
     (left, right), (lower, upper) = case.ends, case.fluid_bounds
     down = gravity[1] < 0.0 and abs(gravity[0]) < 1e-9 * abs(gravity[1])
     return float(upper[1]) if down and upper[0] - lower[0] >= WIDE * (right - left) > 0.0 else None
-
-
-def _places(probe: Probe, heights: tuple[float, float]) -> Floats | None:
-    """Return the points (n, 2) [m] of the line that a probe is on, or its one point; None for a probe of all fluid."""
-    if isinstance(probe, (SurfaceGauge, ColumnHeight)):
-        return np.array([(probe.at, heights[0]), (probe.at, heights[1])])
-    if isinstance(probe, (VelocityProfile, Flux)):
-        return np.array([probe.start[:2], probe.end[:2]])
-    if isinstance(probe, RunUp) and probe.points is not None:
-        return np.array([point[:2] for point in probe.points])
-    return np.array([probe.at[:2]]) if isinstance(probe, (PressureTap, VelocityPoint)) else None

@@ -95,8 +95,8 @@ class PressureRows:
         self.walls.fill(rows, cloud)
         if self.offset > 0.0:
             s = cloud.spacing
-            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud.x, cloud.role, cells,
-                                      self.offset * s, s, self.radius * s, cloud.indptr, cloud.indices, cloud.axes)
+            surface_rows.surface_rows(rows.count, rows.columns, rows.values, cloud, cells, self.offset * s,
+                                      self.radius * s)
 
     @property
     def div(self) -> np.ndarray:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from parisph.base.arrays import Floats
-from parisph.case.probes import ProbeArray, SurfaceGauge
+from parisph.case.probes import ProbeArray, surface_gauges
 from parisph.case.profiles import Profiles, height, read_profiles
 from parisph.truth.recorded import Recorded
 
@@ -13,12 +13,9 @@ Pair = tuple[float, Floats, Floats, Floats]    # time [s]; places, heights of th
 
 
 def pairs(probe: ProbeArray, truth: Profiles, run: Recorded) -> list[Pair]:
-    """Return a run and its reference at each time of the reference that the run has reached, where both have a surface.
-
-    Raises CaseError, StoreError.
-    """
+    """Return run and reference at each time of the reference that the run has reached. Raises CaseError, StoreError."""
     table = run.probe(probe.name)
-    gauges = sorted((one for one in probe.probes if isinstance(one, SurfaceGauge)), key=lambda one: one.at)
+    gauges = sorted(surface_gauges(probe.probes).values(), key=lambda one: one.at)
     places, found = np.array([one.at for one in gauges]), []
     for time, x, y in read_profiles(truth):
         if not table["time"][0] <= time <= table["time"][-1]:
@@ -32,14 +29,14 @@ def pairs(probe: ProbeArray, truth: Profiles, run: Recorded) -> list[Pair]:
 
 
 def errors(probe: ProbeArray, truth: Profiles, run: Recorded) -> dict[str, Any]:
-    """Return the errors against all profiles of a truth together and against each, for summary.json.
+    """Return the errors against all profiles of a truth together and against each, without a shift of time.
 
     Returns
     -------
-    dict: relative_l2 of all points; points; start, end [s]; mean, the mean of run - reference, and rms [m];
-    profiles : for each, time [s], relative_l2, mean and rms [m]. There is no shift.
+    dict: relative_l2 of all points; points; start, end [s]; mean and rms of run - reference [m]; profiles : the same
+    of each, with its time [s]
 
-    Raises ValueError if the run has come to none of the profiles.
+    Raises ValueError if the run has reached none of the profiles.
     """
     found = pairs(probe, truth, run)
     if not found:

@@ -7,63 +7,56 @@ import numpy as np
 
 from parisph.base.arrays import Array, Floats
 from parisph.base.errors import ParisphError
-from parisph.case.probes import AnyProbe, ProbeArray, SurfaceGauge
+from parisph.case.probes import Probe, ProbeArray
 from parisph.case.profiles import Profiles
 from parisph.case.schema import Case
 from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth, read_truth
 from parisph.truth import impacts, norms, profiled
 from parisph.truth.recorded import Recorded
 
-# The column that a truth is of; the first one of other probes.
-COLUMNS = {"energy": "total", "volume": "cell", "flux": "total"}
-SOUGHT = 0.05    # share of the compared time by which the run is shifted either way, for the best shift
+SOUGHT = 0.05    # of the compared time: largest shift either way that is tried
 
 
 def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     """Return {probe name: errors} for the probes that have a truth. Not collective.
 
-    case : Case; run : io.reader.Run
-
     Returns
     -------
-    dict of dicts. All but the last two entries are of the series as they are, without any shift of time.
-    relative_l2 : of the wave part if Truth.wave is set, in the window of the truth, of what Truth.smooth leaves
-    paper : the norm of Zheng, Ma & Duan (2014), Er_p and Er_eta, which includes the depth
-    paper_2017 : for waves, that of Zheng et al. (2017), Eq 35 (which decreases with the number of samples)
-    points : number of compared samples of the truth, or of the run if the truth is too coarse (norms.on_reference)
-    start, end : of what was compared [s]
-    peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, when [s], level, the greatest value
-        `found`, its `time` [s], whether it is the `last` sample, so that later ones may be greater, whether it is too
-        `short` to be resolved, its `mean` over 5 ms (truth.impacts), and by which share of the nearer end it is
-        `beyond` the band, 0 inside; both count from `level`
+    dict of dicts, without a shift of time but for the last entries:
+    relative_l2 : relative to the wave if Truth.wave is set, in the window of the truth, after Truth.smooth
+    paper : the norm of Zheng, Ma & Duan (2014), Er_p and Er_eta, relative to all, with the depth
+    paper_2017 : for waves, that of Zheng et al. (2017), Eq 35
+    points : number of compared samples, see norms.on_reference
+    start, end : of the compared time [s]
+    peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, when [s], level; the greatest value `found`
+        and its `time` [s]; whether it is the `last` sample, or too `short` to be resolved; its `mean` over 5 ms
+        (truth.impacts); `beyond`, its distance from the band over that of the nearer end from `level`, 0 inside
     others : {name: the same, without peaks} of the further references, also for Profiles
-    best_shift, shifted_l2 : the shift [s] of the run's time with the least error, and this error; None if it is not
-        defined
-    shift_sought : the largest shift [s] either way that was tried; a best shift at that end is no minimum
-    If nothing can be compared: relative_l2 None, and `reason`. For Peaks there are only `peaks`; for Profiles what
-    profiled.errors returns.
+    best_shift, shifted_l2 : the shift [s] of the run's time with the least error, and this error; None if not defined
+    shift_sought : the largest shift [s] that was tried; a best shift at that end is no minimum
+    If nothing can be compared: relative_l2 None, and `reason`. Peaks have only `peaks`; Profiles: profiled.errors.
     """
-    return {probe.name: _error(probe, run) for probe in case.probes if probe.truth is not None}
+    return {probe.name: _tried(_error, probe, run) for probe in case.probes if probe.truth is not None}
 
 
-def series(probe: AnyProbe, run: Recorded) -> tuple[Floats, Floats]:
-    """Return the times (n,) [s] and values (n,) of a probe's column that a truth is of."""
+def series(probe: Probe, run: Recorded) -> tuple[Floats, Floats]:
+    """Return the times (n,) [s] and values (n,) of a probe that are compared with its truth."""
     found, column = _recorded(probe, run)
     return found["time"], found[column]
 
 
-def _recorded(probe: AnyProbe, run: Recorded) -> tuple[Array, str]:
-    """Return the table of a probe, and the name of the column that a truth is of."""
+def _recorded(probe: Probe, run: Recorded) -> tuple[Array, str]:
+    """Return the table of a probe, and the column that is compared with its truth."""
     found = run.probe(probe.name)
     own = (name for name in found.dtype.names or () if name not in ("time", "step"))
-    return found, COLUMNS.get(probe.kind) or next(own)
+    return found, probe.judged or next(own)
 
 
-def prepared(truth: Truth, time: Floats, values: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+def compared_series(truth: Truth, time: Floats, values: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
     """Return the series of a run and of its truth, (times, values) each, as they are compared.
 
-    Both are smoothed. The truth is cut to its window and sampled evenly there: a file may be denser at an impact, which
-    would otherwise weigh more. Raises ValueError if the run does not reach over the window, and CaseError for the file.
+    Both are smoothed. The truth is cut to its window and sampled evenly: dense samples of an impact do not weigh more.
+    Raises ValueError if the run does not cover the window, and CaseError for the file.
     """
     reference = read_truth(truth)
     if truth.smooth is not None:
@@ -75,32 +68,36 @@ def prepared(truth: Truth, time: Floats, values: Floats) -> tuple[tuple[Floats, 
     return (time, values), reference
 
 
-def _error(probe: AnyProbe, run: Recorded) -> dict[str, Any]:
-    truth = probe.truth
+def _tried(judge: Callable[..., dict[str, Any]], *about: Any) -> dict[str, Any]:
+    """Return judge(*about), or why there is no error: the run is too short, or the file of the truth is missing."""
     try:
-        if isinstance(probe, ProbeArray):
-            return _of_profiles(probe, run)
-        table, column = _recorded(probe, run)
-        time, values, seldom = table["time"], table[column], impacts.coarse(table)
-        if isinstance(truth, Peaks):
-            return {"relative_l2": None, "reason": "others report only greatest values",
-                    "peaks": [_peak(band, time, values, seldom) for band in truth.bands]}
-        if isinstance(truth, WaveTruth) and isinstance(probe, SurfaceGauge):
-            compared = time if truth.window is None else norms.cut(time, values, truth.window)[0]
-            return _judged((time, values), (compared, truth.series(probe.at, compared)), truth.level)
-        assert isinstance(truth, Truth)
-        found = _against(truth, time, values)
+        return judge(*about)
     except (ParisphError, ValueError) as problem:
-        return _not_judged(problem)
+        return {"relative_l2": None, "reason": str(problem)}
+
+
+def _error(probe: Probe, run: Recorded) -> dict[str, Any]:
+    truth: Any = probe.truth
+    if isinstance(probe, ProbeArray):
+        return _of_profiles(probe, run)
+    table, column = _recorded(probe, run)
+    time, values, seldom = table["time"], table[column], impacts.coarse(table)
+    if isinstance(truth, Peaks):
+        return {"relative_l2": None, "reason": "others report only greatest values",
+                "peaks": [_peak(band, time, values, seldom) for band in truth.bands]}
+    if isinstance(truth, WaveTruth):
+        compared = time if truth.window is None else norms.cut(time, values, truth.window)[0]
+        return _judged((time, values), (compared, truth.series(getattr(probe, "at"), compared)), truth.level)
+    found = _against(truth, time, values)
     if truth.peaks:
         found["peaks"] = [_peak(band, time, values, seldom) for band in truth.peaks]
     if truth.others:
-        found["others"] = {other.name: _other(other, time, values) for other in truth.others}
+        found["others"] = {other.name: _tried(_against, other, time, values) for other in truth.others}
     return found
 
 
 def _of_profiles(probe: ProbeArray, run: Recorded) -> dict[str, Any]:
-    """Return the errors of an array; a run that ends before all profiles of its truth may have come to the others."""
+    """Return the errors of an array. A run may end before all profiles of its truth, and after some of the others."""
     truth = cast(Profiles, probe.truth)
     found, *others = [_tried(profiled.errors, probe, one, run) for one in (truth, *truth.others)]
     if others:
@@ -108,24 +105,8 @@ def _of_profiles(probe: ProbeArray, run: Recorded) -> dict[str, Any]:
     return found
 
 
-def _other(truth: Truth, time: Floats, values: Floats) -> dict[str, Any]:
-    return _tried(_against, truth, time, values)
-
-
-def _tried(judge: Callable[..., dict[str, Any]], *about: Any) -> dict[str, Any]:
-    try:
-        return judge(*about)
-    except (ParisphError, ValueError) as problem:
-        return _not_judged(problem)
-
-
-def _not_judged(problem: Exception) -> dict[str, Any]:
-    """The run is too short, or the file of the truth is missing: the summary is still written."""
-    return {"relative_l2": None, "reason": str(problem)}
-
-
 def _against(truth: Truth, time: Floats, values: Floats) -> dict[str, Any]:
-    return _judged(*prepared(truth, time, values), truth.offset if truth.wave else None)
+    return _judged(*compared_series(truth, time, values), truth.offset if truth.wave else None)
 
 
 def _judged(run: tuple[Floats, Floats], reference: tuple[Floats, Floats], level: float | None) -> dict[str, Any]:
@@ -141,7 +122,7 @@ def _judged(run: tuple[Floats, Floats], reference: tuple[Floats, Floats], level:
 
 def _shifted(run: tuple[Floats, Floats], reference: tuple[Floats, Floats], level: float | None,
              error: float) -> dict[str, Any]:
-    """Return the best shift and its error; no shift, where what is left out at the ends would make it worse."""
+    """Return the best shift and its error; no shift if the loss of samples at the ends makes it worse."""
     try:
         ours, theirs = run[0], reference[0]
         limit = SOUGHT * (min(ours[-1], theirs[-1]) - max(ours[0], theirs[0]))

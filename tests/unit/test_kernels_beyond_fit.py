@@ -15,7 +15,7 @@ def smoothed(pool, u, strength=0.03):
     alone, beside = np.full_like(pool.x, np.nan), np.full_like(pool.x, np.nan)
     for n, beyond in ((0, alone), (pool.n, beside)):
         g, rate = np.empty((n, pool.dim, pool.dim)), np.empty(n)
-        strain.velocity_gradient(g, rate, beyond, u, pool.x, pool.kind, pool.role, 2.1 * pool.spacing, 0.05, *pool.csr)
+        strain.velocity_gradient(g, rate, beyond, pool.cloud, u, 2.1 * pool.spacing, 0.05)
     np.testing.assert_array_equal(beside, alone)
     return -strength * alone
 

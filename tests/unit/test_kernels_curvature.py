@@ -124,8 +124,7 @@ def test_rows_of_the_surface_are_exact_across_it():
     pool = free([[0.0, 0.0], [0.0, -1.0]])
     pool.role[:] = SURFACE, INNER
     rows = Rows(pool)
-    surface_rows.surface_rows(*rows.matrix[:3], pool.x, pool.role, np.ones(2), 0.6 * pool.spacing,
-                              pool.spacing, 2.1 * pool.spacing, *pool.csr)
+    surface_rows.surface_rows(*rows.matrix[:3], pool.cloud, np.ones(2), 0.6 * pool.spacing, 2.1 * pool.spacing)
     depth = 0.6 * pool.spacing - (pool.x[:, 1] - pool.x[0, 1])
     p, right = 3.0 * depth + 4.0 * depth**2, np.zeros(2)
     for laplacian, pull in ((16.0, no_pull(pool)), (0.0, np.stack([0.0 * depth, -3.0 - 8.0 * depth], axis=1))):

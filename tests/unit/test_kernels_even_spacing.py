@@ -16,8 +16,7 @@ def moves(pool, strength=STRENGTH):
     """Return the moves (n, dim) in spacings, of a surface across the last axis."""
     move, across = np.full((pool.n, pool.dim), np.nan), np.tile(3.0 * np.eye(pool.dim)[-1], (pool.n, 1))
     known = (pool.kind == WALL) & (pool.corner == 0)
-    even_spacing.even_out(move, across, pool.x, pool.kind, pool.role, known, pool.normal, np.full(pool.n, strength),
-                          pool.spacing, *pool.csr)
+    even_spacing.even_out(move, pool.cloud, across, known, np.full(pool.n, strength))
     return move / pool.spacing
 
 

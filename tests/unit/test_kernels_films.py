@@ -24,8 +24,7 @@ def settled(pool, u, force=None, dt=DT):
     change = np.full(pool.x.shape, np.nan)
     down = -G * np.eye(pool.dim)[-1] if force is None else np.asarray(force)
     u = np.where(pool.fluid[:, None] | (np.arange(pool.dim) < pool.dim - 1), u, 0.0)
-    films.settle(change, u, pool.x, pool.kind, pool.role, pool.corner, pool.normal, np.tile(down, (pool.n, 1)),
-                 pool.spacing, 2.1 * pool.spacing, 0.05, dt, *pool.csr)
+    films.settle(change, pool.cloud, u, np.tile(down, (pool.n, 1)), 2.1 * pool.spacing, 0.05, dt)
     return change
 
 

@@ -43,9 +43,8 @@ def wall_velocity(pool):
 
 def filtered(pool):
     out = np.empty_like(pool.x)
-    u = U[: pool.n, : pool.dim].copy()
-    strain.velocity_gradient(np.empty((0, pool.dim, pool.dim)), np.empty(0), out, u, pool.x, pool.kind, pool.role,
-                             2.1 * S, 0.05, *pool.csr)
+    strain.velocity_gradient(np.empty((0, pool.dim, pool.dim)), np.empty(0), out, pool.cloud,
+                             U[: pool.n, : pool.dim].copy(), 2.1 * S, 0.05)
     return out
 
 
@@ -58,30 +57,29 @@ def collided(pool):
 
 
 def velocity_gradient(pool):
-    out, rate = np.empty((pool.n, pool.dim, pool.dim)), np.empty(pool.n)
-    strain.velocity_gradient(out, rate, np.empty_like(pool.x), U[: pool.n, : pool.dim].copy(), pool.x, pool.kind,
-                             pool.role, 2.1 * S, 0.05, *pool.csr)
+    out, u = np.empty((pool.n, pool.dim, pool.dim)), U[: pool.n, : pool.dim].copy()
+    strain.velocity_gradient(out, np.empty(pool.n), np.empty_like(u), pool.cloud, u, 2.1 * S, 0.05)
     return out
 
 
 def mean_rate(pool):
     out = np.empty(pool.n)
-    strain.mean_over_fluid(out, P[: pool.n], pool.x, pool.kind, 2.1 * S, *pool.csr)
+    strain.mean_over_fluid(out, pool.cloud, P[: pool.n], 2.1 * S)
     return out
 
 
 def turned(pool):
     out = np.zeros_like(pool.x)
-    pairs.turn_pairs(out, pool.x, pool.kind, pool.role, np.arange(pool.n), 0.9 * S, np.full(pool.n, 0.1 * S), *pool.csr)
+    pairs.turn_pairs(out, pairs.close_pairs(pool.cloud, S), np.arange(pool.n), np.full(pool.n, 0.1 * S), 0.9 * S)
     return out
 
 
 def parted(pool):
     out, number = np.empty_like(pool.x), np.empty(pool.n, np.int32)
-    role = np.where(P[: pool.n] > 0.0, np.int8(1), pool.role)
-    where = (pool.x, pool.kind, role)
-    pairs.count_close(number, *where, 0.9 * S, *pool.csr)
-    pairs.part_pairs(out, number, *where, np.arange(pool.n), 0.9 * S, 0.5, *pool.csr)
+    cloud = pool.cloud._replace(role=np.where(P[: pool.n] > 0.0, np.int8(1), pool.role))
+    cloud = pairs.close_pairs(cloud, S)
+    pairs.count_close(number, cloud, 0.9 * S)
+    pairs.part_pairs(out, cloud, number, np.arange(pool.n), 0.9 * S, 0.5)
     return out
 
 
@@ -105,8 +103,7 @@ def concentration(pool):
 
 def shifted(pool):
     out = np.empty_like(pool.x)
-    slope = U[: pool.n, : pool.dim].copy()
-    shifting.fick_shift(out, slope, pool.role, pool.x, pool.kind, np.full(pool.n, 0.01), 0.1 * S, 2.0 * S, *pool.csr)
+    shifting.fick_shift(out, pool.cloud, U[: pool.n, : pool.dim].copy(), np.full(pool.n, 0.01), 0.1 * S, 2.0 * S)
     return out
 
 

@@ -12,16 +12,16 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 def turned(pool, ident, distance=0.7, strength=0.05):
     shift = np.zeros_like(pool.x)
-    pairs.turn_pairs(shift, pool.x, pool.kind, pool.role, ident, distance * pool.spacing,
-                     np.full(pool.n, strength * pool.spacing), *pool.csr)
+    close = pairs.close_pairs(pool.cloud, pool.spacing)
+    pairs.turn_pairs(shift, close, ident, np.full(pool.n, strength * pool.spacing), distance * pool.spacing)
     return shift
 
 
 def parted(pool, ident, distance=0.6, strength=0.5):
     shift, number = np.full_like(pool.x, np.nan), np.full(pool.n, -1, np.int32)
-    where = (pool.x, pool.kind, pool.role)
-    pairs.count_close(number, *where, distance * pool.spacing, *pool.csr)
-    pairs.part_pairs(shift, number, *where, ident, distance * pool.spacing, strength, *pool.csr)
+    close = pairs.close_pairs(pool.cloud, pool.spacing)
+    pairs.count_close(number, close, distance * pool.spacing)
+    pairs.part_pairs(shift, close, number, ident, distance * pool.spacing, strength)
     return shift
 
 
@@ -115,8 +115,8 @@ def test_result_depends_on_ids_and_not_on_the_order(dim, move):
 def apart(pool, ident, distance=0.45, longest=1.0):
     move = np.zeros_like(pool.x)
     s = pool.spacing
-    crowded, _ = pairs.keep_apart(move, np.arange(pool.n, dtype=np.int32), pool.x, pool.kind, ident, distance * s,
-                                  longest * s, *pool.csr)
+    close = pairs.close_pairs(pool.cloud, s)
+    crowded, _ = pairs.keep_apart(move, np.arange(pool.n, dtype=np.int32), close, ident, distance * s, longest * s)
     return move, crowded
 
 
@@ -152,13 +152,12 @@ def test_a_crowd_is_spread_by_a_few_sweeps_within_the_longest_move():
 
 def test_sweeps_leave_out_what_is_not_near_and_find_the_same():
     pool = block(2, 12, jitter=1.4)
-    ident, lists = np.arange(pool.n), (pool.indptr, pool.indices)
+    cloud, ident = pool.cloud, np.arange(pool.n)
     move, near = np.zeros_like(pool.x), np.arange(pool.n, dtype=np.int32)
     for _ in range(4):
         whole = np.zeros_like(pool.x)
-        due, _ = pairs.keep_apart(whole, np.arange(pool.n, dtype=np.int32), pool.x, pool.kind, ident, 0.045, 0.015,
-                                  *lists, pool.axes)
-        crowded, left = pairs.keep_apart(move, near, pool.x, pool.kind, ident, 0.045, 0.015, *lists, pool.axes)
+        due, _ = pairs.keep_apart(whole, np.arange(pool.n, dtype=np.int32), cloud, ident, 0.045, 0.015)
+        crowded, left = pairs.keep_apart(move, near, cloud, ident, 0.045, 0.015)
         assert crowded == due
         np.testing.assert_array_equal(move, whole)
         near = near[:left]
@@ -166,7 +165,7 @@ def test_sweeps_leave_out_what_is_not_near_and_find_the_same():
     last = np.flatnonzero(move.any(axis=1))
     assert 0 < len(last) <= len(near) < pool.n
     pool.x[:] *= 10.0
-    assert pairs.keep_apart(move, near, pool.x, pool.kind, ident, 0.045, 0.015, *lists, pool.axes) == (0, 0)
+    assert pairs.keep_apart(move, near, cloud, ident, 0.045, 0.015) == (0, 0)
     assert np.all(move == 0.0), "also where particles have moved in the sweep before"
 
 
@@ -174,10 +173,10 @@ def test_sweeps_leave_out_what_is_not_near_and_find_the_same():
 def test_close_pairs_are_the_fluid_neighbours_within_the_distance(dim):
     pool = tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.8)
     pool.x[1] = pool.x[0]    # in one place: no pair
-    indptr, indices = pairs.close_pairs(pool.x, pool.kind, 0.8 * pool.spacing, *pool.csr)
+    close = pairs.close_pairs(pool.cloud, 0.8 * pool.spacing)
     apart = np.linalg.norm(pool.x[:, None] - pool.x, axis=2)
     for i in range(pool.n):
         listed = pool.indices[pool.indptr[i]:pool.indptr[i + 1]]
         want = [j for j in listed if pool.fluid[i] and pool.fluid[j] and 0.0 < apart[i, j] < 0.8 * pool.spacing]
-        assert indices[indptr[i]:indptr[i + 1]].tolist() == want
-    assert len(indices) > 0
+        assert close.indices[close.indptr[i]:close.indptr[i + 1]].tolist() == want
+    assert len(close.indices) > 0

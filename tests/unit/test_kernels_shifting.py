@@ -37,9 +37,8 @@ def test_the_density_ratio_is_that_by_which_the_surface_is_found(dim):
 
 def shifted(pool, gradient, strength=0.3, cap=0.1, reach=2.0):
     out = np.full((pool.n, pool.dim), np.nan)
-    shifting.fick_shift(out, gradient, pool.role, pool.x, pool.kind,
-                        np.full(pool.n, strength * (H * pool.spacing) ** 2),
-                        cap * pool.spacing, reach * pool.spacing, *pool.csr)
+    shifting.fick_shift(out, pool.cloud, gradient, np.full(pool.n, strength * (H * pool.spacing) ** 2),
+                        cap * pool.spacing, reach * pool.spacing)
     return out
 
 
@@ -112,8 +111,8 @@ def own_images(pool, i, a):
 
 def error(pool, alpha, doubt=0.0, surplus=0.0, rapid=0.0):
     e = np.full(pool.n, np.nan)
-    shifting.compression(e, alpha, np.full(pool.n, surplus), np.full(pool.n, rapid), pool.role, pool.x, pool.kind,
-                         LIMIT, np.full(pool.n, doubt), REACH * pool.spacing, *pool.csr)
+    surplus, rapid, doubt = (np.full(pool.n, value) for value in (surplus, rapid, doubt))
+    shifting.compression(e, pool.cloud, alpha, surplus, rapid, doubt, LIMIT, REACH * pool.spacing)
     return e
 
 

@@ -12,8 +12,7 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 def found(pool, u, floor=0.05):
     g, rate = np.full((pool.n, pool.dim, pool.dim), np.nan), np.full(pool.n, np.nan)
-    strain.velocity_gradient(g, rate, np.empty((0, pool.dim)), u, pool.x, pool.kind, pool.role, 2.1 * pool.spacing,
-                             floor, *pool.csr)
+    strain.velocity_gradient(g, rate, np.empty((0, pool.dim)), pool.cloud, u, 2.1 * pool.spacing, floor)
     return g, rate
 
 
@@ -74,7 +73,7 @@ def test_dry_walls_do_not_count():
 def test_mean_over_the_fluid_within_the_radius(dim):
     pool = tank((7,) * dim if dim == 2 else (5,) * dim, jitter=0.5)
     f, out = np.random.default_rng(0).normal(size=pool.n), np.full(pool.n, np.nan)
-    strain.mean_over_fluid(out, f, pool.x, pool.kind, 2.1 * pool.spacing, *pool.csr)
+    strain.mean_over_fluid(out, pool.cloud, f, 2.1 * pool.spacing)
     far = np.linalg.norm(pool.x[:, None] - pool.x[None], axis=2)
     near = (far < 2.1 * pool.spacing) & pool.fluid[None]
     np.testing.assert_allclose(out[pool.fluid], (near @ f / near.sum(axis=1))[pool.fluid], rtol=1e-12)

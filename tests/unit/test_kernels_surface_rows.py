@@ -17,7 +17,7 @@ def rows(pool, share=1.0, offset=0.5):
     count = np.full(n, -1, np.int32)
     columns, values = np.zeros(len(pool.indices), np.int32), np.zeros(len(pool.indices))
     cells = share * np.where(pool.fluid, 1.0, 0.0)
-    surface_rows(count, columns, values, pool.x, pool.role, cells, offset * s, s, 2.1 * s, *pool.csr)
+    surface_rows(count, columns, values, pool.cloud, cells, offset * s, 2.1 * s)
     return count, columns, values
 
 

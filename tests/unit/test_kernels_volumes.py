@@ -5,21 +5,21 @@ import pytest
 
 from parisph.base.fields import BALLISTIC, DRY, FLUID, INNER, SURFACE, WALL, WET
 from parisph.kernels.cells import neighbour_lists
+from parisph.kernels.records import cloud_of, no_walls
 from parisph.kernels.volumes import current_volumes
 from tests.unit.test_kernels_interior import area_of, clipped, lattice
 
 OPEN = (np.full(2, -np.inf), np.full(2, np.inf))
 
 
-def volumes_of(x, role, walls=OPEN, kind=None, reach=2.6, solids=None):
+def volumes_of(x, role, walls=OPEN, kind=None, reach=2.6):
     """Return the volumes of points (n, 2) with a spacing of 1."""
     x, role = np.asarray(x, float), np.array(role, np.int8)
     kind = np.full(len(x), FLUID, np.int8) if kind is None else kind
     indptr, indices = neighbour_lists(x, len(x), reach)
     out = np.full(len(x), np.nan)
-    current_volumes(out, x, kind, role, *(np.array(w, float) for w in walls), 1.0, reach,
-                    *(solids or (np.empty((0, 2, 2)), np.empty((0, 2), bool), np.zeros(len(x) + 1, np.int32),
-                                 np.zeros(0, np.int32))), indptr, indices)
+    cloud, lower, upper = cloud_of(x, kind, role, x, indptr, indices, 1.0), *(np.array(w, float) for w in walls)
+    current_volumes(out, cloud, no_walls(len(x), 2), np.empty((0, 2), bool), lower, upper, reach)
     return out
 
 

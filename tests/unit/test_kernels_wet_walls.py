@@ -13,7 +13,7 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 def wetted(pool, closing=True):
     role = np.where(pool.fluid, pool.role, DRY).astype(np.int8)
     closing = np.where((pool.kind == WALL) & closing, wetness.CLOSING, wetness.APART).astype(np.int8)
-    wetness.wet_walls(role, closing, pool.x, pool.kind, pool.corner, pool.normal, pool.spacing, *pool.csr)
+    wetness.wet_walls(pool.cloud._replace(role=role), closing)
     assert np.array_equal(role[pool.fluid], pool.role[pool.fluid])
     return role
 
@@ -173,8 +173,7 @@ def closing(pool, u=0.0, dt=0.01, force=GRAVITY):
     """Return which particles close the fluid off, with the roles of the pool as those of the last step; u [m/s] up."""
     out = np.full(pool.n, 9, np.int8)
     velocity = np.where(pool.fluid[:, None], [0.0, u], 0.0)
-    wetness.closing_walls(out, pool.role, pool.x, velocity, np.tile(force, (pool.n, 1)), pool.kind,
-                          pool.normal, pool.spacing, dt, *pool.csr)
+    wetness.closing_walls(out, pool.cloud, velocity, np.tile(force, (pool.n, 1)), dt)
     assert not out[pool.fluid].any() and set(out) <= {wetness.APART, wetness.FREE, wetness.CLOSING}
     return out == wetness.CLOSING
 
@@ -236,8 +235,7 @@ def test_lid_is_apart_and_walls_above_the_water_line_are_free(gap):
     out = np.full(pool.n, 9, np.int8)
     still = np.zeros_like(pool.x)
     pool.role[closing(pool)] = WET
-    wetness.closing_walls(out, pool.role, pool.x, still, np.tile(GRAVITY, (pool.n, 1)), pool.kind,
-                          pool.normal, pool.spacing, 0.01, *pool.csr)
+    wetness.closing_walls(out, pool.cloud, still, np.tile(GRAVITY, (pool.n, 1)), 0.01)
     assert np.all(out[lid & (pool.corner == 0)] == wetness.APART)
     above = (pool.kind == WALL) & ~lid & (pool.index[:, 1] == 9)
     assert np.all(out[above] != wetness.APART)
@@ -245,7 +243,7 @@ def test_lid_is_apart_and_walls_above_the_water_line_are_free(gap):
 
 def touched(pool, role):
     out = np.full(pool.n, 7, np.int8)
-    wetness.touched_walls(out, role, pool.x, pool.kind, pool.normal, pool.spacing, *pool.csr)
+    wetness.touched_walls(out, pool.cloud._replace(role=role))
     return out
 
 

@@ -111,21 +111,20 @@ def test_strain_is_rapid_beside_the_pressure_of_calm_fluid():
     """Below a wave it is calm; in rapid strain and in free fall everything is compression."""
     a, spacing, dt = np.full(4, 9.81), 0.05, 0.01
     rate = np.sqrt(a / spacing) * np.array([0.0, 0.02, straining.RAPID, 10.0])
-    rapid, doubt, strained = judged(rate, a, spacing, dt)
+    strained, rapid, doubt = judged(rate, a, spacing, dt)
     np.testing.assert_allclose(rapid, [0.0, 0.0, 0.5, 1.0], atol=0.02)
     np.testing.assert_allclose(doubt, straining.DOUBT * (1.0 - rapid), rtol=1e-12)
     np.testing.assert_allclose(strained, dt * rate * [1.0, 0.8, 0.97, 1.0], rtol=0.01)    # less of what is slow
-    rapid, doubt, strained = judged(rate, np.zeros(4), spacing, dt)
+    strained, rapid, doubt = judged(rate, np.zeros(4), spacing, dt)
     np.testing.assert_array_equal(rapid, 1.0)
     np.testing.assert_array_equal(doubt, 0.0)
     np.testing.assert_allclose(strained, dt * rate, rtol=1e-14)
 
 
 def judged(rate, by_pressure, spacing, dt):
-    strained, rapid, doubt = np.full((3, len(rate)), np.nan)
-    strain.judge(strained, rapid, doubt, rate, by_pressure, spacing, dt, straining.REST, straining.RAPID,
-                 straining.DOUBT)
-    return rapid, doubt, strained
+    out = np.full((3, len(rate)), np.nan)
+    strain.judge(out, rate, by_pressure, spacing, dt, straining.REST, straining.RAPID, straining.DOUBT)
+    return out
 
 
 def test_a_wall_without_half_cells_does_not_push_rapid_fluid_off_nor_attract_it():
@@ -169,10 +168,10 @@ def test_moves_keep_their_directions_and_their_shares(dim, names):
 def test_each_preparation_finds_the_pairs_where_particles_are(falling):
     s, p = falling, falling.particles
     regularising.prepare(s.method.flow, s.method.parts.position_regularisers, 1e-3)
-    before = len(s.method.flow.close_pairs(0.7)[1])
-    assert len(s.method.flow.close_pairs(0.7)[1]) == before > 0
+    before = len(s.method.flow.close_pairs(0.7).indices)
+    assert len(s.method.flow.close_pairs(0.7).indices) == before > 0
     x = p.x.copy()
     p.x[:] *= 10.0
     regularising.prepare(s.method.flow, (), 1e-3)
-    assert len(s.method.flow.close_pairs(0.7)[1]) == 0
+    assert len(s.method.flow.close_pairs(0.7).indices) == 0
     p.x[:] = x

@@ -9,6 +9,7 @@ from parisph.base.fields import BALLISTIC, FLUID, INNER, SURFACE, WALL, FieldSet
 from parisph.geometry.mesh import motions_of, wall_mesh
 from parisph.kernels import density, gradient, surface, wetness
 from parisph.kernels.jit import axes_of
+from parisph.kernels.records import no_walls
 from parisph.methods.wall_solids import WallSolids
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
@@ -83,8 +84,7 @@ def test_nodes_that_are_not_here_do_not_count():
 def test_water_covers_walls_up_to_its_level():
     scene = filled(StillWater(0.5), [Tank(1.0, 1.0)], S)
     covered = np.empty(len(scene.x))
-    indptr, indices, *_ = scene.lists()
-    wetness.covered_walls(covered, scene.x, scene.kind, scene.normal, S, indptr, indices, scene.axes)
+    wetness.covered_walls(covered, scene.records()[0])
     side = (scene.kind == WALL) & (scene.x[:, 1] > 0.1)
     np.testing.assert_allclose(covered[side & (scene.x[:, 1] < 0.51)], 1.0)
     np.testing.assert_allclose(covered[side & (scene.x[:, 1] > 0.54)], 0.0, atol=1e-12)
@@ -154,12 +154,10 @@ def test_bed_before_a_piston_and_behind_it():
     face = np.array([[[0.52, S], [0.52, 0.0]]])    # faces right
     mesh = wall_mesh([bed], S)
     x, n = mesh.x0, len(mesh.x0)
-    apart = np.full(n, np.inf)
-    lists = lone(x, face)
-    wetness.before_moving_walls(apart, x, np.full(n, WALL, np.int8), np.zeros(n, np.int64), face, np.array([1]),
-                                *lists[:2], axes_of(2))
+    indptr, indices, *_ = lone(x, face)
+    walls = no_walls(n, 2)._replace(corners=face, indptr=indptr, indices=indices)
+    apart, rest = np.full((2, n), np.inf)
+    for found, own in ((apart, 0), (rest, 1)):
+        wetness.before_moving_walls(found, x, np.full(n, own), walls, np.array([1]), axes_of(2))
     np.testing.assert_allclose(apart, np.maximum(x[:, 0] - 0.52, 0.0), atol=1e-12)
-    rest = np.full(n, np.inf)
-    wetness.before_moving_walls(rest, x, np.full(n, WALL, np.int8), np.ones(n, np.int64), face, np.array([1]),
-                                *lists[:2], axes_of(2))
     assert np.isinf(rest).all()
