@@ -3,6 +3,7 @@
 from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
 from parisph.base.arrays import Floats
 from parisph.case.probes import Probe
@@ -28,7 +29,7 @@ class Volume(Probe):
     dims = (2,)
     quantity, quantities = "mean cell inside the fluid $/\\,s^2$", {"count": "cells counted"}
 
-    kind: Literal["volume"] = "volume"
+    kind: Literal["volume"] = Field(default="volume", init=False)
 
     def ghosts(self) -> tuple[str, ...]:
         return ("x",)
