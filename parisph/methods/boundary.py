@@ -11,6 +11,7 @@ import numpy as np
 from parisph.case.friction import Friction
 from parisph.kernels import movement, wetness
 from parisph.kernels.moving_mirrors import Solids, no_solids
+from parisph.kernels.near import Form
 
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
@@ -132,9 +133,9 @@ class Boundary(ABC):
         return np.zeros(len(p.x_all)) if along is None else movement.along(p.normal_all, along)
 
     def mend_gradient(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
-                      form: tuple[float, int, float]) -> None:
+                      form: Form) -> None:
         """Repeat a linear fit out (n_owned, dim) of f (n_all,) where neighbours are too few but a wall is near.
 
         known : (n_owned,) bool, where out stays; slope : (n_all, dim), what the gradient is across walls at rest, None
-        for 0; form : radius [m], power and floor of the fit
+        for 0
         """

@@ -9,6 +9,8 @@ from parisph.case.friction import Friction
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import density, gradient, solids, wall_law, wetness
 from parisph.kernels.moving_mirrors import GONE, SLIPS, STICKS, Solids
+from parisph.kernels.near import Form
+from parisph.kernels.records import no_walls
 from parisph.methods import lengths
 from parisph.methods.boundary import Boundary, Directions
 from parisph.parallel.wall_elements import NO_ROOM, WallElements
@@ -148,10 +150,10 @@ class WallSolids(Boundary):
         return found
 
     def mend_gradient(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
-                      form: tuple[float, int, float]) -> None:
-        p, d, e = flow.particles, flow.domain, self.elements
-        along, less = np.zeros_like(p.x_all), np.zeros_like(e.acceleration)
+                      form: Form) -> None:
+        e, within = self.elements, DATUM * flow.spacing
+        datum = gradient.WallSlope(np.zeros_like(flow.particles.x_all), np.zeros_like(e.acceleration), within)
         if slope is not None:
-            along, less = slope, flow.density * e.acceleration
-        gradient.gradient_at_walls(out, known, f, along, less, p.x_all, p.role_all, *form, DATUM * flow.spacing,
-                                   e.corners, e.indptr, e.indices, d.indptr, d.indices, flow.axes)
+            datum = gradient.WallSlope(slope, flow.density * e.acceleration, within)
+        walls = no_walls(0, len(flow.axes))._replace(corners=e.corners, indptr=e.indptr, indices=e.indices)
+        gradient.gradient_at_walls(out, known, flow.cloud, walls, f, datum, form)

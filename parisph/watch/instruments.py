@@ -154,7 +154,8 @@ class Volume(Sampler):
 
     def sums(self, view: View) -> np.ndarray:
         p, d, s = view.particles, view.domain, self.scene.spacing
-        return interior_cells(p.x_all, p.role_all, INSIDE * s, d.radius, d.indptr, d.indices)
+        cloud = cloud_of(p.x_all, p.kind_all, p.role_all, p.normal_all, d.indptr, d.indices, s)
+        return interior_cells(cloud, INSIDE * s, d.radius)
 
     def values(self, sums: np.ndarray, rows: np.ndarray | None) -> Sequence[float]:
         return (sums[0] / (sums[1] * self.scene.spacing**2) if sums[1] else np.nan), sums[1]
