@@ -41,7 +41,7 @@ from parisph import (
     Volume,
     WaterFront,
 )
-from parisph.case.elsewhere import measured
+from parisph.case.measured_data import measured
 from parisph.case.truths import read_truth
 
 Files = dict[str, str | None]

@@ -26,7 +26,7 @@ from parisph import (
     Volume,
     WaterFront,
 )
-from parisph.case.elsewhere import measured
+from parisph.case.measured_data import measured
 
 EVENT = "02a_buchner2002_zhou1999_dambreak_pressure_exp.csv"
 CODES = "02k_trixi_H400_dambreak_numerical.csv"

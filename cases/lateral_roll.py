@@ -33,7 +33,7 @@ from parisph import (
     Truth,
     Volume,
 )
-from parisph.case.elsewhere import measured, needed
+from parisph.case.measured_data import measured, needed
 from parisph.case.truths import read_truth
 
 MOTION = "04a_spheric10_water_lateral_roll_motion.csv"

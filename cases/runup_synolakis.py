@@ -39,7 +39,7 @@ from parisph import (
     Volume,
     WaterFront,
 )
-from parisph.case.elsewhere import measured
+from parisph.case.measured_data import measured
 
 SLOPE = 1.0 / 19.85
 FILE = "05b_synolakis1987_profiles.csv"

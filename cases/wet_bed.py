@@ -24,7 +24,7 @@ from parisph import (
     Tank,
     Volume,
 )
-from parisph.case.elsewhere import measured
+from parisph.case.measured_data import measured
 
 FILE = "02i_spheric5_wetbed_d38_profiles.csv"
 NOTE = (

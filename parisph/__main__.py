@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 
-from parisph.base import environment, garbage, output, surroundings
+from parisph.base import environment, output, surroundings
 from parisph.base.errors import BadEnvironment, ParisphError, StoreError, exit_code, unforeseen
 from parisph.base.signals import Signals
 from parisph.base.text import clipped, of_error, plain_lines
@@ -34,7 +34,7 @@ def main(words: Sequence[str] | None = None) -> int:
                 if own:
                     stack.pop_all()    # they stay in force until the interpreter ends,
                     atexit.register(signals.ignore)    # which would die of one more, with another exit code
-                    garbage.put_off()
+                    gc.disable()    # nearly all that a start makes stays; the first step enables it again
             from parisph import cli
 
             code = cli.execute(words)

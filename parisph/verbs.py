@@ -105,21 +105,21 @@ def _tell(comm, summary, folder):
 
 
 def _study(args):
-    from parisph.study import study_file
-    from parisph.study.agenda import listing, of_study
-    from parisph.study.carry_out import carry_out
+    from parisph.study import report, study_file
     from parisph.study.definition import Study
+    from parisph.study.plan import plan_study
+    from parisph.study.run_study import run_study
 
     _register(args.parts)
     study, file = study_file.read(args.study)
     if not isinstance(study, Study):
         return _patch_study(args, study, file)
-    plan = of_study(study, file, args.set, args.only, args.out, args.limit, args.parts)
+    plan = plan_study(study, file, args.set, args.only, args.out, args.limit, args.parts)
     if args.list:
-        print(listing(plan))
+        print(report.listing(plan))
         return 0
     libraries.require(*libraries.ENGINE)
-    return carry_out(plan, args.jobs, not args.quiet, args.force, output.show)
+    return run_study(plan, args.jobs, not args.quiet, args.force, output.show)
 
 
 def _patch_study(args, study, file):
@@ -128,15 +128,14 @@ def _patch_study(args, study, file):
             raise CaseError(f"{option}: a patch study has no runs of a case, and takes seconds in this process; "
                             "leave it out")
     libraries.require(*libraries.ENGINE)
-    from parisph.study import patch_report
-    from parisph.study.agenda import folder_for
-    from parisph.study.patch_carry_out import carry_out
+    from parisph.study import patch_report, study_folder
+    from parisph.study.run_patch_study import run_patch_study
 
-    folder = folder_for(file, args.out)
+    folder = study_folder.choose(file, args.out)
     if args.list:
         print(patch_report.listing(study, args.only))
         return 0
-    return carry_out(study, file, folder, args.only, not args.quiet, args.force, output.show)
+    return run_patch_study(study, file, folder, args.only, not args.quiet, args.force, output.show)
 
 
 def _info(args):

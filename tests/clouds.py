@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from parisph.parallel.domain import Domain
+from parisph.parallel.hilbert import key_of, machine
 from parisph.parallel.particles import Particles
 
 KINDS = ("lattice", "clusters", "corner")
@@ -21,6 +22,12 @@ def cloud(kind, dim, n=600, seed=3):
         x = centres[random.integers(0, 5, n)] + random.normal(0.0, 0.04, (n, dim))
         return np.concatenate([x, random.random((n // 10, dim))])
     return 0.02 * random.random((60, dim))
+
+
+def keys_of_cells(cells, bits):
+    """Return the places on the space-filling curve (n,) of cells (n, dim) of a grid of 2^bits a side."""
+    tables = machine(cells.shape[1])
+    return np.array([key_of(cell, bits, *tables) for cell in cells])
 
 
 def spread(comm, x):

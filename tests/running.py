@@ -9,6 +9,9 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
+import h5py
+import numpy as np
+
 from parisph.io import checkpoint
 from tests.launch import clean_environment
 
@@ -28,6 +31,13 @@ from parisph.__main__ import main
 sys.exit(main())
 """
 LONG = 200.0    # [s] for a run to come as far as a test wants it, or to end: a bound on hangs
+
+
+def last_checkpoint(run):
+    """Return (attributes, fields in the order of ids) of the last checkpoint of a run."""
+    with h5py.File(checkpoint.paths(run / "checkpoints")[-1], "r") as file:
+        order = np.argsort(file["particles/id"][:])
+        return dict(file.attrs), {name: data[:][order] for name, data in file["particles"].items()}
 
 
 class Running:

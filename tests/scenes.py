@@ -62,6 +62,14 @@ if everyone.rank < {n}:
 """, folder)
 
 
+def assert_same(one, more, most=1e-9, fields=("x", "u", "p")):
+    """Assert that fields of two flows differ by less than `most`, and that their particles have the same roles."""
+    if "role" in one:
+        np.testing.assert_array_equal(more["role"], one["role"])
+    for field in fields:
+        assert difference(more[field], one[field]) < most, field
+
+
 def difference(a, b):
     """Return the largest difference of two arrays, relative to the largest value of the second."""
     return np.abs(a - b).max() / np.abs(b).max()

@@ -6,8 +6,26 @@ interpolant minus the centre, divided by its second moment (about 21 entries). W
 normal derivative by weighted least squares, diagonal -1 (as in a projection step).
 """
 
+from contextlib import contextmanager
+
 import numpy as np
 from numba import njit
+
+from parisph.pressure.solver import PressureSolver
+
+
+@contextmanager
+def solvers(comm):
+    """Return a function (*options, **settings) that makes solvers, which are destroyed at the end. Collective."""
+    made = []
+
+    def new(*options, **settings):
+        made.append(PressureSolver(comm, list(options), **settings))
+        return made[-1]
+
+    yield new
+    for solver in made:
+        solver.destroy()
 
 
 @njit(cache=True)

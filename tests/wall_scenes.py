@@ -8,9 +8,10 @@ from parisph.base.fields import FLUID, INNER, SURFACE, WALL, WET
 from parisph.case.bodies import StillWater
 from parisph.geometry.fill import Filling
 from parisph.geometry.mesh import WallMesh, wall_mesh
-from parisph.kernels import density, solids
+from parisph.kernels import density, packing, solids
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.jit import axes_of
+from parisph.kernels.records import cloud_of, no_walls
 
 
 @dataclass
@@ -53,6 +54,18 @@ class Scene:
         elements = solids.element_lists(self.x, self.corners, self.normal, radius, self.spacing)
         around = neighbour_lists(self.x, len(self.x), radius)
         return (*solids.visible_lists(self.x, self.normal, self.corners, self.spacing, *elements, *around), *elements)
+
+    def records(self):
+        """Return the Cloud and the Walls."""
+        indptr, indices, *elements = self.lists()
+        walls = no_walls(0, self.dim)._replace(corners=self.corners, present=self.present, indptr=elements[0],
+                                               indices=elements[1])
+        return cloud_of(self.x, self.kind, self.role, self.normal, indptr, indices, self.spacing), walls
+
+    def pack(self):
+        """Move the fluid as a start does that fills a scene."""
+        for _ in range(packing.STEPS):
+            self.x += packing.packing_move(*self.records(), self.weight, self.area, self.table)
 
     def _completed(self, kernel, out):
         indptr, indices, *elements = self.lists()

@@ -1,7 +1,8 @@
-"""Text and file names from outside as parts of Markdown."""
+"""Text and file names from outside as parts of Markdown, and tables."""
 
 import os
 import re
+from collections.abc import Iterable, Sequence
 from urllib.parse import quote
 
 from parisph.base.paths import AnyPath
@@ -28,3 +29,13 @@ def line(text: str) -> str:
 def target(path: AnyPath) -> str:
     """Return a relative path as the target of a link, in Markdown and HTML: blanks, brackets and so on in percent."""
     return quote(os.fsencode(path), safe="/")
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table whose columns are aligned."""
+    rows = [[cell.replace("|", "/") for cell in row] for row in [head, *rows]]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
+    lines = ["| " + " | ".join(cell.ljust(width) if k == 0 else cell.rjust(width)
+                               for k, (cell, width) in enumerate(zip(row, widths))) + " |" for row in rows]
+    rule = "|" + "|".join("-" * (width + 1) + "-:"[k > 0] for k, width in enumerate(widths)) + "|"
+    return "\n".join([lines[0], rule, *lines[1:]])

@@ -16,12 +16,9 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from types import FrameType
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from parisph.base.communicator import Communicator
-
-if TYPE_CHECKING:    # numpy must not be loaded before base.environment has prepared for it
-    from parisph.base.arrays import Ints
 
 NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
 CODE = 4          # exit code of a run that was stopped
@@ -37,7 +34,8 @@ class Signals:
     and mpirun then signals its ranks too. The run then gets PATIENCE to stop properly.
 
     SIGUSR1 is supported because mpirun forwards it and does nothing else; after SIGINT or SIGTERM it
-    kills its ranks within about a second.
+    kills its ranks within about a second. This also ends a rank that waits inside PETSc or HDF5 for
+    one that hangs: these hold Python's lock, so that the thread cannot run.
 
     Attributes
     ----------
@@ -46,9 +44,7 @@ class Signals:
     rank : rank of this process
     abort : function (exit code) that ends all ranks; None in a single process, where a second signal
         raises KeyboardInterrupt in the main thread
-    taken : [n], the number of signals that the thread has read
-    socket : where it reads them; None if no signals are watched
-    helper : thread that ends when the socket is shut down, or None
+    socket : where the thread reads signals; None if none are watched
     """
 
     # The handlers belong to the process, so two of these cannot be in force at once.
@@ -59,9 +55,7 @@ class Signals:
         self.left = "nothing has been written"
         self.rank = 0
         self.abort: Callable[[int], object] | None = None
-        self.taken: list[int] | Ints = [0]
         self.socket: socket.socket | None = None
-        self.helper: threading.Thread | None = None
         self._depth, self._raise, self._own = 0, False, False
 
     @classmethod
@@ -97,9 +91,7 @@ class Signals:
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
         signal.set_wakeup_fd(self._wakeup)
         self.socket.shutdown(socket.SHUT_RDWR)
-        for thread in (self._thread, self.helper):
-            if thread is not None:
-                thread.join()
+        self._thread.join()
         self.socket.close()
         self._source.close()
         self.socket = None
@@ -131,7 +123,6 @@ class Signals:
             for number in numbers:
                 if number not in NUMBERS or self._is_own():
                     continue
-                self.taken[0] += 1
                 now = time.monotonic()
                 if first is None:
                     first, self.seen = now, self.seen or number

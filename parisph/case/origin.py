@@ -6,8 +6,8 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from parisph.base.json_digest import KEY, MADE
 from parisph.base.paths import AnyPath
-from parisph.base.seal import KEY, MADE
 from parisph.base.text import named, shown
 
 PLAIN = (bool, int, float, str, type(None))

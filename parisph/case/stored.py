@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from parisph.base.errors import CaseError
-from parisph.base.seal import MADE, opened
+from parisph.base.json_digest import MADE, without_digest
 from parisph.base.text import shown
 from parisph.case.methods import METHODS
 from parisph.case.numerics import Numerics
@@ -45,7 +45,7 @@ def from_json(text: str, read_only: bool = False) -> Case:
     if version > SCHEMA:
         raise CaseError(f"schema = {version}: was written by a newer parisph; this one reads up to schema {SCHEMA}, "
                         "so update parisph")
-    content, sound = opened(content)
+    content, sound = without_digest(content)
     if not sound:
         raise CaseError('it does not match its digest: it is damaged or was edited. If you edited it, '
                         'remove the line "digest"')

@@ -1,5 +1,6 @@
 """A run: steps, probes, snapshots, checkpoints, and its end."""
 
+import gc
 import logging
 import signal
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,16 +12,16 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from parisph.base import garbage, log
+from parisph.base import log
 from parisph.base.errors import Interrupted, ParisphError, StoreError
 from parisph.base.paths import AnyPath, checked
 from parisph.base.signals import Signals
 from parisph.case.schema import Case
 from parisph.case.stored import to_json
-from parisph.driver import begin, exploded
+from parisph.driver import exploded, run_folder
 from parisph.driver.cost import Clock
 from parisph.driver.failure import explained
-from parisph.driver.peaks import Peaks
+from parisph.driver.peaks import PeakFlows
 from parisph.driver.probing import Line, Watch
 from parisph.driver.progress import Progress
 from parisph.driver.schedule import Times
@@ -32,7 +33,6 @@ from parisph.io.checkpoint import Checkpoint, Share
 from parisph.io.files import on_first, together, write_json
 from parisph.io.layout import run_of
 from parisph.io.store import Store, provenance
-from parisph.parallel import last_resort
 from parisph.parallel.guard import guarded
 from parisph.pressure.options import as_text
 from parisph.pressure.trial import versions
@@ -61,8 +61,8 @@ def run(case: Case, comm: MPI.Comm, out: AnyPath, petsc_options: list[str] | Non
     """
     with guarded(comm, "run"), _signals(comm) as signals:
         made, old = (on_first(comm, f"start a run in {out}",
-                              lambda: begin.new_folder(checked(out, "out"), overwrite, force)) or (None, None))
-        with (begin.left_only_if_used(made, old), begin.locked(comm, Path(out), force) as lock,
+                              lambda: run_folder.new_folder(checked(out, "out"), overwrite, force)) or (None, None))
+        with (run_folder.left_only_if_used(made, old), run_folder.locked(comm, Path(out), force) as lock,
               Progress(case.end_time, progress, comm.rank == 0) as shown,
               _built(case, comm, petsc_options) as simulation):
             samplers = instruments.build(case, simulation.comm)
@@ -102,15 +102,16 @@ def _restarted(signals: Signals, path: AnyPath, comm: MPI.Comm, until: float | N
     elsewhere = together(comm, f"continue in {out}", lambda: other is not None and other.resolve() != folder.resolve())
     target = other if other is not None and elsewhere else folder
     made, _ = on_first(comm, f"continue the run in {target}",
-                       lambda: begin.new_folder(target) if elsewhere else begin.check_run(folder, path)) or (None, None)
-    with begin.left_only_if_used(made), begin.locked(comm, target, force) as lock:
-        found = begin.find(Path(path), folder, comm)
+                       lambda: run_folder.new_folder(target) if elsewhere
+                       else run_folder.check_run(folder, path)) or (None, None)
+    with run_folder.left_only_if_used(made), run_folder.locked(comm, target, force) as lock:
+        found = run_folder.find(Path(path), folder, comm)
         saved = checkpoint.read(comm, found) if found else None
         case, name, edits = together(comm, f"read the case of {folder}",
-                                     lambda: begin.case_of(saved, found, folder, until))
+                                     lambda: run_folder.case_of(saved, found, folder, until))
         done = saved is not None and finished(case, saved.time)
         on_first(comm, f"continue the run in {target}",
-                 lambda: begin.check_useful(saved, case, found, folder, elsewhere, done, until))
+                 lambda: run_folder.check_useful(saved, case, found, folder, elsewhere, done, until))
         with (Progress(case.end_time, progress, comm.rank == 0) as shown,
               _built(case, comm, petsc_options, saved) as simulation):
             samplers = instruments.build(case, simulation.comm)
@@ -138,7 +139,6 @@ def _signals(comm: MPI.Comm) -> Iterator[Signals]:
     """Return the active Signals, extended so that a second signal ends all ranks at once, whatever they do."""
     with Signals.active() as signals:
         signals.over(comm)
-        last_resort.arm(signals)
         yield signals
 
 
@@ -171,7 +171,7 @@ class _Run:
         self.saved_at = perf_counter()
         self.clock = Clock()
         state, self.source = state or {}, source
-        self.peaks = Peaks(simulation, samplers, self.case.output.fields, state.get("peaks"),
+        self.peaks = PeakFlows(simulation, samplers, self.case.output.fields, state.get("peaks"),
                            state.get("waiting"), flows)
         self.watch = Watch(simulation, samplers, self.case.output, self.peaks, state.get("watch"))
         self.snapshots = Times(self.case.output.every, self.case.output.times)
@@ -191,7 +191,9 @@ class _Run:
                 self._pause()
                 while not self.simulation.finished():
                     self._step()
-                    garbage.as_usual()    # now that the kernels of a step are loaded
+                    if not gc.isenabled():    # since the start: now the kernels of a step are loaded, too
+                        gc.freeze()
+                        gc.enable()
                 self._save()
         except BaseException as problem:
             if not isinstance(problem, ParisphError) or not self.simulation.agreed(problem):

@@ -57,7 +57,7 @@ class Waiting:
         return self.flow
 
 
-class Peaks:
+class PeakFlows:
     """Keeps the flow at the greatest value of each probe with peak=True, within the window or bands of its truth.
 
     When a probe has a new maximum, this rank's particles are copied in memory. They are written when

@@ -8,7 +8,7 @@ import numpy as np
 
 from parisph.base.arrays import Array, Floats
 from parisph.case.numerics import Output
-from parisph.driver.peaks import Peaks
+from parisph.driver.peaks import PeakFlows
 from parisph.driver.schedule import ROUNDING, Times
 from parisph.driver.simulation import Simulation
 from parisph.watch import instruments
@@ -51,11 +51,11 @@ class Watch:
     simulation : Simulation
     samplers : list of Sampler (io.probes.build)
     output : Output of the case
-    peaks : Peaks, which sees the values of its probes in every step: means when they are known
+    peaks : PeakFlows, which sees the values of its probes in every step: means when they are known
     state : of an earlier part of the run, from its checkpoint (see `state`)
     """
 
-    def __init__(self, simulation: Simulation, samplers: list[Sampler], output: Output, peaks: Peaks,
+    def __init__(self, simulation: Simulation, samplers: list[Sampler], output: Output, peaks: PeakFlows,
                  state: Mapping[str, Any] | None = None) -> None:
         self.simulation, self.samplers, self.peaks = simulation, samplers, peaks
         self._every = output.probe_every

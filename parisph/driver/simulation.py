@@ -16,9 +16,9 @@ from parisph.case import scales
 from parisph.case.numerics import Numerics
 from parisph.case.schema import Case
 from parisph.case.time_scales import flow_length, sound_speed, wave_time
-from parisph.driver import astray, room, solid_walls, warmup
+from parisph.driver import memory_check, solid_walls, wall_penetration, warmup
+from parisph.driver.overflow import OpenTank, Overflow
 from parisph.driver.phases import PhaseTimers
-from parisph.driver.rim import Left, OpenTank
 from parisph.driver.schedule import ROUNDING, step_towards
 from parisph.geometry import build
 from parisph.io.checkpoint import Checkpoint
@@ -95,7 +95,7 @@ class Simulation:
             self._make(case, comm, petsc_options, start)
 
     def _make(self, case: Case, comm: MPI.Comm, petsc_options: list[str] | None, start: Checkpoint | None) -> None:
-        room.check(case, comm)
+        memory_check.check(case, comm)
         self.numerics = case.complete_numerics()
         # what is stored is what was computed, whatever a preset becomes later
         self.case = case.resolved(self.numerics)
@@ -187,8 +187,8 @@ class Simulation:
         self.passages.look(self.particles)    # before water leaves the scene
         if self._open_tank is not None:
             self._open_tank.let_leave(self.domain, self.time)
-        if self.steps % astray.EVERY == 0:
-            astray.find(self.domain)
+        if self.steps % wall_penetration.EVERY == 0:
+            wall_penetration.check(self.domain)
         if self._open_tank is None:
             return report
         return replace(report, left=self.left.particles)
@@ -200,9 +200,9 @@ class Simulation:
         return self.method.columns | {f"work_{cause}": unit for cause in self.method.flow.budget.causes}
 
     @property
-    def left(self) -> Left:
-        """Fluid that has left an open tank over its rim so far (driver.rim.Left), the same on all ranks."""
-        return Left() if self._open_tank is None else self._open_tank.left
+    def left(self) -> Overflow:
+        """Fluid that has left an open tank over its rim so far (driver.overflow.Overflow), the same on all ranks."""
+        return Overflow() if self._open_tank is None else self._open_tank.left
 
     @property
     def reached(self) -> float:

@@ -17,7 +17,7 @@ from parisph.case import scales
 from parisph.case.schema import Case
 from parisph.driver import ahead, doubts, touched
 from parisph.driver.conservation import Conservation
-from parisph.driver.shares import Shares
+from parisph.driver.load_balance import LoadBalance
 from parisph.driver.simulation import Simulation
 from parisph.geometry import build
 from parisph.io import reader
@@ -45,7 +45,7 @@ class Account:
         self.divergence: float | None = None
         self.conservation: Conservation | None = None    # from `start` on
         self._doubts: doubts.Doubts | None = None        # the same
-        self._shares: Shares | None = None               # the same
+        self._balance: LoadBalance | None = None    # the same
         self._uneven: list[str] = []                     # gauges, once the run is over
         self._touched: dict[str, str] = {}               # probes, the same
         self._notes = list(before.get("notes", ()))
@@ -87,7 +87,7 @@ class Account:
         self.conservation = Conservation(simulation, self.before.get("conservation"), start)
         self._doubts = doubts.Doubts(simulation, self.before.get("doubts"))
         self.measure(simulation)
-        self._shares = Shares(simulation)
+        self._balance = LoadBalance(simulation)
 
     def _ahead(self, simulation: Simulation) -> list[str]:
         """Return what was doubtful before the run, the same on all ranks, and say it. Collective."""
@@ -190,7 +190,7 @@ class Account:
             "status": status, "warnings": self.warnings(), "wall_seconds": account["wall"],
             "cpu_seconds": account["cpu"],
             "phases": account["phases"], "cpu_phases": account["cpu_phases"], "fallbacks": account["fallbacks"],
-            "shares": self._shares.content(s, comm) if self._shares else None,
+            "shares": self._balance.content(s, comm) if self._balance else None,
             **self._kept(s), "left": vars(s.left), "touched": self._touched, "divergence": self.divergence,
             "peak_memory_mb": peak,
             "parisph_version": store.about["parisph_version"], "versions": json.loads(str(store.about["versions"])),

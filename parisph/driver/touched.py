@@ -8,7 +8,7 @@ from parisph.base.arrays import Flags, Floats
 from parisph.case.probes import ColumnHeight, PressureTap, SurfaceGauge
 from parisph.case.schema import Case
 from parisph.io.reader import Run
-from parisph.truth.recorded import parts
+from parisph.truth.recorded import probe_records
 from parisph.watch.sampling import Scene
 
 DRY = 1e-6    # of the spacing above the bed, or of the greatest pressure: a gauge or a tap with no more is dry
@@ -22,14 +22,15 @@ def probes(case: Case, run: Run) -> dict[str, str]:
     """
     found = {}
     scene = Scene.of(case)
-    for part in parts(case, run, lambda probe: True):
-        if not part.columns or not len(part.table):
+    for record in probe_records(case, run, lambda probe: True):
+        if not record.columns or not len(record.table):
             continue
-        time, values = part.table["time"], np.stack([np.asarray(part.table[name], float) for name in part.columns])
+        time = record.table["time"]
+        values = np.stack([np.asarray(record.table[name], float) for name in record.columns])
         words = [f"{what} in {_share(when)} of its samples, first at t = {time[when][0]:.4g} s"
-                 for what, when in _touches(case, scene, part.probe, values) if when.any()]
+                 for what, when in _touches(case, scene, record.probe, values) if when.any()]
         if words:
-            found[part.name] = "; ".join(words)
+            found[record.name] = "; ".join(words)
     return found
 
 

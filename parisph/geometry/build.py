@@ -34,11 +34,6 @@ LIFT = 0.1      # spacings: so far in front of a node its fluid is looked for
 TURN = 0.02     # [rad] between two places at which walls that turn are looked at
 
 
-def is_plain(case: Scene) -> bool:
-    """Return whether the scene is one Tank at rest, or none, and one Box, Disc or Polygon: all on one lattice."""
-    return case.plain
-
-
 def scene_mesh(case: Scene) -> WallMesh | None:
     """Return the mesh of all walls of a case, None without walls. Raises CaseError.
 

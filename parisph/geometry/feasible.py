@@ -27,19 +27,11 @@ ROUNDING = 1e-6  # of a length: what is said to do, does
 PAIRS = 2**20    # of an element and a piece that are looked at in one go
 
 
-def findings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
-    """Return what is wrong with a scene: its faults and its warnings, the same on all ranks.
-
-    walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
-    """
-    found = faults(walls, fluids, spacing, [()] * len(fluids), [f"fluid[{number}]" for number in range(len(fluids))])
-    return found if not walls or _nothing_touched(walls, spacing) else [*found, *warnings(walls, fluids, spacing)]
-
-
 def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float,
            holes: Sequence[Sequence[Shape]], titles: Sequence[str]) -> list[str]:
-    """Return what makes a scene impossible to compute, one sentence each with a remedy; see `findings`.
+    """Return what makes a scene impossible to compute, one sentence each with a remedy. The same on all ranks.
 
+    walls : Tank, Profile, Obstacle and Plate; fluids : Box, Disc, Polygon and StillWater; spacing : [m]
     holes : of each body of fluid; titles : their names in messages
     """
     if walls and _nothing_touched(walls, spacing):
@@ -56,7 +48,7 @@ def faults(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing:
 
 
 def warnings(walls: Sequence[Wall], fluids: Sequence[Shape | StillWater], spacing: float) -> list[str]:
-    """Return what will be computed less well than the rest, one sentence each; see `findings`."""
+    """Return what will be computed less well than the rest, one sentence each; arguments as of `faults`."""
     chains, mesh = chains_of(walls, spacing), wall_mesh(walls, spacing)
     names = [body.name for body in mesh.bodies]
     return [*_wedges(chains, names), *_beaches(mesh, names, fluids),

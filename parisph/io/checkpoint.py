@@ -70,7 +70,7 @@ class Checkpoint:
     flows: Sequence[Share] = ()
 
 
-class Flow(Protocol):
+class EarlierFlow(Protocol):
     """Particles of an earlier flow: fields `arrays`, of which this rank has the rows from `offset` on."""
 
     arrays: dict[str, np.ndarray]
@@ -80,7 +80,7 @@ class Flow(Protocol):
 
 def write(comm: Communicator, folder: AnyPath, particles: Particles, time: float, step: int, dt: float, case: str,
           state: Mapping[str, Any], attributes: Mapping[str, str | float], earlier: Sequence[str] = (),
-          flows: Sequence[Flow] = ()) -> Path:
+          flows: Sequence[EarlierFlow] = ()) -> Path:
     """Write folder/NNNNNNNN.h5 (the step's number), and return the path. Collective.
 
     Of the run's checkpoints the last two are kept. The state lists them, so that a restart knows which of the

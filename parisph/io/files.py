@@ -16,9 +16,9 @@ from typing import Any, TypeVar
 
 from parisph.base.communicator import Communicator
 from parisph.base.errors import StoreError, agree
+from parisph.base.json_digest import KEY, with_digest, without_digest
 from parisph.base.paths import AnyPath
 from parisph.base.reading import check_regular
-from parisph.base.seal import KEY, opened, sealed
 
 Result = TypeVar("Result")
 
@@ -124,13 +124,13 @@ def write_text(path: Path, text: str) -> None:
 
 def write_json(path: Path, content: Any) -> None:
     """Replace the content of `path` by standard JSON with a digest (numpy scalars become numbers, NaN null)."""
-    write_text(path, json.dumps(sealed(plain(content)), indent=2) + "\n")
+    write_text(path, json.dumps(with_digest(plain(content)), indent=2) + "\n")
 
 
-def read_json(path: Path, must_be_sealed: bool = False) -> dict:
+def read_json(path: Path, needs_digest: bool = False) -> dict:
     """Return the JSON object in a file of a run after a check of its digest. Not collective. Raises StoreError.
 
-    must_be_sealed : whether a file without a digest is refused, as only parisph writes it; users may edit others
+    needs_digest : whether a file without a digest is refused, as only parisph writes it; users may edit others
     """
     try:
         check_regular(os.stat(path))
@@ -143,9 +143,9 @@ def read_json(path: Path, must_be_sealed: bool = False) -> dict:
         raise StoreError(f"{path} is damaged: it is not JSON ({str(error)[:80]})") from None
     if not isinstance(content, dict):
         raise StoreError(f"{path} is damaged: it holds a {type(content).__name__}, not an object")
-    if must_be_sealed and content.get(KEY) is None:
+    if needs_digest and content.get(KEY) is None:
         raise StoreError(f"{path} is damaged: it has no digest. Move it away to read the rest of the run")
-    content, sound = opened(content)
+    content, sound = without_digest(content)
     if not sound:
         raise StoreError(f"{path} is damaged: it does not match its digest" + (
             f', or it was edited: then remove the line "{KEY}"' if Path(path).name == "case.json" else ""))

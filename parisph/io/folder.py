@@ -12,8 +12,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.json_digest import KEY
 from parisph.base.reading import read_text
-from parisph.base.seal import KEY
 from parisph.io.files import digest, read_json, write_json
 from parisph.io.layout import BEFORE, FILES, FOLDERS, PEAKS, REPLACED
 

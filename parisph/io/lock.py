@@ -122,12 +122,6 @@ class Lock:
         return f"{max(seconds, 0.0):.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
 
 
-def holder(folder: Path) -> str | None:
-    """Return as text which process writes into a folder; None if there is none, or it has ended. Not collective."""
-    found = _read(Path(folder) / NAME)
-    return None if found is None or _alive(found) is False else _words(found)
-
-
 def _read(path):
     """Return the content of a lock file, {} if it cannot be understood, None if there is none."""
     try:

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from parisph.base.errors import CaseError, StoreError
+from parisph.base.json_digest import MADE
 from parisph.base.log import logger
 from parisph.base.paths import AnyPath
-from parisph.base.seal import MADE
 from parisph.base.text import named, plain, shown
 from parisph.case import stored
 from parisph.io import series, snapshot
@@ -55,11 +55,11 @@ class Run:
     def summary(self) -> dict | None:
         """The content of summary.json; None while the run goes on, or if it was killed."""
         # early runs have neither schema nor digest
-        path, sealed = self.folder / "summary.json", "schema" in self.case
+        path, whole = self.folder / "summary.json", "schema" in self.case
         if not path.exists():
             return None
-        content = read_json(path, must_be_sealed=sealed)
-        if content.pop("run", None if sealed else self.identity) != self.identity:
+        content = read_json(path, needs_digest=whole)
+        if content.pop("run", None if whole else self.identity) != self.identity:
             raise StoreError(f"{path} is of another run")
         content.pop("files", None)    # digests, for reading the time series
         return content

@@ -21,7 +21,7 @@ OF_RUN = "run "
 OF_RUN_LINE = f"# {OF_RUN}"
 
 
-class Series:
+class SeriesFile:
     """A CSV file that grows line by line. One rank only; every method raises OSError.
 
     Parameters
@@ -32,10 +32,6 @@ class Series:
     keep_to : None to start a new file, or the last step whose lines are kept (restart)
     run : identity of the run that writes it, or ""
     until : of the lines up to `keep_to`, those of later times [s] are not kept either
-
-    Attributes
-    ----------
-    dropped : int, the number of lines after `keep_to` in the old file
 
     Of an old file with other columns, as an older release wrote it, those of the same name go on; new ones are empty.
 
@@ -48,7 +44,7 @@ class Series:
                  run: str = "", until: float = math.inf) -> None:
         self.path = Path(path)
         self.columns = {"time": "s", "step": "", **columns}
-        kept, self.dropped = self._kept_lines(keep_to, run, until)
+        kept = self._kept_lines(keep_to, run, until)
         units = ", ".join(f"{name} [{unit or '-'}]" for name, unit in self.columns.items())
         head = ([f"# {line}" for line in (title, units, f"{OF_RUN}{run}" if run else "") if line]
                 + [",".join(self.columns)])
@@ -70,21 +66,20 @@ class Series:
         os.close(self._file)
 
     def _kept_lines(self, keep_to, run, until):
-        """Return the lines up to `keep_to` and `until`, and the number of those after it."""
+        """Return the lines of the old file up to `keep_to` and `until`."""
         if keep_to is None or not self.path.exists():
-            return [], 0
+            return []
         names, lines = read_own(self.path, run)
         if names != list(self.columns) and not set(names[2:]) & set(self.columns):
             raise StoreError(f"{self.path} has the columns {', '.join(names)[:200]}, not {', '.join(self.columns)}: "
                              "it is of another run")
         at = [names.index(name) if name in names else None for name in self.columns]
-        kept = [",".join("" if k is None else line[k] for k in at)
+        return [",".join("" if k is None else line[k] for k in at)
                 for line in lines if int(line[1]) <= keep_to and float(line[0]) <= until]
-        return kept, len(lines) - len(kept)
 
 
 def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[str], list[list[str]]]:
-    """Return the names of the columns of a Series file and its complete lines, cell by cell. Not collective.
+    """Return the names of the columns of a SeriesFile and its complete lines, cell by cell. Not collective.
 
     run : identity of the expected run, "" for any; each_step : whether every step must have a line
 
@@ -122,7 +117,7 @@ def read_own(path: Path, run: str = "", each_step: bool = False) -> tuple[list[s
 
 
 def _checked(path, number, cells, count, before, each_step):
-    """Return (time, step) of a line of a Series file. Raises StoreError if the line cannot be one that was written."""
+    """Return (time, step) of a line of a SeriesFile. Raises StoreError if the line cannot be one that was written."""
     try:
         if len(cells) != count or not row_is_plain(cells):
             raise ValueError
@@ -151,7 +146,7 @@ def table(names: list[str], lines: list[list[str]]) -> np.ndarray:
 
 
 def units(path: AnyPath) -> dict[str, str]:
-    """Return the unit of each column of a Series file as a dict, "" for none or unknown."""
+    """Return the unit of each column of a SeriesFile as a dict, "" for none or unknown."""
     found = {}
     with open(path, encoding="utf-8") as file:
         for line in file:

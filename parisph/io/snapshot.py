@@ -159,7 +159,7 @@ def listed(path: Path, run: str = "") -> dict[str, float] | None:
     The index is made for ParaView, and saves time here; the files themselves are decisive. Not collective.
     """
     try:
-        content = read_json(path, must_be_sealed=True)
+        content = read_json(path, needs_digest=True)
         entries = {str(entry["name"]): float(entry["time"]) for entry in content["files"]}
     except (StoreError, KeyError, TypeError, ValueError):
         return None

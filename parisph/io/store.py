@@ -21,7 +21,7 @@ from parisph.io import folder as folders
 from parisph.io.files import on_first, write_json
 from parisph.io.layout import BEFORE, INDEX, PEAKS
 from parisph.io.lock import Lock
-from parisph.io.series import Series, read_own, units
+from parisph.io.series import SeriesFile, read_own, units
 from parisph.io.slabs import Pattern
 from parisph.io.snapshot import Written
 from parisph.parallel.particles import Particles
@@ -113,7 +113,7 @@ class Store:
             path = self.folder / f"{name}.csv"
             path.parent.mkdir(exist_ok=True)
             self._keep_columns(path, columns)
-            self._series[name] = Series(path, columns, f"{title}{self._missing(path)}", self._keep_to, self.run,
+            self._series[name] = SeriesFile(path, columns, f"{title}{self._missing(path)}", self._keep_to, self.run,
                                         until)
         on_first(self.comm, f"write {self.folder / name}.csv", add)
 
@@ -166,7 +166,7 @@ class Store:
                        {**self.about, "probe": name, "peak": float(value)})
 
     def checkpoint(self, particles: Particles, time: float, step: int, dt: float, state: Mapping[str, Any],
-                   flows: Sequence[checkpoint.Flow] = ()) -> Path:
+                   flows: Sequence[checkpoint.EarlierFlow] = ()) -> Path:
         """Write a checkpoint and return its path; the last two are kept. See checkpoint.write."""
         path = checkpoint.write(self.comm, self.folder / "checkpoints", particles, time, step, dt, self._case,
                                 state, self.about, self._checkpoints, flows)

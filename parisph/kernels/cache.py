@@ -14,7 +14,7 @@ from parisph.base.paths import AnyPath
 # Files besides those of this folder with constants or functions that kernels of other files contain.
 ELSEWHERE = "base/fields.py", "parallel/hilbert.py", "parallel/partition.py"
 # Files of this folder on which compiled code does not depend.
-WITHOUT_CODE = "cache.py", "compiling.py", "kept.py", "loading.py"
+WITHOUT_CODE = "cache.py", "compiling.py", "kept.py"
 
 
 @dataclass(frozen=True)

@@ -1,46 +1,24 @@
 """Cell sort and neighbour lists."""
 
 import math
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
 from parisph.kernels.jit import axes_of, inlined, kernel, subkernel
 
-
-class _Cells(NamedTuple):
-    """Points in the cells of a grid: lower corner (dim,) [m], size of a cell [m], and counts (dim,) of cells.
-
-    The points of cell c are member[start[c]:start[c + 1]].
-    """
-
-    x: np.ndarray
-    lower: np.ndarray
-    size: float
-    counts: np.ndarray
-    start: np.ndarray
-    member: np.ndarray
-    axes: tuple[int, ...]
+# Points x in a grid of cells: its lower corner, the size and the (dim,) counts of cells; in cell c are the points
+# member[start[c]:start[c + 1]].
+_Cells = namedtuple("_Cells", "x lower size counts start member axes")
 
 
 def neighbour_lists(x: np.ndarray, n_owned: int, radius: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the neighbours of the first n_owned points among all points, as CSR.
+    """Return the neighbours of the first n_owned points among all points, as CSR: indptr, indices, int32.
 
-    Parameters
-    ----------
-    x : (n, dim) positions [m], dim 2 or 3; the owned points come first
-    n_owned : int
-    radius : float
-        Points closer than this are neighbours [m].
+    A point is not its own neighbour. Owned neighbours come first, in the order of their numbers (_ordered). Raises
+    ValueError if the radius is not positive, or a position or a distance is not finite.
 
-    Returns
-    -------
-    indptr : (n_owned + 1,) int32, indices : (nnz,) int32
-        A point is not its own neighbour. Owned neighbours come first, in the order of their numbers (_ordered).
-
-    Raises
-    ------
-    ValueError : the radius is not positive, or a position or a distance is not finite.
+    x : (n, dim) positions [m], dim 2 or 3; radius : points closer than this are neighbours [m]
     """
     x = np.ascontiguousarray(x)
     if not radius > 0.0:

@@ -29,23 +29,22 @@ def even_out(move: np.ndarray, cloud: Cloud, across: np.ndarray, known: np.ndarr
     across : (n_owned, dim), any length, the direction across the surface; known : (n_all,) bool, walls with one normal
     strength : (n_owned,), part of a displacement of one particle on the lattice that is undone
     """
-    x, kind, role, indptr, indices = cloud.x, cloud.kind, cloud.role, cloud.indptr, cloud.indices
-    dim, spacing, reach2 = len(cloud.axes), cloud.spacing, (REACH * cloud.spacing) ** 2
-    push = np.empty(dim)
+    x, role, indptr, dim, spacing = cloud.x, cloud.role, cloud.indptr, len(cloud.axes), cloud.spacing
+    push, reach2 = np.empty(dim), (REACH * spacing) ** 2
     for i in range(len(indptr) - 1):
         move[i, :] = 0.0
-        if kind[i] != FLUID:
+        if cloud.kind[i] != FLUID:
             continue
         on, size = role[i] == SURFACE, TINY
         push[:] = 0.0
         for a in range(dim):
             size += across[i, a] ** 2
         for k in range(np.uint32(indptr[i]), np.uint32(indptr[i + 1])):
-            j = np.uint32(indices[k])
+            j = np.uint32(cloud.indices[k])
             r2 = 0.0
             for a in range(dim):
                 r2 += (x[i, a] - x[j, a]) ** 2
-            if kind[j] == FLUID:
+            if cloud.kind[j] == FLUID:
                 if r2 < reach2 and (not on or role[j] == SURFACE):
                     f = _push(r2, spacing)
                     for a in range(dim):
@@ -65,18 +64,17 @@ def even_out(move: np.ndarray, cloud: Cloud, across: np.ndarray, known: np.ndarr
 @inlined
 def _add_push_of_wall(push, i, j, r2, cloud, across, size):
     """Add the push of wall particle j at the square of a distance r2; size : of across^2 on the surface, else 0."""
-    x, normal, dim = cloud.x, cloud.normal, len(cloud.axes)
     share, away, above = 1.0, 0.0, 0.0
-    for a in range(dim):
-        away += normal[j, a] * (x[i, a] - x[j, a])
-        above += across[i, a] * (x[i, a] - x[j, a])
+    for a in range(len(cloud.axes)):
+        away += cloud.normal[j, a] * (cloud.x[i, a] - cloud.x[j, a])
+        above += across[i, a] * (cloud.x[i, a] - cloud.x[j, a])
     if size > 0.0:
         above2 = above * above / size
         r2 -= above2
         share = max(1.0 - math.sqrt(above2) / cloud.spacing, 0.0)
     f = share * _push(max(r2, 0.0), cloud.spacing) * away
-    for a in range(dim):
-        push[a] += f * normal[j, a]
+    for a in range(len(cloud.axes)):
+        push[a] += f * cloud.normal[j, a]
 
 
 @subkernel

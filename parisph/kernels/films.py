@@ -26,8 +26,7 @@ def settle(change: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.ndarray, r
     it in a step. Nothing changes in films that flow, nor where the fluid around a particle is not all in one layer.
 
     change : (n_owned, dim) output [m/s]
-    u : (n_all, dim) [m/s]; of walls, which may have the velocity of the fluid along them, only what is across counts
-    force : (n_all, dim) body force per unit mass [m/s^2]
+    u : (n_all, dim) [m/s], of walls only what is across counts; force : (n_all, dim) per unit mass [m/s^2]
     radius : of the least squares [m]; dt : of the step [s]
     floor : of det/(trace/dim)^dim of the moment of a particle's neighbours, above which they are not one layer
     """
@@ -99,8 +98,7 @@ def _moment(m, inverse, member, n, i, wall, cloud, radius):
 
     Without neighbours, or with all of them above particle i, the fluid is no layer: 1.
     """
-    x, normal, axes, trace = cloud.x, cloud.normal, cloud.axes, 0.0
-    dim = len(axes)
+    x, normal, axes, dim, trace = cloud.x, cloud.normal, cloud.axes, len(cloud.axes), 0.0
     m[:, :] = 0.0
     for k in range(n):
         j, r2 = member[k], 0.0

@@ -7,9 +7,6 @@ from typing import Any
 from parisph.kernels import cache, compiling, kept, processor
 from parisph.kernels.processor import numba
 
-if processor.internals_are_known():
-    from parisph.kernels import loading
-
 processor.choose_level()
 processor.leave_out_avx512()
 
@@ -29,27 +26,9 @@ def _compiler(cached=False, **options):
     def decorate(function):
         made = numba.njit(**options)(function)
         if cached and not numba.config.DISABLE_JIT:
-            files = kept.Kept(function, FOLDERS)
-            if processor.internals_are_known():
-                made._cache = loading.KernelCache(function, files)
-            else:
-                _cache_of_numba(made, files)
+            made._cache = kept.Kept(function, FOLDERS)
         return made
     return decorate
-
-
-def _cache_of_numba(made, files):
-    """Let a kernel have the cache of a numba whose internals are not known, with our files if it has any."""
-    if files.folders.write is None:
-        return
-    # numba reads the setting when it makes the cache; other code in this process keeps its own
-    before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(files.folders.write)
-    try:
-        made.enable_caching()
-    finally:
-        numba.config.CACHE_DIR = before
-    if hasattr(made._cache, "_cache_file"):
-        made._cache._cache_file = files
 
 
 kernel = _compiler(cached=True, **_OPTIONS)
@@ -95,9 +74,6 @@ subkernel = _subkernel_compiler(**_OPTIONS)
 # and so does counting references to the arrays that are passed. Without reference counts ("_nrt")
 # these functions may read and write arrays, but neither make nor slice them.
 inlined = _subkernel_compiler(forceinline=True, _nrt=False, **_OPTIONS)
-
-# For what waits in a thread of its own, also while another one keeps Python's lock.
-unlocked = _compiler(nogil=True, cached=True, **_OPTIONS)
 
 # For scripts: a cache would keep the name of the module, of which a script that others import has two.
 uncached = _compiler(**_OPTIONS)

@@ -26,8 +26,9 @@ _DIGEST = hashlib.sha256().digest_size
 _PACKAGE = Path(__file__).resolve().parent.parent
 
 
-class Kept:
-    """The files of one kernel. It has the interface of numba's IndexDataCacheFile.
+class Kept(numba.core.caching.FunctionCache):
+    """numba's cache of one kernel, in these files. It relies on `_index_key` of numba's own cache, and on how numba
+    turns what it has compiled into what can be stored, and back.
 
     function : the kernel in Python
     folders : where its files are
@@ -35,7 +36,8 @@ class Kept:
 
     _told: ClassVar[set[str]] = set()    # what is said once in a process
 
-    def __init__(self, function: Callable[..., Any], folders: Folders) -> None:
+    def __init__(self, function: Callable[..., Any], folders: Folders) -> None:    # numba's own would make its folder
+        self._py_func, self._cache_path = function, str(folders.write)
         file = Path(inspect.getfile(function)).resolve()
         inside = file.is_relative_to(_PACKAGE)
         self.folders = folders
@@ -43,6 +45,22 @@ class Kept:
         name = f"{file.stem}.{function.__qualname__}".replace("<", "").replace(">", "")
         self._name = f"{name[:120]}-{function.__code__.co_firstlineno}"
         self._stamp = hashlib.sha256(file.read_bytes()).hexdigest()[:8] if file.is_file() else None
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the kernel for a signature, or None if it has to be compiled."""
+        # numba's own cache also loads what only the compiler needs, which takes 0.05 s
+        numba.core.runtime.rtsys.initialize(target_context)
+        try:
+            stored = self.load(self._index_key(sig, target_context.codegen()))
+            return stored and numba.core.compiler.CompileResult._rebuild(target_context, *stored)
+        except Exception:    # whatever is wrong with what was stored, the kernel can be compiled again
+            self.damaged()
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Write a compiled kernel, unless it contains an address in this process."""
+        if not data.library.has_dynamic_globals:
+            self.save(self._index_key(sig, data.codegen), data._reduce())
 
     def load(self, key: Any) -> Any:
         """Return what was saved under a key; None if it is not there, or damaged, of which one line tells."""

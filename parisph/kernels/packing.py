@@ -4,7 +4,7 @@ Then each particle gets the volume of all places to which it is nearest.
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from parisph.base.fields import FLUID, INNER
 from parisph.kernels.cells import nearest_points
 from parisph.kernels.density import Table, completed_gradient
 from parisph.kernels.jit import kernel
-from parisph.kernels.records import Cloud, Walls, cloud_of, no_walls
+from parisph.kernels.records import Cloud, Walls
 from parisph.kernels.shifting import fick_shift
 from parisph.kernels.solids import keep_off_solids
 
@@ -25,32 +25,15 @@ LEVEL = 2.1       # as near to the surface particles move level only, so that it
 FLAT = 0.5        # and not at all where it is not flat: it rises by more within that distance
 
 
-def pack(x: np.ndarray, kind: np.ndarray, role: np.ndarray, weight: np.ndarray, area: np.ndarray, corners: np.ndarray,
-         present: np.ndarray, table: Table, lists: Callable[[], tuple], steps: int = STEPS) -> None:
-    """Move the inner fluid x (n_all, dim) [m] in place, by shifts down the gradient of the completed density.
-
-    Particles of other roles stay. Fluid that fills a lattice in front of flat walls stays, too.
-
-    kind, role, weight : (n_all,); area : (n_all, dim); corners : (M, dim, dim) [m]; present : (M,); as for
-        density.completed_density. Walls above the water should not count: elements above its level, and nodes
-        more than a spacing above it. Then the surface has no gradient at the walls.
-    lists : called before each step, brings the ghosts in x up to date, and returns the indptr, indices of the
-        neighbours of the owned particles that are visible, and those of their elements; collective if there are other
-        ranks
-    """
-    for _ in range(steps):
-        indptr, indices, *elements = lists()
-        cloud = cloud_of(x, kind, role, np.zeros_like(x), indptr, indices, table.spacing)
-        walls = no_walls(0, x.shape[1])._replace(corners=corners, present=present, indptr=elements[0],
-                                                 indices=elements[1])
-        move = packing_move(cloud, walls, weight, area, table)
-        x[:len(move)] += move
-
-
 def packing_move(cloud: Cloud, walls: Walls, weight: np.ndarray, area: np.ndarray, table: Table) -> np.ndarray:
-    """Return the displacement (n_owned, dim) [m] in one step of packing.
+    """Return the move (n_owned, dim) [m] of the inner fluid in one of STEPS steps.
 
-    weight : (n_all,); area : (n_all, dim); table : as for density.completed_density
+    It is a shift down the gradient of the completed density. Particles of other roles stay, and so does fluid that
+    fills a lattice in front of flat walls.
+
+    weight : (n_all,); area : (n_all, dim); table : as for density.completed_density. Walls above the water should not
+        count: elements above its level, and nodes more than a spacing above it. Then the surface has no gradient at
+        the walls.
     """
     n, s = len(cloud.indptr) - 1, cloud.spacing
     gradient, move = np.empty((2, n, len(cloud.axes)))

@@ -40,10 +40,9 @@ def across(side: np.ndarray, d: np.ndarray, first: int, second: int, axes: tuple
 
 
 def close_pairs(cloud: Cloud, distance: float) -> Cloud:
-    """Return a cloud whose lists hold the fluid neighbours of owned fluid nearer than the distance [m], in their order.
+    """Return a cloud with lists of close pairs: of fluid with fluid nearer than the distance [m], not in one place.
 
-    Two particles in the same place are no pair. What only concerns close pairs looks at these few in place of all
-    neighbours.
+    The functions below take such clouds.
     """
     indptr, indices = _close_lists(cloud, distance)
     return cloud._replace(indptr=indptr, indices=indices)
@@ -79,17 +78,15 @@ def turn_pairs(shift: np.ndarray, cloud: Cloud, ident: np.ndarray, strength: np.
 
     shift : (n_owned, dim) [m], to which the moves are added; ident : (n_all,); strength : (n_all,) [m]; distance [m]
     """
-    kind, role, indptr, indices, dim = cloud.kind, cloud.role, cloud.indptr, cloud.indices, len(cloud.axes)
+    role, indptr, indices, dim = cloud.role, cloud.indptr, cloud.indices, len(cloud.axes)
     d, side = np.empty(dim), np.empty(dim)
     for i in range(len(indptr) - 1):
         if role[i] != INNER:
             continue
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
-            if role[j] != INNER or kind[j] != FLUID:
-                continue
             r = _distance(d, i, j, cloud)
-            if not 0.0 < r < distance:
+            if role[j] != INNER or not r < distance:
                 continue
             across(side, d, ident[i], ident[j], cloud.axes)
             move = 0.5 * (strength[i] + strength[j]) * (1.0 - r / distance) / r
@@ -99,23 +96,20 @@ def turn_pairs(shift: np.ndarray, cloud: Cloud, ident: np.ndarray, strength: np.
 
 @kernel
 def count_close(number: np.ndarray, cloud: Cloud, distance: float) -> None:
-    """Count the fluid neighbours nearer than the distance [m], in pairs that are not both inner: number (n_owned,)."""
-    kind, role, indptr, indices = cloud.kind, cloud.role, cloud.indptr, cloud.indices
-    d = np.empty(len(cloud.axes))
-    for i in range(len(indptr) - 1):
+    """Count the pairs of each particle nearer than the distance [m] that are not both inner: number (n_owned,)."""
+    role, d = cloud.role, np.empty(len(cloud.axes))
+    for i in range(len(number)):
         number[i] = 0
-        if kind[i] != FLUID:
-            continue
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if kind[j] == FLUID and (role[i] != INNER or role[j] != INNER):
-                number[i] += 0.0 < _distance(d, i, j, cloud) < distance
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j = cloud.indices[k]
+            if role[i] != INNER or role[j] != INNER:
+                number[i] += _distance(d, i, j, cloud) < distance
 
 
 @kernel
 def part_pairs(shift: np.ndarray, cloud: Cloud, number: np.ndarray, ident: np.ndarray, distance: float,
                strength: float) -> None:
-    """Part close fluid pairs of which at least one particle has no pressure equation (jets, drops, films).
+    """Part close pairs of which at least one particle has no pressure equation (jets, drops, films).
 
     A pair parts by strength (distance - r), divided by the larger number of such pairs of the two,
     so that no sum of moves exceeds it. It parts along its line turned by TILT to one side or the other:
@@ -123,19 +117,19 @@ def part_pairs(shift: np.ndarray, cloud: Cloud, number: np.ndarray, ident: np.nd
 
     shift : (n_owned, dim) output [m]; number : (n_all,) of `count_close`; ident : (n_all,); distance [m]
     """
-    kind, role, indptr, indices, dim = cloud.kind, cloud.role, cloud.indptr, cloud.indices, len(cloud.axes)
+    role, indptr, indices, dim = cloud.role, cloud.indptr, cloud.indices, len(cloud.axes)
     d, side = np.empty(dim), np.empty(dim)
     cosine, sine = math.cos(TILT), math.sin(TILT)
     for i in range(len(indptr) - 1):
         shift[i, :] = 0.0
-        if kind[i] != FLUID or number[i] == 0:
+        if number[i] == 0:
             continue
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
-            if kind[j] != FLUID or (role[i] == INNER and role[j] == INNER):
+            if role[i] == INNER and role[j] == INNER:
                 continue
             r = _distance(d, i, j, cloud)
-            if not 0.0 < r < distance:
+            if not r < distance:
                 continue
             across(side, d, ident[i], ident[j], cloud.axes)
             move = 0.5 * strength * (distance - r) / (r * max(number[i], number[j]))
@@ -146,7 +140,7 @@ def part_pairs(shift: np.ndarray, cloud: Cloud, number: np.ndarray, ident: np.nd
 @kernel
 def keep_apart(move: np.ndarray, near: np.ndarray, cloud: Cloud, ident: np.ndarray, distance: float,
                longest: float) -> tuple[int, int]:
-    """Sum the moves that bring each fluid pair to the distance [m], half each, along its line turned by TILT.
+    """Sum the moves that bring each pair to the distance [m], half each, along its line turned by TILT.
 
     For repeated sweeps: the sum is right for a pair of its own, and limited in a crowd.
 
@@ -157,22 +151,20 @@ def keep_apart(move: np.ndarray, near: np.ndarray, cloud: Cloud, ident: np.ndarr
     ident : (n_all,)
     Returns the number of particles with a neighbour nearer than the distance, and how many are left in `near`.
     """
-    kind, indptr, indices, dim = cloud.kind, cloud.indptr, cloud.indices, len(cloud.axes)
+    indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
     d, side = np.empty(dim), np.empty(dim)
     cosine, sine = math.cos(TILT), math.sin(TILT)
     crowded, left, reach = 0, 0, distance + longest
     for i in near:
         for a in range(dim):
             move[i, a] = 0.0
-        if kind[i] != FLUID or not _any_within(reach, i, cloud):
+        if not _any_within(reach, i, cloud):
             continue
         near[left] = i
         left += 1
         close = False
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
-            if kind[j] != FLUID:
-                continue
             r = _distance(d, i, j, cloud)
             if not 0.0 < r < distance:
                 continue
@@ -192,14 +184,14 @@ def keep_apart(move: np.ndarray, near: np.ndarray, cloud: Cloud, ident: np.ndarr
 
 @inlined
 def _any_within(reach, i, cloud):
-    """Return whether a fluid neighbour of i is nearer than the reach; without branches, as most have none."""
+    """Return whether a neighbour of i is nearer than the reach; without branches, as most have none."""
     x, found = cloud.x, False
     for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
         j = np.uint32(cloud.indices[k])
         r2 = 0.0
         for a in range(len(cloud.axes)):
             r2 += (x[j, a] - x[i, a]) ** 2
-        found |= (cloud.kind[j] == FLUID) & (r2 < reach * reach)
+        found |= r2 < reach * reach
     return found
 
 

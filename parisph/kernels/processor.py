@@ -28,8 +28,6 @@ if _first:    # it looks again before each compilation; a program that has loade
 # tenth less, and take an eighth longer.
 LEVEL = 2
 
-INTERNALS = (0, 61), (0, 68)    # the first and the last release of numba on whose internals kernels.loading may rely
-
 
 def choose_level() -> None:
     """Make numba's optimiser work at LEVEL in this process, unless NUMBA_OPT is set."""
@@ -50,12 +48,6 @@ def leave_out_avx512() -> None:
         if any(_wide(name) for name, there in features.items() if there):
             numba.config.CPU_FEATURES = ",".join(
                 f"{'+' if there and not _wide(name) else '-'}{name}" for name, there in features.items())
-
-
-def internals_are_known() -> bool:
-    """Return whether this numba is one of INTERNALS."""
-    release = numba.version_info[:2]
-    return None not in release and INTERNALS[0] <= release <= INTERNALS[1]
 
 
 def identity() -> tuple[str, str, str]:

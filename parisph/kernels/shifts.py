@@ -208,20 +208,6 @@ def pressure_shift(shift: np.ndarray, p: np.ndarray, x: np.ndarray, kind: np.nda
         limit_length(shift, i, cap, axes)
 
 
-@kernel
-def carry(change: np.ndarray, shift: np.ndarray, g: np.ndarray, kind: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Change of velocity that goes with a shift, u(r + dr) - u(r) = (grad u) dr (Xu et al. 2009, Eq. 27).
-
-    change : (n_owned, dim) output [m/s]; shift : (n_owned, dim) [m]; g : (n_owned, dim, dim) [1/s]; kind : (n_all,)
-    """
-    for i in range(len(change)):
-        for a in range(len(axes)):
-            change[i, a] = 0.0
-            if kind[i] == FLUID:
-                for b in range(len(axes)):
-                    change[i, a] += g[i, a, b] * shift[i, b]
-
-
 @inlined
 def _square(near, k, axes):
     q2 = 0.0

@@ -2,7 +2,7 @@
 
 import math
 
-from parisph.kernels.jit import inlined, kernel
+from parisph.kernels.jit import inlined
 
 
 @inlined
@@ -24,26 +24,6 @@ def cubic_spline_slope(r: float, h: float, dim: int) -> float:
 @inlined
 def _cubic_scale(h, dim):
     return 15.0 / (7.0 * math.pi * h * h) if dim == 2 else 3.0 / (2.0 * math.pi * h * h * h)
-
-
-@kernel
-def wendland(r: float, h: float, dim: int) -> float:
-    """Return W(r) of the Wendland C2 kernel with support 2h (Wendland 1995) [m^-dim]."""
-    q = r / h
-    if q >= 2.0:
-        return 0.0
-    scale = 7.0 / (4.0 * math.pi * h * h) if dim == 2 else 21.0 / (16.0 * math.pi * h * h * h)
-    return scale * (1.0 - 0.5 * q) ** 4 * (2.0 * q + 1.0)
-
-
-@kernel
-def wendland_slope(r: float, h: float, dim: int) -> float:
-    """Return W'(r)/r of the Wendland C2 kernel [m^-dim-2]."""
-    q = r / h
-    if q >= 2.0:
-        return 0.0
-    scale = 7.0 / (4.0 * math.pi * h * h) if dim == 2 else 21.0 / (16.0 * math.pi * h * h * h)
-    return -5.0 * scale * (1.0 - 0.5 * q) ** 3 / (h * h)
 
 
 @inlined

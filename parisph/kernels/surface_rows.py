@@ -20,20 +20,19 @@ LEAST = 0.5     # spacings, of the mean depth of the neighbours: an orderly surf
 def surface_rows(rows: Rows, cloud: Cloud, cells: np.ndarray, offset: float, radius: float) -> None:
     """Fill the rows of surface particles: pressure falls in proportion to the distance to zero on the surface.
 
-    With the surface at the distance a outside the particle and the weighted mean of its inner neighbours
-    at the depth d, p_I = a/(a + d) sum_J w_J p_J/sum_J w_J. Where each particle stands for a full cell, the
-    surface of the fluid is half a layer outside the centres of the last ones: with p = 0 at the centres, a
-    drop is by half a spacing too small all around, and a jet of two particles has no pressure at all. The
-    layers of a flow that stretches come nearer to each other, so a is in proportion to their distance. A
-    particle that stands for half a cell lies on the surface, as at the start of a tank: its row stays p = 0.
+    With the surface at the distance a outside the particle and the weighted mean of its inner neighbours at the depth
+    d, p_I = a/(a + d) sum_J w_J p_J/sum_J w_J. Where each particle stands for a full cell, the surface of the fluid is
+    half a layer outside the centres of the last ones: with p = 0 at the centres, a drop is too small by half a spacing
+    all around, and a jet of two particles has no pressure. Layers of a flow that stretches come nearer to each other,
+    so a is in proportion to their distance. A particle that stands for half a cell lies on the surface, as at the
+    start of a tank: its row stays p = 0.
 
     cells : (n_all,), how much of its cell a particle stands for
     offset : distance to the surface of a particle with a full cell where layers are one spacing apart [m]
     radius : of the neighbours that count [m]
     """
     count, columns, values, _ = rows
-    x, role, indptr, indices, spacing = cloud.x, cloud.role, cloud.indptr, cloud.indices, cloud.spacing
-    dim = len(cloud.axes)
+    x, role, indptr, spacing, dim = cloud.x, cloud.role, cloud.indptr, cloud.spacing, len(cloud.axes)
     mean = np.empty(dim)
     for i in range(len(indptr) - 1):
         if role[i] != SURFACE:
@@ -45,7 +44,7 @@ def surface_rows(rows: Rows, cloud: Cloud, cells: np.ndarray, offset: float, rad
         n, total, first = 0, 0.0, indptr[i]
         mean[:] = 0.0
         for k in range(first, indptr[i + 1]):
-            j = indices[k]
+            j = cloud.indices[k]
             if role[j] != INNER and role[j] != WET:
                 continue
             w = quartic_weight(_square(i, j, cloud), radius * radius)

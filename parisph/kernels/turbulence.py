@@ -1,4 +1,4 @@
-"""The sub-particle stress of turbulence by Smagorinsky's model."""
+"""The eddy viscosity of Smagorinsky's model of turbulence."""
 
 import math
 
@@ -21,36 +21,6 @@ def eddy_viscosity(nu_t: np.ndarray, g: np.ndarray, kind: np.ndarray, length: fl
     """
     for i in range(len(nu_t)):
         nu_t[i] = length * length * _strain_rate(g, i, axes) if kind[i] == FLUID else 0.0
-
-
-@kernel
-def stress(tau: np.ndarray, nu_t: np.ndarray, g: np.ndarray, kind: np.ndarray, length: float, isotropic: float,
-           axes: tuple[int, ...]) -> None:
-    """Kinematic sub-particle stress tau/rho of owned fluid (Dalrymple & Rogers 2006, Eqs. 8 to 10).
-
-    tau_ab/rho = 2 nu_t S_ab - (2/3) nu_t tr(S) delta_ab - (2/3) isotropic length^2 (2 S : S) delta_ab
-
-    The middle term, zero in incompressible flow, is kept. The last one stands for the energy of the eddies,
-    k = isotropic length^2 (2 S : S). It acts as a pressure, and a projection solves for the sum of both: there
-    isotropic = 0. Weakly compressible fluid takes C_I/C_s^2 with C_I = 0.0066.
-
-    tau : (n_owned, dim, dim) output [m^2/s^2], zero for walls; nu_t : (n_owned,) [m^2/s]
-    g, kind, length : as in `eddy_viscosity`
-    """
-    dim = len(axes)
-    for i in range(len(nu_t)):
-        tau[i] = 0.0
-        if kind[i] != FLUID:
-            continue
-        trace = 0.0
-        for a in range(dim):
-            trace += g[i, a, a]
-        rate = _strain_rate(g, i, axes)
-        sphere = (nu_t[i] * trace + isotropic * (length * rate) ** 2) * 2.0 / 3.0
-        for a in range(dim):
-            for b in range(dim):
-                tau[i, a, b] = nu_t[i] * (g[i, a, b] + g[i, b, a])
-            tau[i, a, a] -= sphere
 
 
 @subkernel

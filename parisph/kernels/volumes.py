@@ -1,16 +1,15 @@
 """The volume that each fluid particle represents now (2D): its Voronoi cell, inside walls and the free surface.
 
-The cells are those of the fluid particles alone, cut off at the walls: a particle one spacing in front of
-a wall has 3/2 cells. The free surface passes through the particles on it. What lies inside is decided for each
-corner of the cells, which belongs to a triangle of particles (Delaunay), or at a wall to two particles and
-their feet on it. A triangle that is too large to be fluid is left out by all its particles, and so is what
-lies at a wall that is not wet. A corner counts with the kite between the particle, its feet on the two sides, and
-itself. Kites have signs, so that those of a triangle add up to its area also if its corner lies outside. The
-sum over all particles is then exactly the area of all triangles.
+The cells are those of the fluid particles alone, cut off at the walls: a particle one spacing in front of a wall has
+3/2 cells. The free surface passes through the particles on it. Each corner of a cell belongs to a triangle of particles
+(Delaunay), or at a wall to two particles and their feet on it. It counts unless the triangle is too large to be fluid,
+or the wall is not wet, with the kite between the particle, its feet on the two sides, and itself. Kites have signs, so
+that those of a triangle add up to its area also if its corner lies outside: the sum over all particles is exactly the
+area of all triangles.
 """
 
 import math
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
@@ -26,26 +25,11 @@ ON = 1e-6        # of an element's length: what is no farther beyond its end is 
 BOX = -1         # side of the box from which cells are cut: there the cell is open
 
 
-class _Sides(NamedTuple):
-    """Sides { p : (x, y) . p <= limit } that may bound the cell of a particle, and what is wet near it: (MOST,) each.
-
-    Places are relative to the particle. member : the neighbour across the side, or -1 for a wall, whose (x, y) has
-    length 1; wet : (MOST, 2), places of wet wall particles
-    """
-
-    x: np.ndarray
-    y: np.ndarray
-    limit: np.ndarray
-    member: np.ndarray
-    wet: np.ndarray
-
-
-class _Polygon(NamedTuple):
-    """The corners of a convex polygon, and the side from each corner to the next: (MOST,) each."""
-
-    x: np.ndarray
-    y: np.ndarray
-    side: np.ndarray
+# Sides { p : (x, y) . p <= limit } that may bound the cell of a particle, relative to which all is here. member is the
+# neighbour across the side, or -1 for a wall, whose (x, y) has length 1; wet are the places of wet wall particles.
+_Sides = namedtuple("_Sides", "x y limit member wet")
+# The corners of a convex polygon, and the side from each corner to the next.
+_Polygon = namedtuple("_Polygon", "x y side")
 
 
 @kernel
@@ -119,8 +103,8 @@ def _sides(sides, i, cloud, lower, upper, reach):
 def _element_sides(sides, n, i, cloud, walls, concave, reach):
     """Write sides on walls of elements after the first n; return how many sides there are now.
 
-    Those are on the walls that the particle faces squarely, as far as they lead straight on, and on those behind a
-    concave corner. A particle ahead of an edge has a side through the edge, at right angles to the way there.
+    Those are walls that the particle faces squarely, as far as they lead straight on, and walls behind a concave
+    corner. A particle ahead of an edge has a side through the edge, at right angles to the way there.
     """
     x, corners = cloud.x, walls.corners
     nearest, ahead, foot_x, foot_y = reach, False, 0.0, 0.0

@@ -12,11 +12,10 @@ HEIGHT, BODY, TOP = 0.0, 1.0, 2.0
 
 
 class Column(NamedTuple):
-    """Where a gauge looks, and what is one body of water; lengths [m].
+    """Where a gauge looks, within `half` of `at` along x, for surface particles within `beside` (negative: none) [m].
 
-    at : along x; half : of the width of the column; beside : from `at`, of surface particles, negative for none
-    gap, stretch : neighbours upwards are of one body unless they are farther apart than the gap, above an inner
-        particle than gap + stretch
+    Neighbours upwards are of one body unless they are farther apart than the gap, above an inner particle than
+    gap + stretch [m].
     """
 
     at: float

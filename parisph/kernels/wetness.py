@@ -53,15 +53,14 @@ def known_slopes(cloud: Cloud, closing: np.ndarray, force: np.ndarray) -> np.nda
 def closing_walls(closing: np.ndarray, cloud: Cloud, u: np.ndarray, force: np.ndarray, dt: float) -> None:
     """Classify owned wall particles: CLOSING the fluid off, APART from it, or FREE.
 
-    By positions alone, water that rests one spacing below a lid looks like water that fills the tank,
-    because wall particles are where its neighbours would be. The history tells the two apart. A wall
-    particle closes the fluid off if it was wet, if the water line beside it reaches it (next to a wet
-    one, with inner fluid within NEARBY), or if fluid runs into it: closer than TOUCH at the end of the
-    step, and moving or pulled towards it, unlike water at rest below a lid.
+    By positions alone, water that rests one spacing below a lid looks like water that fills the tank, because wall
+    particles are where its neighbours would be. The history tells the two apart. A wall particle closes the fluid off
+    if it was wet, if the water line reaches it (next to a wet one, with inner fluid within NEARBY), or if fluid runs
+    into it: closer than TOUCH at the end of the step, and moving or pulled towards it.
 
-    A wall particle is apart if fluid is in front of it and on both sides but does not touch it or the wall
-    beside it, as below a lid: it must not crowd that fluid. All others are free; those of a side wall above the water
-    line crowd the water as those below do, so that water at rest has no gradient of concentration there.
+    A wall particle is apart if fluid is in front of it and on both sides but does not touch it or the wall beside it,
+    as below a lid: it must not crowd that fluid. All others are free. Those of a side wall above the water line crowd
+    the water as those below do, so that water at rest has no gradient of concentration there.
 
     closing : (n_all,) output; roles are those of the previous step; u : (n_all, dim) [m/s]
     force : (n_all, dim), body force per unit mass [m/s^2]; dt : step [s]
@@ -102,22 +101,21 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
     """Write which part of each owned wall particle has fluid in front of it, 0 to 1; fluid gets 1.
 
     covered_i = min(1, sum_j (1 - t_ij/s) a_ij), with the distance t_ij < s along the wall, and a_ij = 1 of fluid up to
-    COVER in front of it, that falls to 0 at FAR. What is behind dry walls is then no solid that completes a sum of
-    kernels: above the water line there is neither fluid nor its continuation.
+    COVER in front of it, which falls to 0 at FAR. Behind dry walls no solid completes sums of kernels: above the water
+    line there is neither fluid nor its continuation.
     """
-    x, kind, normal, spacing = cloud.x, cloud.kind, cloud.normal, cloud.spacing
-    indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
-    for i in range(len(indptr) - 1):
+    x, normal, spacing = cloud.x, cloud.normal, cloud.spacing
+    for i in range(len(cloud.indptr) - 1):
         covered[i] = 1.0
-        if kind[i] != WALL:
+        if cloud.kind[i] != WALL:
             continue
         total = 0.0
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            if kind[j] != FLUID:
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j = cloud.indices[k]
+            if cloud.kind[j] != FLUID:
                 continue
             away, r2 = 0.0, 0.0
-            for a in range(dim):
+            for a in range(len(cloud.axes)):
                 away += (x[j, a] - x[i, a]) * normal[i, a]
                 r2 += (x[j, a] - x[i, a]) ** 2
             along = math.sqrt(max(r2 - away * away, 0.0)) / spacing
@@ -127,20 +125,18 @@ def covered_walls(covered: np.ndarray, cloud: Cloud) -> None:
 
 
 @kernel
-def before_moving_walls(apart: np.ndarray, x: np.ndarray, kind: np.ndarray, own: np.ndarray, walls: Walls,
-                        motion: np.ndarray, axes: tuple[int, ...]) -> None:
-    """Write how far wall particles are from elements of walls of a later number of motion, 0 behind them [m].
+def before_moving_walls(apart: np.ndarray, x: np.ndarray, own: np.ndarray, walls: Walls, motion: np.ndarray,
+                        axes: tuple[int, ...]) -> None:
+    """Write the distance [m] of wall particles from the walls that move against them, 0 behind these.
 
-    A wall that moves passes over the nodes of others, as a piston over those of the bed.
+    A wall whose motion has a higher number passes over the nodes of others, as a piston over those of the bed.
 
-    apart, x, kind : of owned particles, apart is changed where there are any; own : (n_owned,), motion : (M,) numbers
-        of the motions of particles and of elements
+    apart : (n_owned,), changed where there is such a wall; x : (n_owned, dim) [m]
+    own : (n_owned,), motion : (M,), the numbers of the motions of particles and of elements
     """
     corners, dim = walls.corners, len(axes)
     place, foot, n = np.empty(dim), np.empty(dim), np.empty(dim)
     for i in range(len(walls.indptr) - 1):
-        if kind[i] != WALL:
-            continue
         for k in range(walls.indptr[i], walls.indptr[i + 1]):
             e = walls.indices[k]
             if motion[e] <= own[i]:
@@ -160,22 +156,20 @@ def before_moving_walls(apart: np.ndarray, x: np.ndarray, kind: np.ndarray, own:
 def touched_walls(touched: np.ndarray, cloud: Cloud) -> None:
     """Mark the owned wall particles whose friction fluid can feel: 1, else 0; fluid gets 1.
 
-    These are wet ones, those of the same wall within reach of a wet one (the wall goes on above the water line), and
-    those that fluid is closer to than FELT. All others, as of a lid above the water, are as near as neighbours, but
-    behind air.
+    These are wet ones, those of the same wall with a wet neighbour (the wall goes on above the water line), and those
+    that fluid is closer to than FELT. Others, as of a lid above the water, are behind air.
 
     touched : (n_owned,) output; roles are those of the step before
     """
     x, kind, role, normal, spacing = cloud.x, cloud.kind, cloud.role, cloud.normal, cloud.spacing
-    indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
-    for i in range(len(indptr) - 1):
+    for i in range(len(cloud.indptr) - 1):
         touched[i] = kind[i] != WALL or role[i] == WET
         if touched[i]:
             continue
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j = cloud.indices[k]
             r2, cosine = 0.0, 0.0
-            for a in range(dim):
+            for a in range(len(cloud.axes)):
                 r2 += (x[j, a] - x[i, a]) ** 2
                 cosine += normal[j, a] * normal[i, a]
             touched[i] |= (role[j] == WET and cosine > 0.5) or (kind[j] == FLUID and r2 < (FELT * spacing) ** 2)
@@ -185,10 +179,9 @@ def touched_walls(touched: np.ndarray, cloud: Cloud) -> None:
 def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
     """Decide which wall particles touch the fluid: WET, DRY, or CONTACT at the contact line.
 
-    Wet: it closes the fluid off (closing_walls), an inner fluid particle is within 2.1 spacings, and
-    there is fluid on both sides along the wall, or beside a corner the other wall instead (in the corner
-    itself the inner particle is enough). Contact: not wet, with a surface particle beside it. The role
-    of fluid must be known, including ghosts; that of owned walls is written.
+    Wet: it closes the fluid off (closing_walls), an inner fluid particle is within 2.1 spacings, and there is fluid on
+    both sides along the wall, or beside a corner the other wall instead (in the corner itself the inner particle is
+    enough). Contact: not wet, with a surface particle beside it. Roles of fluid are read, those of owned walls written.
 
     closing : (n_all,) of `closing_walls`
     """
@@ -221,14 +214,13 @@ def wet_walls(cloud: Cloud, closing: np.ndarray) -> None:
 def _covered_on_both_sides(i, closing, least, cloud):
     """Return whether fluid is on both sides of wall particle i along the wall; another wall that is `least` counts as
     fluid."""
-    x, kind, normal, spacing = cloud.x, cloud.kind, cloud.normal, cloud.spacing
-    indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
+    x, normal, spacing, dim = cloud.x, cloud.normal, cloud.spacing, len(cloud.axes)
     for b in range(dim):  # the tangent along axis b is e_b - n_b n
         if 1.0 - normal[i, b] ** 2 < 0.25:
             continue
         ahead, behind = False, False
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
+        for k in range(cloud.indptr[i], cloud.indptr[i + 1]):
+            j = cloud.indices[k]
             along, away, cosine = x[j, b] - x[i, b], 0.0, 0.0
             for a in range(dim):
                 away += (x[j, a] - x[i, a]) * normal[i, a]
@@ -236,7 +228,7 @@ def _covered_on_both_sides(i, closing, least, cloud):
             along -= away * normal[i, b]
             # one spacing from a corner the other wall is where fluid would be
             facing = normal[j, b] - cosine * normal[i, b]
-            covers = (kind[j] == FLUID
+            covers = (cloud.kind[j] == FLUID
                       or (closing[j] >= least and along * facing < -0.5 * abs(along) and abs(along) < 1.5 * spacing))
             ahead |= covers and along > 0.3 * spacing
             behind |= covers and along < -0.3 * spacing

@@ -18,7 +18,7 @@ TIE = 1e-3    # spacings by which nodes are moved, so that none is as near to tw
 
 
 def pack(flow: Flow, steps: int = packing.STEPS) -> None:
-    """Move the inner fluid until it lies evenly up to the walls (kernels.packing.pack). Collective."""
+    """Move the inner fluid until it lies evenly up to the walls (kernels.packing.packing_move). Collective."""
     p, d, walls = flow.particles, flow.domain, flow.walls
     if not isinstance(walls, WallSolids):
         return

@@ -30,7 +30,6 @@ class Part(ABC):
     fields : names of the fields it needs (base.fields), beside those that every scene has
     dims : numbers of dimensions in which it works
     shapes : whether it works beside walls of any shape
-    wall_layers : layers of wall particles that it needs
     """
 
     name: ClassVar[str]
@@ -39,7 +38,6 @@ class Part(ABC):
     fields: ClassVar[tuple[str, ...]] = ()
     dims: ClassVar[tuple[int, ...]] = (2, 3)
     shapes: ClassVar[bool] = True
-    wall_layers: ClassVar[int] = 1
 
     def wanted(self, numerics: Numerics) -> bool:
         """Return whether the numbers of a case switch it on."""

@@ -6,7 +6,7 @@ from mpi4py import MPI
 from parisph.base.errors import ParisphError
 from parisph.base.fields import FIELDS, ORDER
 from parisph.kernels.jit import kernel, subkernel
-from parisph.parallel.hilbert import key_of
+from parisph.parallel.hilbert import key_of, machine
 from parisph.parallel.messages import exchange, pack, unpack
 from parisph.parallel.particles import Particles
 from parisph.parallel.partition import Grid, Partition, cell_along
@@ -110,7 +110,7 @@ def _as_columns(values, width):
 
 def compile_for_ranks() -> None:
     """Compile what only several ranks need to make and update ghosts in 2D, or load it. Not collective."""
-    nowhere = Partition(Grid(np.zeros(2), 1.0, 1, 0), np.zeros(2, np.int64))
+    nowhere = Partition(Grid(np.zeros(2), 1.0, 1, 0, *machine(2)), np.zeros(2, np.int64))
     senders(np.zeros((0, 2)), np.zeros(0, np.int64), nowhere, 0.0, 0)
     for kind in {np.float64 if np.dtype(field.dtype).itemsize == 8 else field.dtype for field in FIELDS.values()}:
         values, message = np.zeros((1, 1), kind), np.zeros((1, 1))
@@ -163,13 +163,13 @@ def senders(x: np.ndarray, cells: np.ndarray, partition: Partition, width: float
     ranks, which : (m,) int64, rank `ranks[k]` needs particle `which[k]`; sorted by rank, then
         by particle
     """
-    pairs = _senders(x, cells, partition.splitters, width, rank, partition.grid.curve())
+    pairs = _senders(x, cells, partition.splitters, width, rank, partition.grid)
     order = np.argsort(pairs[:, 0], kind="stable")
     return pairs[order, 0], pairs[order, 1]
 
 
 @kernel
-def _senders(x, cells, splitters, width, rank, curve):
+def _senders(x, cells, splitters, width, rank, grid):
     n, dim = x.shape
     pairs = np.empty((n // 8 + 64, 2), np.int64)
     found = 0
@@ -182,8 +182,8 @@ def _senders(x, cells, splitters, width, rank, curve):
         while end < n and cells[end] == cells[start]:
             end += 1
         for a in range(dim):
-            cell[a] = cell_along(x[start, a], curve.origin[a], curve.size, 2.0**curve.bits)
-        foreign = _foreign_around(offsets, owners, cell, splitters, rank, curve)
+            cell[a] = cell_along(x[start, a], grid.origin[a], grid.size, 2.0**grid.bits)
+        foreign = _foreign_around(offsets, owners, cell, splitters, rank, grid)
         if foreign == 0:
             continue
         room = found + (end - start) * foreign
@@ -193,14 +193,14 @@ def _senders(x, cells, splitters, width, rank, curve):
             pairs = larger
         for i in range(start, end):
             for k in range(foreign):
-                if _is_near(x[i], cell, offsets[k], width, curve) and not _told(pairs, found, i, owners[k]):
+                if _is_near(x[i], cell, offsets[k], width, grid) and not _told(pairs, found, i, owners[k]):
                     pairs[found, 0], pairs[found, 1] = owners[k], i
                     found += 1
     return pairs[:found]
 
 
 @subkernel
-def _foreign_around(offsets, owners, cell, splitters, rank, curve):
+def _foreign_around(offsets, owners, cell, splitters, rank, grid):
     """List the cells around `cell` that other ranks own; return their number."""
     dim = len(cell)
     there = np.empty(dim, np.int64)
@@ -211,9 +211,9 @@ def _foreign_around(offsets, owners, cell, splitters, rank, curve):
             offsets[n, a] = rest % 3 - 1
             rest //= 3
             there[a] = cell[a] + offsets[n, a]
-            inside = inside and 0 <= there[a] < 2**curve.bits
+            inside = inside and 0 <= there[a] < 2**grid.bits
         if inside:
-            key = key_of(there, curve.bits, curve.place, curve.following)
+            key = key_of(there, grid.bits, grid.place, grid.following)
             if key < splitters[rank] or key >= splitters[rank + 1]:
                 owners[n] = np.searchsorted(splitters[1:-1], key, side="right")
                 n += 1
@@ -223,14 +223,14 @@ def _foreign_around(offsets, owners, cell, splitters, rank, curve):
 
 
 @subkernel
-def _is_near(point, cell, offset, width, curve):
+def _is_near(point, cell, offset, width, grid):
     """Return whether a point is within `width` of the cell at `offset` from its own cell."""
     d2 = 0.0
     for a in range(len(point)):
         if offset[a] < 0:
-            d2 += max(point[a] - (curve.origin[a] + cell[a] * curve.size), 0.0) ** 2
+            d2 += max(point[a] - (grid.origin[a] + cell[a] * grid.size), 0.0) ** 2
         elif offset[a] > 0:
-            d2 += max(curve.origin[a] + (cell[a] + 1) * curve.size - point[a], 0.0) ** 2
+            d2 += max(grid.origin[a] + (cell[a] + 1) * grid.size - point[a], 0.0) ** 2
     return d2 <= width * width
 
 

@@ -12,27 +12,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from parisph.kernels.jit import kernel, subkernel
+from parisph.kernels.jit import subkernel
 
 KEY_BITS = 62  # bits in a key; int64 also holds the key one past the last
-
-
-def keys_of_cells(cells: np.ndarray, bits: int) -> np.ndarray:
-    """Return the places of cells on the curve.
-
-    Parameters
-    ----------
-    cells : (n, dim) integer, each in [0, 2^bits)
-    bits : int, with dim * bits <= KEY_BITS
-
-    Returns
-    -------
-    (n,) int64 in [0, 2^(dim bits))
-    """
-    cells = np.ascontiguousarray(cells, dtype=np.int64)
-    keys = np.empty(len(cells), np.int64)
-    _keys(keys, cells, bits, *machine(cells.shape[1]))
-    return keys
 
 
 @lru_cache(maxsize=None)
@@ -102,9 +84,3 @@ def key_of(cell: np.ndarray, bits: int, place: np.ndarray, following: np.ndarray
         key = (key << dim) | place[state, corner]
         state = following[state, corner]
     return key
-
-
-@kernel
-def _keys(keys, cells, bits, place, following):
-    for i in range(len(cells)):
-        keys[i] = key_of(cells[i], bits, place, following)

@@ -12,8 +12,7 @@ from parisph.parallel.hilbert import KEY_BITS, key_of, machine
 SORT_LEVELS = 2   # particles are sorted by cells finer than those that ranks own, by this many levels
 
 
-@dataclass(frozen=True)
-class Grid:
+class Grid(NamedTuple):
     """Cubic cells that cover all space: cells on the border extend to infinity.
 
     Attributes
@@ -22,12 +21,15 @@ class Grid:
     size : float, side of a cell, at least the halo's width [m]
     bits : int; there are 2^bits cells along each axis
     fine : int; a fine key has this many levels below the cell, to sort particles inside it
+    place, following : tables of the Hilbert curve through the cells (hilbert.machine)
     """
 
     origin: np.ndarray
     size: float
     bits: int
     fine: int
+    place: np.ndarray
+    following: np.ndarray
 
     @classmethod
     def covering(cls, lower: np.ndarray, upper: np.ndarray, width: float) -> "Grid":
@@ -37,7 +39,7 @@ class Grid:
         needed = int(np.ceil(np.log2(extent / width))) + 1  # + 1: keeps particles off the far border
         bits = min(needed, KEY_BITS // dim)
         return cls(np.array(lower, float), width * 2.0 ** (needed - bits), bits,
-                   min(SORT_LEVELS, KEY_BITS // dim - bits))
+                   min(SORT_LEVELS, KEY_BITS // dim - bits), *machine(dim))
 
     @property
     def dim(self) -> int:
@@ -56,12 +58,8 @@ class Grid:
     def keys(self, x: np.ndarray) -> np.ndarray:
         """Return the fine keys (n,) int64 of positions (n, dim) [m], by which particles are sorted."""
         keys = np.empty(len(x), np.int64)
-        _position_keys(keys, x, self.curve(self.fine))
+        _position_keys(keys, x, self)
         return keys
-
-    def curve(self, levels: int = 0) -> "Curve":
-        """Return the curve through the cells, or through those so many levels below."""
-        return Curve(self.origin, self.size / 2.0**levels, self.bits + levels, *machine(self.dim))
 
     def cells(self, keys: np.ndarray) -> np.ndarray:
         """Return the keys of the cells that contain fine keys."""
@@ -75,25 +73,15 @@ def cell_along(x: float, origin: float, size: float, count: float) -> int:
     return int(min(max(np.floor((x - origin) / size), 0.0), count - 1.0))
 
 
-class Curve(NamedTuple):
-    """The Hilbert curve through the cells of a Grid. place, following : of hilbert.machine"""
-
-    origin: np.ndarray
-    size: float
-    bits: int
-    place: np.ndarray
-    following: np.ndarray
-
-
 @kernel
-def _position_keys(keys, x, curve):
-    dim = len(curve.origin)
-    count = 2.0**curve.bits
+def _position_keys(keys, x, grid):
+    dim, size, bits = len(grid.origin), grid.size / 2.0**grid.fine, grid.bits + grid.fine
+    count = 2.0**bits
     cell = np.empty(dim, np.int64)
     for i in range(len(x)):
         for a in range(dim):
-            cell[a] = cell_along(x[i, a], curve.origin[a], curve.size, count)
-        keys[i] = key_of(cell, curve.bits, curve.place, curve.following)
+            cell[a] = cell_along(x[i, a], grid.origin[a], size, count)
+        keys[i] = key_of(cell, bits, grid.place, grid.following)
 
 
 @dataclass(frozen=True)

@@ -61,11 +61,11 @@ class WallElements:
     def before_moving(self, particles: Particles) -> np.ndarray:
         """Return how far wall particles (n_owned,) are from walls that move against theirs [m], 0 behind these."""
         p = particles
-        found, own = np.full(p.n_owned, np.inf), np.zeros(p.n_owned, np.int64)
+        found, own = np.full(p.n_owned, np.inf), np.full(p.n_owned, self.motion.max(initial=0))    # fluid is left out
         walls = p.kind == WALL
         own[walls] = self.node_motion[p.id[walls] - self.first]
         elements = no_walls(0, p.dim)._replace(corners=self.corners, indptr=self.indptr, indices=self.indices)
-        wetness.before_moving_walls(found, p.x, p.kind, own, elements, self.motion, axes_of(p.dim))
+        wetness.before_moving_walls(found, p.x, own, elements, self.motion, axes_of(p.dim))
         return found
 
     def without_room(self, particles: Particles) -> np.ndarray:

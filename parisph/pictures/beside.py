@@ -1,4 +1,4 @@
-"""A probe beside its references, with what of it is compared and where peaks should be. Needs matplotlib, no MPI."""
+"""Pictures of a probe beside its references, with the compared window and the peaks of others."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -20,14 +20,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-MOST = 99.8    # percentile of the run's values up to which the axes reach, if the references do not reach higher
+MOST = 99.8    # percentile of the values of the run that the axes contain
 
 
 def references(probe: AnyProbe, run: Run) -> dict[str, curves.Samples]:
-    """Return {name: (times (n,) [s], values (n,))} of the references of a probe that has a truth.
-
-    Raises CaseError for a file that cannot be read.
-    """
+    """Return {name: (times (n,) [s], values (n,))} of the references of a probe. Raises CaseError for its file."""
     truth = probe.truth
     if isinstance(truth, WaveTruth) and isinstance(probe, SurfaceGauge):
         time = run.probe(probe.name)["time"]
@@ -37,10 +34,9 @@ def references(probe: AnyProbe, run: Run) -> dict[str, curves.Samples]:
 
 
 def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figure":
-    """Draw a probe and its references over the time of the run, none of them shifted; return the matplotlib Figure.
+    """Draw a probe and its references, without a shift of time; return the matplotlib Figure.
 
-    Grey: what is outside the window that is compared. Boxes: bands in which the peaks of experiments are.
-    Raises CaseError, StoreError.
+    Times that are not compared are grey. Boxes are bands of peaks in experiments. Raises CaseError, StoreError.
     """
     found, others = verdict.series(probe, run), references(probe, run)
     picture = style.new_figure(figsize=(8.0, 3.6), layout="constrained")
@@ -74,7 +70,7 @@ def plot_beside(run: Run, probe: AnyProbe, path: AnyPath | None = None) -> "Figu
 
 
 def plot_profiles(run: Run, probe: ProbeArray, path: AnyPath | None = None, columns: int = 2) -> "Figure":
-    """Draw the surface at an array of gauges beside its references, each at its time; return the matplotlib Figure.
+    """Draw the profiles of an array of gauges and its references; return the matplotlib Figure.
 
     Raises CaseError, StoreError.
     """
@@ -109,19 +105,19 @@ def plot_profiles(run: Run, probe: ProbeArray, path: AnyPath | None = None, colu
 
 
 def _legend(picture: "Figure", lines: dict[str, Any]) -> None:
-    """Name lines {label: line} below the axes, where no curve is."""
+    """Add a legend of {label: line} below the axes."""
     wide = curves.LETTER * max(map(len, lines)) + 0.7
     columns = min(max(int(picture.get_figwidth() / wide), 1), len(lines))
     picture.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=columns, fontsize=8, frameon=False)
 
 
 def _bands(truth: Model | None) -> list[PeakBand]:
-    """Return the bands of a truth, each one once: a run may be judged against one as it is, and smoothed too."""
+    """Return the bands of a truth, each once: some differ by their smoothing only."""
     return list({(band.start, band.end, band.low, band.high, band.when): band for band in bands_of(truth)}.values())
 
 
 def _over_the_run(time: np.ndarray, values: np.ndarray, run: np.ndarray) -> curves.Samples:
-    """Return a reference (n,), at the ends of the run where it has fewer than two samples in it, such as a constant."""
+    """Return a reference (n,); at the ends of the run if it has fewer than two samples inside, as a constant."""
     if np.count_nonzero((time >= run[0]) & (time <= run[-1])) > 1:
         return time, values
     ends = np.clip([run[0], run[-1]], time[0], time[-1])
@@ -145,7 +141,7 @@ def _mark(axes: "Axes", window: tuple[float, float] | None, bands: Sequence[Peak
 
 def _limit(axes: "Axes", factor: float, unit: str, found: curves.Samples, others: dict[str, curves.Samples],
            bands: Sequence[PeakBand]) -> None:
-    """Leave out single spikes of the run, which would hide the rest, and say so. The bands are shown whole."""
+    """Limit the axes to the references, the bands, and the run without single spikes, of which a title says so."""
     end = found[0][-1]
     parts = [values[(time >= found[0][0]) & (time <= end)] for time, values in others.values()]
     fits = [np.percentile(found[1], [100.0 - MOST, MOST]), *(part for part in parts if len(part))]

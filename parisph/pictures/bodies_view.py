@@ -1,4 +1,4 @@
-"""Pictures of the walls of any scene, and of a case before it runs. Needs matplotlib; needs no MPI."""
+"""Pictures of the walls of a scene, and of a case before it runs. Needs matplotlib, no MPI."""
 
 import json
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ from parisph.geometry.build import build, counts, domain
 from parisph.geometry.outline import Wall, outline_of
 from parisph.geometry.standing import given, standing
 from parisph.pictures import labels, marks, style, window
-from parisph.pictures.frames import TANK, Seen
+from parisph.pictures.frames import TANK, PictureFrame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,22 +25,22 @@ if TYPE_CHECKING:
 
 SOLID = "#d9d9d9"
 WATER = "#9ecae1"
-MOST = 200_000    # particles that a picture of a case shows one by one
+MOST = 200_000    # particles that a picture of a case shows; of more, squares of a grid
 
 
 def of_dict(case: Mapping[str, Any]) -> Case:
-    """Return the Case of a dict, as in case.json, which is only looked at. Raises CaseError."""
+    """Return the Case of a dict, as in case.json, for reading only. Raises CaseError."""
     return stored.from_json(json.dumps(dict(case)), read_only=True)
 
 
 def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0, floor: float | None = None,
-                seen: Seen | None = None) -> None:
-    """Draw the walls of a case as they are at a time [s]; lengths are divided by `length` [m].
+                seen: PictureFrame | None = None) -> None:
+    """Draw the walls of a case at a time [s]; lengths are divided by `length` [m].
 
-    floor : height [m] down to which the ground below a bed is drawn, None for a little below the lowest wall
-    seen : from where; None for the frame of the tank
+    floor : lower end [m] of the ground below a bed, None for a little below the lowest wall
+    seen : None for the frame of the tank
     """
-    seen = seen or Seen.of(case, TANK)
+    seen = seen or PictureFrame.of(case, TANK)
     if floor is None:
         lower, upper = domain(case)
         floor = float(lower[1] - 0.05 * (upper - lower)[1])
@@ -57,9 +57,9 @@ def draw_bodies(axes: "Axes", case: Case, time: float = 0.0, length: float = 1.0
 
 
 def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
-    """Draw a case at the start: fluid, walls and zones with their names, probes; return the matplotlib Figure.
+    """Draw fluid, walls, zones and probes of a case at the start, with names; return the matplotlib Figure.
 
-    path : of the picture, None for none. Raises CaseError, StoreError.
+    path : of the picture, or None. Raises CaseError, StoreError.
     """
     lower, upper = domain(case)
     upper = np.maximum(upper, case.fluid_bounds[1])
@@ -82,12 +82,12 @@ def plot_scene(case: Case, path: AnyPath | None = None) -> "Figure":
 
 
 def draw_marks(axes: "Axes", case: Case, ends: window.Ends, time: float = 0.0, length: float = 1.0,
-               seen: Seen | None = None, probes: bool = True, walls: bool = False) -> None:
-    """Draw the still level, zones and probes of a case with their names into axes whose `ends` are known.
+               seen: PictureFrame | None = None, probes: bool = True, walls: bool = False) -> None:
+    """Draw the still level, zones and probes of a case with their names into axes with these ends.
 
-    probes, walls : whether probes are shown, and whether walls are named; time, length, seen : as of draw_bodies
+    probes, walls : whether probes are shown, and walls are named; time, length, seen : as of draw_bodies
     """
-    view = seen or Seen.of(case, TANK)
+    view = seen or PictureFrame.of(case, TANK)
 
     def placed(x: Floats) -> Floats:
         return view.placed(x, time) / length
@@ -110,14 +110,14 @@ def draw_marks(axes: "Axes", case: Case, ends: window.Ends, time: float = 0.0, l
 
 
 def _closed(wall: Wall, time: float) -> Floats:
-    """Return the points (n, 2) [m] around a wall at a time [s], from the first to it again if it is closed."""
+    """Return the outline (n, 2) [m] of a wall at a time [s], closed if the wall is."""
     outline = outline_of(wall)
     x = wall.motion.placed(outline.points, time)
     return np.concatenate([x, x[:1]]) if outline.closed else x
 
 
 def _beside(x: Floats, ends: window.Ends) -> Floats:
-    """Return the middles of the pieces of a line (n, 2), those inside the axes, of which the longest one is first."""
+    """Return the middles of the pieces of a line (n, 2) inside the axes, the longest one first."""
     a, b = x[:-1], x[1:]
     middles = 0.5 * (a + b)
     inside = [window.outside(middle[None], ends) == 0 for middle in middles]
@@ -127,10 +127,9 @@ def _beside(x: Floats, ends: window.Ends) -> Floats:
 
 
 def places_of_water(case: Case, area: float) -> tuple[Floats, float]:
-    """Return places (n, 2) [m] all over the water at the start, and their distance [m].
+    """Return places (n, 2) [m] in the water at the start, and their distance [m]. area : of the picture [m2]
 
-    They are its particles, or of more than MOST the squares of a grid in which there are particles, of which only a
-    part is held in memory at a time. area : of the picture [m2]
+    They are the particles; of more than MOST, the squares of a grid with particles, computed part by part.
     """
     slices = -(-counts(case)["all"] // MOST)
     size = case.numerics.spacing if slices == 1 else max(1.5 * case.numerics.spacing, float(np.sqrt(area / MOST)))

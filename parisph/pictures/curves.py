@@ -1,7 +1,4 @@
-"""Pictures of time series: probes of one or several runs, and a probe with its reference.
-
-Needs matplotlib, but no MPI.
-"""
+"""Pictures of time series: probes of one or several runs, and a probe with its reference. Needs matplotlib, no MPI."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,7 +21,7 @@ if TYPE_CHECKING:
 
 Samples = tuple[np.ndarray, np.ndarray]    # times [s] and values, (n,) each
 
-# What a probe of a kind (as in the case) shows, if its unit does not say it, and which kinds share one set of axes.
+# Labels of axes by the kind of a probe; kinds that share axes; columns with other labels; labels by the unit.
 KINDS = {
     "surface_gauge": "surface height $y$", "pressure_tap": "pressure $p$", "water_front": "front position $x$",
     "column_height": "column height $y$", "energy": "energy", "momentum": "momentum",
@@ -33,21 +30,21 @@ KINDS = {
 }
 FAMILIES = {"surface_gauge": "height $y$", "column_height": "height $y$"}
 COLUMNS = {("volume", "count"): "cells counted", ("force", "moment"): "moment",
-           ("flux", "total"): "volume passed", ("energy", "volume_now"): "volume"}  # where one column is something else
+           ("flux", "total"): "volume passed", ("energy", "volume_now"): "volume"}
 UNITS = {"Pa": "pressure $p$", "m": "length", "J/m": "energy", "m/s": "velocity", "N/m": "force",
          "N m/m": "moment", "m^2/s": "volume rate", "m^2": "volume"}
-TALL = 4        # panels below each other; more of them stand two a row
+TALL = 4        # most panels below each other; of more there are two in a row
 SHORT = "short peak"    # the mark of a peak that is not resolved
-BESIDE = 4      # lines whose legend lies in the axes; that of more of them stands beside
-HIGH = 12       # lines in a column of such a legend: as many as a panel is high
-MOST = 4 * HIGH    # lines of the longest legend; of more of them only the first and the last are named
+BESIDE = 4      # most lines with a legend in the axes; that of more is beside
+HIGH = 12       # lines in a column of a legend beside a panel
+MOST = 4 * HIGH    # lines of the longest legend; of more only the first and the last are named
 LETTER = 0.06   # [inch] width of a letter in a legend
 ROW = 4.6       # [inch] longest row of a legend in the axes
 HEADROOM = 0.16    # of the height of axes, above the curves, for such a row
-BLOWN = 1.5    # axes that are this many times as high as the flow before a failure end with the flow
+BLOWN = 1.5    # ranges of the flow before a failure, beyond which the axes are cut
 OWN_TIME = r"$t\sqrt{g/H}$"
-STATES = 4      # runs that a title says have not ended as they should
-MARKS = 60      # samples of a reference that are drawn as marks; more of them are a line
+STATES = 4      # runs in the title that have not completed
+MARKS = 60      # samples of a reference, beyond which it is a line
 
 
 @dataclass(frozen=True)
@@ -74,14 +71,14 @@ def plot_probe(runs: Run | AnyPath | Sequence[Run | AnyPath], names: Sequence[st
                normalise: bool = False) -> "Figure":
     """Draw the time series of probes, one set of axes for each quantity; return the matplotlib Figure.
 
-    Several runs are drawn over each other, labelled by what differs between their cases (run_labels).
+    Several runs are drawn over each other, with labels of what differs between their cases (run_labels).
 
     Parameters
     ----------
     runs : Run, or the folder of one, or a list of these
-    names : list of probe names, or one name; all probes if None
+    names : of probes, or one name; all if None
     path : file to write (.png, .pdf, ...), or None
-    truth : dict of probe name -> (time [s], value) arrays in the probe's unit, drawn over it in black
+    truth : {probe: (time [s], value)} in the probe's unit, drawn in black
     normalise : divide time by sqrt(H/g), pressures by rho g H and lengths by H of each run
 
     Raises
@@ -118,12 +115,8 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
                     path: AnyPath | None = None) -> "Figure":
     """Draw a probe, its reference, and their difference; return the matplotlib Figure.
 
-    Parameters
-    ----------
-    found, reference, difference : (time (n,) [s], values (n,)) each: the run, the reference, and their
-        difference where both have values
-    title : one line above; label, unit : of the values
-    path : file to write, or None
+    found, reference, difference : (time (n,) [s], values (n,)) each
+    title : one line; label, unit : of the values; path : file to write, or None
     """
     start, end = difference[0][0], difference[0][-1]
     picture = style.new_figure(figsize=(8.0, 5.6), layout="constrained")
@@ -150,10 +143,7 @@ def plot_comparison(found: Samples, reference: Samples, difference: Samples, tit
 
 
 def truths(run: Run, folder: Path) -> dict[str, Samples]:
-    """Return {probe name: (time [s], value)} for the probes of a run whose case names a truth.
-
-    folder : where the case file is; the files of the truths are relative to it. Raises CaseError.
-    """
+    """Return {probe: (time [s], value)} of the truths of probes, with files in `folder`. Raises CaseError."""
     found = {}
     for probe in run.case.get("probes", ()):
         about = probe.get("truth")
@@ -167,10 +157,7 @@ def truths(run: Run, folder: Path) -> dict[str, Samples]:
 
 
 def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict[tuple[str, str], list[Curve]]:
-    """Return {(quantity, unit): [Curve]} of probes of runs: one entry for each set of axes.
-
-    Heights, positions along x, pressures, energies, ... each have their own axes. names : of probes, all if None.
-    """
+    """Return {(quantity, unit): [Curve]} of probes of runs, one entry for each set of axes. names : all if None"""
     groups = {}
     for run, label in zip(runs, run_labels(runs)):
         kinds = {probe["name"]: probe["kind"] for probe in run.case.get("probes", ())}
@@ -182,7 +169,7 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
             if kinds.get(name) == "energy" and not style.has_potential(run.case):
                 columns = [column for column in columns if not column.startswith(("potential", "total"))]
             for column in columns:
-                # What is of no known kind has something in common with its like in unit, if with any.
+                # a probe of an unknown kind shares axes with others of its unit
                 kind = kinds.get(name, "" if units[column] else name)
                 curve = Curve(run, label if len(runs) > 1 else "", name, column if several else "",
                               table["time"], table[column])
@@ -191,14 +178,14 @@ def by_quantity(runs: Sequence[Run], names: Sequence[str] | None = None) -> dict
 
 
 def show_steps(axes: "Axes", run: Run, unit: float = 1.0) -> None:
-    """Let the axis of time reach from the first to the last step of a run; unit : of the axis [s]."""
+    """Limit the axis of time to the steps of a run. unit : of the axis [s]"""
     ends = states.span(run)
     if ends is not None and ends[0] < ends[1]:
         axes.set_xlim(ends[0] / unit, ends[1] / unit)
 
 
 def run_labels(runs: Sequence[Run]) -> list[str]:
-    """Return a label for each of several runs: what differs between their cases, and the folders of those alike."""
+    """Return a label for each run: what differs between their cases, else or also the folder."""
     found = differences.labels([run.case for run in runs])
     folders = folder_names([run.folder for run in runs])
     return [style.literal(text if text and found.count(text) == 1 else f"{text} ({folder})" if text else folder, 60)
@@ -206,7 +193,7 @@ def run_labels(runs: Sequence[Run]) -> list[str]:
 
 
 def folder_names(folders: Sequence[Path]) -> list[str]:
-    """Return a short name for each folder: as much of the end of its path as is needed to distinguish them."""
+    """Return a short name for each folder: the shortest end of its path that is unique."""
     parts = [Path(folder).resolve().parts for folder in folders]
     names = []
     for mine in parts:
@@ -233,7 +220,7 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
     drawn: list["Line2D"] = []
     for curve, own, scale in zip(curves, scales, by):
         look = looks[runs.index(curve.label) * len(series) + series.index((curve.probe, curve.column))]
-        if curve.column.endswith("_dynamic"):    # it may lie on the whole, which may be dashed among many
+        if curve.column.endswith("_dynamic"):    # it may lie on the line of the whole
             look = {**look, "linestyle": style.STYLES[3 if any(one["linestyle"] != "-" for one in looks) else 1]}
         drawn += axes.plot(curve.time / (own.time if normalise else 1.0),
                            curve.values * (1.0 / scale if scale else factor),
@@ -261,10 +248,9 @@ def draw_curves(axes: "Axes", curves: Sequence[Curve], unit: str, normalise: boo
 
 
 def _leave_out_failures(axes, curves, drawn, references):
-    """Let the axes show the flow of runs that have failed: their last samples may be a hundred times as large.
+    """Limit the axes to the flow before a failure: the last samples may be a hundred times as large.
 
-    drawn : the lines of the curves; references : lines of references. Marks of short peaks do not count: the greatest
-    value of such a run is that of its failure.
+    drawn, references : lines of the curves and of references; marks of short peaks do not count
     """
     bad = {curve.run.folder for curve in curves if states.failed(curve.run)}
     if not bad:
@@ -283,12 +269,12 @@ def _leave_out_failures(axes, curves, drawn, references):
 
 
 def _named(axes):
-    """Return the lines that a legend names: of several peaks that are not resolved only the first."""
+    """Return the lines in the legend; of several short peaks only the first."""
     return [line for line in axes.lines if not str(line.get_label()).startswith("_")]
 
 
 def _legend_inside(axes):
-    """Name a few lines: in a row above them if it is not too long, for which the axes get room."""
+    """Add a legend of few lines: a row above the curves, for which the axes get room, if it is not too long."""
     count = len(_named(axes))
     if count == 1 or sum(LETTER * len(str(line.get_label())) + 0.5 for line in _named(axes)) > ROW:
         axes.legend(loc="best", fontsize=8, framealpha=0.8)
@@ -304,14 +290,14 @@ def _legend_columns(axes):
 
 
 def _further_columns(axes):
-    """Return the width [inch] of a legend beside the axes, but for an inch, for which the picture must be wider."""
+    """Return the further width [inch] of the picture for a legend beside the axes; an inch is there already."""
     longest = max((len(str(line.get_label())) for line in _named(axes)), default=0)
     return max(_legend_columns(axes) * (LETTER * longest + 0.7) - 1.0, 0.0)
 
 
-def own_scales(run: Run, normalise: bool) -> style.Scales:
-    """Return the style.Scales of a run. Raises CaseError if it has none to normalise by."""
-    own = style.scales(run.case)
+def own_scales(run: Run, normalise: bool) -> style.SceneUnits:
+    """Return the style.SceneUnits of a run. Raises CaseError if it has none to normalise by."""
+    own = style.scene_units(run.case)
     if normalise and own.time is None:
         raise CaseError(f"{run.folder}: this scene has no constant gravity: it has no sqrt(H/g) to divide by")
     return own
@@ -335,7 +321,7 @@ def _line_label(curve, series):
 
 
 def _draw_truth(axes, curve, series, factor, by_time):
-    """Draw a reference within the time of the run: few samples as marks, many as a dashed line."""
+    """Draw a reference within the time of the run."""
     time, values = (np.asarray(part, dtype=float) for part in series)
     inside = time <= max(curve.time, default=-np.inf)
     axes.plot(time[inside] / by_time, factor * values[inside], color="black", linewidth=1.0,
@@ -343,7 +329,7 @@ def _draw_truth(axes, curve, series, factor, by_time):
 
 
 def _peak_of(curve):
-    """Return the name that a curve has among the `peaks` of a summary: "load.fx", in an array "row.load.fx"."""
+    """Return the name of a curve in the `peaks` of a summary: "load.fx", in an array "row.load.fx"."""
     about = next((one for one in curve.run.case.get("probes", ()) if one["name"] == curve.probe), {})
     members = [one["name"] for one in about.get("probes", ()) if f"{curve.column}_".startswith(f"{one['name']}_")]
     member = max(members, key=len, default="")
@@ -405,7 +391,7 @@ def plain_axes(axes: "Axes") -> None:
 
 def second_time_axis(axes: "Axes", runs: Sequence[Run], normalise: bool) -> None:
     """Add the dimensionless time above, if it is the same for all runs."""
-    scales = [style.scales(run.case) for run in runs]
+    scales = [style.scene_units(run.case) for run in runs]
     unit = scales[0].time
     if unit is None or len({own.time for own in scales}) != 1:
         return

@@ -13,14 +13,14 @@ from parisph.case.motion import AtRest, Motion, Rotation
 from parisph.case.schema import Case
 
 TANK, WORLD = "tank", "world"
-BETWEEN = 100    # times between the first and the last picture at which it is looked where the tank is
+BETWEEN = 100    # times between the first and the last picture at which the place of the tank is computed
 
 
 @dataclass(frozen=True)
-class Seen:
-    """How a picture shows what is known in the frame of the tank.
+class PictureFrame:
+    """The frame of a picture, of the tank or of the room.
 
-    motion : of the tank; world : whether it is seen from the room; gravity : (2,) in the room, None if not uniform
+    motion : of the tank; world : whether it is the room; gravity : (2,) in the room, None if not uniform
     """
 
     motion: Motion
@@ -28,23 +28,23 @@ class Seen:
     gravity: Floats | None = None
 
     @classmethod
-    def of(cls, case: Case, frame: str) -> "Seen":
-        """Return how a case is seen from a frame, "tank" or "world". Raises CaseError for another word."""
+    def of(cls, case: Case, frame: str) -> "PictureFrame":
+        """Return the frame "tank" or "world" of a case. Raises CaseError for another word."""
         if frame not in (TANK, WORLD):
             raise CaseError(f"--frame {frame}: must be {TANK} or {WORLD}")
         return cls(case.frame, frame == WORLD, uniform_field(case.gravity))
 
     @property
     def moved(self) -> bool:
-        """Whether what is drawn is somewhere else than in the frame of the tank."""
+        """Whether places differ from those in the frame of the tank."""
         return self.world and not isinstance(self.motion, AtRest)
 
     def placed(self, x: Floats, time: float) -> Floats:
-        """Return where points (n, 2) [m] of the tank's frame are drawn at a time [s]."""
+        """Return places (n, 2) [m] of the tank's frame in this frame at a time [s]."""
         return self.motion.placed(x, time) if self.moved else np.asarray(x)
 
     def snapshot(self, snapshot: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return a snapshot with places, and velocities if there are any, as they are seen."""
+        """Return a snapshot with places, and velocities if there are any, in this frame."""
         if not self.moved:
             return snapshot
         time = snapshot["time"]
@@ -54,14 +54,14 @@ class Seen:
         return found
 
     def course(self, corners: Floats, times: Floats) -> list[Floats]:
-        """Return corners (n, 2) [m] as they are drawn at times (k,) [s], and between the first and the last of them."""
+        """Return corners (n, 2) [m] in this frame at times (k,) [s], and at times between them."""
         if not self.moved:
             return [np.asarray(corners)]
         between = np.linspace(np.min(times), np.max(times), BETWEEN) if np.ptp(times) else times[:0]
         return [self.placed(corners, float(t)) for t in (*times, *between)]
 
     def note(self, time: float) -> str:
-        """Return from where the flow is seen, and where the tank is at a time [s]; "" for a tank at rest."""
+        """Return the frame and the place of the tank at a time [s] as text; "" for a tank at rest."""
         if isinstance(self.motion, AtRest):
             return ""
         value = self.motion.law(time)[0]
@@ -75,10 +75,7 @@ class Seen:
         return f"seen from the room, tank {where}" if self.world else f"tank's frame, {where}"
 
     def down(self, time: float) -> Floats | None:
-        """Return the direction (2,) of gravity in the picture at a time [s], None where it needs no arrow.
-
-        It needs one in a tank that turns.
-        """
+        """Return the direction (2,) of gravity at a time [s] in the frame of a tank that turns, else None."""
         if self.world or self.gravity is None or not isinstance(self.motion, Rotation) or not self.gravity.any():
             return None
         seen: Floats = self.motion.seen(self.gravity[None, :2], time)[0]

@@ -1,4 +1,4 @@
-"""Names in a picture that lie neither over each other nor, where there is room, over lines."""
+"""Names in a picture that do not lie over each other and, if there is room, not over lines."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,17 +15,15 @@ if TYPE_CHECKING:
 SIZE = 7.5    # [points] of the letters
 APART = 3.0    # [points] of a name from what it names
 ROWS = 4    # of names of lines below the upper end of the axes
-STEP = 3.0    # [pixels] between the points of a line at which names are kept from it
+STEP = 3.0    # [pixels] between the points of a line that names avoid
 
 
 @dataclass(frozen=True)
 class Label:
-    """A name and what it names.
+    """A name with its possible places.
 
-    text : the name
-    places : (n, 2) in the units of the axes, the places that the name may stand at, the best one first; of a line from
-        its lower to its upper end, beside which the name stands
-    line : whether it names an upright line
+    places : (n, 2) in the units of the axes, the best one first; of a line, its lower and its upper end
+    line : whether it names an upright line, and stands beside its upper end
     """
 
     text: str
@@ -34,10 +32,10 @@ class Label:
 
 
 def add(axes: "Axes", labels: Sequence[Label], lines: Sequence[Floats] = (), dots: Floats | None = None) -> None:
-    """Write names into axes when these are drawn, because only then their size is known.
+    """Write names into axes when these are drawn: only then their size is known.
 
-    lines : (n, 2) each, dots : (n, 2), in the units of the axes: what names are kept from. Names for which there is no
-    room are left out, and the last name says how many.
+    lines : (n, 2) each, dots : (n, 2), in the units of the axes, which names avoid. Names without room are left out,
+    and a text says how many.
     """
     from matplotlib.artist import Artist
 
@@ -48,7 +46,7 @@ def add(axes: "Axes", labels: Sequence[Label], lines: Sequence[Floats] = (), dot
         text.set_in_layout(False)
 
     class Placer(Artist):
-        """Is drawn before the names, and puts them where there is room."""
+        """Is drawn before the names, and places them."""
 
         def draw(self, renderer: Any) -> None:
             _place(axes, labels, texts, left_out, lines, dots, renderer)
@@ -60,7 +58,7 @@ def add(axes: "Axes", labels: Sequence[Label], lines: Sequence[Floats] = (), dot
 
 
 def _place(axes, labels, texts, left_out, lines, dots, renderer):
-    """Put all names where there is room; where there is not, again with room for how many are left out."""
+    """Place all names; if some have no room, once more beside a text that says how many are left out."""
     pixels = renderer.points_to_pixels(1.0)
     box = axes.get_window_extent(renderer)
     inside = np.array([box.x0, box.y0, box.x1, box.y1]) + pixels * np.array([1.0, 1.0, -1.0, -1.0])
@@ -77,10 +75,7 @@ def _place(axes, labels, texts, left_out, lines, dots, renderer):
 
 
 def _put(axes, labels, texts, inside, along, taken, pixels, renderer):
-    """Choose for each name in turn the first place that touches nothing in `taken` and crosses the fewest lines.
-
-    Returns the number of names that find no place.
-    """
+    """Put each name at the place without overlap that crosses the fewest lines; return how many have no place."""
     missing = 0
     for label, text in zip(labels, texts):
         text.set(rotation=0.0, visible=True)
@@ -109,7 +104,7 @@ def _put(axes, labels, texts, inside, along, taken, pixels, renderer):
 
 
 def _candidates(places, line, width, height, apart, inside):
-    """Yield (lower left corner, whether the name is turned upright) of places for a name, all in pixels."""
+    """Yield (lower left corner [pixels], whether it is turned upright) of possible places of a name."""
     if line:
         x, top = places[-1, 0], min(places[-1, 1], inside[3])
         rows = top - height * np.arange(1, ROWS + 1) - apart

@@ -1,4 +1,4 @@
-"""Marks in pictures of a scene: where its probes are, zones that absorb waves, and the level of still water."""
+"""Marks in pictures of a scene: probes, zones that absorb waves, and the level of still water."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOUR = "black"
-MANY = 12    # gauges of an array with one name, of which only the upper ends are drawn
-WIDE = 0.98    # share of the width between the walls that still water has
+MANY = 12    # gauges of an array, beyond which it has one name, and only upper ends are drawn
+WIDE = 0.98    # of the width between the walls, from which on water is still water
 Placed = Callable[[Floats], Floats]    # from places (n, 2) [m] in the scene to those in the axes, in their unit
 
 
 def draw_still_level(axes: "Axes", case: Case, placed: Placed) -> None:
-    """Draw the level of still water in the frame of the tank as a thin dashed line, if the scene has one."""
+    """Draw the level of still water as a thin dashed line, if the scene has one."""
     level = still_level(case)
     if level is not None:
         left, right = case.ends
@@ -40,7 +40,7 @@ def draw_still_level(axes: "Axes", case: Case, placed: Placed) -> None:
 
 
 def draw_zones(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, float]) -> list[labels.Label]:
-    """Shade the zones that absorb waves, and return their names. heights : of their lower and upper ends [m]"""
+    """Shade the zones that absorb waves; return their names. heights : of their lower and upper ends [m]"""
     found = []
     for zone in case.absorb:
         corners = placed(np.array([(zone.start, heights[0]), (zone.end, heights[0]), (zone.end, heights[1]),
@@ -56,9 +56,9 @@ def draw_zones(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, f
 
 def draw_probes(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, float], lines: list[Floats],
                 dots: list[Floats]) -> list[labels.Label]:
-    """Draw where the probes are at the start: gauges as upright lines, taps and points as dots; return their names.
+    """Draw probes at the start, gauges as upright lines, taps and points as dots; return their names.
 
-    heights : of the lower and upper ends of gauges [m]. Lines (n, 2) and dots (1, 2) are added to `lines` and `dots`.
+    heights : of the lower and upper ends of gauges [m]; lines, dots : what is drawn, (n, 2) and (1, 2), is added
     """
     names: list[labels.Label] = []
     for probe in case.probes:
@@ -86,9 +86,9 @@ def draw_probes(axes: "Axes", case: Case, placed: Placed, heights: tuple[float, 
 
 
 def still_level(case: Case) -> float | None:
-    """Return the height y [m] of the surface at rest of a scene that starts with still water between its walls.
+    """Return the level y [m] of a scene that starts with still water from wall to wall, None of another.
 
-    None for a dam break, and where gravity does not point down.
+    None too where gravity does not point down.
     """
     gravity = uniform_field(case.gravity)
     if case.wall_bounds is None or len(case.fluids) > 1 or case.closed or gravity is None:
@@ -99,7 +99,7 @@ def still_level(case: Case) -> float | None:
 
 
 def _places(probe: Probe, heights: tuple[float, float]) -> Floats | None:
-    """Return the points (n, 2) [m] of the line that a probe is on, or its one point; None for a probe of all fluid."""
+    """Return the points (n, 2) [m] of the line of a probe, or its one point; None for a probe of all fluid."""
     if isinstance(probe, (SurfaceGauge, ColumnHeight)):
         return np.array([(probe.at, heights[0]), (probe.at, heights[1])])
     if isinstance(probe, (VelocityProfile, Flux)):

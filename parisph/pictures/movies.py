@@ -1,4 +1,4 @@
-"""Animations of the flow from the folder of a run. Needs matplotlib; needs no MPI."""
+"""Animations of the flow of a run. Needs matplotlib, no MPI."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,9 +16,9 @@ from parisph.io.reader import Run, open_run
 from parisph.pictures import style
 from parisph.pictures.view import FieldView, Look
 
-RATE = 20.0             # frames a second, where nobody asks for another
+RATE = 20.0             # frames a second by default
 SLOWEST, FASTEST = 1.0, 60.0   # frames a second that players show well
-MOST_RATE = 120.0       # frames a second that anybody may ask for
+MOST_RATE = 120.0       # largest --fps
 MOST_FRAMES = 20_000
 SAMPLE = 24             # snapshots from which the scale of the colours is taken
 
@@ -27,18 +27,17 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
           slow: float | None = None, dpi: float = 100, progress: bool = False, **look: Any) -> Path:
     """Write the snapshots of a run as an animation: .gif, or .mp4 if ffmpeg is installed; return its path.
 
-    Colours and axes are the same in every frame. The animation runs at constant speed, whatever the times
-    of the snapshots; its title gives the slow-motion factor.
+    Colours, axes and speed are constant. The title gives the slow-motion factor.
 
     Parameters
     ----------
     run : Run, or the folder of one
     path : file to write
-    field : see view.Look, also for further keywords; without `limits` the colours cover most of the
-        values in all frames, so that a short impact saturates instead of dimming the rest
-    fps : frames per second; None for 20, or with `slow` for the rate that shows each snapshot once, if players can
+    field : see view.Look, also for further keywords; without `limits` the colours cover most of the values of all
+        frames, and a short impact saturates
+    fps : frames per second; None for 20, or with `slow` for the rate that shows each snapshot once
     slow : how many times slower than in nature; None for the speed that shows each snapshot once
-    progress : whether standard error says how many frames are drawn, and how long the others take
+    progress : whether standard error shows the drawn frames and the time left
 
     Raises
     ------
@@ -82,7 +81,7 @@ def movie(run: Run | AnyPath, path: AnyPath, field: str = "pressure", fps: float
 
 
 def has_ffmpeg() -> bool:
-    """Return whether there is the program ffmpeg, which an .mp4 needs."""
+    """Return whether the program ffmpeg, which an .mp4 needs, is installed."""
     style.drawing()
     from matplotlib import animation
 
@@ -101,7 +100,7 @@ class Pace:
     ----------
     fps : frames per second
     slow : how many times slower than in nature; None for a single frame
-    numbers : (frames,) int, the snapshot in each frame: the one nearest the time that the frame stands for
+    numbers : (frames,) int, the snapshot in each frame, which is the nearest in time
     """
 
     fps: float
@@ -113,8 +112,7 @@ class Pace:
            whole_hundredths: bool = False) -> "Pace":
         """Return the Pace for snapshots at `times` (n,) [s], increasing.
 
-        fps, slow : see movie; whole_hundredths : whether frames last whole hundredths of a second, as in
-        a .gif. Raises CaseError.
+        fps, slow : see movie; whole_hundredths : of a second, as frames of a .gif last. Raises CaseError.
         """
         _check_positive("--fps", fps, MOST_RATE)
         _check_positive("--slow", slow, np.inf)
@@ -123,7 +121,7 @@ class Pace:
             fps = min(1.0 / (slow * apart), FASTEST) if slow and apart else RATE
             fps *= np.ceil(SLOWEST / fps) if fps < SLOWEST else 1.0    # each snapshot several times, all alike
         if whole_hundredths:
-            fps = 100.0 / max(round(100.0 / fps), 2)    # viewers take shorter frames for mistakes
+            fps = 100.0 / max(round(100.0 / fps), 2)    # viewers slow shorter frames down
         if not apart:
             return cls(fps, None, np.arange(len(times)))
         slow = slow or 1.0 / (fps * apart)
@@ -145,11 +143,6 @@ class Pace:
             return "real time"
         return f"slowed {self.slow:.3g} x" if self.slow > 1.0 else f"speeded up {1.0 / self.slow:.3g} x"
 
-    @property
-    def repeated(self) -> int:
-        """Number of frames that repeat a snapshot."""
-        return len(self.numbers) - len(np.unique(self.numbers))
-
 
 def _check_positive(name, value, most):
     if value is not None and not 0.0 < value <= most or value == np.inf:
@@ -169,6 +162,6 @@ def _writer(path, fps):
     from matplotlib import animation
 
     if path.suffix.lower() == ".gif":
-        # the writer cuts the milliseconds of a frame off to a whole number: 29.999... would become 20
+        # the writer truncates the milliseconds of a frame: 29.999... would become 20
         return animation.PillowWriter(fps=fps * (1.0 - 1e-9))
     return animation.FFMpegWriter(fps=fps, extra_args=["-pix_fmt", "yuv420p"])

@@ -15,8 +15,8 @@ from parisph.io.reader import Run
 from parisph.pictures import curves, movies, overview, view
 from parisph.truth.comparison import Comparison
 
-ROUNDED = 1e-9  # of a value: by as much a greatest value in a file may be above that of the run
-LONGEST = 100   # characters of the name of a file that is made up
+ROUNDED = 1e-9  # relative difference by rounding of a greatest value in a file
+LONGEST = 100   # characters of a file name that is made of names of probes
 
 
 def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None, probes: Sequence[str] | None = None,
@@ -28,19 +28,18 @@ def plot(runs: Sequence[Run], time: float | None = None, peak: str | None = None
     Parameters
     ----------
     runs : list of io.reader.Run
-    time : [s], the flow at the nearest snapshot; the last one if only `field` is given. A time before the first or
-        after the last snapshot, by more than half the longest time between two snapshots, gives a warning on standard
-        error
-    peak : name of a probe: the flow when its first column is greatest, instead of `time`, as the run has kept it
-        (Run.peak), else at the nearest snapshot, and standard error says how far from it that is
+    time : [s], the flow at the nearest snapshot, with a warning on standard error for a time outside the run; the last
+        snapshot if only `field` is given
+    peak : name of a probe, in place of `time`: the flow when its first column is greatest, as the run has kept it
+        (Run.peak), else at the nearest snapshot, with a note on standard error
     probes : list of probe names: their series in one picture
     out : file to write; None: files in the folder of the (first) run, named after what they show
-    normalise, look : see view.Look; None for what was not asked for
+    normalise, look : see view.Look; None for a default
 
     Raises
     ------
     CaseError : `out` for two pictures, `normalise` for the whole run, the flow of several runs, no such probe or
-    quantity; StoreError : no such snapshot, a field that was not written, or a file that cannot be.
+    quantity; StoreError : no such snapshot, a field that was not written, or a file that cannot be written
     """
     look = {name: value for name, value in look.items() if value is not None}
     flow = time is not None or peak is not None or "field" in look
@@ -70,7 +69,7 @@ def animate(run: Run, out: AnyPath | None = None, fps: float | None = None, slow
             progress: bool = False, **look: Any) -> Path:
     """Write an animation of all snapshots (movies.movie) and return its path.
 
-    Without `out` it is an .mp4, or a .gif where there is no ffmpeg, and standard error says so.
+    Without `out` it is an .mp4; without ffmpeg it is a .gif, with a note on standard error.
     """
     look = {name: value for name, value in look.items() if value is not None}
     if out is None:
@@ -83,9 +82,7 @@ def animate(run: Run, out: AnyPath | None = None, fps: float | None = None, slow
 
 
 def compare(run: Run, comparison: Comparison, reference: AnyPath, path: AnyPath) -> None:
-    """Draw a probe of a run, its reference and their difference to a file.
-
-    comparison : truth.comparison.Comparison; reference : path of the file that it was compared with
+    """Draw a probe of a run, its reference and their difference to a file. reference : path of its file
 
     Raises CaseError for a name that matplotlib cannot write, StoreError for a file that cannot be written.
     """
@@ -143,15 +140,12 @@ def _plot_flow(run, time, peak, out, look):
 
 
 def _at_peak(run, probe):
-    """Return the flow that the run has kept at the peak of a probe (dict), else the time [s] of the peak.
-
-    In that case standard error says how far from it the nearest snapshot is.
-    """
+    """Return the flow that the run has kept at a peak (dict); else the time [s] of the peak, with a note."""
     time, value = peak_of(run, probe)
     kept = run.peak(probe)
     if kept is not None and kept["peak"] >= value - ROUNDED * abs(value):
         return kept
-    if time > 0.0:    # the flow is kept at the end of the step, whose pressure is of its middle
+    if time > 0.0:    # a pressure is that of the middle of the step, and the flow that of its end
         ends = run.steps["time"]
         time = float(ends[min(np.searchsorted(ends, time * (1.0 - 1e-12)), len(ends) - 1)])
     late = run.times[run.number(time)] - time
@@ -174,7 +168,7 @@ def _why_not_kept(run, probe, kept):
 
 
 def _warn_of_other_time(run, time):
-    """Say on standard error that no snapshot is near a time [s] outside the run, and which one is shown."""
+    """Warn on standard error of a time [s] outside the run, and name that of the picture."""
     if len(run) == 0:
         return
     slack = 0.5 * np.diff(run.times).max(initial=0.0)
@@ -184,7 +178,7 @@ def _warn_of_other_time(run, time):
 
 
 def _truths(run):
-    """References of the probes; a run that was carried to another machine may have left them behind."""
+    """Return the references of the probes; none, with a note, if their files are not on this machine."""
     try:
         return curves.truths(run, Path())
     except ParisphError as error:

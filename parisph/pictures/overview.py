@@ -1,4 +1,4 @@
-"""A whole run on one page: four moments of the flow, the probes, and the solver. Needs matplotlib, but no MPI."""
+"""A whole run on one page: four moments of the flow, the probes, and the solver. Needs matplotlib, no MPI."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 def plot_overview(run: Run | AnyPath, path: AnyPath | None = None, field: str = "pressure", **look: Any) -> "Figure":
     """Draw a whole run on one page; return the matplotlib Figure.
 
-    Parameters and errors as in view.plot_field and curves.plot_probe. The colours cover most of the
-    values of all four moments.
+    Parameters and errors as of view.plot_field and curves.plot_probe. The colours cover most values of all moments.
     """
     look = Look(field, **look)
     run = run if isinstance(run, Run) else open_run(run)
@@ -53,10 +52,7 @@ def plot_moments(run: Run, path: AnyPath | None = None, count: int = 6, columns:
 
 
 def plot_small(run: Run, which: int, path: AnyPath, field: str = "pressure") -> None:
-    """Draw the particles at a snapshot, as plot_field does, but small and with few colours, for galleries.
-
-    Raises as plot_field.
-    """
+    """Draw the particles at a snapshot, small and with few colours, for galleries. Raises as view.plot_field."""
     snapshot = run.snapshot(which)
     view = FieldView(run.case, [snapshot], Look(field))
     width, height = view.size(5.6)
@@ -87,7 +83,7 @@ def _say_state(picture, run):
 
 
 def _draw_moments(flow, view, moments, columns, marked=False):
-    """Draw moments; marked : whether with zones and the still level, and in the first one the places of probes."""
+    """Draw moments. marked : whether with zones and the still level, and with probes in the first one"""
     limits = view.limits(moments)
     grid = flow.subplots(-(-len(moments) // columns), columns, squeeze=False, sharex=True, sharey=True)
     discs = [view.draw(axes, moment, limits, label=False) for axes, moment in zip(grid.flat, moments)]
@@ -116,7 +112,7 @@ def _draw_series(series, run, panels):
 
 
 def _draw_steps(axes, steps):
-    """Draw the iterations of the pressure solve, or the compression of a method without one, and the time step."""
+    """Draw the time step and the iterations of the pressure solve; without a solve the compression."""
     solved = "iterations" in steps.dtype.names
     axes.plot(steps["time"], steps["iterations" if solved else "compression"], ".", color=style.LINES[0], markersize=2)
     axes.set_ylabel("iterations a solve [-]" if solved else r"compression $|\rho/\rho_0 - 1|$ [-]",

@@ -1,4 +1,4 @@
-"""How a run has ended, or that it has not, for the titles of pictures."""
+"""The state of a run in the titles of pictures: how it has ended, or that it has not."""
 
 import numpy as np
 
@@ -6,11 +6,11 @@ from parisph.base.errors import StoreError
 from parisph.io.reader import Run
 
 LONGEST = 140   # characters of a state
-LAST = 0.03    # share of the samples of a run that has failed which may be those of its failure
+LAST = 0.03    # of the samples of a run that has failed, at its end, which may be those of the failure
 
 
 def state(run: Run) -> str:
-    """Return one line, such as "failed after t = 1.2 s: particle 7 ... outside the tank"; "" for a completed run."""
+    """Return a line such as "failed after t = 1.2 s: particle 7 ... outside the tank"; "" for a completed run."""
     end, summary = last(run), _summary(run)
     when = "before its first step" if end is None else f"after t = {end:.4g} s"
     if summary is None:
@@ -25,7 +25,7 @@ def state(run: Run) -> str:
 
 
 def failed(run: Run) -> bool:
-    """Return whether a run ended because its flow could not be computed further."""
+    """Return whether a run has failed."""
     return str((_summary(run) or {}).get("status")).startswith("failed")
 
 
@@ -47,7 +47,7 @@ def span(run: Run) -> tuple[float, float] | None:
 
 
 def before_failure(samples: int) -> int:
-    """Return how many of the samples of a run that has failed are surely of its flow, not of the failure."""
+    """Return how many samples of a run that has failed are those of its flow."""
     return samples - min(max(int(np.ceil(LAST * samples)), 3), samples // 2)
 
 

@@ -1,4 +1,4 @@
-"""The style of pictures: quantities with their labels, units and colours, and a scene's own scales."""
+"""The style of pictures: quantities with labels, units and colours, and the units of a scene."""
 
 import difflib
 import io
@@ -26,8 +26,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.patheffects import AbstractPathEffect
 
+
 @dataclass(frozen=True)
-class Quantity:
+class PlottedQuantity:
     """A quantity that pictures can show.
 
     Attributes
@@ -36,8 +37,8 @@ class Quantity:
     of : function of that array (n, ...) -> (n,)
     symbol, unit : for the colour bar
     colours : name of a matplotlib colour map
-    scale : the one of a scene's Scales that makes it dimensionless, "" for none
-    centre : None, or the value in the middle of a diverging colour map
+    scale : the one of SceneUnits that makes it dimensionless, "" for none
+    centre : in the middle of a diverging colour map, else None
     """
 
     needs: str
@@ -49,40 +50,40 @@ class Quantity:
     centre: float | None = None
 
 
-# Sequential maps are perceptually uniform, so that equal steps look equal.
+# Sequential maps are perceptually uniform: equal steps look equal.
 QUANTITIES = {
-    "pressure": Quantity("p", lambda p: p, "pressure $p$", "Pa", "viridis", "pressure"),
-    "speed": Quantity("u", lambda u: np.linalg.norm(u, axis=1), r"speed $|\mathbf{u}|$", "m/s", "plasma", "speed"),
-    "velocity_x": Quantity("u", lambda u: u[:, 0], "velocity $u$", "m/s", "RdBu_r", "speed", 0.0),
-    "velocity_y": Quantity("u", lambda u: u[:, 1], "velocity $v$", "m/s", "RdBu_r", "speed", 0.0),
-    "vorticity": Quantity("vorticity", lambda omega: omega, r"vorticity $\omega$", "1/s", "RdBu_r", "", 0.0),
-    "density_ratio": Quantity("alpha", lambda a: a, r"kernel-sum density $\alpha$", "", "RdBu_r", "", 1.0),
-    "role": Quantity("role", lambda r: r, "role", "", "", ""),
+    "pressure": PlottedQuantity("p", lambda p: p, "pressure $p$", "Pa", "viridis", "pressure"),
+    "speed": PlottedQuantity(
+        "u", lambda u: np.linalg.norm(u, axis=1), r"speed $|\mathbf{u}|$", "m/s", "plasma", "speed"),
+    "velocity_x": PlottedQuantity("u", lambda u: u[:, 0], "velocity $u$", "m/s", "RdBu_r", "speed", 0.0),
+    "velocity_y": PlottedQuantity("u", lambda u: u[:, 1], "velocity $v$", "m/s", "RdBu_r", "speed", 0.0),
+    "vorticity": PlottedQuantity("vorticity", lambda omega: omega, r"vorticity $\omega$", "1/s", "RdBu_r", "", 0.0),
+    "density_ratio": PlottedQuantity("alpha", lambda a: a, r"kernel-sum density $\alpha$", "", "RdBu_r", "", 1.0),
+    "role": PlottedQuantity("role", lambda r: r, "role", "", "", ""),
 }
 ALIASES = {"p": "pressure", "u": "speed", "velocity": "speed", "alpha": "density_ratio"}
 
-# Roles of particles: name and colour. They also differ in brightness, for readers with colour blindness.
+# Roles of particles: name and colour. Brightnesses differ too, for readers with colour blindness.
 ROLES = {
     INNER: ("inner", "#a6cee3"), SURFACE: ("free surface", "#d62728"), BALLISTIC: ("ballistic", "#ff9f1c"),
     WET: ("wet wall", "#4d4d4d"), DRY: ("dry wall", "#cfcfcf"), CONTACT: ("contact line", "#111111"),
 }
 WALL_COLOUR = "#333333"
-# Of lines: the colours of Okabe & Ito without black and yellow, and three dark ones. Readers with colour
-# blindness can distinguish all of them.
+# Colours of lines: those of Okabe & Ito without black and yellow, and three dark ones, for colour blindness too.
 LINES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#332288", "#882255", "#5b3a00")
 STYLES = ("-", (0, (6, 2)), (0, (6, 2, 1, 2)), (0, (2, 1.5)))  # full, dashed, dash-dotted, dotted
 LineLook = dict[str, Any]    # {"color", "linestyle"} of a line
 
 REST = {"kind": "at_rest"}    # of a tank stored by a release whose tanks had no motion of their own
 SCREEN = 90   # dots per inch of a picture in a notebook
-FEW = 6     # lines that differ in colour only; more of them also differ in line style
+FEW = 6     # most lines that differ in colour only
 
 
 def line_looks(groups: int, members: int = 1) -> list[LineLook]:
     """Return a list of {"color", "linestyle"} for groups x members lines, member after member in each group.
 
-    Up to FEW lines differ in colour only. More lines also differ in line style: groups in colour and
-    members in style if there are enough styles, else each next line in both.
+    Up to FEW lines differ in colour only. More lines differ in line style too: groups in colour and members in style if
+    there are enough styles, else each line in both.
     """
     count = groups * members
     if 1 < members <= len(STYLES) and 1 < groups <= len(LINES):
@@ -94,8 +95,8 @@ def line_looks(groups: int, members: int = 1) -> list[LineLook]:
     return [{"color": LINES[colour % len(LINES)], "linestyle": STYLES[kind % len(STYLES)]} for colour, kind in pairs]
 
 
-def quantity(name: str) -> Quantity:
-    """Return the Quantity of that name. Raises CaseError that lists the known ones."""
+def quantity(name: str) -> PlottedQuantity:
+    """Return the PlottedQuantity of a name. Raises CaseError with the known ones."""
     found = QUANTITIES.get(ALIASES.get(name, name))
     if found is None:
         raise CaseError(f"no quantity {shown(name)} to show (there are: {', '.join(QUANTITIES)})")
@@ -103,7 +104,7 @@ def quantity(name: str) -> Quantity:
 
 
 def check_colours(name: str | None) -> None:
-    """Raise CaseError if there is no matplotlib colour map of that name; None is fine."""
+    """Raise CaseError if matplotlib has no colour map of this name; None is allowed."""
     if name is None:
         return
     drawing()
@@ -115,8 +116,8 @@ def check_colours(name: str | None) -> None:
 
 
 @dataclass(frozen=True)
-class Scales:
-    """A scene's own units; None for those that it does not have.
+class SceneUnits:
+    """The units of a scene; None for those that it does not have.
 
     Attributes
     ----------
@@ -130,8 +131,8 @@ class Scales:
     pressure: float | None = None
 
 
-def scales(case: Mapping[str, Any]) -> Scales:
-    """Return the Scales of a case (dict, as in case.json)."""
+def scene_units(case: Mapping[str, Any]) -> SceneUnits:
+    """Return the SceneUnits of a case (dict, as in case.json)."""
     low, high = fluid_bounds(case)
     height, density = high[-1] - low[-1], fluids_of(case)[0]["density"]
     try:
@@ -139,15 +140,12 @@ def scales(case: Mapping[str, Any]) -> Scales:
     except ValueError:  # an expression of place or time has no one g
         g = 0.0
     if g == 0.0:
-        return Scales(height)
-    return Scales(height, np.sqrt(height / g), np.sqrt(g * height), density * g * height)
+        return SceneUnits(height)
+    return SceneUnits(height, np.sqrt(height / g), np.sqrt(g * height), density * g * height)
 
 
 def has_potential(case: Mapping[str, Any]) -> bool:
-    """Return whether probes of the energy have a potential energy in a case (dict).
-
-    It is that of gravity, if that is uniform and constant, in a tank that does not turn.
-    """
+    """Return whether energies of a case (dict) have a potential part: gravity is uniform, the tank does not turn."""
     turns = (case.get("frame") or REST)["kind"] == Roll.model_fields["kind"].default
     return not turns and uniform_field(case["gravity"]) is not None
 
@@ -168,13 +166,6 @@ def bodies_of(case: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Return the walls of a case (dict), of which there may be none, one, or several in a list."""
     walls = case.get("walls")
     return list(walls) if isinstance(walls, list) else [walls] if walls else []
-
-
-def only_tank(case: Mapping[str, Any]) -> bool:
-    """Return whether the walls of a case (dict) are at most one tank at rest in its frame."""
-    bodies = bodies_of(case)
-    return len(bodies) <= 1 and all(body.get("kind", "tank") == "tank" and body.get("motion", REST)["kind"] == "at_rest"
-                                    for body in bodies)
 
 
 def _corners(body):
@@ -202,11 +193,11 @@ def _bounds(shape, bodies):
 
 
 def literal(text: str, limit: int = 100) -> str:
-    """Return a title or name as matplotlib shows it unchanged: a dollar sign would begin a formula, or fail as one."""
+    """Return a title or name for matplotlib, in which a dollar sign begins no formula."""
     return clipped(plain(text), limit).replace("$", r"\$")
 
 
-def time_label(time: float, own: Scales) -> str:
+def time_label(time: float, own: SceneUnits) -> str:
     """Return "t = 0.512 s", followed by the dimensionless time and its H if the scene has gravity."""
     label = rf"$t$ = {time:.3f} s"
     if own.time is None:
@@ -214,8 +205,8 @@ def time_label(time: float, own: Scales) -> str:
     return label + rf",   $t\sqrt{{g/H}}$ = {time / own.time:.2f},   {height(own)}"
 
 
-def height(own: Scales) -> str:
-    """Return "H = 0.2 m", the length by which a scene's own units are made."""
+def height(own: SceneUnits) -> str:
+    """Return "H = 0.2 m", the length of the units of a scene."""
     return f"$H$ = {own.length:.4g} m"
 
 
@@ -229,14 +220,14 @@ def with_prefix(largest: float, unit: str) -> tuple[float, str]:
 
 
 def halo(width: float = 2.0) -> "list[AbstractPathEffect]":
-    """Return the path effects of text and lines with a white edge [points], which are seen on all colours."""
+    """Return the path effects of a white edge [points], which makes text and lines visible on all colours."""
     from matplotlib.patheffects import withStroke
 
     return [withStroke(linewidth=width, foreground="white")]
 
 
 def drawing() -> ModuleType:
-    """Return matplotlib's module `figure`. Raises MissingLibrary, which says how to get it."""
+    """Return matplotlib's module `figure`. Raises MissingLibrary with a remedy."""
     libraries.require("matplotlib")
     from matplotlib import figure
 
@@ -251,7 +242,7 @@ def new_figure(**how: Any) -> "Figure":
 @cache
 def _shown_in_notebooks():
     class Shown(drawing().Figure):
-        """A figure without pyplot, which alone tells notebooks how to show one."""
+        """A figure that notebooks show without pyplot."""
 
         def _repr_png_(self) -> bytes:
             drawn = io.BytesIO()
@@ -267,7 +258,7 @@ def written(unit: str) -> str:
 
 
 def discs(axes: "Axes", x: np.ndarray, diameter: float, **how: Any) -> "EllipseCollection":
-    """Draw discs at x (n, 2), in the units of the axes, so that their size stays right when one zooms in."""
+    """Draw discs at x (n, 2); x and diameter are in the units of the axes."""
     from matplotlib.collections import EllipseCollection
 
     size = np.full(len(x), diameter)
@@ -293,10 +284,10 @@ def save_small(picture: "Figure", path: AnyPath, dpi: float = 90, colours: int =
 
 
 def save(picture: "Figure", path: AnyPath | None, dpi: float = 150) -> None:
-    """Write a figure to `path` (the ending says the format); nothing if path is None. Raises CaseError, StoreError."""
+    """Write a figure to `path`, whose ending is the format; nothing for None. Raises CaseError, StoreError."""
     if path is None:
         return
-    if not Path(path).suffix[1:]:    # matplotlib would add one, and the file would have another name
+    if not Path(path).suffix[1:]:    # matplotlib would add one
         raise CaseError(f"{path}: must end in a kind of picture, such as .png or .pdf")
     try:
         with replacing(path) as new:

@@ -1,4 +1,4 @@
-"""Pictures of the flow from the folder of a run. Needs matplotlib; needs no MPI."""
+"""Pictures of the flow of a run. Needs matplotlib, no MPI."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,22 +17,21 @@ from parisph.geometry.standing import standing
 from parisph.io.reader import Run, open_run
 from parisph.pictures import style, window
 from parisph.pictures.bodies_view import draw_bodies, draw_marks, of_dict
-from parisph.pictures.frames import TANK, Seen
+from parisph.pictures.frames import TANK, PictureFrame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.collections import Collection
     from matplotlib.figure import Figure
 
-# Diameters in spacings: a drawn particle; and the ground below those inside, which closes the gaps that
-# discs leave between them, without making the surface thicker than half a particle.
+# Diameters in spacings: of a particle, and of the ground below particles inside, which fills the gaps between discs.
 DISC, GROUND = 1.05, 1.8
-ABOVE = 1.5    # the order of particles: above solids, so that one that crosses a wall is seen
+ABOVE = 1.5    # order of particles: above solids, so that a particle in a wall is seen
 
 
 @dataclass(frozen=True)
 class Look:
-    """The content and look of pictures of the flow.
+    """The content and style of pictures of the flow.
 
     Attributes
     ----------
@@ -41,9 +40,8 @@ class Look:
     normalise : divide lengths by H, pressures by rho g H, velocities by sqrt(g H)
     limits : (lowest, highest) of the colours, in the picture's unit; None to fit the values
     colours : name of a matplotlib colour map, None for that of the quantity
-    zoom : (left, right, low, high) of the axes, in their unit; None for walls and fluid, but for spray outside them
-    frame : "tank", in whose frame the flow is computed, or "world", the room in which the tank moves; velocities too
-        are seen from there
+    zoom : (left, right, low, high) of the axes, in their unit; None for walls and fluid without spray outside
+    frame : of places and velocities: "tank", in which the flow is computed, or "world", the room
 
     Raises
     ------
@@ -82,14 +80,13 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
                path: AnyPath | None = None, **look: Any) -> "Figure":
     """Draw the particles at one time, coloured by a quantity; return the matplotlib Figure.
 
-    The colours end at the greatest value that is shown, on the fluid or on a wet wall, so that a peak is
-    never clipped.
+    The colours end at the greatest value in the picture, of the fluid or of a wet wall.
 
     Parameters
     ----------
     run : Run, or the folder of one
-    which : number of the snapshot (int, negative from the end), the one nearest a time [s] (float), or
-        a snapshot itself (dict, as from Run.snapshot and Run.peak)
+    which : number of the snapshot (int, negative from the end), time [s] of the nearest one (float), or a snapshot
+        (dict, as from Run.snapshot and Run.peak)
     field : see Look, also for further keywords
     path : file to write (.png, .pdf, ...), or None
 
@@ -110,23 +107,19 @@ def plot_field(run: Run | AnyPath, which: int | float | Mapping[str, Any] = -1, 
 
 
 class FieldView:
-    """Draws snapshots of one run, with common scales, walls, colours and window.
-
-    case : dict, as in case.json; snapshots : list of dicts; look : Look
-    """
+    """Draws snapshots of one run, with common scales, walls, colours and window. case : dict, as in case.json"""
 
     def __init__(self, case: Mapping[str, Any], snapshots: Sequence[Mapping[str, Any]], look: Look) -> None:
         if snapshots[0]["x"].shape[1] != 2:
             raise StoreError("only 2D flows can be drawn: open the run's .series file in ParaView")
         self.case, self.look = case, look
-        self.quantity, self.own = style.quantity(look.field), style.scales(case)
+        self.quantity, self.own = style.quantity(look.field), style.scene_units(case)
         if look.normalise and self.own.time is None:
             raise CaseError("this scene has no constant gravity: it has no sqrt(g H) to divide by")
         self.length = self.own.length if look.normalise else 1.0
         self.spacing = case["numerics"]["spacing"] / self.length
         self.scene = of_dict(case)
-        self.bodies = None if style.only_tank(case) else self.scene
-        self.seen = Seen.of(self.scene, look.frame)
+        self.seen = PictureFrame.of(self.scene, look.frame)
         self.window = self._window(snapshots)
         self.stretch = window.stretch(self.window)    # times that heights are drawn
 
@@ -140,8 +133,7 @@ class FieldView:
              note: str = "") -> "Collection | None":
         """Draw one snapshot into axes; return the coloured collection, or None for roles.
 
-        limits : (lowest, highest) of the colours; label : whether to show the title of the case;
-        note : text that the title shows too
+        limits : (lowest, highest) of the colours; label : whether the title names the case; note : further text in it
         """
         snapshot = self.seen.snapshot(snapshot)
         x, values = snapshot["x"] / self.length, self.values(snapshot)
@@ -168,7 +160,7 @@ class FieldView:
         return None if roles else layers[1][0]
 
     def mark(self, axes: "Axes", time: float, probes: bool = True) -> None:
-        """Draw into axes what the scene has besides fluid and walls: still level, zones, and places of probes."""
+        """Draw still level, zones and probes into axes."""
         draw_marks(axes, self.scene, self.window, time, self.length, self.seen, probes)
 
     def values(self, snapshot: Mapping[str, Any]) -> np.ndarray:
@@ -183,8 +175,8 @@ class FieldView:
     def limits(self, snapshots: Sequence[Mapping[str, Any]], whole: bool = False) -> tuple[float, float] | None:
         """Return the (lowest, highest) of the colours for all of the snapshots, None for roles.
 
-        Those given by the user, else a range for most of the values, so that a short impact or single
-        spikes do not dim the rest. With `whole`, up to the greatest value.
+        They are the user's, else those of most values, without a short impact or single spikes. whole : up to the
+        greatest value
         """
         if self.quantity.needs == "role":
             return None
@@ -205,9 +197,9 @@ class FieldView:
 
     def add_colour_bar(self, picture: "Figure", axes: "Axes | Sequence[Axes]", discs: "Collection | None",
                        snapshots: Sequence[Mapping[str, Any]]) -> None:
-        """Add the colour bar of `discs`, pointed where values of the snapshots lie beyond it; nothing for roles.
+        """Add the colour bar of `discs`, pointed if values of the snapshots lie beyond it; nothing for roles.
 
-        axes : one, which the bar then is as high as, or a list of them
+        axes : one, whose height the bar has, or a list
         """
         if discs is None:
             return
@@ -222,7 +214,7 @@ class FieldView:
         bar.outline.set_linewidth(0.5)
 
     def _shown_values(self, snapshots):
-        """The finite values (n,) of all that is drawn inside the window: fluid, and the walls that carry a pressure."""
+        """Return the finite values (n,) inside the window, of fluid and of walls with a pressure."""
         found = []
         (left, right), (low, high) = self.window
         for snapshot in map(self.seen.snapshot, snapshots):
@@ -247,7 +239,7 @@ class FieldView:
         return f"{self.quantity.symbol} [{unit}]" if unit else self.quantity.symbol
 
     def _window(self, snapshots):
-        """((left, right), (low, high)) of the axes: as zoomed, or fluid of the snapshots and tank but its empty top."""
+        """Return ((left, right), (low, high)) of the axes: as zoomed, or those of walls and fluid."""
         box, spacing = self._walls_box(), self.case["numerics"]["spacing"]
         fluid = [snapshot["x"][snapshot["kind"] == FLUID] for snapshot in snapshots]
         fluid = [x[window.shown(x, spacing, box)] for x in fluid]
@@ -264,7 +256,7 @@ class FieldView:
         return (left, right), (bottom, top)
 
     def _walls_shown(self, box, fluid):
-        """The corners (4, 2) [m] around the walls, without the empty top of a tank that has no lid."""
+        """Return the corners (4, 2) [m] around the walls, without the empty top of a tank without a lid."""
         (left, low), (right, top) = box
         high = max((x[:, 1].max() for x in fluid if len(x)), default=top)
         if not self.scene.lidded and high <= low + 0.7 * (top - low):
@@ -272,17 +264,11 @@ class FieldView:
         return np.array([(left, low), (right, low), (right, top), (left, top)])
 
     def _walls_box(self):
-        """The lower and upper corner [m] of the box around all walls, None without any."""
-        if self.bodies is not None:
-            return domain(self.bodies)
-        tank = next(iter(style.bodies_of(self.case)), None)
-        if tank is None:
-            return None
-        left = np.array(tank["at"], dtype=float)
-        return left, left + np.array([tank["width"], tank["height"]])
+        """Return the lower and upper corner [m] of the box around all walls, None without any."""
+        return None if self.scene.wall_bounds is None else domain(self.scene)
 
     def _walls_to_fill(self, snapshot):
-        """Return the wet wall particles, which have the pressure on the wall and close the gap to it of s/2."""
+        """Return the wet wall particles, which have a pressure and fill the gap to the wall of s/2."""
         wet = (snapshot["kind"] == WALL) & (snapshot["role"] == WET)
         return wet if self.quantity.needs in ("p", "role") else np.zeros_like(wet)
 
@@ -294,34 +280,17 @@ class FieldView:
                     loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
 
     def _draw_walls(self, axes, cut, time):
-        """Draw the tank as lines, and cut the discs `cut` to what is inside; draw other walls as they are at a time."""
-        from matplotlib.patches import Polygon, Rectangle
+        """Draw the walls as they are at a time [s]; cut the discs `cut` to what is inside a tank or above a bed."""
+        from matplotlib.patches import Polygon
 
-        if self.bodies is not None:
-            (left, right), (low, high) = self.window
-            far = (right - left + high - low) * self.length
-            floor = low * self.length - (far if self.seen.moved else 0.0)    # below the axes wherever the tank is
-            draw_bodies(axes, self.bodies, time, self.length, floor, self.seen)
-            around = [_room(wall, time, far) for wall in standing(self.bodies)
-                      if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
-            if len(around) == 1:    # other walls are filled, and hide what is in them
-                cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
-            return
-        tank = next(iter(style.bodies_of(self.case)), None)
-        if tank is None:
-            return
-        (left, low), (right, top) = self._walls_box()
-        corners = np.array([(left, top), (left, low), (right, low), (right, top), (left, top)])
-        corners = self.seen.placed(corners, time) / self.length
-        axes.plot(*corners[:None if tank["lid"] else 4].T, color=style.WALL_COLOUR, linewidth=2.0,
-                  solid_joinstyle="miter", zorder=3)
-        if self.seen.moved:
-            cut.set_clip_path(Polygon(corners, transform=axes.transData))
-            return
-        (left, low), (right, top) = corners[1], corners[3]
-        inside = np.clip([left, right], *self.window[0]), np.clip([low, top], *self.window[1])
-        corner, size = [side[0] for side in inside], [side[1] - side[0] for side in inside]
-        cut.set_clip_path(Rectangle(corner, *size, transform=axes.transData))
+        (left, right), (low, high) = self.window
+        far = (right - left + high - low) * self.length
+        floor = low * self.length - (far if self.seen.moved else 0.0)    # below the axes wherever the tank is
+        draw_bodies(axes, self.scene, time, self.length, floor, self.seen)
+        around = [_room(wall, time, far) for wall in standing(self.scene)
+                  if isinstance(wall, Tank) or (isinstance(wall, Profile) and wall.side is None)]
+        if len(around) == 1:    # other walls are filled, and hide what is in them
+            cut.set_clip_path(Polygon(self.seen.placed(around[0], time) / self.length, transform=axes.transData))
 
     def _ring(self, axes, x, snapshot):
         from matplotlib.lines import Line2D
@@ -356,14 +325,14 @@ class FieldView:
 
 
 def _room(wall, time, far):
-    """Return points (n, 2) [m] around what is inside a tank, or above a bed and between its ends."""
+    """Return points (n, 2) [m] around the inside of a tank, or the space above a bed."""
     x = wall.motion.placed(outline_of(wall).points, time)
     top = x[:, 1].max() + far
     return x if isinstance(wall, Tank) else np.concatenate([x, [(x[-1, 0], top), (x[0, 0], top)]])
 
 
 def _arrow(axes, direction, name):
-    """Draw an arrow in a direction (2,), with its name at the tail, in the upper right corner of the axes."""
+    """Draw an arrow in a direction (2,), with a name at its tail, in the upper right corner of the axes."""
     arrow = axes.annotate(name, xy=(0.92, 0.82), xycoords="axes fraction", xytext=tuple(-24.0 * direction),
                           textcoords="offset points", ha="center", va="center", fontsize=9, zorder=6,
                           arrowprops={"arrowstyle": "-|>", "color": "black", "shrinkA": 6.0, "shrinkB": 0.0,

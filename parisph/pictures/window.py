@@ -1,4 +1,4 @@
-"""The axes of a picture of the flow: what of the fluid and the walls they show, and how far they are stretched."""
+"""The window of a picture of the flow, without spray, and its vertical scale."""
 
 from collections.abc import Iterable, Sequence
 
@@ -6,10 +6,10 @@ import numpy as np
 
 from parisph.base.arrays import Floats
 
-FLAT = 5.5    # windows that are wider than this, over their height, are drawn stretched upwards, to this
-SLENDER = 3.0    # windows that are higher than this, over their width, get room for names on both sides
-FEW = 0.01    # share of the particles that may lie beyond a gap: more of them are no spray
-GAP, SHARE = 4.0, 0.1    # spacings, and share of the extent of the fluid, of a gap behind which there is spray
+FLAT = 5.5    # largest width over height of a picture: flatter windows are stretched upwards
+SLENDER = 3.0    # largest height over width of a window: narrower ones get room on both sides
+FEW = 0.01    # largest share of the particles that is spray
+GAP, SHARE = 4.0, 0.1    # spacings, and share of the extent of the fluid, of a gap before spray
 Box = tuple[Floats, Floats]    # lower and upper corner (2,)
 Ends = tuple[tuple[float, float], tuple[float, float]]    # (left, right), (low, high)
 
@@ -42,10 +42,9 @@ def shown(x: Floats, spacing: float, walls: Box | None) -> np.ndarray:
 
 
 def of(fluid: Iterable[Floats], walls: Sequence[Floats], length: float = 1.0) -> Ends:
-    """Return the ends of axes with all points in them, and a margin.
+    """Return the ends of axes around all points, with a margin.
 
-    fluid : (n, 2) [m] each, the particles that are shown; walls : corners (m, 2) [m] each; length [m] that all is
-    divided by
+    fluid : particles (n, 2) [m] each; walls : corners (m, 2) [m] each; length : unit of the axes [m]
     """
     points = np.concatenate([x for x in (*fluid, *walls) if len(x)] or [np.array([[0.0, 0.0], [1.0, 1.0]])])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -62,13 +61,13 @@ def outside(x: Floats, window: Ends) -> int:
 
 
 def stretch(window: Ends) -> int:
-    """Return how many times heights are drawn, so that a flat scene is not a thin line."""
+    """Return the vertical scale over the horizontal one, so that a flat scene is not a thin line."""
     (left, right), (low, high) = window
     return max(1, round((right - left) / (high - low) / FLAT)) if high > low else 1
 
 
 def said(times: int) -> str:
-    """Return the words of a picture that is stretched, "" for one that is not."""
+    """Return the words for a stretched picture, else ""."""
     return f"vertical scale x{times}" if times > 1 else ""
 
 

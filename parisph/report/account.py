@@ -1,4 +1,4 @@
-"""What a report says of a run in numbers, all of them from summary.json and case.json."""
+"""Tables of a report: cost, errors, profiles, from summary.json and case.json."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
@@ -7,7 +7,7 @@ from parisph.base.text import named
 from parisph.case.probes import AnyProbe
 from parisph.case.profiles import Profiles
 from parisph.case.truths import Peaks, Truth, WaveTruth
-from parisph.report.entries import Cell, Table, number
+from parisph.report.entries import Cell, CellTable, number
 
 SUMMARY, CASE = "summary.json", "case.json"
 ALIGNMENT = (
@@ -18,14 +18,14 @@ ALIGNMENT = (
 ERROR_HEAD = ("probe", "reference", "relative L2 error, shift = 0", "from [s]", "to [s]", "both smoothed over [s]",
               "samples", "least of others", "best shift [s]", "error if so shifted")
 PROFILE_HEAD = ("profiles", "reference", "at [s]", "relative L2 error", "mean difference [m]", "rms [m]")
-AT_END = 0.999    # of the range of shifts: as near to its end as that, nothing says that the error rises beyond
+AT_END = 0.999    # of the range of shifts, beyond which the error may go on to fall
 Probes = Sequence[AnyProbe]
 AnyTruth = Truth | WaveTruth | Peaks | Profiles
 Content = Mapping[str, Any]    # of a JSON file
 
 
-def cost(summary: Content) -> Table:
-    """Return what the run has cost: time by the clock and of the processors, steps, iterations, phases."""
+def cost(summary: Content) -> CellTable:
+    """Return the cost of a run: wall and CPU time, steps, iterations, phases."""
     rows = [("CPU time", number(summary, SUMMARY, ["cpu_seconds"], ".4g", "s")),
             ("wall time", number(summary, SUMMARY, ["wall_seconds"], ".4g", "s")),
             ("steps", number(summary, SUMMARY, ["steps"], "d")),
@@ -38,9 +38,9 @@ def cost(summary: Content) -> Table:
     return named_rows(rows)
 
 
-def errors(probes: Probes, case: Content, summary: Content) -> Table:
+def errors(probes: Probes, case: Content, summary: Content) -> CellTable:
     """Return the errors of the probes that have a truth, a line for each of their references."""
-    return Table(ERROR_HEAD, tuple(row for k, probe in enumerate(probes)
+    return CellTable(ERROR_HEAD, tuple(row for k, probe in enumerate(probes)
                                    for row in _of_probe(k, probe, case, summary)))
 
 
@@ -59,7 +59,7 @@ def _of_probe(k: int, probe: AnyProbe, case: Content, summary: Content) -> Itera
 
 
 def _at_the_end(summary: Content, path: list[Any]) -> bool:
-    """Return whether the best shift of a probe is at an end of the range in which it was sought."""
+    """Return whether the best shift of a probe is at an end of its range."""
     found: Any = summary
     for name in path:
         found = found.get(name) or {}
@@ -68,7 +68,7 @@ def _at_the_end(summary: Content, path: list[Any]) -> bool:
 
 
 def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list[Any]]]:
-    """Yield the truth of the probe number k and those beside it, each with its places in the case and the summary."""
+    """Yield the truths of probe k, each with its place in the case and in the summary."""
     truth, path = probe.truth, ["errors", probe.name]
     place: list[Any] = ["probes", k, "truth"]
     if truth is not None and not isinstance(truth, Peaks):
@@ -78,20 +78,20 @@ def _truths(k: int, probe: AnyProbe) -> Iterator[tuple[AnyTruth, list[Any], list
 
 
 def name_of(truth: AnyTruth) -> str:
-    """Return what a truth is called: its own name, or that of its file."""
+    """Return the name of a truth, or that of its file."""
     if isinstance(truth, WaveTruth):
         return "wave"
     return truth.name or ("numbers" if isinstance(truth, Peaks) else named(truth.file.rpartition("/")[2]))
 
 
 def error_of(summary: Content, path: list[Any]) -> Cell:
-    """Return the error of a probe, or why there is none. path : ["errors", name of the probe, ...]"""
+    """Return the error of a probe, or why there is none. path : ["errors", probe, ...]"""
     reason = number(summary, SUMMARY, [*path, "reason"])
     return number(summary, SUMMARY, [*path, "relative_l2"], ".3g") if reason.text == "-" else reason
 
 
 def least_of_others(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
-    """Return the least error of others that the case states at `place`, its truth: printed or recomputed."""
+    """Return the least error of others that the case states for a truth, whose place is given."""
     levels = truth.published if isinstance(truth, (Truth, Profiles)) else {}
     if not levels:
         return Cell("-")
@@ -99,8 +99,8 @@ def least_of_others(truth: AnyTruth, case: Content, place: list[Any]) -> Cell:
     return number(case, CASE, [*place, "published", best], ".3g", f"({best})")
 
 
-def profiles(probes: Probes, summary: Content) -> Table:
-    """Return the errors of each of the profiles that arrays of gauges are compared with."""
+def profiles(probes: Probes, summary: Content) -> CellTable:
+    """Return the errors of arrays of gauges against each profile."""
     columns = (("time", ".4g"), ("relative_l2", ".3g"), ("mean", "+.2g"), ("rms", ".2g"))
     rows = []
     for k, probe in enumerate(probes):
@@ -108,11 +108,11 @@ def profiles(probes: Probes, summary: Content) -> Table:
             rows += [(Cell(probe.name), Cell(name_of(truth)),
                       *(number(summary, SUMMARY, [*path, "profiles", n, name], form) for name, form in columns))
                      for n in range(_count(summary, [*path, "profiles"]))]
-    return Table(PROFILE_HEAD, tuple(rows))
+    return CellTable(PROFILE_HEAD, tuple(rows))
 
 
 def _count(summary: Content, path: list[Any]) -> int:
-    """Return how many entries a list of the summary has, 0 if it is not there."""
+    """Return the length of a list of the summary, 0 if it is missing."""
     found: Any = summary
     for name in path:
         found = (found or {}).get(name)
@@ -120,7 +120,7 @@ def _count(summary: Content, path: list[Any]) -> int:
 
 
 def published(probes: Probes) -> list[tuple[str, str]]:
-    """Return (names of probes, text) of all the errors of others that the case states."""
+    """Return (names of probes, text) of the errors of others that the case states."""
     found = []
     for probe in probes:
         for one in _with_files(probe):
@@ -138,7 +138,7 @@ def notes(probes: Probes) -> list[tuple[str, str]]:
 
 
 def _once(told: list[tuple[str, str]]) -> list[tuple[str, str]]:
-    """Return (names of probes, text): what is told of several probes is told once."""
+    """Return (names of probes, text), each text once."""
     names: dict[str, list[str]] = {}
     for name, text in told:
         names.setdefault(text, []).append(name)
@@ -150,6 +150,6 @@ def _with_files(probe: AnyProbe) -> tuple[Truth | Profiles, ...]:
     return (truth, *truth.others) if isinstance(truth, (Truth, Profiles)) else ()
 
 
-def named_rows(rows: Iterable[tuple[str, Cell]]) -> Table:
+def named_rows(rows: Iterable[tuple[str, Cell]]) -> CellTable:
     """Return a table of (name, Cell)."""
-    return Table((), tuple((Cell(name), cell) for name, cell in rows))
+    return CellTable((), tuple((Cell(name), cell) for name, cell in rows))

@@ -1,4 +1,4 @@
-"""Replace the lines between two marks in a text file of the user, of which all other bytes stay. Not collective."""
+"""Replace the lines between two marks in a text file of the user; all other bytes stay. Not collective."""
 
 import errno
 import os
@@ -14,7 +14,7 @@ from parisph.io.files import rewrite
 
 
 class Between:
-    """The place between a line `start` and a line `end` of a text file in UTF-8, checked before any work.
+    """The place between a line `start` and a line `end` of a UTF-8 text file, checked before any work.
 
     Attributes
     ----------
@@ -22,10 +22,10 @@ class Between:
     """
 
     def __init__(self, file: AnyPath, start: str, end: str, what: str) -> None:
-        """file : as the user names it; what : what is put there, for the messages
+        """file : as the user names it; what : name of the new lines, for messages
 
-        Raises StoreError if the file cannot be read, is no regular file, or may not be written; CaseError if it is not
-        text in UTF-8, or if its marks are not one line `start` with one line `end` below it.
+        Raises StoreError if the file is not regular, or cannot be read or written; CaseError if it is not UTF-8, or has
+        not one line `start` with one line `end` below it.
         """
         self._file, self._marks, self._what = file, (start, end), what
         self.path = Path(os.path.realpath(checked(file, "FILE")))
@@ -34,11 +34,9 @@ class Between:
             raise StoreError(f"cannot write {named(file)}: permission denied for it or for its folder")
 
     def put(self, lines: Sequence[str]) -> None:
-        """Replace the lines between the marks. The file is read again: it may have been edited meanwhile.
+        """Replace the lines between the marks in the file as it is now. Raises as __init__, without a change.
 
-        lines : each may be several, with line breaks
-
-        Raises as __init__; the file is then unchanged.
+        lines : each may contain line breaks
         """
         before, newline, after = self._found()
         text = before + "".join(f"{line}{newline}" for part in lines for line in part.split("\n")) + after
@@ -48,7 +46,7 @@ class Between:
             raise StoreError(f"cannot write {named(self._file)}: {error.strerror}") from None
 
     def _found(self) -> tuple[str, str, str]:
-        """Return (text before the place, what ends a line, text behind the place)."""
+        """Return (text before the place, line break, text behind the place)."""
         try:
             text = read_exactly(self.path)
         except OSError as error:

@@ -1,4 +1,4 @@
-"""What a report says of how a run was made: first the scene and its numbers, apart from them files and versions."""
+"""Tables of a report: the scene and its numbers, the parameters, the files and versions."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -6,28 +6,28 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from parisph.base.errors import CaseError
-from parisph.base.seal import MADE
+from parisph.base.json_digest import MADE
 from parisph.case.wave_sizes import size_of
 from parisph.case.waves import AnyWave
 from parisph.pictures.style import REST, bodies_of, fluids_of
 from parisph.report.account import CASE, SUMMARY, Content, named_rows
-from parisph.report.entries import Cell, Table, number
+from parisph.report.entries import Cell, CellTable, number
 
-# Numbers of waves and motions that are told, with their units.
+# Numbers of waves and motions in the table, with their units.
 TOLD = {"height": "m", "amplitude": "m", "period": "s", "length": "m", "depth": "m", "frequency": "rad/s",
         "angle": "rad", "ramp": "s", "gamma": "", "seed": ""}
 PARTICLES = (("particles", ["particles"]), ("of these, fluid", ["fluid_particles"]),
              ("of these, on walls", ["wall_particles"]))
-# Lengths of walls, and of shapes of fluid, which are told where there are any: {entry: name}.
+# Lengths of walls, and of shapes of fluid, in the table: {entry: name}.
 LENGTHS = {"width": "width", "height": "height"}
 OF_FLUID = {"width": "width", "height": "depth", "radius": "radius", "level": "level"}
-LIMITED = 20    # bodies that are told of
+LIMITED = 20    # bodies in the table
 Rows = Iterator[tuple[str, Cell]]
 Place = list[Any]
 
 
-def conditions(case: Content, summary: Content) -> Table:
-    """Return what was run: the scene, its resolution, its duration, and the method."""
+def conditions(case: Content, summary: Content) -> CellTable:
+    """Return the scene, its resolution, its duration, and the method."""
     origin = [("scene of", number(case, CASE, ["source"]))] if case.get("source") else []
     jitter = [("jitter of the particles at the start", number(case, CASE, ["numerics", "jitter"], ".3g", "spacings")),
               ("seed of the jitter", number(case, CASE, ["numerics", "seed"], "d"))]
@@ -44,18 +44,18 @@ def conditions(case: Content, summary: Content) -> Table:
         ("method", number(case, CASE, ["numerics", "method"])), ("preset", number(case, CASE, ["numerics", "preset"]))])
 
 
-def parameters(case: Content) -> Table:
-    """Return the parameters of the case file; without rows where they are not known."""
+def parameters(case: Content) -> CellTable:
+    """Return the parameters of the case file; no rows if they are not known."""
     values, given = _made(case).get("parameters"), _made(case).get("given")
     given = given if isinstance(given, list) else []
-    return Table(("parameter", "value", ""), tuple(
+    return CellTable(("parameter", "value", ""), tuple(
         (Cell(name), number(case, CASE, [MADE, "parameters", name], ".6g") if value is not None else Cell("none"),
          Cell("given" if name in given else "default")) for name, value in
         (values.items() if isinstance(values, dict) else ())))
 
 
-def making(case: Content, summary: Content) -> Table:
-    """Return by what a run was made: case file, date, machine, command, options, versions."""
+def making(case: Content, summary: Content) -> CellTable:
+    """Return case file, date, machine, command, options and versions of a run."""
     made = _made(case)
     names = (("case file", "case_file"), ("digest of its text", "case_digest"), ("date", "date"), ("machine", "host"),
              ("its cores", "cores"), ("command", "command"))
@@ -107,14 +107,14 @@ def _scene(case: Content) -> Rows:
 
 
 def _placed(case: Content, field: str, items: list[Any]) -> Iterator[tuple[Any, Place]]:
-    """Yield each of the bodies of a case, of which there may be one or several, with its place in case.json."""
+    """Yield each body of a case with its place in case.json."""
     several = isinstance(case.get(field), list)
     for k, item in enumerate(items[:LIMITED]):
         yield item, [field, k] if several else [field]
 
 
 def _lengths(case: Content, place: Place, name: str, told: dict[str, str]) -> Rows:
-    """Yield those of the lengths [m] of a body that it has. told : {entry: what it is called}"""
+    """Yield the lengths [m] of a body. told : {entry: name}"""
     for key, called in told.items():
         cell = number(case, CASE, [*place, key], ".6g", "m")
         if cell.text != "-":
@@ -122,7 +122,7 @@ def _lengths(case: Content, place: Place, name: str, told: dict[str, str]) -> Ro
 
 
 def _moves(case: Content, place: Place, what: Any, name: str) -> Rows:
-    """Yield the kind and the numbers of a wave or a motion (dict); nothing for one that is none."""
+    """Yield the kind and the numbers of a wave or a motion (dict); nothing for none."""
     if not isinstance(what, dict) or what.get("kind", REST["kind"]) == REST["kind"]:
         return
     yield name, number(case, CASE, [*place, "kind"])
@@ -139,7 +139,7 @@ def _moves(case: Content, place: Place, what: Any, name: str) -> Rows:
 
 
 def _length(wave: dict[str, Any]) -> float | None:
-    """Return the length of a wave (dict) with a period [m], of irregular waves that of the peak; None of others."""
+    """Return the length [m] of a wave (dict) with a period, at the peak if it is irregular; None of others."""
     if not {"period", "depth", "height"} <= wave.keys():
         return None
     try:

@@ -1,4 +1,4 @@
-"""Cells of the tables of a report: a text, and where in the files of the run its number is."""
+"""Tables of a report, whose cells know the entry of the file that they show."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -7,24 +7,24 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell. source : "FILE: name.name", the entry of a JSON file of the run that the text shows; "" for words."""
+    """A cell. source : "FILE: name/name", the entry of a JSON file of the run; "" for words."""
 
     text: str
     source: str = ""
 
 
 @dataclass(frozen=True)
-class Table:
-    """A table. head : names of the columns, empty if the first column has names; rows : of Cells"""
+class CellTable:
+    """A table. head : names of the columns, empty if the first column has names."""
 
     head: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
 
 
 def number(content: Mapping[str, Any], file: str, path: Sequence[str | int], form: str = ".4g", unit: str = "") -> Cell:
-    """Return the Cell of a number in the content of a JSON file; "-" if it is not there, or None.
+    """Return the Cell of an entry of a JSON file; "-" if it is missing or None.
 
-    path : names and indices on the way to it; form : as of format(); unit : written behind it
+    path : names and indices; form : as of format(); unit : written behind it
     """
     value: Any = content
     for name in path:

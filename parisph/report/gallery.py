@@ -1,7 +1,6 @@
-"""`parisph report --all DIR...`: a page with a picture, the truth, the error and the cost of every run.
+"""`parisph report --all DIR...`: a page with picture, truth, error and cost of every run. Needs matplotlib, no MPI.
 
-It is written twice: as HTML in one file, and as Markdown with its pictures beside it, either in a file of its own or
-inside another, between two marks. Needs matplotlib, no MPI.
+The page is one HTML file, and Markdown with pictures beside it, in its own file or between two marks of another.
 """
 
 from collections.abc import Sequence
@@ -16,7 +15,7 @@ from parisph.io.reader import Run
 from parisph.pictures import curves, overview, style
 from parisph.report import account, events, markup
 from parisph.report.between import Between
-from parisph.report.entries import Cell, Table, number
+from parisph.report.entries import Cell, CellTable, number
 from parisph.report.page import Subject, subject
 
 START, END = "<!-- gallery -->", "<!-- end of the gallery -->"
@@ -25,7 +24,7 @@ HEAD = ("probe", "truth", "error, greatest value or time", "least error of other
 
 
 def found(folders: Sequence[AnyPath]) -> list[Path]:
-    """Return the folders of runs: those given, and those inside the given ones. Raises StoreError if there are none."""
+    """Return the given folders of runs, and those inside given folders. Raises StoreError if one has none."""
     runs: list[Path] = []
     for folder in map(Path, folders):
         inside = [folder] if (folder / "case.json").exists() else [
@@ -41,8 +40,7 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
     """Write gallery.html and gallery.md into a folder, with the pictures; return their paths.
 
     folders : of runs, or that hold runs
-
-    Raises StoreError for what is no run and for files that cannot be read or written; MissingLibrary.
+    Raises StoreError for a folder without runs and for files that cannot be read or written; MissingLibrary.
     """
     place = Path(out)
     pages, texts = [], ["# Gallery", ""]
@@ -60,12 +58,10 @@ def write(folders: Sequence[AnyPath], out: AnyPath) -> list[Path]:
 
 
 def put_into(folders: Sequence[AnyPath], file: AnyPath) -> list[Path]:
-    """Put the gallery into a Markdown file, in place of what is between its lines START and END; return its path.
+    """Put the gallery between the lines START and END of a Markdown file; return its path.
 
-    The pictures go to the folder `pictures` beside it, or beside the file that it is a link to. A section has the name
-    of the run's folder. All other bytes of the file stay.
-
-    Raises CaseError for a file without the marks, or with another encoding than UTF-8; otherwise as `write`.
+    Sections are named as the folders of the runs. The pictures go to the folder `pictures` beside the file, or beside
+    the target of a link. Raises CaseError for a file without the marks, or not in UTF-8; otherwise as `write`.
     """
     place, texts = Between(file, START, END, "the gallery"), ["", _words(), ""]
     pictures = place.path.parent / PICTURES
@@ -103,7 +99,7 @@ def _picture(run: Run, path: Path) -> Path | None:
 
 
 def _moment(run: Run) -> int:
-    """Return the snapshot that shows the run best: two thirds of the way, after the impact and before the rest."""
+    """Return the snapshot at two thirds of the run: often after the impact and before the flow comes to rest."""
     return (2 * (len(run) - 1)) // 3
 
 
@@ -112,11 +108,11 @@ def _caption(run: Run) -> str:
 
 
 def _field(run: Run) -> str:
-    """Return what shows a flow best: the pressure, or the speed of a viscous one."""
+    """Return the quantity in the picture: the pressure, or the speed of a viscous flow."""
     return "speed" if any(fluid.get("viscosity") for fluid in style.fluids_of(run.case)) else "pressure"
 
 
-def _facts(about: Subject) -> Table:
+def _facts(about: Subject) -> CellTable:
     """Return size, cost and drift of a run."""
     def of(path: list[str | int], form: str = ".4g", unit: str = "") -> Cell:
         return number(about.summary, account.SUMMARY, path, form, unit)
@@ -131,11 +127,11 @@ def _facts(about: Subject) -> Table:
         wanted.append(("energy at most", of(["energy_range", "high"], "+.2%")))
     if (about.summary.get("energy_in_motion") or {}).get("drift") is not None:
         wanted.append(("energy in motion", of(["energy_in_motion", "drift"], "+.2%")))
-    return Table(tuple(name for name, _ in wanted), (tuple(cell for _, cell in wanted),))
+    return CellTable(tuple(name for name, _ in wanted), (tuple(cell for _, cell in wanted),))
 
 
-def _table(about: Subject) -> Table:
-    """Return the truths of a run, a line for each: errors, greatest values with what others report, arrivals."""
+def _table(about: Subject) -> CellTable:
+    """Return the truths of a run, a line for each: errors, greatest values beside those of others, arrivals."""
     judged: dict[str, list[tuple[Cell, ...]]] = {}
     for row in account.errors(about.probes, about.case, about.summary).rows:
         judged.setdefault(row[0].text, []).append(row)
@@ -152,10 +148,10 @@ def _table(about: Subject) -> Table:
     for row in events.arrivals(about.case, about.summary).rows:
         rows.append((row[0], _joined(f"when it passes {row[1].text}", row[1]), row[2], Cell("-"), Cell("-")))
     wide = any(row[4].text != "-" for row in rows)
-    return Table(HEAD if wide else HEAD[:4], tuple(row if wide else row[:4] for row in rows))
+    return CellTable(HEAD if wide else HEAD[:4], tuple(row if wide else row[:4] for row in rows))
 
 
-def _shown(content: Table) -> list[str]:
+def _shown(content: CellTable) -> list[str]:
     return [markup.table(content) if content.rows else markup.paragraph("No truth.")]
 
 
@@ -176,7 +172,7 @@ def _beyond(cell: Cell) -> str:
 
 
 def _joined(text: str, *cells: Cell) -> Cell:
-    """Return a Cell of a text made of other cells, with all of their sources."""
+    """Return a Cell of a text made of other cells, with their sources."""
     return Cell(text, ", ".join(cell.source for cell in cells if cell.source))
 
 
@@ -189,7 +185,7 @@ def _text(alternative: str, about: Subject, picture: str) -> list[str]:
             *([_markdown(content)] if content.rows else ["No truth."]), ""]
 
 
-def _in_words(facts: Table) -> str:
+def _in_words(facts: CellTable) -> str:
     """Return size, cost and drift of a run as part of a sentence."""
     of = {name: cell.text for name, cell in zip(facts.head, facts.rows[0])}
     particles = of.get("particles") or f"{of['fluid particles']} fluid and {of['wall particles']} wall"
@@ -199,7 +195,7 @@ def _in_words(facts: Table) -> str:
             f"{of['CPU time']} of CPU time; volume {of['volume from']} to {of['to']}" + "".join(energy))
 
 
-def _markdown(content: Table) -> str:
+def _markdown(content: CellTable) -> str:
     rows = [content.head, tuple("---" for _ in content.head),
             *(tuple(escaped(cell.text) for cell in row) for row in content.rows)]
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)

@@ -1,4 +1,4 @@
-"""HTML of reports: one file without others beside it; pictures are part of it."""
+"""HTML of reports, as one file with its pictures inside."""
 
 import base64
 from collections.abc import Iterable
@@ -6,7 +6,7 @@ from html import escape
 from pathlib import Path
 
 from parisph.base.errors import StoreError
-from parisph.report.entries import Cell, Table
+from parisph.report.entries import Cell, CellTable
 
 STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #222; max-width: 66em; margin: 2em auto; padding: 0 1em; }
@@ -35,8 +35,8 @@ def paragraph(text: str, kind: str = "") -> str:
     return f'<p class="{kind}">{escape(text)}</p>' if kind else f"<p>{escape(text)}</p>"
 
 
-def table(content: Table) -> str:
-    """Return a table; a cell with a number says in data-from, and when pointed at, where it is from."""
+def table(content: CellTable) -> str:
+    """Return a table; a cell with a number has its source in data-from and as title."""
     head = "".join(f"<th>{escape(name)}</th>" for name in content.head)
     lines = [f"<tr>{head}</tr>"] if head else []
     lines += ["<tr>" + "".join(map(_cell, row)) + "</tr>" for row in content.rows]
@@ -61,10 +61,5 @@ def picture(path: Path, caption: str) -> str:
 
 
 def folded(title: str, part: str) -> str:
-    """Return a part of the page (HTML) that is shown when its title is clicked."""
+    """Return a part of the page (HTML) that opens by a click on its title."""
     return f"<details>\n<summary>{escape(title)}</summary>\n{part}\n</details>"
-
-
-def link(text: str, target: str) -> str:
-    """Return a link to a file beside the page."""
-    return f'<a href="{escape(target)}">{escape(text)}</a>'

@@ -1,6 +1,6 @@
-"""`parisph report RUN`: a page that shows a run beside its references. Needs matplotlib, no MPI. Not collective.
+"""`parisph report RUN`: a page with a run beside its references. Needs matplotlib, no MPI. Not collective.
 
-The page is one file; its pictures are also written as PNG files, into the folder `report` beside it.
+The page is one file. Its pictures are also written as PNG files into the folder `report` beside it.
 """
 
 import json
@@ -21,15 +21,14 @@ from parisph.pictures import beside, curves, overview, view
 from parisph.report import account, conditions, energies, events, flume, markup
 
 PAGE, FOLDER = "report.html", "report"
-LAST = 0.005    # of an interval: a greatest value this near to its end may go on to rise
+LAST = 0.005    # of an interval, at its end, in which a greatest value may go on to rise
 
 
 @dataclass(frozen=True)
 class Subject:
-    """What a report is of.
+    """The run of a report.
 
-    run : Run; title : of the case; case : dict, as in case.json; probes : of the case; summary : dict, as in
-    summary.json, empty if the run has none
+    case : dict, as in case.json; title, probes : of the case; summary : dict, as in summary.json, empty without one
     """
 
     run: Run
@@ -56,8 +55,7 @@ def write(folder: AnyPath, out: AnyPath | None = None) -> Path:
     """Write the page of a run, and its pictures; return the path of the page.
 
     folder : of the run; out : the folder to write to, by default that of the run
-
-    Raises StoreError for a folder that is no run and for files that cannot be read or written; MissingLibrary.
+    Raises StoreError for a folder without a run and for files that cannot be read or written; MissingLibrary.
     """
     about, place = subject(folder), Path(out if out is not None else folder)
     pictures = place / FOLDER
@@ -157,7 +155,7 @@ def _flow(about: Subject, folder: Path) -> list[str]:
 
 
 def _of_peak(about: Subject, name: str, value: float, time: float) -> str:
-    """Return the caption of the flow at the greatest value of a probe, which older runs have of any time."""
+    """Return the caption of the flow at the greatest value of a probe; in older runs it is that of all times."""
     unit = next((unit for column, unit in about.run.units(name).items() if column not in ("time", "step")), "")
     compared = next((intervals(probe.truth) for probe in about.probes if probe.name == name), ())
     inside = any(start <= time <= end for start, end in compared)
@@ -193,7 +191,7 @@ def _cost(about: Subject, folder: Path) -> list[str]:
 
 
 def _made(about: Subject) -> list[str]:
-    """Return by what the run was made, last and partly folded: the physics is above."""
+    """Return the parameters, files and versions of the run, partly folded."""
     values = conditions.parameters(about.case)
     return [markup.heading("How it was made"), *([markup.table(values)] if values.rows else []),
             markup.folded("Case file, machine, options and versions",

@@ -1,4 +1,4 @@
-"""What a study is: which runs of a case, what is measured in them, and what is required. Frozen and validated."""
+"""The description of a study: which runs of a case, what is measured in them, and what is required."""
 
 from collections.abc import Iterable
 from typing import Annotated, Any, Optional
@@ -9,9 +9,9 @@ from parisph.base.text import shown
 from parisph.case.model import Model
 from parisph.study.measures import AnyMeasure, is_error, name_of
 
-# Parameters that have a field of their own here.
+# Parameters with a field of their own.
 OWN = {"method": "methods", "spacing": "spacings", "time_step": "time_steps", "seed": "seeds"}
-# Columns of the table that limits can be set for, besides the measures.
+# Columns of the table, besides the measures, that limits can be set for.
 COLUMNS = (
     "cpu_seconds", "wall_seconds", "iterations", "volume_low", "volume_high", "energy_end", "energy_high", "survived",
 )
@@ -21,17 +21,15 @@ Count = Annotated[int, Field(ge=1, le=10_000)]
 
 
 class Choices(Model):
-    """Values that are combined, each with every other. What is left empty is that of the case.
+    """Values that are combined, each with every other. An empty field leaves the value of the case.
 
     Attributes
     ----------
     methods : names of methods
-    spacings, time_steps : values of the case's parameters `spacing` and `time_step`, in their units; None among the
-        time steps for an adaptive one. A case without such a parameter gets them as numerics.spacing [m] and
-        numerics.time_step [s]
-    parameters : {name: value}, parameters of the case or numerics.NAME; a list of values is combined with all others,
-        and a tuple is one value
-    seeds : starts that differ by the jitter's seed; results are given as mean and range over them
+    spacings, time_steps : of the case's parameters `spacing` and `time_step`, in their units; a time step None adapts.
+        If the case has no such parameter, they are numerics.spacing [m] and numerics.time_step [s]
+    parameters : {name: value} of the case, or of numerics.NAME; the values of a list are combined, a tuple is one value
+    seeds : of the jitter; results are given as mean and range over them
     ranks : numbers of MPI ranks
     """
 
@@ -46,17 +44,12 @@ class Choices(Model):
     @field_validator("methods", "spacings", "time_steps", "seeds", "ranks", mode="before")
     @classmethod
     def _several(cls, values: object) -> object:
-        if isinstance(values, (str, int, float)) and not isinstance(values, bool):
-            raise ValueError(f"{shown(values)}: must be a list; write [{shown(values)}]")
-        return values
+        return listed(values)
 
     @field_validator("methods", "spacings", "time_steps", "seeds", "ranks")
     @classmethod
     def _each_once(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
-        twice = next((value for value in values if values.count(value) > 1), _NONE)
-        if twice is not _NONE:
-            raise ValueError(f"{shown(twice)} is given twice: leave one of them out")
-        return values
+        return each_once(values)
 
     @field_validator("parameters")
     @classmethod
@@ -75,20 +68,20 @@ class Choices(Model):
 
 
 class Variant(Choices):
-    """Choices that replace those of the study; its parameters are added to the study's.
+    """Choices that replace those of the study; its parameters are added to those of the study.
 
-    label : name of its curve in tables and pictures, "" for one made of what differs
+    label : name of its curve in tables and pictures; "" for one that says what differs
     """
 
     label: str = Field("", max_length=60, description="name of the curve")
 
 
 class Required(Model):
-    """A limit on a measure, or on a column of the table. Of starts that differ by their seed, the worst counts.
+    """A limit on a measure, or on a column of the table. Of several seeds the worst counts.
 
-    of : name of the measure, or one of COLUMNS; must, aim : what is required and what is tried for
-    least : whether these limits are lower ones
-    where : {"method", "spacing", "time_step", "seed", "ranks", "label" or the name of a parameter: value}, which runs
+    of : name of the measure, or one of COLUMNS; must, aim : limits that are required, and that are tried for
+    least : whether they are lower limits
+    where : which runs: {"method", "spacing", "time_step", "seed", "ranks", "label" or a parameter: value}
     """
 
     of: str = Field(min_length=1, description="name of a measure or a column")
@@ -105,7 +98,7 @@ class Required(Model):
 
 
 class OtherCodes(Model):
-    """Points of other codes: a CSV file with one header line and one line for each point. Cells may be empty.
+    """Points of other codes: a CSV file with a header and a line for each point. Cells may be empty.
 
     file : path, relative to the study file; code, spacing, error, cpu : names of its columns, "" for none
     of : name of the measure that `error` is; the first one of the study by default
@@ -133,7 +126,7 @@ class Study(Choices):
     levels : {name of a measure: errors}, for which the CPU times of the methods are compared
     histories : names of probes whose series are drawn side by side, with their truth
     time_limit : longest time of a run on the clock [s], None for no limit
-    warm_up : whether a step of each method is made first, so that no run's CPU time includes the compilation of kernels
+    warm_up : whether a step of each method is made first, so that no CPU time includes the compilation of kernels
 
     Raises
     ------
@@ -156,18 +149,16 @@ class Study(Choices):
     @field_validator("variants", "errors", "required", "others", "histories", mode="before")
     @classmethod
     def _listed(cls, values: object) -> object:
-        if isinstance(values, (Model, str)):
-            raise ValueError("must be a list; write [...]")
-        return values
+        return listed(values)
 
     @model_validator(mode="after")
     def _names_fit(self) -> "Study":
         names = [name_of(measure) for measure in self.errors]
-        twice = next((name for name in names if names.count(name) > 1), None)
-        if twice is not None:
-            raise ValueError(f"two measures are named {shown(twice)}: give one of them another name=")
-        for name in [name for name in names if name in COLUMNS]:
-            raise ValueError(f"a measure is named {shown(name)}, as a column of the table: give it another name=")
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"two measures are named {shown(name)}: give one of them another name=")
+            if name in COLUMNS:
+                raise ValueError(f"a measure is named {shown(name)}, as a column of the table: give it another name=")
         _check_known((item.of for item in self.required), [*names, *COLUMNS], "required")
         _check_known((item.of for item in self.others if item.of), names, "others")
         _check_known(self.levels, [name_of(measure) for measure in self.errors if is_error(measure)], "levels")
@@ -180,4 +171,16 @@ def _check_known(asked: Iterable[str], names: list[str], field: str) -> None:
             raise ValueError(f"{field}: there is no measure {shown(name)}; there are {', '.join(names) or 'none'}")
 
 
-_NONE = object()
+def listed(values: object) -> object:
+    """Return values for a field. Raises ValueError for a single value in place of a list."""
+    if isinstance(values, (str, int, float, Model)) and not isinstance(values, bool):
+        raise ValueError(f"{shown(values)}: must be a list; write [{shown(values)}]")
+    return values
+
+
+def each_once(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Return values for a field. Raises ValueError if one is there twice."""
+    for value in values:
+        if values.count(value) > 1:
+            raise ValueError(f"{shown(value)} is given twice: leave one of them out")
+    return values

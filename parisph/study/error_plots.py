@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "<", ">")
 FRONT = "Pareto front"
-MANY = 9           # entries of a legend that fit into a picture; more of them are below it
+MANY = 9           # entries of a legend inside the axes; a longer one is below them
 OTHER_MARKS = ("*", "h", "p", "d", "8", "H")
 
 
@@ -37,7 +37,7 @@ def draw(results: Sequence[Result], name: str, label: str, title: str, path: Pat
          others: Sequence[OtherPoint] = ()) -> bool:
     """Draw a measure of all runs to a file; return whether there was anything to draw. Needs matplotlib.
 
-    name, label : of the measure, in the table and on its axis; others : points of other codes, of the same measure
+    name, label : of the measure, in the table and on its axis; others : points of other codes
 
     Raises MissingLibrary, CaseError, StoreError as pictures.style.save.
     """
@@ -72,7 +72,7 @@ def _dots(group: Sequence[Result], name: str, axis: str | None) -> list[Dot]:
         pairs = [(one.errors.get(name), one.values.get("cpu_seconds")) for one in family]
         errors = [error for error, _ in pairs if error is not None and error > 0.0]
         costs = [cpu for error, cpu in pairs if error is not None and cpu is not None]
-        x = None if axis is None else getattr(family[0].item, axis)
+        x = None if axis is None else getattr(family[0].run, axis)
         if errors and costs and (axis is None or x is not None):
             found.append(Dot(x or 0.0, float(np.mean(costs)), float(np.mean(errors)), min(errors), max(errors)))
     return sorted(found, key=lambda dot: dot.x)
@@ -82,7 +82,7 @@ def convergence(axes: "Axes", dots: Mapping[str, Sequence[Dot]], looks: Mapping[
                 marks: Mapping[str, str], label: str, others: Sequence[OtherPoint] = (), most: int = MANY) -> None:
     """Draw errors against spacing with their fitted orders.
 
-    dots : {curve: dots}; label : of the axis; most : entries of a legend inside, more of them are below
+    dots : {curve: dots}; label : of the axis; most : entries of a legend inside the axes
     """
     for curve, group in dots.items():
         x, y = [dot.x for dot in group], [dot.mean for dot in group]
@@ -137,7 +137,7 @@ def _draw_others(axes: "Axes", others: Sequence[OtherPoint], of: str, note: str)
 
 
 def add_legend(axes: "Axes", curves: Iterable[str], most: int = MANY) -> None:
-    """Add a legend: first what is said of all, then our curves, then other codes."""
+    """Add a legend: the Pareto front, then our curves, then other codes."""
     pairs = list(zip(*axes.get_legend_handles_labels()))
     names = [style.literal(curve, 60) for curve in curves]
     own = [pair for pair in pairs if any(pair[1].startswith(name) for name in names)]
@@ -146,7 +146,7 @@ def add_legend(axes: "Axes", curves: Iterable[str], most: int = MANY) -> None:
     pairs = [*first, *own, *rest]
     if len(pairs) <= most:
         axes.legend(*zip(*pairs), loc="best", fontsize=8, framealpha=0.8)
-    else:    # inside, it would hide the curves
+    else:
         axes.legend(*zip(*pairs), loc="upper center", bbox_to_anchor=(0.5, -0.14), fontsize=7, ncols=2, frameon=False)
 
 

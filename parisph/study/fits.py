@@ -1,8 +1,11 @@
-"""Orders of convergence, the Pareto front of cost and error, and the cost of a given error. Pure functions."""
+"""Orders of convergence, the Pareto front of cost and error, and what each method costs for the same error."""
 
 from collections.abc import Sequence
 
 import numpy as np
+
+from parisph.study.definition import Study
+from parisph.study.results import Result, grouped
 
 
 def fitted_order(spacings: Sequence[float], errors: Sequence[float | None]) -> float | None:
@@ -19,9 +22,9 @@ def fitted_order(spacings: Sequence[float], errors: Sequence[float | None]) -> f
 
 
 def pareto(costs: Sequence[float], errors: Sequence[float]) -> list[int]:
-    """Return which points no other one beats: none costs as little and errs as little, and less in one of them.
+    """Return the indices of the points that no other one beats in cost and error, by increasing cost.
 
-    costs, errors : (n,) finite numbers. The indices are in the order of increasing cost.
+    costs, errors : (n,) finite numbers; points that are equal are all returned
     """
     order = sorted(range(len(costs)), key=lambda k: (costs[k], errors[k]))
     front: list[int] = []
@@ -34,10 +37,10 @@ def pareto(costs: Sequence[float], errors: Sequence[float]) -> list[int]:
 
 
 def cost_at(level: float, costs: Sequence[float], errors: Sequence[float]) -> tuple[float, bool] | None:
-    """Return the least cost of an error of at most `level`, and whether it is only known not to be above this; or None.
+    """Return the least cost of an error of at most `level`, and whether it is an upper bound; None if none is so small.
 
-    Between the points of the Pareto front, log(cost) is linear in log(error). If the cheapest point errs less than
-    that, the cost may be lower. None if no point errs as little.
+    Between the points of the Pareto front, log(cost) is linear in log(error). The cost is an upper bound if the error
+    of the cheapest point is already below the level.
 
     costs, errors : (n,), greater than 0
     """
@@ -51,3 +54,42 @@ def cost_at(level: float, costs: Sequence[float], errors: Sequence[float]) -> tu
     cheaper, larger = front[reached - 1]
     part = np.log(larger / level) / np.log(larger / error)
     return float(cheaper * (cost / cheaper) ** part), False
+
+
+def costs_at_equal_error(results: Sequence[Result], study: Study) -> list[str]:
+    """Return a line for each error of study.levels: the CPU time of each method, over that of the first one.
+
+    The best of all spacings and time steps of a method count. Several starts: mean (least to largest).
+    """
+    methods = grouped(results, lambda one: one.run.method)
+    return [_line(name, level, methods) for name, levels in study.levels.items() for level in levels]
+
+
+def _line(name: str, level: float, methods: dict[str, list[Result]]) -> str:
+    costs = {method: _costs(name, level, group) for method, group in methods.items()}
+    first = next(iter(methods))
+    unit = np.mean([cost for cost, _ in costs[first]]) if costs[first] else None
+    parts = []
+    for method, found in costs.items():
+        if not found:
+            parts.append(f"{method} does not reach it")
+            continue
+        values = [cost for cost, _ in found]
+        less = "at most " if any(bound for _, bound in found) else ""
+        spread = f" ({min(values):.3g} to {max(values):.3g})" if len(values) > 1 else ""
+        times = f", {np.mean(values) / unit:.2g} times" if unit and method != first else ""
+        parts.append(f"{method} {less}{np.mean(values):.3g}{spread}{times}")
+    return f"CPU s for {name} = {level:g}: " + "; ".join(parts)
+
+
+def _costs(name: str, level: float, group: list[Result]) -> list[tuple[float, bool]]:
+    """Return the cost of the level in each start, and whether it is an upper bound; [] unless all starts reach it."""
+    found = []
+    for start in grouped(group, lambda one: one.run.seed).values():
+        pairs = [(one.values.get("cpu_seconds"), one.errors.get(name)) for one in start]
+        good = [(cost, error) for cost, error in pairs if cost and error and np.isfinite(error)]
+        cost = cost_at(level, *zip(*good, strict=True)) if good else None
+        if cost is None:
+            return []
+        found.append(cost)
+    return found

@@ -14,7 +14,7 @@ from parisph.base.table import read_reference
 from parisph.io.reader import Run, open_run
 from parisph.pictures import curves, style
 from parisph.study import report
-from parisph.study.definition import Study
+from parisph.study.plan import Plan
 from parisph.study.results import Result
 
 if TYPE_CHECKING:
@@ -26,16 +26,15 @@ Drawn = tuple[Result, Run]    # a run, and its files
 ACROSS = 3    # panels beside each other
 WIDE = 4.6    # [inch] of a panel
 LETTER = 0.07    # [inch] of a letter in the legend
-QUANTILE = 0.005    # share of samples above, and below, the range that is shown, if there are spikes
-BEYOND = 1.5  # ranges of the truth that are shown above and below it
-SPIKE = 2.5   # a range that is so many times that of the most samples has spikes
+QUANTILE = 0.005    # share of samples above, and below, the axis if there are spikes
+BEYOND = 1.5  # ranges of the truth that the axis reaches above and below it, at most
+SPIKE = 2.5   # there are spikes if the whole range is so many times that between the quantiles
 
 
-def draw(results: Sequence[Result], probe: str, study: Study, place: Path, path: Path) -> bool:
+def draw(results: Sequence[Result], probe: str, plan: Plan, path: Path) -> bool:
     """Draw the series of a probe of all runs to a file; return whether there was anything to draw. Needs matplotlib.
 
-    Of starts that differ by their seed the first is drawn, and of the columns of a probe the first (of an energy, the
-    total). place : folder of the study file
+    Of starts that differ by their seed the first is drawn; of the columns of a probe the first, of an energy the total.
 
     Raises MissingLibrary, CaseError, StoreError as pictures.style.save.
     """
@@ -52,7 +51,7 @@ def draw(results: Sequence[Result], probe: str, study: Study, place: Path, path:
     column = _column(run, probe)
     unit = run.units(probe).get(column, "")
     factor, shown = style.with_prefix(_largest(panels, probe, column), unit)
-    truths, sort = _truths(run, probe, study, place), report.axis_of(results)[0]
+    truths, sort = _truths(run, probe, plan), report.axis_of(results)[0]
     keys = list(dict.fromkeys(_key(one, sort) for group in panels.values() for one, _ in group))
     looks = dict(zip(keys, style.line_looks(len(keys))))
     lines: dict[str, Line2D] = {}
@@ -69,7 +68,7 @@ def draw(results: Sequence[Result], probe: str, study: Study, place: Path, path:
     labels = [style.literal(label, 60) for label in lines]
     abreast = max(1, int(width / (LETTER * max(map(len, labels)) + 0.7)))
     picture.legend(lines.values(), labels, loc="outside lower center", ncols=min(len(lines), abreast), fontsize=8)
-    picture.suptitle(style.literal(study.title or run.case["title"], 110), x=0.01, ha="left", fontsize=11)
+    picture.suptitle(style.literal(plan.title, 110), x=0.01, ha="left", fontsize=11)
     style.save(picture, path)
     return True
 
@@ -110,8 +109,8 @@ def _with_samples(group: Sequence[Result], probe: str) -> Iterator[Drawn]:
 
 def _key(one: Result, sort: str | None) -> str:
     if sort == "time_step":
-        return "adaptive" if one.item.time_step is None else f"time step {one.item.time_step:.4g}"
-    return f"spacing {one.item.spacing:.4g}"
+        return "adaptive" if one.run.time_step is None else f"time step {one.run.time_step:.4g}"
+    return f"spacing {one.run.spacing:.4g}"
 
 
 def _column(run: Run, probe: str) -> str:
@@ -120,7 +119,7 @@ def _column(run: Run, probe: str) -> str:
     return "total" if kind == "energy" and "total" in names else names[0]
 
 
-def _truths(run: Run, probe: str, study: Study, place: Path) -> dict[str, tuple[Floats, Floats]]:
+def _truths(run: Run, probe: str, plan: Plan) -> dict[str, tuple[Floats, Floats]]:
     """Return {label: (time [s], values)}, the references of a probe: that of the case, and those of the study."""
     found = {}
     try:
@@ -128,14 +127,14 @@ def _truths(run: Run, probe: str, study: Study, place: Path) -> dict[str, tuple[
             found["truth"] = own[probe]
     except ParisphError:    # the file has been moved: the picture is drawn without it
         pass
-    for measure in study.errors:
+    for measure in plan.study.errors:
         if measure.kind == "series" and measure.probe == probe:
-            names = columns_of(place / measure.file)
+            file = plan.place / measure.file
+            names = columns_of(file)
             time = measure.time or names[0]
             value = measure.value or next(name for name in names if name not in (time, "time", "step"))
-            t, values = read_reference(place / measure.file, time, value, measure.offset, measure.scale,
-                                       measure.time_scale)
-            found[measure.name or f"{Path(measure.file).stem}: {value}"] = t - measure.shift, values
+            t, values = read_reference(file, time, value, measure.offset, measure.scale, measure.time_scale)
+            found[measure.name or f"{file.stem}: {value}"] = t - measure.shift, values
     return found
 
 
@@ -146,7 +145,7 @@ def _largest(panels: Mapping[str, Sequence[Drawn]], probe: str, column: str) -> 
 
 def _limit(axes: "Axes", panels: Mapping[str, Sequence[Drawn]], probe: str, column: str, factor: float,
            truths: Iterable[tuple[Floats, Floats]]) -> None:
-    """Leave out of the range of values what would hide the rest: spikes, runs that blew up, errors beyond the truth."""
+    """Limit the y axis: spikes, runs that blew up and values far from the truth would hide the rest."""
     runs = [pair for group in panels.values() for pair in group]
     kept = [run for one, run in runs if one.survived] or [run for _, run in runs]
     values = factor * np.concatenate([run.probe(probe)[column] for run in kept])

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from parisph.base import markdown
 from parisph.study import report
 from parisph.study.definition import Required, Study
-from parisph.study.plan import text
-from parisph.study.prepared import Prepared, matches
+from parisph.study.plan import PlannedRun, matches
 from parisph.study.results import Result
+from parisph.study.set_words import text
 
 
 @dataclass(frozen=True)
@@ -17,14 +18,17 @@ class Verdict:
 
     Attributes
     ----------
-    of, where : the measure and the run, for people
-    required : the Required; values : of the starts, None for a run without a value
+    required : Required; where : the run, for people; values : of the starts, None for a run without a value
     """
 
-    of: str
-    where: str
     required: Required
+    where: str
     values: tuple[float | None, ...]
+
+    @property
+    def of(self) -> str:
+        """Name of the measure or the column."""
+        return self.required.of
 
     @property
     def met(self) -> bool | None:
@@ -43,24 +47,23 @@ class Verdict:
             value is not None and (value >= limit if self.required.least else value <= limit) for value in self.values)
 
 
-def verdicts(study: Study, items: Sequence[Prepared], results: Sequence[Result]) -> list[Verdict]:
+def verdicts(study: Study, runs: Sequence[PlannedRun], results: Sequence[Result]) -> list[Verdict]:
     """Return a Verdict for each limit and each of the runs that it applies to; one without a result meets nothing."""
-    found = []
+    found, there = [], {one.run.key: one for one in results}
     for required in study.required:
-        chosen = [item for item in items if matches(required.where, item)]
-        there = {one.item.key: one for one in results}
-        for group in report.families([there[item.key] for item in chosen if item.key in there]):
+        chosen = [run for run in runs if matches(required.where, run)]
+        for group in report.families([there[run.key] for run in chosen if run.key in there]):
             values = tuple(one.number(required.of) for one in group)
-            found.append(Verdict(required.of, _place(group[0].item), required, values))
-        found += [Verdict(required.of, _place(item), required, (None,)) for item in chosen if item.key not in there]
+            found.append(Verdict(required, _place(group[0].run), values))
+        found += [Verdict(required, _place(run), (None,)) for run in chosen if run.key not in there]
     return found
 
 
 def table(found: Sequence[Verdict]) -> str:
     """Return verdicts as a Markdown table; of several starts their range is given."""
-    head = ["required", "run", "measured", "must", "aim", "met"]
-    return report.markdown(head, [[one.of, one.where, _range(one.values), _limit(one.required, one.required.must),
-                                   _limit(one.required, one.required.aim), _word(one)] for one in found])
+    return markdown.table(["required", "run", "measured", "must", "aim", "met"], [
+        [one.of, one.where, _range(one.values), _limit(one.required, one.required.must),
+         _limit(one.required, one.required.aim), _word(one)] for one in found])
 
 
 def as_lines(found: Sequence[Verdict]) -> list[dict[str, Any]]:
@@ -75,11 +78,9 @@ def unmet(found: Sequence[Verdict]) -> list[str]:
             for one in found if one.met is False]
 
 
-def _place(item: Prepared) -> str:
-    parts = [item.point.label, f"spacing {text(item.spacing)}"]
-    if "time_step" in item.point.sets and "dt = " not in item.point.label:
-        parts.append(f"time step {text(item.time_step)}")
-    return ", ".join(parts)
+def _place(run: PlannedRun) -> str:
+    step = f", time step {text(run.time_step)}" * ("time_step" in run.sets and "dt = " not in run.label)
+    return f"{run.label}, spacing {text(run.spacing)}{step}"
 
 
 def _range(values: Sequence[float | None]) -> str:
@@ -94,4 +95,4 @@ def _limit(required: Required, limit: float | None) -> str:
 
 def _word(one: Verdict) -> str:
     met = {None: "", True: "yes", False: "NO"}[one.met]
-    return (met + {None: "", True: " (aim)", False: ""}[one.reached]).strip()
+    return (met + " (aim)" * bool(one.reached)).strip()

@@ -1,4 +1,4 @@
-"""What a study measures in each run: the error of a probe, an entry of the summary, or a function of the run."""
+"""The measures of a study: the error of a probe, a number of the summary, or a function of the run."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -29,8 +29,8 @@ class SeriesError(Model):
 
     file : path, relative to the study file
     column, time, value, offset, scale, time_scale, shift, best_shift, rest : as of truth.comparison.compare; the
-        best shift is sought over the whole series
-    start, end : window of the reference's time [s] that is compared, None for all of it
+        best shift is that of the whole series
+    start, end : window of the reference's time [s], None for all of it
     norm : relative_l2, or z14, that of Z14
     """
 
@@ -55,7 +55,7 @@ class SeriesError(Model):
 class FinestError(Model):
     """The difference of a probe from that of the finest run of its curve, relative L2 (Z14 Fig 13b).
 
-    The finest run itself has none. Of equal spacings, the shortest time step is the finest.
+    The finest run has the smallest spacing, and of these the shortest time step. It has no difference itself.
     start, end : window of time [s], None for all of it
     """
 
@@ -71,7 +71,7 @@ class Quantity(Model):
     """A number of summary.json.
 
     entry : its name, with dots, such as energy_range.high; absolute : whether its sign is left out
-    error : whether it is an error, of which less is better: it is then drawn, and has a fitted order
+    error : whether less of it is better: it is then drawn, and has a fitted order
     """
 
     kind: Literal["quantity"] = "quantity"
@@ -82,15 +82,14 @@ class Quantity(Model):
 
 
 class Function(Model):
-    """A function of a run: of(run) -> float, with run an io.reader.Run. In study files in Python only.
+    """A function of a run: of(run) -> float, with run an io.reader.Run. Only in study files in Python.
 
-    error : whether it is an error, as of Quantity
+    error : as of Quantity
     """
 
     kind: Literal["function"] = "function"
     name: Name = Field(min_length=1, description="name of the measure")
     of: Callable[[Any], float] = Field(exclude=True, description="function of a run that returns a number")
-
     error: bool = True
 
     @field_validator("of", mode="before")

@@ -1,4 +1,4 @@
-"""Take the measures of a study: what is wrong with one before anything runs, and its value in a run."""
+"""The value of a measure in a run, and its faults before anything runs."""
 
 import math
 from pathlib import Path
@@ -17,9 +17,9 @@ from parisph.truth import comparison, norms
 
 
 def faults(measure: AnyMeasure, case: Case, folder: Path) -> list[str]:
-    """Return what is wrong with a measure of a case, one line each, before anything runs. Not collective.
+    """Return what is wrong with a measure of a case, one line each. Not collective.
 
-    case : Case; folder : of the study file, which the paths of references are relative to
+    folder : of the study file, to which the paths of references are relative
     """
     probes = {probe.name: probe for probe in case.probes}
     if isinstance(measure, (Quantity, Function)):
@@ -52,8 +52,6 @@ def value(measure: AnyMeasure, run: Run, folder: Path, finest: Run | None = None
     try:
         found = _found(measure, run, folder, finest)
     except ParisphError:
-        raise
-    except KeyboardInterrupt:
         raise
     except Exception as error:    # of a function of the user, or of series that do not overlap
         kind = f"{type(error).__name__}: " if measure.kind == "function" else ""
@@ -110,11 +108,9 @@ def _of_summary(measure: Quantity, run: Run) -> float | None:
     return abs(float(found)) if measure.absolute else float(found)
 
 
-
 def _within(t: Floats, values: Floats, measure: SeriesError | FinestError) -> tuple[Floats, Floats]:
     """Return the part of a series between the start and the end of a measure [s]."""
     low = -np.inf if measure.start is None else measure.start
     high = np.inf if measure.end is None else measure.end
     inside = (t >= low) & (t <= high)
     return t[inside], values[inside]
-

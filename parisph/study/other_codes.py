@@ -12,7 +12,7 @@ from parisph.study.definition import OtherCodes
 
 @dataclass(frozen=True)
 class OtherPoint:
-    """One run of another code: its name, spacing, error and CPU time [s]; None where they are not known."""
+    """A run of another code: its name, spacing, error and CPU time [s]; None where not known."""
 
     code: str
     spacing: float | None
@@ -27,7 +27,7 @@ def read(other: OtherCodes, folder: Path) -> list[OtherPoint]:
 
     Raises
     ------
-    CaseError : the file cannot be read, has no such column, or holds a word where a number should be
+    CaseError : the file cannot be read, lacks a column, or has a word in place of a number
     """
     try:
         names, lines = reading.read_columns(folder / other.file)
@@ -38,7 +38,7 @@ def read(other: OtherCodes, folder: Path) -> list[OtherPoint]:
     for name in filter(None, (other.code, other.spacing, other.error, other.cpu)):
         if name not in names:
             raise CaseError(f"others: {named(other.file)} has no column {shown(name)} "
-                            f'(it has: {reading.listed(names)}); write "" for one that there is not')
+                            f'(it has: {reading.listed(names)}); write "" for a column that it lacks')
 
     def number(line: int, cells: Sequence[str], name: str) -> float | None:
         cell = cells[names.index(name)] if name else ""

@@ -9,8 +9,8 @@ import numpy as np
 from parisph.pictures import style
 from parisph.study import error_plots, patch_report
 from parisph.study.error_plots import MARKS, Dot
-from parisph.study.patch_results import NORMS, PatchResult
 from parisph.study.patch_study import Histogram, PatchStudy
+from parisph.study.patch_tasks import NORMS, PatchResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 ACROSS = 2
 SIZE = 5.2, 4.0    # of a panel [inch]
-INSIDE = 4         # entries of a legend that hide no curve
-NARROW = 2.0       # largest over smallest error of a panel that would magnify what does not matter
+INSIDE = 4         # entries of a legend inside the axes
+NARROW = 2.0       # smallest ratio of the ends of an axis to its middle
 
 
 def pictures(results: Sequence[PatchResult], study: PatchStudy) -> Iterator[tuple[str, str, list[PatchResult]]]:
-    """Yield (name, axis, results) of each picture that a study asks for; axis is "spacing" or "jitter"."""
+    """Yield (name, axis, results) of each picture of a study; axis is "spacing" or "jitter"."""
     for group in patch_report.groups(results).values():
         task, seen = group[0].task, set()
         walls = f"_{task.operator.walls}-walls" if task.operator.walls else ""
@@ -80,7 +80,7 @@ def draw(results: Sequence[PatchResult], axis: str, title: str, path: Path) -> N
 
 
 def _widen(axes: "Axes", dots: Sequence[Dot]) -> None:
-    """Show half a decade at least: an error that is the same everywhere is a flat line."""
+    """Show half a decade at least, so that a constant error is a flat line."""
     low, high = min(dot.low for dot in dots), max(dot.high for dot in dots)
     if high < NARROW * low:
         middle = (low * high) ** 0.5
@@ -121,7 +121,7 @@ def _title(picture: "Figure", text: str) -> None:
 
 
 def _dots(group: Sequence[PatchResult], name: str, axis: str) -> list[Dot]:
-    """Return the dots of a curve, without those that only rounding keeps from zero."""
+    """Return the dots of a curve, without errors of rounding alone."""
     found = []
     for family in patch_report.families(group).values():
         values = [one.norms[name] for one in family if name in one.norms]

@@ -1,21 +1,20 @@
-"""Tables of a patch study as Markdown that can be read as plain text, and its files results.json and results.csv."""
+"""Tables of a patch study in Markdown, and its files results.json and results.csv."""
 
-import csv
-import io
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from parisph.base import markdown
 from parisph.base.arrays import Ints
-from parisph.base.errors import StoreError
-from parisph.io.files import write_json, write_text
+from parisph.study import study_folder
 from parisph.study.fits import fitted_order
-from parisph.study.patch_results import NORMS, PatchResult, tasks
 from parisph.study.patch_study import Histogram, PatchStudy
-from parisph.study.prepared import code_version
-from parisph.study.report import markdown
+from parisph.study.patch_tasks import NORMS, PatchResult, tasks
+from parisph.study.plan import code_version
+from parisph.study.report import spread
+from parisph.study.results import grouped
 
 ROUNDING = 1e-11    # an error below which an operator is exact
 
@@ -29,31 +28,22 @@ PATCHES = {
 
 
 def groups(results: Iterable[PatchResult]) -> dict[tuple[str, ...], list[PatchResult]]:
-    """Return results by what tables do not mix, see Task.group."""
-    found: dict[tuple[str, ...], list[PatchResult]] = {}
-    for one in results:
-        found.setdefault(one.task.group, []).append(one)
-    return found
+    """Return the results of each table, see Task.group."""
+    return grouped(results, lambda one: one.task.group)
 
 
 def curves(results: Iterable[PatchResult]) -> dict[str, list[PatchResult]]:
     """Return {label of the operator: results} in the order in which they come."""
-    found: dict[str, list[PatchResult]] = {}
-    for one in results:
-        found.setdefault(one.task.operator.label, []).append(one)
-    return found
+    return grouped(results, lambda one: one.task.operator.label)
 
 
 def families(results: Iterable[PatchResult]) -> dict[tuple[str, float, float], list[PatchResult]]:
     """Return results that differ by their seed only, by operator, jitter and spacing."""
-    found: dict[tuple[str, float, float], list[PatchResult]] = {}
-    for one in results:
-        found.setdefault((one.task.operator.label, one.task.jitter, one.task.spacing), []).append(one)
-    return found
+    return grouped(results, lambda one: (one.task.operator.label, one.task.jitter, one.task.spacing))
 
 
 def heading(results: Sequence[PatchResult]) -> str:
-    """Return what the results of a group are of, for people."""
+    """Return the title of a group of results."""
     task = results[0].task
     formula = f" = {task.field.formula}" if task.field.formula else ""
     walls = f" ({task.operator.walls} rows)" if task.operator.walls else ""
@@ -77,9 +67,10 @@ def table(results: Sequence[PatchResult], study: PatchStudy) -> str:
     for group in groups(results).values():
         names = names_in(group)
         rows = [[label, f"{s:.4g}", f"{k:g}", str(len(family)), _many(family, "particles"), _many(family, "lost"),
-                 *(_spread(family, name) for name in names)] for (label, k, s), family in families(group).items()]
+                 *(spread(one.norms.get(name) for one in family) for name in names)]
+                for (label, k, s), family in families(group).items()]
         head = ["operator", "spacing", "k", "seeds", "particles", "lost", *names]
-        parts += [f"## {heading(group)}", markdown(head, rows)]
+        parts += [f"## {heading(group)}", markdown.table(head, rows)]
         parts += _orders(group, names)
         problems = [f"{one.task.described()}: {one.problem}" for one in group if one.problem]
         parts += ["\n".join(problems)] if problems else []
@@ -90,9 +81,9 @@ def table(results: Sequence[PatchResult], study: PatchStudy) -> str:
 
 
 def orders(results: Sequence[PatchResult], name: str) -> dict[tuple[str, float], float]:
-    """Return the fitted order of a norm in the spacing by operator and jitter, where there are two spacings or more.
+    """Return {(operator, jitter): fitted order of a norm in the spacing}, for two spacings or more.
 
-    There is none for an operator that is exact: rounding has no order.
+    An operator that is exact has none: rounding has no order.
     """
     found = {}
     for label, curve in curves(results).items():
@@ -105,12 +96,12 @@ def orders(results: Sequence[PatchResult], name: str) -> dict[tuple[str, float],
 
 
 def _orders(results: Sequence[PatchResult], names: Sequence[str]) -> list[str]:
-    """Return the table of the fitted orders of each operator and jitter with its title, or nothing."""
+    """Return title and table of the fitted orders of each operator and jitter, if there are any."""
     found = {name: orders(results, name) for name in names}
     places = dict.fromkeys(place for one in found.values() for place in one)
     rows = [[label, f"{k:g}", *(f"{one[label, k]:.2f}" if (label, k) in one else "-" for one in found.values())]
             for label, k in places]
-    return ["Fitted orders in the spacing:", markdown(["operator", "k", *names], rows)] if rows else []
+    return ["Fitted orders in the spacing:", markdown.table(["operator", "k", *names], rows)] if rows else []
 
 
 def ranges(histogram: Histogram) -> list[str]:
@@ -139,7 +130,7 @@ def _counted(results: Sequence[PatchResult], histogram: Histogram) -> list[str]:
                       zip(seeds.mean(axis=0), seeds.min(axis=0), seeds.max(axis=0)))] for label, seeds in found.items()]
     title = ("## Particles by the error of their Laplacian over its amplitude, "
              f"s = {histogram.spacing:.4g}, k = {histogram.jitter:g}")
-    return [title, markdown(["operator", *ranges(histogram)], rows)]
+    return [title, markdown.table(["operator", *ranges(histogram)], rows)]
 
 
 def _many(family: Sequence[PatchResult], name: str) -> str:
@@ -153,39 +144,19 @@ def _mean(family: Sequence[PatchResult], name: str) -> float | None:
     return float(np.mean(values)) if values else None
 
 
-def _spread(family: Sequence[PatchResult], name: str) -> str:
-    values = [one.norms[name] for one in family if name in one.norms]
-    if not values:
-        return "-"
-    mean, low, high = (f"{value:.3g}" for value in (np.mean(values), min(values), max(values)))
-    return mean if low == high else f"{mean} ({low} to {high})"
-
-
 def listing(study: PatchStudy, only: Sequence[str] = ()) -> str:
     """Return what a study does as text. Raises CaseError as patch_results.tasks."""
     found = groups(PatchResult(task) for task in tasks(study, only))
     rows = [[heading(group), ", ".join(dict.fromkeys(one.task.operator.label for one in group)), str(len(group)),
              str(len(families(group)))] for group in found.values()]
-    return "\n\n".join([study.title or "patch study", markdown(["patch", "operators", "tests", "points"], rows)])
+    return "\n\n".join([study.title or "patch study", markdown.table(["patch", "operators", "tests", "points"], rows)])
 
 
 def save(results: Sequence[PatchResult], study: PatchStudy, folder: Path, missing: int) -> None:
-    """Write results.json and results.csv, each whole or not at all. Raises StoreError.
-
-    missing : tests without a result
-    """
-    lines = [one.line() for one in results]
-    out = io.StringIO()
-    written = csv.DictWriter(out, list(lines[0]) if lines else ["operator"], lineterminator="\n")
-    written.writeheader()
-    written.writerows(lines)
+    """Write results.json and results.csv. missing : tests without a result. Raises StoreError."""
     content: dict[str, Any] = {
-        "title": study.title, "code_version": code_version(), "missing": missing, "norms": NORMS, "tests": lines,
+        "title": study.title, "code_version": code_version(), "missing": missing, "norms": NORMS,
         "histograms": [{"spacing": one.spacing, "jitter": one.jitter, "ranges": ranges(one),
                         "counts": {label: seeds.tolist() for label, seeds in counts(results, one).items()}}
                        for one in study.histograms]}
-    try:
-        write_json(folder / "results.json", content)
-        write_text(folder / "results.csv", out.getvalue())
-    except OSError as error:
-        raise StoreError(f"cannot write the table in {folder}: {error.strerror}") from None
+    study_folder.save(folder, content, [one.line() for one in results], "tests")

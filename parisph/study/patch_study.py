@@ -1,14 +1,15 @@
-"""What a patch study is: which operators are applied to which fields, on which particles. Frozen and validated."""
+"""The description of a patch study: which operators are applied to which fields, on which particles."""
 
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Literal, Optional, TypeVar, Union
+from typing import Annotated, Any, Literal, TypeVar, Union
 
 from pydantic import Field, field_validator, model_validator
 
-from parisph.base import vocabulary
-from parisph.base.text import listed, shown
+from parisph.base import text, vocabulary
+from parisph.base.text import shown
 from parisph.case.model import Model
 from parisph.patch.analytic import FIELD_OF, AnalyticField
+from parisph.study.definition import each_once, listed
 
 OF_LAPLACIANS = ("interior", "square", "dirichlet", "neumann", "closed")
 OF_GRADIENTS = ("interior", "square", "walls", "surface")
@@ -28,7 +29,7 @@ Several = TypeVar("Several", bound=Sequence[Any])
 
 
 class Sweep(Model):
-    """Spacings and disorders that are combined. Errors are drawn against what there are several of.
+    """Spacings and disorders that are combined. Errors are drawn against the one with several values.
 
     spacings : s, of which a whole number fits into 1; jitters : k of a displacement by k s (Rn - 1/2)
     """
@@ -39,12 +40,12 @@ class Sweep(Model):
     @field_validator("spacings", "jitters", mode="before")
     @classmethod
     def _several(cls, values: object) -> object:
-        return _list(values)
+        return listed(values)
 
     @field_validator("spacings", "jitters")
     @classmethod
     def _once(cls, values: tuple[float, ...]) -> tuple[float, ...]:
-        return _some(_each_once(values))
+        return _some(each_once(values))
 
     @field_validator("spacings")
     @classmethod
@@ -79,7 +80,7 @@ class Histogram(Model):
 
 
 class PatchStudy(Model):
-    """Operators on fields with known derivatives, in the unit square or cube: every choice is combined with all others.
+    """Operators on fields with known derivatives, in the unit square or cube. All choices are combined.
 
     Attributes
     ----------
@@ -98,7 +99,7 @@ class PatchStudy(Model):
     seeds : of the disorder; results are given as mean and range over them
     dim : 2 or 3
     margin : distance from the sides of the particles that count in the interior
-    beyond : whether the lattice of "interior" goes on beyond the sides, so that no support is cut off, however wide
+    beyond : whether the lattice of "interior" goes on beyond the sides, so that no support is cut off
     wall_rows : words, with each of which problems with walls are solved
     surface_gradients : words of gradients that replace others at the surface, for "surface"
     histograms : list of Histogram, of Laplacians in the interior
@@ -129,12 +130,12 @@ class PatchStudy(Model):
                      "surface_gradients", "histograms", mode="before")
     @classmethod
     def _several(cls, values: object) -> object:
-        return _list(values)
+        return listed(values)
 
     @field_validator("laplacians", "gradients", "patches", "seeds", "wall_rows", "surface_gradients")
     @classmethod
     def _once(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
-        return _each_once(values)
+        return each_once(values)
 
     @field_validator("fields", "sweeps", "patches", "seeds", "wall_rows")
     @classmethod
@@ -150,8 +151,7 @@ class PatchStudy(Model):
                 problems.append(f"spacing {s:g}: must be at least 1/{most} in {self.dim} dimensions")
         if problems:
             raise ValueError("\n".join(problems))
-        names = [field.name for field in self.analytic]
-        _each_once(names)
+        each_once(tuple(field.name for field in self.analytic))
         for field in self.analytic:
             field.check(self.dim, self.derivatives)
         return self
@@ -179,7 +179,7 @@ class PatchStudy(Model):
                 yield f"patches: {shown(patch)} needs gradients=[...]"
         for name, of in (("laplacians", OF_LAPLACIANS), ("gradients", OF_GRADIENTS)):
             if getattr(self, name) and not set(of) & set(self.patches):
-                yield f"{name}: none of the patches is for them; add one of {listed(map(shown, of))}"
+                yield f"{name}: none of the patches is for them; add one of {text.listed(map(shown, of))}"
         if self.surface_gradients and ("surface" not in self.patches or not self.gradients):
             yield "surface_gradients: need gradients=[...] and the patch 'surface'"
         if self.histograms and ("interior" not in self.patches or not self.laplacians):
@@ -210,20 +210,7 @@ def cells_of(spacing: float) -> int:
     return cells
 
 
-def _list(values: object) -> object:
-    if isinstance(values, (str, int, float, Model)) and not isinstance(values, bool):
-        raise ValueError(f"{shown(values)}: must be a list; write [...]")
-    return values
-
-
 def _some(values: Several) -> Several:
     if not values:
         raise ValueError("must be a list of at least one")
-    return values
-
-
-def _each_once(values: Several) -> Several:
-    twice: Optional[object] = next((value for value in values if list(values).count(value) > 1), None)
-    if twice is not None:
-        raise ValueError(f"{shown(twice)} is given twice: leave one of them out")
     return values

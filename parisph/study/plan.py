@@ -1,132 +1,241 @@
-"""The runs of a study: all combinations of its choices, each with its name and the curve that it belongs to."""
+"""The plan of a study: its runs, all checked before the first one begins."""
 
-import itertools
-import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+import difflib
+import functools
+import hashlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+import parisph
+from parisph.base import vocabulary
 from parisph.base.errors import CaseError
-from parisph.base.text import clipped, named
-from parisph.study.definition import Choices, Study
+from parisph.base.paths import AnyPath
+from parisph.base.text import clipped, named, shown
+from parisph.case import load as case_file
+from parisph.case import scales, size
+from parisph.case.faults import first_lines
+from parisph.case.numerics import Numerics
+from parisph.case.schema import Case
+from parisph.case.stored import to_json
+from parisph.driver import cost, estimate
+from parisph.study import combinations, measuring, other_codes, set_words, study_folder
+from parisph.study.combinations import SHORT, Combination
+from parisph.study.definition import Study
+from parisph.study.set_words import INSIDE
 
-SHORT = {"method": "", "spacing": "s", "time_step": "dt", "seed": "seed"}    # of names of folders
-LONGEST = 80    # characters of the name of a run
+# The parts of parisph that decide what a run computes.
+ENGINE = ("base", "case", "kernels", "parallel", "pressure", "methods", "truth", "watch", "io", "driver")
+LINE = 300    # characters of a line of a message
 
 
-@dataclass(frozen=True)
-class Point:
-    """One run of a study.
+@dataclass(frozen=True, kw_only=True)
+class PlannedRun(Combination):
+    """A run of a study, with its case.
 
     Attributes
     ----------
-    sets : {name: value} of the parameters that the study sets: method, spacing, time_step, seed, and further ones
-    ranks : number of MPI ranks
-    label : name of the curve that it belongs to
+    case : Case; stored : its JSON text, which is what runs
+    key : digest of the case, the ranks and parisph's own code: a finished run with the same key is not made again
+    parts : Python files that register parts of methods, which the run needs
     """
 
-    sets: dict[str, Any]
-    ranks: int
-    label: str = ""
-    given: str = field(default="", repr=False)    # the label of its variant
+    case: Case
+    stored: str
+    key: str
+    parts: tuple[str, ...] = ()
 
     @property
-    def name(self) -> str:
-        """Its name in files and messages, from method, spacing, time step, seed and ranks."""
-        parts = [f"{short}{text(self.sets[name])}" for name, short in SHORT.items() if name in self.sets]
-        parts = [*([self.given] if self.given else []), *parts, *([f"np{self.ranks}"] if self.ranks > 1 else [])]
-        return clipped(re.sub(r"[^A-Za-z0-9.+-]+", "_", "-".join(parts)).strip("_-.") or "run", LONGEST)
+    def folder(self) -> str:
+        """The name of its folder and files."""
+        return f"{self.name}-{self.key[:8]}"
 
     @property
-    def further(self) -> dict[str, Any]:
-        """The parameters that have no field of their own."""
-        return {name: value for name, value in self.sets.items() if name not in SHORT}
+    def method(self) -> str:
+        """Name of the method."""
+        return self.case.numerics.method
 
-    def described(self) -> str:
-        """Return what distinguishes the run, for people."""
-        parts = [f"{name}={text(value)}" for name, value in self.sets.items()]
-        return ", ".join([*parts, *([f"{self.ranks} ranks"] if self.ranks > 1 else [])]) or "the case as it is"
+    @property
+    def seed(self) -> int:
+        """Seed of the start."""
+        return self.case.numerics.seed
+
+    @property
+    def spacing(self) -> float:
+        """Particle spacing in the unit of the study if it gives one, else [m]."""
+        given = self.sets.get("spacing")
+        return float(self.case.numerics.spacing if given is None else set_words.value("spacing", given))
+
+    @property
+    def time_step(self) -> float | None:
+        """Time step in the unit of the study if it gives one, else [s]; None if it adapts."""
+        found = set_words.value("time_step", self.sets.get("time_step", self.case.numerics.time_step))
+        return None if found is None else float(found)
+
+    @property
+    def step_text(self) -> str:
+        """The time step for people, with its unit if that is the second."""
+        if self.time_step is None:
+            return "adaptive"
+        return f"{self.time_step:.4g}{'' if 'time_step' in self.sets else ' s'}"
+
+    def estimate(self) -> dict[str, Any]:
+        """Return {"particles", "steps", "seconds", "basis"} as `parisph check` estimates them, of one rank."""
+        numerics = self.case.numerics.resolved()
+        particles = size.counts(self.case)["all"]
+        steps = estimate.estimated_steps(self.case, numerics, scales.expected(self.case))
+        seconds, basis = cost.seconds_per_step(numerics, particles)
+        return {"particles": particles, "steps": steps, "seconds": steps * seconds, "basis": basis}
 
 
-def points(study: Study, sets: dict[str, Any] | None = None) -> list[Point]:
-    """Return the runs of a study, in the order of its choices. Not collective.
+@dataclass(frozen=True)
+class Plan:
+    """A study whose runs have all been checked.
 
-    sets : further parameters of all runs, as of --set
+    Attributes
+    ----------
+    study : Study; place : folder of its file
+    runs : all its runs; chosen : those of --only
+    folder : where it writes; limit : longest time of a run on the clock [s], None for any
+    """
+
+    study: Study
+    place: Path
+    runs: tuple[PlannedRun, ...]
+    chosen: tuple[PlannedRun, ...]
+    folder: Path
+    limit: float | None
+
+    @property
+    def title(self) -> str:
+        """One line for people: that of the study, else of its case."""
+        return self.study.title or self.runs[0].case.title
+
+
+def plan_study(study: Study, file: Path, sets: Sequence[str] = (), only: Sequence[str] = (),
+               out: AnyPath | None = None, limit: float | None = None, parts: Sequence[AnyPath] = ()) -> Plan:
+    """Return the plan of a study. Writes nothing. Not collective, needs no MPI.
+
+    file : absolute path of the study file; sets : texts "name=value" of --set, for all runs
+    only : names of methods or labels, all if empty; out : folder, studies/NAME by default
+    limit : longest time of a run on the clock [s], by default that of the study
+    parts : Python files that register parts of methods, which have been read
 
     Raises
     ------
-    CaseError : a parameter of `sets` is one that the study varies, or two runs are the same.
+    CaseError : a case, a measure or a limit of the study is wrong, with one line for each problem; or an argument is
     """
-    found: list[Point] = []
-    for choices in study.variants or (study,):
-        found += _product(study, choices, sets or {})
-    seen: set[str] = set()
-    for point in found:
-        key = repr((sorted(point.sets.items(), key=lambda item: item[0]), point.ranks, point.given))
-        if key in seen:
-            raise CaseError(f"two runs of the study are the same ({named(point.described())}): leave one out, or give "
-                            "their variants other labels")
-        seen.add(key)
-    return _labelled(found)
+    case = (file.parent / study.case).resolve()
+    runs: list[PlannedRun] = []
+    problems: dict[str, str] = {}
+    for one in combinations.combine(study, set_words.read(sets)):
+        try:
+            made = _case(case, one)
+        except CaseError as error:
+            problems.setdefault(clipped(str(error).replace(str(case), study.case), 4 * LINE), one.described())
+            continue
+        stored = to_json(made)
+        own = (str(case),) if vocabulary.outside() and case.suffix == ".py" else ()
+        needed = (*(str(Path(part).resolve()) for part in parts), *own)
+        runs.append(PlannedRun(**vars(one), case=made, stored=stored, key=_key(stored, one.ranks), parts=needed))
+        for line in _faults(study, made, file.parent):
+            problems.setdefault(line, one.described())
+    if problems:
+        raise CaseError(first_lines([f"{named(run)}: {line}" for line, run in problems.items()]))
+    _check_required(study, runs)
+    _check_different(runs)
+    folder = study_folder.choose(file, out)
+    if limit is not None and not limit > 0.0:
+        raise CaseError(f"--limit {limit:g}: must be greater than 0, the longest time of a run on the clock [s]")
+    return Plan(study, file.parent, tuple(runs), _chosen(runs, only), folder, limit or study.time_limit)
 
 
-def text(value: Any) -> str:
-    """Return a value of a parameter as --set takes it."""
-    if isinstance(value, (tuple, list)):
-        return ",".join(map(text, value))
-    return "none" if value is None else f"{value:.10g}" if isinstance(value, float) else str(value)
+def _chosen(runs: Sequence[PlannedRun], only: Sequence[str]) -> tuple[PlannedRun, ...]:
+    """Return the runs of some methods or labels; all if none is named. Raises CaseError for one that is not there."""
+    there = list(dict.fromkeys(name for run in runs for name in (run.method, run.label)))
+    for name in only:
+        if name not in there:
+            raise CaseError(f"--only {named(name)}: the study has no such method (it has: "
+                            f"{clipped('; '.join(map(named, there)), LINE)})")
+    return tuple(run for run in runs if not only or {run.method, run.label} & set(only))
 
 
-def _product(study: Study, choices: Choices, sets: Mapping[str, Any]) -> Iterator[Point]:
-    axes = [(name, _chosen(study, choices, several)) for name, several in
-            (("method", "methods"), ("spacing", "spacings"), ("time_step", "time_steps"))]
-    axes += [(name, value if isinstance(value, list) else [value])
-             for name, value in {**study.parameters, **choices.parameters}.items()]
-    axes.append(("seed", _chosen(study, choices, "seeds")))
-    axes = [(name, values) for name, values in axes if values]
-    for name in sets:
-        if any(name == own and len(values) > 1 for own, values in axes):
-            raise CaseError(f"--set {named(name)}: the study varies it; change it in the study file")
-    for ranks in _chosen(study, choices, "ranks") or (1,):
-        for values in itertools.product(*(values for _, values in axes)):
-            given = dict(zip((name for name, _ in axes), values))
-            yield Point({**given, **sets}, ranks, given=getattr(choices, "label", ""))
+@functools.lru_cache(maxsize=1)
+def code_version() -> str:
+    """Return parisph's version and a digest of those of its sources that decide what a run computes."""
+    root = Path(parisph.__file__).resolve().parent
+    found = hashlib.blake2b(digest_size=8)
+    for path in sorted(path for part in ENGINE for path in (root / part).rglob("*.py")):
+        found.update(f"{path.relative_to(root)}\n".encode())
+        found.update(path.read_bytes())
+    return f"{parisph.__version__}+{found.hexdigest()}"
 
 
-def _chosen(study: Study, choices: Choices, name: str) -> Sequence[Any]:
-    values: Sequence[Any] = getattr(choices, name) or getattr(study, name)
-    return values
+def _key(text: str, ranks: int) -> str:
+    return hashlib.blake2b(f"{text}\n{ranks}\n{code_version()}".encode(), digest_size=16).hexdigest()
 
 
-def _labelled(found: list[Point]) -> list[Point]:
-    """Return the points with their labels: method, and what else differs between curves but spacing and seed.
+def _case(path: Path, one: Combination) -> Case:
+    """Return the case of a combination.
 
-    The time step is part of a label only where there are several spacings, and several time steps for one of them;
-    runs that differ by their time step alone are one curve. A label that the study gives is kept.
+    A method, spacing, time step or seed for which the case has no parameter is set in its numerics.
     """
-    unnamed = [point for point in found if not point.given]
-    names = dict.fromkeys(name for point in unnamed for name in point.sets)
-    varied = [name for name in names if name not in ("method", "spacing", "time_step", "seed")
-              and len({repr(point.sets.get(name, "-")) for point in unnamed}) > 1]
-    if len({point.ranks for point in unnamed}) > 1:
-        varied.append("ranks")
-    groups: dict[tuple[Any, ...], set[Any]] = {}
-    for point in found:
-        like = (_label(point, varied), point.sets.get("spacing"), point.sets.get("seed"))
-        groups.setdefault(like, set()).add(point.sets.get("time_step"))
-    several = len({point.sets.get("spacing") for point in found}) > 1
-    if several and any(len(steps) > 1 for steps in groups.values()):
-        varied.append("time_step")
-    return [Point(point.sets, point.ranks, _label(point, varied), point.given) for point in found]
+    known = case_file.arguments(path) if path.suffix != ".json" else {}
+    own, fields = {}, {}
+    for name, value in one.sets.items():
+        field = name.removeprefix(INSIDE)
+        if field != name or (name in SHORT and name not in known):
+            fields[field] = set_words.value(field, value)
+        else:
+            own[name] = value
+    case = case_file.load(path, own)
+    for field in fields:
+        if field not in Numerics.model_fields:
+            near = difflib.get_close_matches(field, Numerics.model_fields, n=1)
+            raise CaseError(f"Numerics has no field {shown(field)}{f'; did you mean {near[0]!r}?' if near else ''}")
+    return case.changed(**{INSIDE + field: value for field, value in fields.items()}) if fields else case
 
 
-def _label(point: Point, varied: Sequence[str]) -> str:
-    parts = [point.given or str(point.sets.get("method", ""))]
-    for name in varied:
-        if name == "time_step" and name in point.sets:
-            parts.append("adaptive" if point.sets[name] is None else f"dt = {text(point.sets[name])}")
-        elif name == "ranks" and not point.given:
-            parts.append(f"{point.ranks} rank{'s' * (point.ranks > 1)}")
-        elif name in point.sets and not point.given:
-            parts.append(f"{name.removeprefix('numerics.')} = {text(point.sets[name])}")
-    return ", ".join(part for part in parts if part) or "case"
+def _faults(study: Study, case: Case, folder: Path) -> Iterator[str]:
+    """Yield what is wrong with the measures, histories and other codes of a study, for one of its cases."""
+    for measure in study.errors:
+        yield from measuring.faults(measure, case, folder)
+    names = [probe.name for probe in case.probes]
+    for name in study.histories:
+        if name not in names:
+            yield f"histories: the case has no probe {shown(name)} (it has: {named(', '.join(names)) or 'none'})"
+    for other in study.others:
+        try:
+            other_codes.read(other, folder)
+        except CaseError as error:
+            yield str(error)
+
+
+def matches(where: dict[str, Any], run: PlannedRun) -> bool:
+    """Return whether a run is one that a Required names by its `where`."""
+    there = {**run.sets, "method": run.method, "spacing": run.spacing, "time_step": run.time_step, "ranks": run.ranks,
+             "label": run.label}
+    return all(name in there and _same(there[name], value) for name, value in where.items())
+
+
+def _same(a: object, b: object) -> bool:
+    number = (int, float)
+    if isinstance(a, number) and isinstance(b, number) and not isinstance(a, bool) and not isinstance(b, bool):
+        return abs(a - b) <= 1e-9 * max(abs(a), abs(b))
+    return a == b
+
+
+def _check_required(study: Study, runs: Sequence[PlannedRun]) -> None:
+    for one in study.required:
+        if not any(matches(one.where, run) for run in runs):
+            raise CaseError(f"required, {named(one.of)}: no run of the study has {shown(one.where)}")
+
+
+def _check_different(runs: Sequence[PlannedRun]) -> None:
+    seen: dict[str, PlannedRun] = {}
+    for run in runs:
+        if run.key in seen:
+            raise CaseError(f"two runs of the study are the same case: {named(seen[run.key].described())}, and "
+                            f"{named(run.described())}: leave one of them out")
+        seen[run.key] = run

@@ -1,4 +1,4 @@
-"""Runs as processes of their own: started, timed, and ended by their process ids."""
+"""The process of a run: started, timed, and ended by its process id."""
 
 import os
 import shutil
@@ -14,9 +14,9 @@ import parisph
 from parisph.base import environment
 from parisph.base.errors import MissingLibrary
 
-PATIENCE = 10.0    # [s] that a run gets to write its summary when it is stopped
-GRACE = 3.0        # [s] that it then gets before it is killed
-PAUSE = 0.05       # [s] between two looks at a process
+PATIENCE = 10.0    # [s] for a run to write its summary when it is asked to stop
+GRACE = 3.0        # [s] between SIGTERM and SIGKILL
+PAUSE = 0.05       # [s] between polls
 
 
 def command(words: Sequence[str], ranks: int) -> list[str]:
@@ -31,7 +31,7 @@ def command(words: Sequence[str], ranks: int) -> list[str]:
 
 
 def surroundings() -> dict[str, str]:
-    """Return the environment of a run: one thread for each rank, and the parisph that runs the study."""
+    """Return the environment of a run: one thread a rank, and the parisph of this study."""
     found = {**environment.for_launching(), "OMP_NUM_THREADS": "1"}
     here = str(Path(parisph.__file__).resolve().parent.parent)
     found["PYTHONPATH"] = os.pathsep.join([here, *filter(None, [found.get("PYTHONPATH")])])
@@ -39,9 +39,9 @@ def surroundings() -> dict[str, str]:
 
 
 class Process:
-    """A run in the background, in a session of its own, so that Ctrl-C reaches only the study.
+    """A run in the background. It has its own session: Ctrl-C reaches only the study.
 
-    command : list of str; output : file for all that it prints
+    command : list of str; output : file that receives what it prints
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Process:
         return time.monotonic() - self._began if self._seconds is None else self._seconds
 
     def ask(self) -> None:
-        """Ask it to stop: it finishes its step and writes checkpoint and summary. mpirun passes this signal on."""
+        """Ask it to stop after its step, with checkpoint and summary. mpirun passes the signal on."""
         if self.code is None:
             self.stopped = True
             with suppress(ProcessLookupError):
@@ -85,7 +85,7 @@ class Process:
 
 
 def stop(running: Iterable[Process]) -> None:
-    """End processes that this study has started, and wait for that: ask them, then end them, then kill them."""
+    """End processes of this study, and wait for them: first ask, then SIGTERM, then SIGKILL."""
     running = list(running)
     try:
         for process in running:
@@ -94,7 +94,7 @@ def stop(running: Iterable[Process]) -> None:
         for process in running:
             process.kill(signal.SIGTERM)
         _wait(running, GRACE)
-    finally:    # also if the user loses patience
+    finally:    # also after a second Ctrl-C
         for process in running:
             process.kill()
         _wait(running, GRACE)

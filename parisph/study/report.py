@@ -1,14 +1,17 @@
-"""The table of a study as Markdown that can be read as plain text: starts that differ by their seed are one line."""
+"""The table of a study in Markdown, where starts that differ by their seed are one line, and the list of its runs."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from parisph.study import equal_error, measures
+from parisph.base import markdown
+from parisph.driver import estimate
+from parisph.study import measures, runs
 from parisph.study.definition import Study
-from parisph.study.fits import fitted_order
-from parisph.study.plan import text
-from parisph.study.results import Result
+from parisph.study.fits import costs_at_equal_error, fitted_order
+from parisph.study.plan import Plan
+from parisph.study.results import Result, grouped
+from parisph.study.set_words import text
 
 Cell = Callable[[Sequence[Result]], str]    # of the runs of a line
 
@@ -19,29 +22,24 @@ ENERGIES = (("energy, end", "energy_end", 4), ("energy, most", "energy_high", 5)
 
 def families(results: Iterable[Result]) -> list[list[Result]]:
     """Return results in groups that differ by their seed only, in the order in which they come."""
-    found: dict[tuple[str, str, int], list[Result]] = {}
-    for one in results:
-        point = one.item.point
-        sets = {name: value for name, value in point.sets.items() if name != "seed"}
-        like = (point.label, repr(sorted(sets.items(), key=lambda pair: pair[0])), point.ranks)
-        found.setdefault(like, []).append(one)
-    return list(found.values())
+    def but_seed(one: Result) -> tuple[str, str, int]:
+        sets = {name: value for name, value in one.run.sets.items() if name != "seed"}
+        return one.run.label, repr(sorted(sets.items(), key=lambda pair: pair[0])), one.run.ranks
+
+    return list(grouped(results, but_seed).values())
 
 
 def curves(results: Iterable[Result]) -> dict[str, list[Result]]:
     """Return {label: results} in the order in which they come."""
-    found: dict[str, list[Result]] = {}
-    for one in results:
-        found.setdefault(one.item.point.label, []).append(one)
-    return found
+    return grouped(results, lambda one: one.run.label)
 
 
 def axis_of(results: Sequence[Result]) -> tuple[str | None, str]:
     """Return what the runs of a curve differ by, spacing or time_step or None, and its name for people."""
-    if len({one.item.spacing for one in results}) > 1:
-        own = all("spacing" in one.item.point.sets for one in results)
+    if len({one.run.spacing for one in results}) > 1:
+        own = all("spacing" in one.run.sets for one in results)
         return "spacing", "spacing (unit of the case)" if own else "spacing [m]"
-    if len({one.item.time_step for one in results if one.item.time_step is not None}) > 1:
+    if len({one.run.time_step for one in results if one.run.time_step is not None}) > 1:
         return "time_step", "time step (unit of the case)"
     return None, ""
 
@@ -53,39 +51,55 @@ def table(results: Sequence[Result], study: Study) -> str:
     names = [measures.name_of(measure) for measure in study.errors]
     errors = [measures.name_of(measure) for measure in study.errors if measures.is_error(measure)]
     several = any(len(group) > 1 for group in families(results))
-    on_several = any(one.item.point.ranks > 1 for one in results)
+    on_several = any(one.run.ranks > 1 for one in results)
     columns: list[tuple[str, Cell]] = [
-        ("run", lambda group: group[0].item.point.label), ("spacing", lambda group: f"{group[0].item.spacing:.4g}"),
-        ("time step", lambda group: group[0].item.step_text),
+        ("run", lambda group: group[0].run.label), ("spacing", lambda group: f"{group[0].run.spacing:.4g}"),
+        ("time step", lambda group: group[0].run.step_text),
         *([("starts", lambda group: str(len(group)))] if several else []),
-        *([("ranks", lambda group: str(group[0].item.point.ranks))] if on_several else []),
+        *([("ranks", lambda group: str(group[0].run.ranks))] if on_several else []),
         ("particles", lambda group: _count(group[0].values.get("particles"))), _column("steps", "steps", 6),
         *(_column(name, name, 3) for name in names), *(_column(*further) for further in FURTHER),
         ("volume", _volume), *(_column(*energy) for energy in ENERGIES),
         ("survived", _survived),
     ]
     rows = [[make(group) for _, make in columns] for group in families(results)]
-    parts = [markdown([head for head, _ in columns], rows)]
+    parts = [markdown.table([head for head, _ in columns], rows)]
     constant = _constant(results)
     parts += [f"All runs: {constant}."] if constant else []
     parts += _orders(results, errors)
-    parts += equal_error.lines(results, study)
+    parts += costs_at_equal_error(results, study)
     parts += [f"{name_of(one)}: {one.reason}" for one in results if one.reason]
     return "\n\n".join(parts[:1] + ["\n".join(parts[1:])]) if parts[1:] else parts[0]
 
 
+def listing(plan: Plan) -> str:
+    """Return the runs of a study with their estimated costs as text. Runs nothing."""
+    ends, rows, left, basis = runs.ends(plan), [], 0.0, ""
+    for number, run in enumerate(plan.chosen, 1):
+        found, done = run.estimate(), ends.get(run.key)
+        left, basis = left + (0.0 if done else found["seconds"]), found["basis"]
+        rows.append([run.label, str(number), f"{run.spacing:.4g}", run.step_text, str(run.seed), str(run.ranks),
+                     str(found["particles"]), str(found["steps"]), estimate.duration(found["seconds"]),
+                     done.status if done else "to do"])
+    head = ["run", "n", "spacing", "time step", "seed", "ranks", "particles", "steps", "CPU time", "state"]
+    todo = sum(run.key not in ends for run in plan.chosen)
+    return "\n\n".join([
+        f"{plan.title}, into {plan.folder}", markdown.table(head, rows),
+        f"{len(rows)} runs, {todo} to do: about {estimate.duration(left)} of CPU time (estimated from {basis})"])
+
+
 def name_of(one: Result) -> str:
     """Return what distinguishes a run, for people: curve, spacing, time step and seed if the study sets them."""
-    sets = one.item.point.sets
-    parts = [one.item.point.label, f"spacing {one.item.spacing:.4g}",
-             f"time step {one.item.step_text}" if "time_step" in sets and "dt = " not in one.item.point.label else "",
-             f"seed {one.item.case.numerics.seed}" if "seed" in sets else ""]
+    run = one.run
+    parts = [run.label, f"spacing {run.spacing:.4g}",
+             f"time step {run.step_text}" if "time_step" in run.sets and "dt = " not in run.label else "",
+             f"seed {run.seed}" if "seed" in run.sets else ""]
     return ", ".join(filter(None, parts))
 
 
 def _constant(results: Sequence[Result]) -> str:
     """Return the parameters that are the same in all runs, as text."""
-    found = [one.item.point.further for one in results]
+    found = [one.run.further for one in results]
     return ", ".join(f"{name} = {text(value)}" for name, value in found[0].items()
                      if all(name in other and repr(other[name]) == repr(value) for other in found))
 
@@ -96,8 +110,8 @@ def _orders(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     if axis is None:
         return
     for curve, group in curves(results).items():
-        group = [one for one in group if getattr(one.item, axis) is not None]
-        x = [getattr(one.item, axis) for one in group]
+        group = [one for one in group if getattr(one.run, axis) is not None]
+        x = [getattr(one.run, axis) for one in group]
         orders = {name: fitted_order(x, [one.errors.get(name) for one in group]) for name in names}
         found = ", ".join(f"{name} {order:.2f}" for name, order in orders.items() if order is not None)
         if found:
@@ -106,11 +120,12 @@ def _orders(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
 
 def _column(head: str, name: str, digits: int) -> tuple[str, Cell]:
     """Return the head of a column, and the function of the runs of a line that gives its cell."""
-    return head, lambda group: _spread(group, name, digits)
+    return head, lambda group: spread((one.number(name) for one in group), digits)
 
 
-def _spread(group: Sequence[Result], name: str, digits: int) -> str:
-    values = [value for value in (one.number(name) for one in group) if value is not None]
+def spread(numbers: Iterable[float | None], digits: int = 3) -> str:
+    """Return the mean (least to largest) of the numbers that there are as text, the number alone if they are equal."""
+    values = [value for value in numbers if value is not None]
     if not values:
         return "-"
     mean, low, high = (f"{value:.{digits}g}" for value in (np.mean(values), min(values), max(values)))
@@ -131,14 +146,3 @@ def _survived(group: Sequence[Result]) -> str:
 
 def _count(value: float | None) -> str:
     return "-" if value is None else str(int(value))
-
-
-def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a Markdown table whose columns are aligned."""
-    rows = [[cell.replace("|", "/") for cell in row] for row in [head, *rows]]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(head))]
-    lines = ["| " + " | ".join(cell.ljust(width) if k == 0 else cell.rjust(width)
-                               for k, (cell, width) in enumerate(zip(row, widths))) + " |" for row in rows]
-    rule = "|" + "|".join("-" * (width + 1) + "-:"[k > 0] for k, width in enumerate(widths)) + "|"
-    return "\n".join([lines[0], rule, *lines[1:]])
-

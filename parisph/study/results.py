@@ -1,23 +1,22 @@
-"""The table of a study: one line for each run, as JSON and CSV."""
+"""What the runs of a study gave: a line for each in results.json and results.csv."""
 
-import csv
-import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from parisph.base.errors import ParisphError, StoreError
-from parisph.io.files import write_json, write_text
 from parisph.io.reader import Run, open_run
-from parisph.study import measures, measuring
-from parisph.study.conduct import RUNS, End
-from parisph.study.definition import Study
+from parisph.study import measures, measuring, study_folder
 from parisph.study.measures import AnyMeasure
-from parisph.study.plan import text
-from parisph.study.prepared import Prepared, code_version
+from parisph.study.plan import Plan, PlannedRun, code_version
+from parisph.study.runs import RUNS, End
+from parisph.study.set_words import text
+
+Key = TypeVar("Key", bound=Hashable)
+Item = TypeVar("Item")
 
 
 @dataclass
@@ -26,14 +25,14 @@ class Result:
 
     Attributes
     ----------
-    item, end : the run, and how it ended
+    run, end : the run, and how it ended
     folder : of the run
     values : {column: number or None}: particles, steps, time [s], cpu_seconds (of all ranks together), wall_seconds,
         iterations (mean of a step), volume_low, volume_high, energy_end and energy_high (over their start)
     errors : {name of a measure: number or None}; problems : {name of a measure: why there is none}
     """
 
-    item: Prepared
+    run: PlannedRun
     end: End
     folder: Path
     values: dict[str, float | None] = field(default_factory=dict)
@@ -47,8 +46,8 @@ class Result:
 
     @property
     def reason(self) -> str:
-        """Why it did not, with the time that it reached; else which measures it lacks, and why."""
-        if self.end.status != "completed":
+        """Why it did not come to its end, and the time that it reached; else why measures are missing."""
+        if not self.survived:
             reached = self.values.get("time")
             return f"{self.end.reason}{f' (reached t = {reached:.4g} s)' if reached is not None else ''}"
         return "; ".join(f"{name}: {why}" for name, why in self.problems.items())
@@ -61,15 +60,13 @@ class Result:
 
     def line(self) -> dict[str, Any]:
         """Return the line of the table as {column: value}."""
-        point, numerics = self.item.point, self.item.case.numerics
+        run, numerics = self.run, self.run.case.numerics
         return {
-            "label": point.label, "method": self.item.method,
-            "spacing": self.item.spacing, "time_step": self.item.time_step,
-            "parameters": " ".join(f"{name}={text(value)}" for name, value in point.further.items()),
-            "seed": numerics.seed, "ranks": point.ranks,
-            "spacing_m": numerics.spacing, "time_step_s": numerics.time_step,
+            "label": run.label, "method": run.method, "spacing": run.spacing, "time_step": run.time_step,
+            "parameters": " ".join(f"{name}={text(value)}" for name, value in run.further.items()),
+            "seed": run.seed, "ranks": run.ranks, "spacing_m": numerics.spacing, "time_step_s": numerics.time_step,
             **{name: self.values.get(name) for name in COLUMNS}, **self.errors,
-            "survived": self.survived, "reason": self.reason, "run": f"{RUNS}/{self.item.folder}",
+            "survived": self.survived, "reason": self.reason, "run": f"{RUNS}/{run.folder}",
         }
 
 
@@ -77,51 +74,44 @@ COLUMNS = ("particles", "steps", "time", "cpu_seconds", "wall_seconds", "iterati
            "energy_end", "energy_high")
 
 
-def result(item: Prepared, end: End, folder: Path, study: Study, place: Path) -> Result:
-    """Return what a run gave, but for its difference from the finest run. Not collective.
-
-    folder : of the study; place : folder of the study file
-    """
-    found = Result(item, end, folder / RUNS / item.folder)
+def result(run: PlannedRun, end: End, plan: Plan) -> Result:
+    """Return what a run gave, but for its difference from the finest run. Not collective."""
+    found = Result(run, end, plan.folder / RUNS / run.folder)
     try:
-        run = open_run(found.folder)
-        found.values = _values(run, end)
+        files = open_run(found.folder)
+        found.values = _values(files, end)
     except ParisphError as error:
         found.problems["run"] = str(error)
         return found
-    for measure in study.errors:
+    for measure in plan.study.errors:
         if measure.kind != "finest":
-            _measure(found, measure, run, place, None)
+            _measure(found, measure, files, plan.place)
     return found
 
 
-def add_finest(results: Iterable[Result], study: Study, place: Path) -> None:
-    """Add the differences from the finest run of the same curve and seed."""
+def add_finest(results: Iterable[Result], plan: Plan) -> None:
+    """Add the differences from the finest run of the same curve, with the same seed if there is one."""
     results = [found for found in results if found.survived]
-    for measure in (measure for measure in study.errors if measure.kind == "finest"):
+    for measure in (measure for measure in plan.study.errors if measure.kind == "finest"):
         for found in results:
-            family = [other for other in results if other.item.point.label == found.item.point.label]
+            family = [other for other in results if other.run.label == found.run.label]
             finest = min(family, key=lambda other: (
-                other.item.spacing, other.item.time_step or 0.0, _seed(other) != _seed(found)))
+                other.run.spacing, other.run.time_step or 0.0, other.run.seed != found.run.seed))
             try:
-                runs = open_run(found.folder), open_run(finest.folder)
+                files = open_run(found.folder), open_run(finest.folder)
             except StoreError as error:
                 found.problems[measures.name_of(measure)] = str(error)
                 continue
-            _measure(found, measure, runs[0], place, runs[1])
+            _measure(found, measure, files[0], plan.place, files[1])
 
 
-def _seed(found: Result) -> int:
-    return found.item.case.numerics.seed
-
-
-def _measure(found: Result, measure: AnyMeasure, run: Run, place: Path, finest: Run | None) -> None:
+def _measure(found: Result, measure: AnyMeasure, files: Run, place: Path, finest: Run | None = None) -> None:
     name = measures.name_of(measure)
     found.errors[name] = None
-    if not found.survived:    # over another time than that of the others, an error cannot be compared with theirs
+    if not found.survived:    # an error over a shorter time cannot be compared
         return
     try:
-        found.errors[name] = measuring.value(measure, run, place, finest)
+        found.errors[name] = measuring.value(measure, files, place, finest)
     except ParisphError as error:
         found.problems[name] = str(error)
 
@@ -135,7 +125,7 @@ def _values(run: Run, end: End) -> dict[str, float | None]:
     for name, change in (("volume_low", volume.get("low")), ("volume_high", volume.get("high")),
                          ("energy_end", summary.get("energy_drift")), ("energy_high", energy.get("high"))):
         found[name] = None if change is None else 1.0 + change
-    if not summary:    # it was killed: what it has written says how far it came
+    if not summary:    # it was killed
         found["steps"], found["time"] = _reached(run)
     return found
 
@@ -158,23 +148,16 @@ def _reached(run: Run) -> tuple[int | None, float | None]:
         return None, None
 
 
-def save(results: Sequence[Result], study: Study, folder: Path, missing: int) -> None:
-    """Write results.json and results.csv of a study, each whole or not at all. Raises StoreError.
+def save(results: Sequence[Result], plan: Plan) -> None:
+    """Write results.json and results.csv. Raises StoreError."""
+    content = {"title": plan.study.title, "case": plan.study.case, "code_version": code_version(),
+               "missing": len(plan.runs) - len(results)}
+    study_folder.save(plan.folder, content, [found.line() for found in results], "runs")
 
-    missing : how many runs of the study have no result
-    """
-    lines = [found.line() for found in results]
-    names = list(lines[0]) if lines else ["label"]
-    for line in lines:    # a run of which nothing could be read has fewer
-        names += [name for name in line if name not in names]
-    out = io.StringIO()
-    table = csv.DictWriter(out, names, lineterminator="\n")
-    table.writeheader()
-    table.writerows(lines)
-    content = {"title": study.title, "case": study.case, "code_version": code_version(), "missing": missing,
-               "runs": lines}
-    try:
-        write_json(folder / "results.json", content)
-        write_text(folder / "results.csv", out.getvalue())
-    except OSError as error:
-        raise StoreError(f"cannot write the table in {folder}: {error.strerror}") from None
+
+def grouped(items: Iterable[Item], key: Callable[[Item], Key]) -> dict[Key, list[Item]]:
+    """Return {key: items with this key}, both in the order in which they come."""
+    found: dict[Key, list[Item]] = {}
+    for item in items:
+        found.setdefault(key(item), []).append(item)
+    return found

@@ -1,4 +1,4 @@
-"""The words name=value of --set for all runs of a study, and what they mean."""
+"""Values of parameters as text: the words name=value of --set for all runs of a study."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,34 +14,39 @@ INSIDE = "numerics."    # before the name of a field of Numerics
 
 def read(words: Sequence[str]) -> dict[str, str]:
     """Return {name: text} of words name=value. Raises CaseError."""
-    found = {}
+    found: dict[str, str] = {}
     for word in words:
-        name, equals, value = word.partition("=")
-        if not equals or not name.strip():
+        name, equals, value = (part.strip() for part in word.partition("="))
+        if not equals or not name:
             raise CaseError(f"--set {named(word)}: must be name=value, for example --set end_time=2")
-        if name.strip() in found:
-            raise CaseError(f"--set {named(name.strip())} is given twice")
-        found[name.strip()] = value.strip()
+        if name in found:
+            raise CaseError(f"--set {named(name)} is given twice")
+        found[name] = value
     return found
 
 
-def value(name: str, text: str) -> Any:
-    """Return what a text means for a field of numerics: None, True, False, a number, or the text itself.
+def value(name: str, given: Any) -> Any:
+    """Return the value of a field of numerics that may be given as text: None, a truth value, a number, or the text.
 
-    No text is None everywhere; "none" is, except where it is a word, as for surface_rule.
+    An empty text is None; so is "none", unless it is a word of the field, as of surface_rule.
     """
-    if name in WORDS and text.lower() in vocabulary.known(WORDS[name]):
-        return text.lower()
+    if not isinstance(given, str):
+        return given
+    word = given.lower()
+    if name in WORDS and word in vocabulary.known(WORDS[name]):
+        return word
     words = {"": None, "none": None, "true": True, "false": False}
-    if text.lower() in words:
-        return words[text.lower()]
+    if word in words:
+        return words[word]
     try:
-        found = number(text)
+        found = number(given)
     except ValueError:
-        return text
+        return given
     return int(found) if found == int(found) and name == "seed" else found
 
 
-def number_of(value: float | str) -> float:
-    """Return a number that may be given as text."""
-    return number(value) if isinstance(value, str) else value
+def text(value: Any) -> str:
+    """Return a value of a parameter as --set takes it."""
+    if isinstance(value, (tuple, list)):
+        return ",".join(map(text, value))
+    return "none" if value is None else f"{value:.10g}" if isinstance(value, float) else str(value)

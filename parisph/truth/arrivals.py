@@ -4,17 +4,17 @@ import numpy as np
 
 from parisph.case.probes import Probe, singles
 from parisph.case.schema import Case
-from parisph.truth.recorded import Recorded, parts
+from parisph.truth.recorded import Recorded, probe_records
 
 
 def arrivals(case: Case, run: Recorded) -> dict[str, float | None]:
-    """Return {probe name: time [s]} of the probes with an arrival, None for one that has not passed it. Not collective.
+    """Return {probe name: time [s]} of the probes with an `arrival`, None before it is passed. Not collective.
 
-    run : io.reader.Run. The first column of a probe counts; probes in arrays have names as in "gauges.x1".
+    The first column of a probe counts. A probe of an array is named "gauges.x1".
     """
     found: dict[str, float | None] = {name: None for name, probe in singles(case.probes) if _has_arrival(probe)}
-    for part in parts(case, run, _has_arrival):
-        found[part.name] = first_passing(part.table["time"], part.table[part.columns[0]], part.probe.arrival)
+    for record in probe_records(case, run, _has_arrival):
+        found[record.name] = first_passing(record.table["time"], record.table[record.columns[0]], record.probe.arrival)
     return found
 
 
@@ -23,9 +23,9 @@ def _has_arrival(probe: Probe) -> bool:
 
 
 def first_passing(time: np.ndarray, values: np.ndarray, level: float) -> float | None:
-    """Return the first time [s] at which a series is at a level or on its other side than at the start; None if never.
+    """Return the first time [s] at which a series reaches a level, from either side; None if never.
 
-    time, values : (n,); between two samples the series is a straight line. Samples that are no number are left out.
+    time, values : (n,), straight between samples; values that are not finite are left out
     """
     there = np.isfinite(values)
     time, above = time[there], (values - level)[there]

@@ -15,17 +15,17 @@ from parisph.base.text import named, shown
 from parisph.truth import norms
 from parisph.truth.recorded import Recorded
 
-EDGE = 0.99     # of the largest shift that is tried: a best one beyond is at the limit
-APART = 3.0     # times what run and reference vary by (standard deviation): distance of their means that is told
-FEW = 5         # samples, at least, of which that is told
+EDGE = 0.99     # of the largest shift that is tried, from which on the best one is at the limit
+APART = 3.0     # standard deviations between the means of run and reference, from which on a note says so
+FEW = 5         # samples, with which no note does
 
 
 @dataclass(frozen=True)
 class Comparison:
     """A probe beside its reference.
 
-    result : what `parisph compare` prints: probe, column, time and value (the columns of the reference), shift [s], and
-        what norms.judge returns; `notes`, a list of str, on what is doubtful
+    result : probe, column, time and value (columns of the reference), shift [s], the entries of norms.judge, and
+        `notes` (list of str) on what is doubtful
     found, truth : (time (n,) [s], values (n,)) of the run, not shifted, and of the reference
     """
 
@@ -44,23 +44,23 @@ def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column:
             time: str | None = None, value: str | None = None, offset: float = 0.0, scale: float = 1.0,
             time_scale: float = 1.0, shift: float = 0.0, best_shift: float | None = None,
             rest: float | None = None) -> Comparison:
-    """Return how far a probe is from a reference.
+    """Return a probe beside a reference.
 
     Parameters
     ----------
     run : io.reader.Run
     reference : path of a text file with one header line, see base.reading.read_columns
-    probe, column : name of the probe and of its column; may be left out where there is only one
-    time, value : names of the reference's columns. By default its first, and the one named as the probe's
-        or, where there is none, the first that is neither the time nor `step`
+    probe, column : names; may be left out where there is only one
+    time, value : columns of the reference; by default its first, and the one named as the probe's, else the first
+        that is neither the time nor `step`
     offset, scale, time_scale : truth = offset + scale * value; t = time_scale * time [s]
     shift : [s], added to the run's time
-    best_shift : None, or the largest time shift [s] either way among which the best one is sought
-    rest : None, or the level at rest: the error is then a share of the wave alone
+    best_shift : None, or the largest shift [s] either way that is tried for the best one
+    rest : None, or the level at rest: the error is then relative to the wave alone
 
     Raises
     ------
-    CaseError for names that are not there, numbers without meaning or series that do not overlap; StoreError for files.
+    CaseError : no such name, a number out of range, or series that do not overlap; StoreError : unreadable files
     """
     _check_numbers(offset=offset, scale=scale, time_scale=time_scale, shift=shift, best_shift=best_shift, rest=rest)
     probe = _only(probe, run.probe_names, f"{run.folder} has the probes", "--probe")
@@ -75,7 +75,7 @@ def compare(run: Recorded, reference: AnyPath, probe: str | None = None, column:
         judged = norms.judge(found["time"], found[column], t, truth, rest, shift)
     except ValueError as error:
         raise CaseError(f"{probe} against {named(reference)}: {error}") from None
-    notes = [*_at_its_limit(shift, best_shift), *_elsewhere(found["time"], found[column], t, truth, shift)]
+    notes = [*_at_its_limit(shift, best_shift), *_far_apart(found["time"], found[column], t, truth, shift)]
     result = {"probe": probe, "column": column, "time": time, "value": value, "shift": shift, **judged, "notes": notes}
     return Comparison(result, (found["time"], found[column]), (t, truth))
 
@@ -91,14 +91,14 @@ def text(result: Mapping[str, Any]) -> str:
 
 
 def _at_its_limit(shift, most):
-    """Yield a note if the best shift may lie beyond the limit [s] within which it was sought."""
+    """Yield a note if the best shift is at the limit [s] of those that were tried."""
     if most and abs(shift) > EDGE * most:
         yield (f"the best shift is at its limit of {most:g} s: allow more with --best-shift, or see whether time, "
                "value, scale and offset of the reference are those of the run")
 
 
-def _elsewhere(time, values, reference_time, reference, shift):
-    """Yield a note if the means of run and reference are far apart, by how much both vary."""
+def _far_apart(time, values, reference_time, reference, shift):
+    """Yield a note if the means of run and reference differ by more than both vary."""
     at, ours, theirs = norms.on_reference(time, values, reference_time, reference, shift)
     apart, spread = ours.mean() - theirs.mean(), max(ours.std(), theirs.std())
     if len(at) > FEW and abs(apart) > APART * spread:
@@ -107,7 +107,7 @@ def _elsewhere(time, values, reference_time, reference, shift):
 
 
 def _check_numbers(**numbers):
-    """Raise CaseError for what makes every result nan or infinite, or has no meaning."""
+    """Raise CaseError for a number out of range."""
     for name, value in numbers.items():
         limit = None
         if value is not None and not abs(value) <= LARGEST:
@@ -121,7 +121,7 @@ def _check_numbers(**numbers):
 
 
 def _columns(reference, there, time, value, column):
-    """Return the names of the reference's columns of time and of value. Raises CaseError if they are not there."""
+    """Return the reference's columns of time and of value. Raises CaseError if one is missing."""
     for name, option in ((time, "--time"), (value, "--value")):
         if name is not None and name not in there:
             raise CaseError(f"{named(reference)} has no column {shown(name)} (it has: {listed(there)}): "

@@ -1,6 +1,6 @@
-"""The crest of a solitary wave in a snapshot: its place, its height, and its form beside that of the exact wave.
+"""The crest of a solitary wave in a snapshot: its place, its height, and the error of its profile. Not collective.
 
-The crests of both are put one over the other: a profile's error says nothing of the speed. Nothing here is collective.
+Profiles are compared with aligned crests: their error does not contain that of the speed.
 """
 
 from collections.abc import Mapping

@@ -1,6 +1,6 @@
-"""The greatest pressures of a run and how long they last: the `peaks` of summary.json. Not collective.
+"""The greatest pressures of a run, and how long they last: the `peaks` of summary.json. Not collective.
 
-A pressure that lasts for one value, as of a cavity without air that collapses, depends on the step and on chance.
+A pressure that lasts for one value, as when a cavity without air collapses, depends on the step and on chance.
 """
 
 from typing import Any, NamedTuple
@@ -12,20 +12,20 @@ from parisph.base.errors import ParisphError
 from parisph.case.schema import Case
 from parisph.case.truths import intervals
 from parisph.truth import norms
-from parisph.truth.recorded import Recorded, parts
+from parisph.truth.recorded import Recorded, probe_records
 
 JUDGED = {"pressure_tap": {"pressure": "Pa"}, "force": {"fx": "N/m", "fy": "N/m"}}    # columns of probes, their units
-MEAN = 0.005     # [s] over which the mean beside a peak is taken, about what a sensor and its amplifier resolve
-AROUND = 10      # samples to either side of a peak: the larger one of their medians is the level around it
-ABOVE = 1.5      # times that level: a lower peak is no spike, however short
-VALUES = 2       # of the pressure above half of its rise: a peak that has no more of them is not resolved
-FEW = 3          # steps: samples that are further apart do not tell how long a peak lasts
-STRAIGHT = 1e-6  # of the greatest value: what lies off the line between its neighbours by less is no value of its own
-MOST = 20        # short peaks that are looked through for one that lasts
+MEAN = 0.005     # [s] of the mean about a peak, about what a sensor and its amplifier resolve
+AROUND = 10      # samples to either side of a peak: the larger of their medians is the level around it
+ABOVE = 1.5      # times that level, below which a peak is no spike
+VALUES = 2       # largest number of values above half of the rise of a spike
+FEW = 3          # steps between samples, beyond which the duration of a peak is not known
+STRAIGHT = 1e-6  # of the greatest value: smallest distance of a value from the line between its neighbours
+MOST = 20        # short peaks that are passed over in the search for one that lasts
 
 
 class Peak(NamedTuple):
-    """A greatest value of a series.
+    """A maximum of a series.
 
     value, time [s]; lasts : time [s] above half of its rise over the level around it; mean : over MEAN about it
     short : whether it is a spike that particles and steps do not resolve
@@ -39,13 +39,12 @@ class Peak(NamedTuple):
 
 
 def greatest(time: Floats, values: Floats, allowed: Floats | None = None, seldom: bool = False) -> list[Peak]:
-    """Return the Peak with the greatest value, and further ones downwards until one is not short. Empty without any.
+    """Return the Peak with the greatest value, followed by lower ones until one is not short.
 
-    Between two values of the pressure its mean in time is a straight line (watch.means), so that samples on that line
-    are no values of their own.
+    The mean of the pressure in time is straight between two values (watch.means): samples on that line do not count.
 
     time, values : (n,), finite ones count; allowed : (n,) bool, which samples may be a peak
-    seldom : whether samples are too seldom to tell how long a peak lasts (`coarse`): then none is short
+    seldom : whether samples are too far apart (`coarse`): then no peak is short
     """
     there = np.isfinite(values)
     time, values = time[there], values[there]
@@ -75,23 +74,23 @@ def peaks(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     times that count.
     """
     found: dict[str, dict[str, Any]] = {}
-    for part in parts(case, run, lambda probe: probe.kind in JUDGED):
-        time = part.table["time"]
-        for column, unit in JUDGED[part.probe.kind].items():
-            values = part.values(column)
+    for record in probe_records(case, run, lambda probe: probe.kind in JUDGED):
+        time = record.table["time"]
+        for column, unit in JUDGED[record.probe.kind].items():
+            values = record.values(column)
             size = values if column == "pressure" else np.abs(values)
-            some = greatest(time, size, _allowed(part.probe.truth, time), coarse(part.table))
+            some = greatest(time, size, _allowed(record.probe.truth, time), coarse(record.table))
             if some and some[0].value > 0.0:    # a component without any force has no peak
                 lasting = None if some[-1].short else some[-1]._asdict()
-                found[part.name if column == "pressure" else f"{part.name}.{column}"] = {
+                found[record.name if column == "pressure" else f"{record.name}.{column}"] = {
                     **some[0]._asdict(), "unit": unit, "mean_over": MEAN, "lasting": lasting}
     return found
 
 
 def asked(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
-    """Return {probe: {value, unit, time [s]}} of the greatest value of each probe with peak=True, in its first column.
+    """Return {probe: {value, unit, time [s]}}: the greatest value in the first column of each probe with peak=True.
 
-    A truth limits the times that count. Probes without a value are left out.
+    Only the times of its truth count. Probes without a value are left out.
     """
     found: dict[str, dict[str, Any]] = {}
     for probe in case.probes:
@@ -111,7 +110,7 @@ def asked(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
 
 
 def coarse(table: Any) -> bool:
-    """Return whether the samples of a probe are further apart than a sensor or the steps resolve."""
+    """Return whether samples are further apart than a sensor or the steps resolve."""
     if len(table) < 2:
         return False
     return bool(np.median(np.diff(table["time"])) > MEAN or np.median(np.diff(table["step"])) > FEW)
@@ -123,7 +122,7 @@ def _allowed(truth: Any, time: Floats) -> Any:
 
 
 def _bends(time, values):
-    """Return which samples (n,) are not on the straight line between their neighbours; the ends are not."""
+    """Return which samples (n,) are off the straight line between their neighbours, and both ends."""
     share = (time[1:-1] - time[:-2]) / np.maximum(time[2:] - time[:-2], np.finfo(float).tiny)
     line = values[:-2] + share * (values[2:] - values[:-2])
     off = np.abs(values[1:-1] - line) > STRAIGHT * np.abs(values).max(initial=0.0)
@@ -132,7 +131,7 @@ def _bends(time, values):
 
 def _extent(values, bends, k):
     """Return the first and the last sample of a peak above half of its rise, that half, and whether it is short."""
-    sides = values[max(k - AROUND, 0):k], values[k + 1:k + AROUND + 1]    # an impact has a high one behind it
+    sides = values[max(k - AROUND, 0):k], values[k + 1:k + AROUND + 1]    # after an impact the pressure stays high
     around = max((float(np.median(side)) for side in sides if len(side)), default=0.0)
     half = 0.5 * (values[k] + around)
     first = last = k
@@ -146,6 +145,6 @@ def _extent(values, bends, k):
 
 
 def _crossing(time, values, below, above, half):
-    """Return the time [s] at which the line between two samples is at half of a rise; that of one at an end."""
+    """Return the time [s] at which the line between two samples is at half of a rise."""
     share = (half - values[below]) / (values[above] - values[below]) if values[above] != values[below] else 1.0
     return time[below] + share * (time[above] - time[below])

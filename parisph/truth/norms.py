@@ -1,7 +1,7 @@
 """Errors of a time series against a reference, and the noise of a pressure trace.
 
-Z14: Zheng, Ma & Duan (2014). Z17: Zheng et al. (2017). Series are (n,) arrays; times [s]
-increase. Nothing here is collective. A series that cannot be evaluated raises ValueError.
+Z14: Zheng, Ma & Duan (2014). Z17: Zheng et al. (2017). Series are (n,) arrays; times [s] increase. Nothing here is
+collective. A series that cannot be evaluated raises ValueError.
 """
 
 import numpy as np
@@ -12,8 +12,7 @@ MOST_SAMPLES = 10_000    # of a series that is sampled evenly
 def relative_l2(value: np.ndarray, truth: np.ndarray) -> float:
     """Return |value - truth| / |truth| in the discrete L2 norm; both (n,), any unit.
 
-    This is also the norm of Z14 for pressure (Er_p, Sec. 3.1.2) and, with elevations measured
-    from the bed, for waves (Er_eta, Sec. 3.2.1).
+    Z14 uses it for pressures (Er_p, Sec. 3.1.2) and for elevations above the bed (Er_eta, Sec. 3.2.1).
     """
     return wave_relative_l2(value, truth, 0.0)
 
@@ -33,8 +32,8 @@ def wave_relative_l2(value: np.ndarray, truth: np.ndarray, rest: float) -> float
 def z17_elevation(elevation: np.ndarray, truth: np.ndarray) -> float:
     """Return Z17's Err as printed (Eq 35): sqrt(sum (truth - elevation)^2) / sum(truth); (n,) each [m].
 
-    This is an L2 norm over an L1 norm: it decreases as 1/sqrt(n) with the number of samples, and its
-    denominator vanishes for a truth that oscillates about zero (ValueError if it is exactly zero).
+    It decreases as 1/sqrt(n) with the number of samples. Its denominator vanishes if the truth oscillates about zero
+    (ValueError if it is exactly zero).
     """
     value, truth = _pair(elevation, truth)
     total = np.sum(truth)
@@ -47,12 +46,11 @@ def on_reference(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray
                  shift: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return (t, value at t, reference at t), (k,) each, where the two series overlap.
 
-    t are the times of the reference, or those of the run if fewer than two times of the reference are
-    inside the run (such as a constant given by two distant points). The other series is interpolated
-    linearly.
+    t are the times of the reference, or those of the run if the reference has fewer than two inside the run (such as a
+    constant given by two distant points). The other series is interpolated linearly.
 
     time, value : (n,) of the run; reference_time, reference : (m,)
-    shift : [s], added to the run's time (a gate that opens late: the reference starts later)
+    shift : [s], added to the run's time, as for a gate that opens late
 
     Raises
     ------
@@ -79,8 +77,8 @@ def best_shift(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, 
                limit: float) -> float:
     """Return the shift [s] of the run's time, at most `limit` in either direction, with the least error.
 
-    All shifts are compared on the same samples of the reference: those that overlap the run for every
-    shift. The minimum is found on a grid of limit/100 and then on finer grids.
+    All shifts are compared at the samples of the reference that overlap the run under each of them. The minimum is
+    found on a grid of limit/100 and then on finer grids.
     """
     time, value = _series(time, value)
     reference_time, reference = _series(reference_time, reference)
@@ -109,8 +107,8 @@ def judge(time: np.ndarray, value: np.ndarray, reference_time: np.ndarray, refer
 
     Returns
     -------
-    dict: relative_l2 (of the wave part if `rest` is given), z14 (the norm of Z14, which includes the
-    level at rest), samples, start and end [s] of the compared window.
+    dict: relative_l2 (relative to the wave if `rest` is given), z14 (relative to all, with the level at rest), samples,
+    start and end [s] of the compared window.
     """
     t, found, truth = on_reference(time, value, reference_time, reference, shift)
     return {
@@ -123,8 +121,8 @@ def noise(time: np.ndarray, pressure: np.ndarray, window: tuple[float, float], s
     """Return std(p - its moving mean) / mean(p) over a window of time: the noise of a pressure trace.
 
     time [s], pressure [Pa] : (n,), steps of any length (means are integrals over time)
-    window : (start, end) [s]; values outside, such as an earlier impact, have no influence
-    smooth : width of the moving mean [s]; it is shortened at the ends of the window
+    window : (start, end) [s], outside which values have no influence
+    smooth : width of the moving mean [s], shortened at the ends of the window
     """
     t, p = cut(time, pressure, window)
     mean = _area(t, p) / (t[-1] - t[0])

@@ -7,28 +7,24 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.case.probes import Flux
 from parisph.case.schema import Case
-from parisph.truth.recorded import Recorded, parts
+from parisph.truth.recorded import Recorded, probe_records
 
 
 def passed(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
-    """Return {probe name: {"total" [m2], "events": list or None}}; probes in arrays are named as in "lines.over".
-
-    run : io.reader.Run. Events are those of `events`, None for a probe without `pause`.
-    """
+    """Return {probe name: {"total" [m2], "events": list, None without `pause`}}; in arrays as "lines.over"."""
     found: dict[str, dict[str, Any]] = {}
-    for part in parts(case, run, lambda probe: isinstance(probe, Flux)):
-        total, pause = part.values("total"), part.probe.pause
+    for record in probe_records(case, run, lambda probe: isinstance(probe, Flux)):
+        total, pause = record.values("total"), record.probe.pause
         if len(total):
-            found[part.name] = {"total": float(total[-1]),
-                                "events": None if pause is None else events(part.table["time"], total, pause)}
+            found[record.name] = {"total": float(total[-1]),
+                                "events": None if pause is None else events(record.table["time"], total, pause)}
     return found
 
 
 def events(time: Floats, total: Floats, pause: float) -> list[dict[str, float]]:
-    """Return [{"start", "end" [s], "volume" [m2]}] of a volume that passes in events with pauses between.
+    """Return [{"start", "end" [s], "volume" [m2]}] of the events in which a volume passes. Their sum is its change.
 
-    An event lasts from the last sample before water passes to the first after which none does for at least a pause.
-    The volumes add up to the change of the total.
+    An event lasts from the last sample before water passes to the first one that is followed by a pause.
 
     time, total : (n,) [s], [m2]; pause : [s]
     """

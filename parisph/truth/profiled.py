@@ -13,10 +13,7 @@ Pair = tuple[float, Floats, Floats, Floats]    # time [s]; places, heights of th
 
 
 def pairs(probe: ProbeArray, truth: Profiles, run: Recorded) -> list[Pair]:
-    """Return a run and its reference at each time of the reference that the run has reached, where both have a surface.
-
-    Raises CaseError, StoreError.
-    """
+    """Return run and reference at each time of the reference that the run has reached. Raises CaseError, StoreError."""
     table = run.probe(probe.name)
     gauges = sorted((one for one in probe.probes if isinstance(one, SurfaceGauge)), key=lambda one: one.at)
     places, found = np.array([one.at for one in gauges]), []
@@ -32,14 +29,14 @@ def pairs(probe: ProbeArray, truth: Profiles, run: Recorded) -> list[Pair]:
 
 
 def errors(probe: ProbeArray, truth: Profiles, run: Recorded) -> dict[str, Any]:
-    """Return the errors against all profiles of a truth together and against each, for summary.json.
+    """Return the errors against all profiles of a truth together and against each, without a shift of time.
 
     Returns
     -------
-    dict: relative_l2 of all points; points; start, end [s]; mean, the mean of run - reference, and rms [m];
-    profiles : for each, time [s], relative_l2, mean and rms [m]. There is no shift.
+    dict: relative_l2 of all points; points; start, end [s]; mean and rms of run - reference [m]; profiles : the same
+    of each, with its time [s]
 
-    Raises ValueError if the run has come to none of the profiles.
+    Raises ValueError if the run has reached none of the profiles.
     """
     found = pairs(probe, truth, run)
     if not found:

@@ -1,4 +1,4 @@
-"""What comparisons with a truth use of a run. io.reader.Run, which stands above, has it."""
+"""The probes of a run, as comparisons with a truth read them. io.reader.Run is a Recorded."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -24,11 +24,11 @@ class Recorded(Protocol):
         """Return {column: unit} of a probe."""
 
 
-class Part(NamedTuple):
-    """What a run has recorded of one probe.
+class ProbeRecord(NamedTuple):
+    """The series of one probe.
 
-    name : in an array as in "gauges.x1"; probe : its description
-    table : the series of its file; columns : those of this probe, in their order; prefix : of their names, in an array
+    name : in an array as "gauges.x1"; probe : its description
+    table : of its file; columns : of this probe; prefix : of their names in an array
     """
 
     name: str
@@ -38,14 +38,14 @@ class Part(NamedTuple):
     prefix: str
 
     def values(self, column: str) -> np.ndarray:
-        """Return one of its columns (samples,). In an array the only column of a probe has the name of the probe."""
+        """Return a column (samples,). In an array, the column of a probe that has only one is named as the probe."""
         return self.table[self.columns[0] if len(self.columns) == 1 else self.prefix + column]
 
 
-def parts(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> Iterator[Part]:
-    """Yield what a run has recorded of each probe that is wanted, those in arrays too. Not collective.
+def probe_records(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> Iterator[ProbeRecord]:
+    """Yield the series of each wanted probe, also in arrays. Not collective.
 
-    Probes without a file are left out: the run has not come so far. Files of other probes are not read.
+    Probes that have no file yet are left out. Files of other probes are not read.
     """
     for probe in case.probes:
         mine = [(name, one) for name, one in singles([probe]) if wanted(one)]
@@ -60,4 +60,4 @@ def parts(case: Case, run: Recorded, wanted: Callable[[Any], bool]) -> Iterator[
             prefix = f"{one.name}_" if isinstance(probe, ProbeArray) else ""
             own = [one.name] if prefix and one.name in columns else [
                 column for column in columns if column.startswith(prefix)]
-            yield Part(name, one, table, own, prefix)
+            yield ProbeRecord(name, one, table, own, prefix)

@@ -21,20 +21,17 @@ from parisph.geometry import build, columns
 from parisph.truth.recorded import Recorded
 from parisph.truth.reflection import separated, spectra, spread
 
-PERIODS = 10       # of a regular wave, at the end of the run, that are looked at
-SETTLED = 3.0      # periods after the front of the waves has come to the farthest gauge, until they are looked at
-LONG = 0.75        # wave lengths from the first to the last gauge that is chosen, at most
-MANY = 30          # gauges from which some are chosen
+PERIODS = 10       # of a regular wave, at the end of the run, that are analysed
+SETTLED = 3.0      # periods between the arrival of the front at the farthest gauge and the analysis
+LONG = 0.75        # largest distance of the chosen gauges, in wave lengths
+MANY = 30          # gauges among which some are chosen
 PAIR, TRIPLE = 2, 3
-SAME_DEPTH = 0.01  # by which share the depth at a gauge may be another than that of the wavemaker
-ENOUGH = 0.02      # of the greatest incident density: a band with less has no coefficient
+SAME_DEPTH = 0.01  # largest relative difference of the depths at a gauge and at the wavemaker
+ENOUGH = 0.02      # of the greatest incident density, below which a band has no coefficient
 
 
 def of_case(case: Case, run: Recorded) -> dict[str, Any] | None:
-    """Return `analysed` for a case with a wavemaker and gauges that suit; None for any other. With `reason` on failure.
-
-    run : io.reader.Run
-    """
+    """Return `analysed`, or {"reason": text} if it fails; None for a case without a wavemaker and two gauges."""
     if not _makers(case) or len(_gauges(case, float(_makers(case)[0][0].depth))) < PAIR:
         return None
     try:
@@ -49,20 +46,18 @@ def analysed(case: Case, run: Recorded, probes: Optional[Sequence[str]] = None, 
 
     Parameters
     ----------
-    case : Case; run : io.reader.Run
-    probes : names of two gauges or more, those in arrays as in "gauges.x1"; default the two or three that tell the
-        waves apart best
-    period : of regular waves [s]; default that of the wavemaker, irregular waves without a regular one
-    depth : of the water at the gauges [m]; default that of the wavemaker, or of the water at the start
-    start, end : of what is looked at [s]; default for regular waves the last ten periods at most, for irregular ones
-        all from their arrival at the farthest gauge on
+    probes : names of two gauges or more, in arrays as "gauges.x1"; default the two or three that separate best
+    period : of regular waves [s]; default that of the wavemaker; without a regular one the waves are irregular
+    depth : at the gauges [m]; default that of the wavemaker, or of the water at the start
+    start, end : of the analysis [s]; default for regular waves at most the last ten periods, for irregular ones all
+        after their arrival at the farthest gauge
 
     Returns
     -------
     probes, places [m], depth [m], period, start, end [s]; length [m] of the waves; regular; incident, reflected :
-    heights [m], of irregular waves significant ones; coefficient, residual : relative. Towards +x is incident, unless
-    the wavemaker makes waves towards -x. Irregular waves have bands: frequency [Hz], incident, reflected [m2/Hz] and
-    coefficient of each, with None for what the gauges do not tell.
+    heights [m], significant ones of irregular waves; coefficient, residual : relative. Waves towards +x are incident,
+    unless the wavemaker faces -x. bands of irregular waves: frequency [Hz], incident, reflected [m2/Hz] and
+    coefficient, None where the gauges do not separate.
 
     Raises CaseError for gauges or times that cannot be used.
     """
@@ -144,10 +139,7 @@ def _makers(case: Case) -> list[tuple[Any, float]]:
 
 
 def _gauges(case: Case, depth: float) -> dict[str, SurfaceGauge]:
-    """Return {name: gauge} of the gauges outside zones over a bed of that depth [m], upwards in x.
-
-    Over a bed that is not level, those from the wavemaker to the first gauge in another depth.
-    """
+    """Return {name: gauge} outside zones, sorted by x, from the wavemaker to the first gauge in another depth [m]."""
     found = [(name, probe) for name, probe in singles(case.probes) if isinstance(probe, SurfaceGauge)
              and not any(zone.start <= probe.at <= zone.end for zone in case.absorb)]
     mesh = None if all(isinstance(body, (Tank, Piston, Flap)) for body in case.bodies) else build.scene_mesh(case)
@@ -168,7 +160,7 @@ def _gauge(case: Case, name: str) -> SurfaceGauge:
 
 
 def _chosen(case: Case, k: float | None, depth: float) -> list[str]:
-    """Return the names of the two or three gauges that tell waves apart best."""
+    """Return the names of the two or three gauges that separate the waves best."""
     gauges = dict(list(_gauges(case, depth).items())[:MANY])
     if len(gauges) < PAIR:
         raise CaseError(f"the run has {len(gauges) or 'no'} SurfaceGauge{'s' * (len(gauges) != 1)} over a level bed, "

@@ -1,7 +1,6 @@
-"""Incident and reflected waves from the elevations at two gauges or more, by least squares.
+"""Incident and reflected waves from the elevations at two gauges or more, by least squares. Not collective.
 
-Goda and Suzuki (1976) take two gauges, Mansard and Funke (1980) three. Nothing here is collective. What a run says of
-its gauges is in truth.reflected.
+Goda and Suzuki (1976) use two gauges, Mansard and Funke (1980) three.
 """
 
 from collections.abc import Sequence
@@ -12,11 +11,10 @@ import numpy as np
 from parisph.base.arrays import Floats
 from parisph.case.waves.linear import wave_number
 
-SPREAD = 1e-3    # least singular value of the equations, over the greatest: gauges whole half waves apart tell nothing
-# the same for irregular waves, of which some are half a wave apart at any two gauges: errors grow with its inverse
-SPREAD_OF_MANY = 0.15
-TAPER = 0.1      # of a record, over which it begins, and over which it ends
-WITHIN = (0.5, 2.0)    # of the frequency of the peak: elsewhere there is hardly any energy
+SPREAD = 1e-3    # smallest ratio of the singular values of the equations; 0 for gauges whole half waves apart
+SPREAD_OF_MANY = 0.15    # the same for each frequency of irregular waves; errors grow with its inverse
+TAPER = 0.1      # of a record, at each end
+WITHIN = (0.5, 2.0)    # of the frequency of the peak, where nearly all energy is
 BANDS = 12       # of equal width within that
 
 

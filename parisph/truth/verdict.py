@@ -11,55 +11,50 @@ from parisph.case.truths import PeakBand, Peaks, Truth, WaveTruth, read_truth
 from parisph.truth import impacts, norms, profiled
 from parisph.truth.recorded import Recorded
 
-# The column that a truth is of; the first one of other probes.
+# The column that is compared with a truth; of other probes the first.
 COLUMNS = {"energy": "total", "volume": "cell", "flux": "total"}
-SOUGHT = 0.05    # share of the compared time by which the run is shifted either way, for the best shift
+SOUGHT = 0.05    # of the compared time: largest shift either way that is tried
 
 
 def errors(case: Case, run: Recorded) -> dict[str, dict[str, Any]]:
     """Return {probe name: errors} for the probes that have a truth. Not collective.
 
-    case : Case; run : io.reader.Run
-
     Returns
     -------
-    dict of dicts. All but the last two entries are of the series as they are, without any shift of time.
-    relative_l2 : of the wave part if Truth.wave is set, in the window of the truth, of what Truth.smooth leaves
-    paper : the norm of Zheng, Ma & Duan (2014), Er_p and Er_eta, which includes the depth
-    paper_2017 : for waves, that of Zheng et al. (2017), Eq 35 (which decreases with the number of samples)
-    points : number of compared samples of the truth, or of the run if the truth is too coarse (norms.on_reference)
-    start, end : of what was compared [s]
-    peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, when [s], level, the greatest value
-        `found`, its `time` [s], whether it is the `last` sample, so that later ones may be greater, whether it is too
-        `short` to be resolved, its `mean` over 5 ms (truth.impacts), and by which share of the nearer end it is
-        `beyond` the band, 0 inside; both count from `level`
+    dict of dicts, without a shift of time but for the last entries:
+    relative_l2 : relative to the wave if Truth.wave is set, in the window of the truth, after Truth.smooth
+    paper : the norm of Zheng, Ma & Duan (2014), Er_p and Er_eta, relative to all, with the depth
+    paper_2017 : for waves, that of Zheng et al. (2017), Eq 35
+    points : number of compared samples, see norms.on_reference
+    start, end : of the compared time [s]
+    peaks : for each band of Truth.peaks: start, end, smooth [s], low, high, when [s], level; the greatest value `found`
+        and its `time` [s]; whether it is the `last` sample, or too `short` to be resolved; its `mean` over 5 ms
+        (truth.impacts); `beyond`, its distance from the band over that of the nearer end from `level`, 0 inside
     others : {name: the same, without peaks} of the further references, also for Profiles
-    best_shift, shifted_l2 : the shift [s] of the run's time with the least error, and this error; None if it is not
-        defined
-    shift_sought : the largest shift [s] either way that was tried; a best shift at that end is no minimum
-    If nothing can be compared: relative_l2 None, and `reason`. For Peaks there are only `peaks`; for Profiles what
-    profiled.errors returns.
+    best_shift, shifted_l2 : the shift [s] of the run's time with the least error, and this error; None if not defined
+    shift_sought : the largest shift [s] that was tried; a best shift at that end is no minimum
+    If nothing can be compared: relative_l2 None, and `reason`. Peaks have only `peaks`; Profiles: profiled.errors.
     """
-    return {probe.name: _error(probe, run) for probe in case.probes if probe.truth is not None}
+    return {probe.name: _tried(_error, probe, run) for probe in case.probes if probe.truth is not None}
 
 
 def series(probe: AnyProbe, run: Recorded) -> tuple[np.ndarray, np.ndarray]:
-    """Return the times (n,) [s] and values (n,) of a probe's column that a truth is of."""
+    """Return the times (n,) [s] and values (n,) of a probe that are compared with its truth."""
     found, column = _recorded(probe, run)
     return found["time"], found[column]
 
 
 def _recorded(probe, run):
-    """Return the table of a probe, and the name of the column that a truth is of."""
+    """Return the table of a probe, and the column that is compared with its truth."""
     found = run.probe(probe.name)
     return found, COLUMNS.get(probe.kind, next(name for name in found.dtype.names if name not in ("time", "step")))
 
 
-def prepared(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+def compared_series(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """Return the series of a run and of its truth, (times, values) each, as they are compared.
 
-    Both are smoothed. The truth is cut to its window and sampled evenly there: a file may be denser at an impact, which
-    would otherwise weigh more. Raises ValueError if the run does not reach over the window, and CaseError for the file.
+    Both are smoothed. The truth is cut to its window and sampled evenly: dense samples of an impact do not weigh more.
+    Raises ValueError if the run does not cover the window, and CaseError for the file.
     """
     reference = read_truth(truth)
     if truth.smooth is not None:
@@ -71,55 +66,44 @@ def prepared(truth: Truth, time: np.ndarray, values: np.ndarray) -> tuple[tuple[
     return (time, values), reference
 
 
+def _tried(judge, *about):
+    """Return judge(*about), or why there is no error: the run is too short, or the file of the truth is missing."""
+    try:
+        return judge(*about)
+    except (ParisphError, ValueError) as problem:
+        return {"relative_l2": None, "reason": str(problem)}
+
+
 def _error(probe, run):
     truth = probe.truth
-    try:
-        if isinstance(probe, ProbeArray):
-            return _of_profiles(probe, run)
-        table, column = _recorded(probe, run)
-        time, values, seldom = table["time"], table[column], impacts.coarse(table)
-        if isinstance(truth, Peaks):
-            return {"relative_l2": None, "reason": "others report only greatest values",
-                    "peaks": [_peak(band, time, values, seldom) for band in truth.bands]}
-        if isinstance(truth, WaveTruth):
-            compared = time if truth.window is None else norms.cut(time, values, truth.window)[0]
-            return _judged((time, values), (compared, truth.series(probe.at, compared)), truth.level)
-        found = _against(truth, time, values)
-    except (ParisphError, ValueError) as problem:
-        return _not_judged(problem)
+    if isinstance(probe, ProbeArray):
+        return _of_profiles(probe, run)
+    table, column = _recorded(probe, run)
+    time, values, seldom = table["time"], table[column], impacts.coarse(table)
+    if isinstance(truth, Peaks):
+        return {"relative_l2": None, "reason": "others report only greatest values",
+                "peaks": [_peak(band, time, values, seldom) for band in truth.bands]}
+    if isinstance(truth, WaveTruth):
+        compared = time if truth.window is None else norms.cut(time, values, truth.window)[0]
+        return _judged((time, values), (compared, truth.series(probe.at, compared)), truth.level)
+    found = _against(truth, time, values)
     if truth.peaks:
         found["peaks"] = [_peak(band, time, values, seldom) for band in truth.peaks]
     if truth.others:
-        found["others"] = {other.name: _other(other, time, values) for other in truth.others}
+        found["others"] = {other.name: _tried(_against, other, time, values) for other in truth.others}
     return found
 
 
 def _of_profiles(probe, run):
-    """Return the errors of an array; a run that ends before all profiles of its truth may have come to the others."""
+    """Return the errors of an array. A run may end before all profiles of its truth, and after some of the others."""
     found, *others = [_tried(profiled.errors, probe, one, run) for one in (probe.truth, *probe.truth.others)]
     if others:
         found["others"] = {one.name: error for one, error in zip(probe.truth.others, others)}
     return found
 
 
-def _other(truth, time, values):
-    return _tried(_against, truth, time, values)
-
-
-def _tried(judge, *about):
-    try:
-        return judge(*about)
-    except (ParisphError, ValueError) as problem:
-        return _not_judged(problem)
-
-
-def _not_judged(problem):
-    """The run is too short, or the file of the truth is missing: the summary is still written."""
-    return {"relative_l2": None, "reason": str(problem)}
-
-
 def _against(truth, time, values):
-    return _judged(*prepared(truth, time, values), truth.offset if truth.wave else None)
+    return _judged(*compared_series(truth, time, values), truth.offset if truth.wave else None)
 
 
 def _judged(run, reference, level):
@@ -134,7 +118,7 @@ def _judged(run, reference, level):
 
 
 def _shifted(run, reference, level, error):
-    """Return the best shift and its error; no shift, where what is left out at the ends would make it worse."""
+    """Return the best shift and its error; no shift if the loss of samples at the ends makes it worse."""
     try:
         limit = SOUGHT * (min(run[0][-1], reference[0][-1]) - max(run[0][0], reference[0][0]))
         shift = norms.best_shift(*run, *reference, limit)

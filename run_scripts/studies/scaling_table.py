@@ -20,8 +20,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from scaling_measures import COLUMNS, cost  # noqa: E402
 
+from parisph.base import markdown  # noqa: E402
 from parisph.io.files import write_text  # noqa: E402
-from parisph.study.report import markdown  # noqa: E402
 
 
 def found_in(folder: Path) -> tuple[list[dict[str, Any]], list[str]]:
@@ -64,8 +64,8 @@ def main() -> None:
     if not summaries:
         raise SystemExit(f"scaling_table: there is no completed run in {folder}")
     table = lines(summaries)
-    text = markdown(list(table[0]), [[f"{value:.4g}" if isinstance(value, float) else str(value)
-                                      for value in line.values()] for line in table])
+    text = markdown.table(list(table[0]), [[f"{value:.4g}" if isinstance(value, float) else str(value)
+                                            for value in line.values()] for line in table])
     kind = "Strong" if len({summary["particles"] for summary in summaries}) == 1 else "Weak"
     text = f"{kind} scaling, times of a step in ms on the slowest rank.\n\n{text}\n"
     if others:

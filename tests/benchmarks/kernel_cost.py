@@ -1,17 +1,13 @@
-"""Where the CPU time of a step goes: solves, kernels, and the rest; and that of a start.
+"""Where the CPU time of a step goes: solves, kernels, and the rest.
 
     python tests/benchmarks/kernel_cost.py                  the dam break with H/s = 40 and 80, from the impact on
-    python tests/benchmarks/kernel_cost.py --start          a run of two steps beside what it cannot do without
 
 That of solves is wall time: where other programs use the core, the rest is too small. Timings on a shared machine are
 noisy: compare lines of one call.
 """
 
 import argparse
-import resource
-import subprocess
 import sys
-import tempfile
 import time
 from collections import defaultdict
 from pathlib import Path
@@ -21,13 +17,6 @@ sys.path.insert(0, str(ROOT))
 
 STEPS = 150
 SHOWN = 0.02     # kernels that take less of a step are summed up
-
-LIBRARIES = "import numpy, h5py, numba, mpi4py.MPI, petsc4py.PETSc, pydantic"
-KERNELS = 50     # as many as a dam break loads
-# numba's own cache makes all its types and functions known when the first kernel is loaded; parisph's does not
-TRIVIAL = "import numba\n" + "".join(
-    f"@numba.njit(cache=True)\ndef f{n}(x):\n    for i in range(len(x)):\n        x[i] += {n}\n"
-    for n in range(KERNELS))
 
 
 class Timed:
@@ -86,47 +75,11 @@ def step(across, timed):
     simulation.destroy()
 
 
-def start():
-    """Print what a run of two steps takes from a start, and what its libraries and any fifty kernels take."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        (folder / "trivial.py").write_text(TRIVIAL, encoding="utf-8")
-        call = "import numpy, trivial; [getattr(trivial, f'f{n}')(numpy.zeros(1)) for n in range(%d)]"
-        run = ["-m", "parisph", "run", str(ROOT / "cases" / "dam_break.py"), "-q", "--overwrite", "-o", "run", "--set",
-               "spacing=0.025", "end_time=0.01"]
-        programs = {"libraries": ["-c", LIBRARIES],
-                    "and one kernel": ["-c", f"{LIBRARIES}; {call % 1}"],
-                    f"and {KERNELS} kernels": ["-c", f"{LIBRARIES}; {call % KERNELS}"],
-                    "a run of two steps": run}
-        least = {}
-        for repeat in range(4):    # the first fills caches
-            for name, program in programs.items():
-                seconds = _cpu([sys.executable, *program], folder)
-                if repeat:
-                    least[name] = min(least.get(name, seconds), seconds)
-    for name, seconds in least.items():
-        print(f"{name:20s} {seconds:5.2f} CPU s")
-
-
-def _cpu(command, folder):
-    """Run a command; return its CPU time [s]."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600)
-    if done.returncode:
-        raise SystemExit(done.stderr)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-
-
 def main():
-    """Print the parts of steps, or those of a start."""
+    """Print the parts of steps."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--across", type=int, nargs="+", default=[40, 80], help="H/s of the dam breaks")
-    parser.add_argument("--start", action="store_true", help="a start in place of steps")
     args = parser.parse_args()
-    if args.start:
-        start()
-        return
     from parisph import Simulation  # noqa: F401    whose modules Timed looks through
 
     timed = Timed()

@@ -41,21 +41,15 @@ def only_mpirun(tmp_path, monkeypatch):
     return install
 
 
-def test_mpirun_of_another_library(only_mpirun):
-    """It starts the processes, and each is alone."""
-    found = only_mpirun('shift 2; "$@"; "$@"')
-    assert not found.ok and "gave 1 rank" in found.detail and "different MPI libraries" in found.remedy
-
-
-def test_mpirun_that_hangs(only_mpirun, monkeypatch):
-    monkeypatch.setattr(doctor, "LIMIT", 1.0)
-    found = only_mpirun("sleep 100")
-    assert not found.ok and "no answer within 1 s" in found.detail and "by hand" in found.remedy
-
-
-def test_mpirun_that_fails(only_mpirun):
-    found = only_mpirun("echo 'some noise' >&2; echo 'Error: no slots' >&2; echo ------- >&2; exit 7")
-    assert not found.ok and found.detail == "Error: no slots"
+@pytest.mark.parametrize(("script", "limit", "detail", "remedy"), [
+    ('shift 2; "$@"; "$@"', doctor.LIMIT, "gave 1 rank", "different MPI libraries"),    # each process is alone
+    ("sleep 100", 1.0, "no answer within 1 s", "by hand"),
+    ("(echo 'some noise'; echo 'Error: no slots'; echo -------) >&2; exit 7", doctor.LIMIT, "Error: no slots", ""),
+])
+def test_mpirun_of_another_library_or_that_hangs_or_fails(only_mpirun, monkeypatch, script, limit, detail, remedy):
+    monkeypatch.setattr(doctor, "LIMIT", limit)
+    found = only_mpirun(script)
+    assert not found.ok and detail in found.detail and "noise" not in found.detail and remedy in found.remedy
 
 
 def test_no_mpirun(tmp_path, monkeypatch, capsys):

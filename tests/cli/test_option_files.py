@@ -36,16 +36,12 @@ def test_file_in_the_current_folder_is_not_read(folder, words, name):
     assert "PETSc" not in done.stdout
 
 
-@pytest.mark.parametrize("words", [VERBS[0], VERBS[2]])
-def test_nor_on_two_ranks(folder, words):
+@pytest.mark.parametrize(("words", "ranks", "home"), [(VERBS[0], 2, "my home"), (VERBS[2], 2, "my home"),
+                                                      (VERBS[0], 1, "work")])
+def test_nor_on_two_ranks_or_where_the_current_folder_is_the_home(folder, words, ranks, home):
     (folder / "work" / ".petscrc").write_text(BAD)
-    done = mpirun(2, ["-m", "parisph", *words], cwd=folder / "work", timeout=COMPILING, HOME=str(folder / "my home"))
+    done = mpirun(ranks, ["-m", "parisph", *words], cwd=folder / "work", timeout=COMPILING, HOME=str(folder / home))
     assert done.returncode == 0, done.stderr
-
-
-def test_nor_where_the_current_folder_is_the_home(folder):
-    (folder / "work" / ".petscrc").write_text(BAD)
-    assert parisph(*VERBS[0], cwd=folder / "work", timeout=COMPILING, HOME=str(folder / "work")).returncode == 0
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
@@ -111,7 +107,7 @@ def test_numba_does_not_read_the_current_folder(folder, before, read):
     """Neither when it is loaded nor when it compiles; but a program that has loaded numba itself keeps what it has."""
     pytest.importorskip("yaml")    # without it numba reads no file
     (folder / "work" / ".numba_config.yaml").write_text("developer_mode: 1\n")
-    script = (f"{before}\nimport parisph.parallel.last_resort, numba\nnumba.njit(lambda x: x)(1)\n"
+    script = (f"{before}\nimport parisph.kernels.jit, numba\nnumba.njit(lambda x: x)(1)\n"
               "print(numba.config.DEVELOPER_MODE)")
     done = run([sys.executable, "-c", script], cwd=folder / "work", timeout=COMPILING)
     assert done.stdout.split() == [str(read)], done.stderr

@@ -40,9 +40,9 @@ def test_water_that_is_set_in_motion_has_short_steps():
     assert largest(column(fall=0.0), 25) > 1.5 * limit
 
 
-def test_an_impact_has_shorter_steps():
+def test_an_impact_has_shorter_steps(simulated):
     """By the acceleration of the fluid as a whole, not by that of its fastest particle alone, nor below LEAST_MOVE."""
-    s = Simulation(column(), MPI.COMM_SELF)
+    s = simulated(column())
 
     def step(mean):
         return timestep.next_step(s.method.flow, G, accelerations=(1000.0 * G, mean))
@@ -51,19 +51,17 @@ def test_an_impact_has_shorter_steps():
     assert step(12.8 * G) == pytest.approx(calm / 4.0)
     s.particles.u[s.particles.kind == FLUID] = (-2.0, 0.0)
     assert step(1e4 * G) == pytest.approx(timestep.LEAST_MOVE * SPACING / 2.0)
-    s.destroy()
 
 
-def test_a_flow_of_many_fine_particles_sets_its_own_time_scale():
+def test_a_flow_of_many_fine_particles_sets_its_own_time_scale(simulated):
     """Twenty spacings of its smallest extent are enough for that; coarser particles need shorter steps."""
     assert flow_length(column()) == SPACING
     assert flow_length(column().changed(**{"numerics.spacing": 0.005})) == pytest.approx(0.5 / 20.0)
     fine = column().changed(**{"fluid.shape": Box(width=0.5, height=0.5), "numerics.spacing": 0.0125})
     assert largest(fine, 30) == pytest.approx(0.05 * sqrt(0.025 / G))
-    s = Simulation(column(), MPI.COMM_SELF)
+    s = simulated(column())
     found = [timestep.next_step(s.method.flow, G, accelerations=(G, 0.5 * G), length=length)
              for length in (None, SPACING, 4.0 * SPACING)]
-    s.destroy()
     assert found[0] == found[1] == pytest.approx(0.5 * found[2])
 
 
@@ -105,14 +103,13 @@ def test_still_water_is_not_limited():
 
 
 @pytest.mark.parametrize("closed", [True, False])
-def test_a_full_closed_tank_has_numbers_of_its_own(closed):
+def test_a_full_closed_tank_has_numbers_of_its_own(closed, simulated):
     height = 1.0 if closed else 0.5
     case = Case(title="box", fluid=Fluid(Box(width=1.0, height=height), density=1000.0),
                 walls=Tank(width=1.0, height=1.0, lid=True),
                 gravity=(0.0, 0.0), numerics=Numerics(spacing=0.1, filter=0.02), end_time=1.0)
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     n = s.numerics
-    s.destroy()
     assert n.filter == 0.02     # the user's own
     assert (n.surface_rule, n.shift, n.kappa_strain) == (("none", 0.06, 70.0) if closed else ("gap", 0.2, 56.0))
     opened = s.case.changed(walls=Tank(width=1.0, height=2.0))

@@ -60,11 +60,10 @@ def test_free_fall_does_no_work():
         assert abs(gain) < 1e-7
 
 
-def test_without_a_budget_there_is_none(tmp_path):
+def test_without_a_budget_there_is_none(tmp_path, simulated):
     case = scene("dam_break", spacing=0.1, end_time=0.05)
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     assert simulation.advance().works is None
-    simulation.destroy()
     run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
     names = reader.open_run(tmp_path / "run").steps.dtype.names
     assert not any("work" in name for name in names) and names[-1] == "left"

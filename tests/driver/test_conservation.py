@@ -115,8 +115,8 @@ def test_volume_of_a_thin_layer_is_said_to_be_unknown():
     s.destroy()
 
 
-def test_a_body_that_loses_its_surface_on_the_way_is_named():
-    s = Simulation(scene("dam_break", spacing=0.05), MPI.COMM_SELF)
+def test_a_body_that_loses_its_surface_on_the_way_is_named(simulated):
+    s = simulated(scene("dam_break", spacing=0.05))
     s.solve_start()
     account = Account.new()
     account.start(s)
@@ -129,7 +129,6 @@ def test_a_body_that_loses_its_surface_on_the_way_is_named():
     for known in (account, resumed):
         (line,) = known.warnings()
         assert "20 particles had no contact with a free surface at t = " in line
-    s.destroy()
 
 
 # -- energy in motion -------------------------------------------------------------------------------
@@ -228,9 +227,9 @@ def test_extremes_go_on_over_a_restart(tmp_path):
     assert both["energy_range"]["high"] >= first["energy_range"]["high"]
 
 
-def test_account_of_an_older_run_is_taken_up():
+def test_account_of_an_older_run_is_taken_up(simulated):
     """It knows volume and energy at the start alone."""
-    s = Simulation(column(0.3), MPI.COMM_SELF)
+    s = simulated(column(0.3))
     s.solve_start()
     account = Account.resumed({"account": {"wall": 1.0, "cpu": 1.0, "phases": {}, "cpu_phases": {}, "fallbacks": 0,
                                            "energy": 2000.0, "volume": 1.0}})
@@ -238,7 +237,6 @@ def test_account_of_an_older_run_is_taken_up():
     content = account.conservation.content()
     assert content["energy_drift"] == pytest.approx(account.conservation.energy.now / 2000.0 - 1.0)
     assert set(account.state(s)["account"]["conservation"]) == {"energy", "motion", "kinetic", "volume"}
-    s.destroy()
 
 
 def without_surface():
@@ -259,9 +257,9 @@ def test_fluid_without_a_surface_is_announced(tmp_path):
                "walls)" in line for line in summary["warnings"])
 
 
-def test_fluid_without_a_surface_rests_all_the_same():
+def test_fluid_without_a_surface_rests_all_the_same(simulated):
     """p = 0 at one particle of the highest ones, and the weight of the water below it."""
-    s = Simulation(without_surface(), MPI.COMM_SELF)
+    s = simulated(without_surface())
     assert s.solve_start() == 121
     for _ in range(20):
         s.advance()
@@ -270,4 +268,3 @@ def test_fluid_without_a_surface_rests_all_the_same():
     top = p.p[np.abs(p.x[:, 1] - 0.9) < 1e-3]
     assert np.abs(top).max() < 1e-3 * 9810.0
     assert np.abs(p.u).max() < 1e-6
-    s.destroy()

@@ -11,7 +11,7 @@ from mpi4py import MPI
 from parisph import Airy, Case, Flap, Fluid, Numerics, Profile, StillWater
 from parisph.base import memory
 from parisph.base.errors import CaseError
-from parisph.case import elsewhere
+from parisph.case import measured_data
 from parisph.case.time_scales import stable_time_step
 from parisph.driver import describe, progress
 from parisph.driver.phases import PhaseTimers
@@ -28,7 +28,7 @@ def test_every_case_is_described(path):
     try:
         case = scene(path.stem)
     except CaseError as error:
-        if elsewhere.VARIABLE not in str(error):
+        if measured_data.VARIABLE not in str(error):
             raise
         pytest.skip(f"measured data of others is not part of parisph: {error}")
     lines = dict(line.split(None, 1) for line in describe(case).splitlines()

@@ -22,7 +22,7 @@ from parisph import (
     VelocityPoint,
 )
 from parisph.base.fields import FLUID, SURFACE
-from parisph.driver import Simulation, run, touched
+from parisph.driver import run, touched
 from parisph.driver.doubts import LIMITS, advice, heights, of_gauges
 from parisph.driver.summary import Account
 from parisph.io import info
@@ -120,9 +120,9 @@ def test_probes_that_were_emptied_or_out_of_the_water_are_named():
         "v": "no value, outside the fluid, in 20% of its samples, first at t = 2 s"}
 
 
-def test_energy_in_motion_is_judged_by_the_surface():
+def test_energy_in_motion_is_judged_by_the_surface(simulated):
     """Particles that are moved inside change the whole energy, and no wave; a surface that rises does."""
-    s = Simulation(wave(10.0, 1.0), MPI.COMM_SELF)
+    s = simulated(wave(10.0, 1.0))
     s.solve_start()
     account = Account.new()
     account.start(s)
@@ -141,11 +141,10 @@ def test_energy_in_motion_is_judged_by_the_surface():
     account.measure(s)
     assert account.conservation.content()["energy_in_motion"]["end"] is None
     assert any("the energy was +" in line for line in account.warnings())
-    s.destroy()
 
 
-def test_a_restart_knows_what_was_seen():
-    s = Simulation(wave(10.0, 1.0), MPI.COMM_SELF)
+def test_a_restart_knows_what_was_seen(simulated):
+    s = simulated(wave(10.0, 1.0))
     s.solve_start()
     account = Account.new()
     account.start(s)
@@ -160,7 +159,6 @@ def test_a_restart_knows_what_was_seen():
     for known in (account, resumed):
         (line,) = known.warnings()
         assert "two particles were 0.1 spacings apart at t = 0 s" in line
-    s.destroy()
 
 
 def test_heights_of_waves_behind_their_front_over_a_trend():

@@ -30,7 +30,7 @@ def run(ended, tmp_path):
     return shutil.copytree(ended, tmp_path / "run")
 
 
-def edit(run, seal=False, **values):
+def edit(run, /, seal=False, **values):
     """Edit case.json as by hand; seal : whether the line with the digest stays. Return the new text."""
     content = json.loads((run / "case.json").read_text())
     for name, value in values.items():
@@ -64,8 +64,12 @@ def test_edits_of_end_and_output_are_taken_and_the_edited_text_is_kept(run):
         driver.restart(run, COMM, progress=False)
 
 
-def test_until_goes_before_an_edited_end(run):
-    edit(run, end_time=7.0)
+@pytest.mark.parametrize("values", [
+    {"end_time": 7.0}, {"output__every": None}, {"output__times": [0.018]}, {"output__checkpoint_every": 1.0},
+    {"made": None}, {"made": [1]}, {"made__parameters": {"end_time": 7}},
+])
+def test_until_goes_before_an_edited_end_and_other_edits_that_are_taken(run, values):
+    edit(run, **values)
     assert driver.restart(run, COMM, until=0.024, progress=False)["time"] == pytest.approx(0.024)
 
 
@@ -107,16 +111,18 @@ def test_a_digest_that_does_not_fit_says_what_to_do(run):
 
 def test_what_parisph_wrote_itself_is_no_edit(run):
     """A run that was killed after its restart has written the new end, and before its first checkpoint."""
-    from parisph.base.seal import sealed
+    from parisph.base.json_digest import with_digest
     content = json.loads((run / "case.json").read_text())
-    (run / "case.json").write_text(json.dumps(sealed({**content, "end_time": 0.024})))
+    (run / "case.json").write_text(json.dumps(with_digest({**content, "end_time": 0.024})))
     assert driver.restart(run, COMM, progress=False)["time"] == pytest.approx(0.024)
     assert not (run / "replaced" / "1" / "case.json").exists()
 
 
 @pytest.mark.parametrize(("values", "says"), [
     ({"fluid__shape__height": -1.0}, "height"), ({"salt": 3}, "salt"), ({"end_time": "long"}, "end_time"),
-    ({"output__every": -1.0}, "every"), ({"end_time": 1e-3}, "case.json: .*end_time = 0.001 s"),
+    ({"output__every": -1.0}, "every"), ({"schema": 99}, "schema"), ({"schema": None}, "schema"),
+    ({"run": "another"}, "run"), ({"asked__preset": "gentle"}, "preset"),
+    ({"end_time": 1e-3}, "case.json: .*end_time = 0.001 s"),
     ({"end_time": 0.01}, "is of 0.02 s already")])
 def test_an_edit_that_is_wrong_is_named(run, values, says):
     edit(run, **values)

@@ -43,9 +43,9 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_steps_and_seconds_of_real_runs(name):
+def test_steps_and_seconds_of_real_runs(name, simulated):
     """Within a factor of 2.5 for the steps and of 3 for the cost of one; CPU time, as the machine may be busy."""
-    simulation = driver.Simulation(CASES[name](), MPI.COMM_SELF)
+    simulation = simulated(CASES[name]())
     simulation.solve_start()
     taken = []
     while not simulation.finished():
@@ -55,7 +55,6 @@ def test_steps_and_seconds_of_real_runs(name):
     case = simulation.case
     steps = estimated_steps(case, case.numerics, scales.expected(case))
     seconds, _ = cost.seconds_per_step(case.numerics, simulation.particles.n_global)
-    simulation.destroy()
     assert len(taken) / 2.5 < steps < 2.5 * len(taken)
     assert np.median(taken) / 3.0 < seconds < 3.0 * np.median(taken)
 

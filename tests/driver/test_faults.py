@@ -7,8 +7,7 @@ from tests.faults.parts import PARTS
 
 # Enough to see that a part works and that nothing obvious misbehaves, and quick.
 FEW = {"inputs": 30, "near_spacing": 24, "kills": 1, "checkpoints": 15, "snapshots": 15, "text_files": 10,
-       "report_into": 12, "edited_case": 12, "signals": 1, "one_rank": 1, "folders": 2,
-       "cache": 1, "environment": 2}
+       "report_into": 12, "signals": 1, "one_rank": 1, "folders": 2, "environment": 2}
 
 
 @pytest.mark.parametrize("name", PARTS)

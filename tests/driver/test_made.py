@@ -10,7 +10,7 @@ from mpi4py import MPI
 
 from parisph import Roll, StoreError, driver, load
 from parisph import run as run_case
-from parisph.base.seal import opened, sealed
+from parisph.base.json_digest import with_digest, without_digest
 from parisph.case.stored import from_json, to_json
 from parisph.io import info
 from parisph.io.files import read_json
@@ -76,10 +76,10 @@ def test_it_is_no_part_of_the_case_and_of_its_digest(place):
     assert own.origin["given"] == ["amplitude"] and own == own.of({}) and to_json(own) == to_json(own.of({}))
     assert again.resolved(own.complete_numerics()).model_dump() == own.resolved(own.complete_numerics()).model_dump()
     assert own.changed(end_time=1.0).origin["changed"] == ["end_time"]
-    made = [sealed({"run": "a", "title": "b", "made": {"date": date}}) for date in ("now", "then")]
-    assert made[0]["digest"] == made[1]["digest"] and [opened(one)[1] for one in made] == [True, True]
+    made = [with_digest({"run": "a", "title": "b", "made": {"date": date}}) for date in ("now", "then")]
+    assert made[0]["digest"] == made[1]["digest"] and [without_digest(one)[1] for one in made] == [True, True]
     made[0]["made"]["date"] = "never"
-    assert not opened(made[0])[1]
+    assert not without_digest(made[0])[1]
 
 
 @pytest.mark.parametrize("made", [

@@ -43,18 +43,15 @@ def test_failure_inside_a_call(tmp_path, what, says, code):
     assert "an error on rank 1 alone, in Simulation.advance: stopping all 2 ranks" in said
 
 
-@pytest.mark.parametrize(("what", "says"), [
-    ("sys.exit(0)", "rank 1 has ended, and rank 0 waits for it in Simulation.advance"),
-    ("raise ValueError('on one rank')", "ValueError: on one rank"),
+@pytest.mark.parametrize(("what", "after", "says"), [
+    ("sys.exit(0)", "", "rank 1 has ended, and rank 0 waits for it in Simulation.advance"),
+    ("raise ValueError('on one rank')", "", "ValueError: on one rank"),
+    ("pass", "if comm.rank == 1: raise ValueError('at the end')\ntime.sleep(300)",
+     "rank 1 ends with an error, while others continue"),
 ])
-def test_failure_between_calls(tmp_path, what, says):
-    code, said = carried_out(tmp_path, what, between=[1])
+def test_failure_between_calls_or_while_the_others_do_something_else(tmp_path, what, after, says):
+    code, said = carried_out(tmp_path, what, between=[1], after=after)
     assert code != 0 and says in said and "stopping all 2 ranks" in said
-
-
-def test_failure_while_the_others_do_something_else(tmp_path):
-    code, said = carried_out(tmp_path, after="if comm.rank == 1: raise ValueError('at the end')\ntime.sleep(300)")
-    assert code == 1 and "ValueError: at the end" in said and "rank 1 ends with an error, while others continue" in said
 
 
 @pytest.mark.parametrize("alone", [0, 1])

@@ -7,18 +7,17 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import CaseError, PeakBand, PressureTap, SurfaceGauge, Truth, WaterFront
-from parisph import Peaks as PeaksOf
+from parisph import CaseError, PeakBand, Peaks, PressureTap, SurfaceGauge, Truth, WaterFront
 from parisph.__main__ import main
 from parisph.base.fields import FIELDS
 from parisph.case.schema import Output
 from parisph.driver import restart, run
-from parisph.driver.peaks import Peaks
+from parisph.driver.peaks import PeakFlows
 from parisph.io import reader
 from parisph.io.store import Store
 from parisph.parallel.particles import Particles
 from tests import watched
-from tests.scenes import difference, on_two_and_then, scene
+from tests.scenes import assert_same, on_two_and_then, scene
 
 UNIT = (1.0 / 9.81) ** 0.5
 TAP = PressureTap("tap", at=(0.0, 0.1), peak=True)
@@ -37,7 +36,7 @@ class Acting:
         self.values, self.folder = values, folder
         self.store = store or Store.create(MPI.COMM_SELF, folder, watched.scene([TAP]).model_dump_json())
         sampler = SimpleNamespace(name="tap", probe=tap, of_pressure=True)
-        self.peaks = Peaks(self.simulation, [sampler], ("u", "p", "role"), state)
+        self.peaks = PeakFlows(self.simulation, [sampler], ("u", "p", "role"), state)
 
     def go(self, first, last):
         """Take the steps from first to last; return what is in the folder then: (step, value) or None."""
@@ -94,7 +93,7 @@ def test_no_number_and_an_equal_value_are_no_peak(tmp_path):
 
 
 @pytest.mark.parametrize("truth", [
-    PeaksOf([PeakBand(start=0.15, end=0.35, when=0.2)]), Truth("a.csv", time="t", value="p", window=(0.15, 0.35)),
+    Peaks([PeakBand(start=0.15, end=0.35, when=0.2)]), Truth("a.csv", time="t", value="p", window=(0.15, 0.35)),
     Truth("a.csv", time="t", value="p", window=(0.0, 9.0), peaks=(PeakBand(start=0.15, end=0.35, low=1.0, high=2.0),)),
 ])
 def test_only_values_within_the_truth_of_the_probe_count(tmp_path, truth):
@@ -206,17 +205,11 @@ def test_it_is_the_state_that_a_snapshot_of_that_time_holds(whole, tmp_path):
         np.testing.assert_array_equal(peak[name], snapshot[name])
 
 
-def test_it_is_of_all_steps_however_seldom_samples_are_written(whole, tmp_path):
-    found = done(impact(2.0, probe_every=50), tmp_path / "a")
-    assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
-    found = done(impact(2.0, probe_interval=0.1), tmp_path / "b")
-    assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
-
-
-def test_it_is_of_all_steps_for_a_probe_with_few_samples(whole, tmp_path):
-    case = impact(2.0)
-    few = case.changed(probes=[probe.model_copy(update={"every": 50}) for probe in case.probes])
-    found = done(few, tmp_path / "run")
+@pytest.mark.parametrize(("output", "probe"), [({"probe_every": 50}, {}), ({"probe_interval": 0.1}, {}),
+                                               ({}, {"every": 50})])
+def test_it_is_of_all_steps_however_seldom_samples_are_written(whole, tmp_path, output, probe):
+    case = impact(2.0, **output)
+    found = done(case.changed(probes=[one.model_copy(update=probe) for one in case.probes]), tmp_path / "run")
     assert found.peak("P2")["step"] == whole.peak("P2")["step"] and len(found.probe("P2")) < 8
 
 
@@ -233,8 +226,7 @@ def test_a_restart_on_other_ranks_before_or_after_it_ends_with_the_same(whole, t
     for folder in ("run", "elsewhere"):
         found = reader.open_run(tmp_path / folder).peak("P2")
         assert found["step"] == due["step"] and found["peak"] == pytest.approx(due["peak"], rel=1e-5)
-        for name in ("x", "u", "p"):
-            assert difference(found[name], due[name]) < 1e-5, name
+        assert_same(due, found, 1e-5)
 
 
 def test_ends_before_within_and_behind_it_leave_no_trace(whole, tmp_path):
@@ -257,7 +249,7 @@ def test_within_a_window_it_is_the_greatest_there(whole, tmp_path, capsys):
     series, probes = whole.probe("P2"), [probe for probe in impact(2.0).probes if probe.name == "P2"]
     k = int(np.nanargmax(series["pressure"]))
     windows = {"before": series["time"][[k - 60, k - 3]], "behind": series["time"][[k + 3, k + 45]]}
-    case = impact(2.0).changed(probes=[probes[0].model_copy(update={"name": name, "truth": PeaksOf(
+    case = impact(2.0).changed(probes=[probes[0].model_copy(update={"name": name, "truth": Peaks(
         [PeakBand(start=start - 1e-9, end=end + 1e-9, when=start)])}) for name, (start, end) in windows.items()])
     found = done(case, tmp_path / "run")
     for name, (start, end) in windows.items():

@@ -35,7 +35,7 @@ from parisph import (
 )
 from parisph.base.errors import StoreError
 from parisph.base.fields import FLUID, WALL
-from parisph.base.seal import sealed
+from parisph.base.json_digest import with_digest
 from parisph.io.layout import INDEX
 from parisph.io.reader import open_run
 from parisph.report import conditions, energies, gallery, page
@@ -43,6 +43,16 @@ from tests.launch import ROOT, parisph
 
 CELL = re.compile(r'<td class="number" data-from="(.*?)" title="(.*?)">(.*?)</td>')
 PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def still(folder, **changes):
+    """Run water at rest in a tank for some steps, with changes of its case, into a folder."""
+    case = Case(**{
+        "title": "Still", "fluid": Fluid(Box(width=1.0, height=0.4), density=1e3), "gravity": (0.0, -9.81),
+        "walls": Tank(width=1.0, height=0.5), "end_time": 0.05,
+        "numerics": Numerics(spacing=0.1, preset="gentle", time_step=0.005), **changes})
+    run(case, MPI.COMM_SELF, folder, progress=False)
+    return folder
 
 
 @pytest.fixture(scope="module")
@@ -59,16 +69,9 @@ def made(tmp_path_factory):
     bands = (PeakBand(start=0.0, end=0.03, low=1000.0, high=3000.0), PeakBand(start=0.0, end=0.03, low=1.0, high=2.0))
     truth = first.model_copy(update={"others": (other,), "peaks": bands, "note": "a sensor of brass"})
     late = first.model_copy(update={"window": (0.5, 0.9), "note": "a sensor of brass"})
-    case = Case(
-        title="Still & <calm>", source="Nobody (1999), <Fig 2>",
-        fluid=Fluid(Box(width=1.0, height=0.4), density=1e3), walls=Tank(width=1.0, height=0.5),
-        gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.005),
-        probes=[PressureTap("tap", at=(0.0, 0.2), truth=truth, peak=True), SurfaceGauge("late", at=0.5, truth=late),
-                Energy("energy")],
-        end_time=0.05,
-    )
-    run(case, MPI.COMM_SELF, folder / "run", progress=False)
-    return folder / "run"
+    return still(folder / "run", title="Still & <calm>", source="Nobody (1999), <Fig 2>", probes=[
+        PressureTap("tap", at=(0.0, 0.2), truth=truth, peak=True), SurfaceGauge("late", at=0.5, truth=late),
+        Energy("energy")])
 
 
 @pytest.fixture(scope="module")
@@ -108,12 +111,9 @@ def test_every_number_of_the_page_is_in_the_files_of_the_run(made, text):
             "summary.json: wall_particles", "summary.json: errors/late/reason"} <= sources
 
 
-def test_page_says_where_the_scene_is_from(text):
-    assert "scene of" in text and "Nobody (1999), &lt;Fig 2&gt;" in text
-
-
 def test_the_page_is_one_file_with_its_pictures(made, text):
     assert "<title>Still &amp; &lt;calm&gt;</title>" in text and "<calm>" not in text
+    assert "scene of" in text and "Nobody (1999), &lt;Fig 2&gt;" in text
     peak = open_run(made).peak("tap")
     assert f"greatest value of tap within the time that is compared: {peak['peak']:.4g} Pa at t = " in text
     assert "shift = 0" in text and "tap, late: a sensor of brass" in text and text.count("brass") == 1
@@ -215,7 +215,7 @@ def test_a_peak_that_still_rises_and_a_shift_that_is_no_minimum_are_marked(made,
     tap.update(best_shift=-0.0015, shift_sought=0.0015)
     tap["others"]["<b>"].update(best_shift=-0.0005, shift_sought=0.0015)
     try:
-        path.write_text(json.dumps(sealed(content)))
+        path.write_text(json.dumps(with_digest(content)))
         text = page.write(made, tmp_path).read_text(encoding="utf-8")
         lines = gallery.write([made], tmp_path)[1].read_text(encoding="utf-8")
     finally:
@@ -234,42 +234,31 @@ def test_numbers_and_profiles_have_their_tables(tmp_path):
     gauges = [SurfaceGauge(f"x{k}", at=0.1 * k) for k in (3, 5, 7)]
     theirs, also = (Profiles(str(tmp_path / f"{file}.csv"), time="t", x="x", value="y", name=name)
                     for file, name in (("profiles", ""), ("more", "computed")))
-    case = Case(
-        title="Numbers", fluid=Fluid(Box(width=1.0, height=0.4), density=1e3), walls=Tank(width=1.0, height=0.5),
-        gravity=(0.0, -9.81), numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.005),
-        probes=[
-            PressureTap("tap", at=(0.0, 0.2), truth=Peaks([PeakBand(start=0.0, end=0.03, when=0.02)], name="theirs")),
-            ProbeArray("all", gauges, truth=theirs.model_copy(update={"others": (also,)})),
-            SurfaceGauge("level", at=0.5, arrival=0.39),
-        ],
-        end_time=0.05,
-    )
-    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
+    still(tmp_path / "run", probes=[
+        PressureTap("tap", at=(0.0, 0.2), truth=Peaks([PeakBand(start=0.0, end=0.03, when=0.02)], name="theirs")),
+        ProbeArray("all", gauges, truth=theirs.model_copy(update={"others": (also,)})),
+        SurfaceGauge("level", at=0.5, arrival=0.39)])
     text = page.write(tmp_path / "run").read_text(encoding="utf-8")
-    for source, _, shown in CELL.findall(text):
+    found = {html.unescape(source): shown for source, _, shown in CELL.findall(text)}
+    for source, shown in found.items():
         if "/profiles/" in source or "/peaks/" in source:
-            value = entry(tmp_path / "run", html.unescape(source))
-            assert float(shown) == pytest.approx(value, rel=0.02), source
-    assert {f"summary.json: errors/all/profiles/1/{name}" for name in ("time", "relative_l2", "mean", "rms")} <= {
-        html.unescape(source) for source, _, _ in CELL.findall(text)}
-    assert "summary.json: errors/all/others/computed/profiles/0/rms" in {
-        html.unescape(source) for source, _, _ in CELL.findall(text)}
+            assert float(shown) == pytest.approx(entry(tmp_path / "run", source), rel=0.02), source
+    assert {"summary.json: errors/all/others/computed/profiles/0/rms", "case.json: probes/2/arrival",
+            *(f"summary.json: errors/all/profiles/1/{name}" for name in ("time", "relative_l2", "mean", "rms"))
+            } <= set(found)
     assert (tmp_path / "run" / "report" / "all.png").exists()
     gallery.write([tmp_path / "run"], tmp_path / "gallery")
     lines = (tmp_path / "gallery" / "gallery.md").read_text(encoding="utf-8")
     assert "| tap | theirs: at 0.02 s | " in lines and "| all | profiles.csv | 0.0244 | - | computed: 0.0476 |" in lines
     assert "| level | when it passes 0.39 m | - | - |" in lines
-    assert "case.json: probes/2/arrival" in {source for source, _, _ in CELL.findall(text)}
 
 
 def test_what_a_picture_does_not_show_is_told_of_the_scene(tmp_path):
-    case = Case(
-        title="Shaken", fluid=Fluid(Box(width=2.0, height=0.4), density=1e3), walls=Tank(width=2.0, height=0.5),
-        gravity=(0.0, -9.81), frame=Sway(0.001, 3.0), absorb=Sponge(start=1.2, length=0.8), end_time=0.02,
-        numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.01, jitter=0.2, seed=7), probes=[Energy("energy")],
-    )
-    run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
-    text = page.write(tmp_path / "run").read_text(encoding="utf-8")
+    made = still(tmp_path / "run", fluid=Fluid(Box(width=2.0, height=0.4), density=1e3), frame=Sway(0.001, 3.0),
+                 walls=Tank(width=2.0, height=0.5), absorb=Sponge(start=1.2, length=0.8), end_time=0.02,
+                 numerics=Numerics(spacing=0.1, preset="gentle", time_step=0.01, jitter=0.2, seed=7),
+                 probes=[Energy("energy")])
+    text = page.write(made).read_text(encoding="utf-8")
     found = {source: shown for source, _, shown in CELL.findall(text)}
     told = {"numerics/jitter": "0.2 spacings", "numerics/seed": "7", "frame/kind": "sway", "absorb/0/start": "1.2 m",
             "absorb/0/length": "0.8 m"}
@@ -301,12 +290,11 @@ def test_wavemakers_and_walls_that_move_are_told():
 
 
 def test_a_folder_without_a_run_is_an_error_with_a_remedy(made, tmp_path):
-    with pytest.raises(StoreError, match="it holds runs .run.: give one of them, or all with --all"):
-        page.write(made.parent)
-    with pytest.raises(StoreError, match="give the folder that `parisph run` has printed"):
-        page.write(tmp_path)
-    with pytest.raises(StoreError, match="holds no run: give the folder of a run"):
-        gallery.write([tmp_path], tmp_path / "gallery")
+    for write, says in ((lambda: page.write(made.parent), "it holds runs .run.: give one of them, or all with --all"),
+                        (lambda: page.write(tmp_path), "give the folder that `parisph run` has printed"),
+                        (lambda: gallery.write([tmp_path], tmp_path), "holds no run: give the folder of a run")):
+        with pytest.raises(StoreError, match=says):
+            write()
 
 
 def test_the_command_prints_what_it_has_written(made, tmp_path):

@@ -27,10 +27,9 @@ def swaying(**numerics):
 
 @pytest.mark.parametrize(("numerics", "longest"),
                          [({}, PERIOD / 50), ({"max_time_step": 0.01}, 0.01), ({"time_step": 0.04}, 0.04)])
-def test_adaptive_step_resolves_the_sway(numerics, longest):
-    s = Simulation(swaying(**numerics), MPI.COMM_SELF)
+def test_adaptive_step_resolves_the_sway(numerics, longest, simulated):
+    s = simulated(swaying(**numerics))
     steps = [s.advance() and s.dt for _ in range(4)]
-    s.destroy()
     assert steps == pytest.approx([longest] * 4)
     assert f"{longest:g} s" in describe(s.case)
 
@@ -56,17 +55,16 @@ def test_first_step_knows_the_acceleration_to_come():
     assert 0.5 < steps[:8].max() / steps[0] < 2.0
 
 
-def test_the_step_does_not_know_when_the_run_ends():
+def test_the_step_does_not_know_when_the_run_ends(simulated):
     """Bit for bit, up to the last steps, which share the way to the end."""
     walls, found = Tank(width=2.0, height=2.0, lid=True), []
     for end_time in (0.3, 0.6):
-        s = Simulation(still((0.0, -9.81), walls=walls, end_time=end_time, spacing=0.05), MPI.COMM_SELF)
+        s = simulated(still((0.0, -9.81), walls=walls, end_time=end_time, spacing=0.05))
         s.solve_start()
         states = []
         while s.time < 0.3 * (1.0 - 1e-12):
             s.advance()
             states.append((s.time, s.gather("x", "u", "p", "role")))
-        s.destroy()
         found.append(states)
     short, long = found
     assert len(short) > SHARING + 6
@@ -102,22 +100,19 @@ def test_speed_alone_sets_the_step():
     assert steps_of(still(velocity=(2.0, 0.0)), 1) == pytest.approx([CFL * 0.1 / 2.0])
 
 
-def test_restart_at_the_start_has_the_same_first_step(tmp_path):
+def test_restart_at_the_start_has_the_same_first_step(tmp_path, simulated):
     case = still((0.0, -9.81), walls=Tank(width=2.0, height=2.0, lid=True))
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     s.solve_start()
     path = checkpoint.write(s.comm, tmp_path, s.particles, 0.0, 0, 0.0, case.model_dump_json(), {}, {})
     first = s.advance().dt
-    s.destroy()
-    s = Simulation(case, MPI.COMM_SELF, start=checkpoint.read(MPI.COMM_SELF, path))
+    s = simulated(case, start=checkpoint.read(MPI.COMM_SELF, path))
     assert s.advance().dt == first
-    s.destroy()
 
 
-def test_flow_out_of_hand_is_named():
-    s = Simulation(still((0.0, -9.81), walls=Tank(width=2.0, height=2.0, lid=True)), MPI.COMM_SELF)
+def test_flow_out_of_hand_is_named(simulated):
+    s = simulated(still((0.0, -9.81), walls=Tank(width=2.0, height=2.0, lid=True)))
     s.advance()
     s.particles.u[0] = [1e7, 0.0]
     with pytest.raises(SolverDiverged, match=r"1e\+07 m/s.*far too fast"):
         s.advance()
-    s.destroy()

@@ -1,12 +1,11 @@
 """A piston, obstacles and a slope are the same flow on 1, 2 and 3 ranks, and after a restart on more of them."""
 
-import h5py
 import numpy as np
 import pytest
 
 from parisph.base.fields import FLUID
-from parisph.io import checkpoint
-from tests.scenes import difference, on_ranks
+from tests.running import last_checkpoint
+from tests.scenes import assert_same, on_ranks
 
 STEPS = 20
 PRESETS = ("violent", "gentle", "solitary")
@@ -41,17 +40,7 @@ def folder(tmp_path_factory):
 @pytest.mark.parametrize("other", ["2", "3", "part"])
 def test_same_flow(folder, preset, other):
     """The piston goes a third of a spacing; water comes nearly as fast as it does."""
-    (due, ranks), (found, others) = (_last(folder / f"{preset}-{name}") for name in ("1", other))
-    assert (ranks, others) == (1, 2 if other == "2" else 3)
-    np.testing.assert_array_equal(found["role"], due["role"])
+    (one, due), (more, found) = (last_checkpoint(folder / f"{preset}-{name}") for name in ("1", other))
+    assert one["step"] == more["step"] == STEPS and (one["ranks"], more["ranks"]) == (1, 2 if other == "2" else 3)
     assert np.abs(due["u"][due["kind"] == FLUID]).max() > 0.05
-    for name in ("x", "u", "p"):
-        assert difference(found[name], due[name]) < 1e-9, name
-
-
-def _last(run):
-    """Return the particles in the last checkpoint of a run, in the order of their ids, and its number of ranks."""
-    with h5py.File(checkpoint.paths(run / "checkpoints")[-1], "r") as file:
-        assert file.attrs["step"] == STEPS
-        order = np.argsort(file["particles/id"][:])
-        return {name: data[:][order] for name, data in file["particles"].items()}, file.attrs["ranks"]
+    assert_same(due, found)

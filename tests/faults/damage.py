@@ -42,13 +42,12 @@ def two_runs(folder, ranks):
     return made
 
 
-def sound_run(folder, **settings):
-    """Write case.py into a folder and make the run `sound` of it; return CompletedProcess."""
+def sound_run(folder):
+    """Write case.py into a folder and make the run `sound` of it."""
     (folder / "case.py").write_text(CASE)
-    done = parisph("run", "case.py", "-o", "sound", "-q", timeout=300, cwd=folder, **settings)
+    done = parisph("run", "case.py", "-o", "sound", "-q", timeout=300, cwd=folder)
     if done.returncode != 0:
         raise RuntimeError(f"no sound run: {done.stderr}")
-    return done
 
 
 def copy_kernels(folder):

@@ -5,13 +5,12 @@ import shutil
 import signal
 import time
 
-import h5py
 import numpy as np
 
 from parisph.base.errors import ParisphError
-from parisph.io import checkpoint, reader
+from parisph.io import reader
 from tests.launch import mpirun, parisph
-from tests.running import lives, running
+from tests.running import last_checkpoint, lives, running
 from tests.scenes import difference
 
 # Checkpoints and snapshots in almost every step: many kills come in the middle of one.
@@ -112,12 +111,6 @@ def _compare(run, due, what):
     left = [path.name for path in run.rglob(".*")] + [path.name for path in run.glob("run.lock")]
     if left:
         return f"{what}: left behind {left}"
-    a, b = _last(run), _last(due)
+    (_, a), (_, b) = last_checkpoint(run), last_checkpoint(due)
     wrong = [name for name in ("x", "u", "p") if difference(a[name], b[name]) > 1e-8]
     return f"{what}: {wrong} differ from the run that was never killed" if wrong else None
-
-
-def _last(run):
-    with h5py.File(checkpoint.paths(run / "checkpoints")[-1], "r") as file:
-        order = np.argsort(file["particles/id"][:])
-        return {name: file["particles"][name][:][order] for name in ("x", "u", "p")}

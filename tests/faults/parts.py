@@ -1,9 +1,7 @@
 """The parts of the campaign, in their order. One module of this folder holds each of them."""
 
 from tests.faults import (
-    cache,
     checkpoints,
-    edited,
     environment,
     folders,
     inputs,
@@ -25,10 +23,8 @@ PARTS: dict[str, Part] = {
     "snapshots": Part("damaged snapshots", 300, snapshots.make),
     "text_files": Part("damaged CSV and JSON files", 60, text_files.make),
     "report_into": Part("report --into any file, kept or refused", 60, into.make),
-    "edited_case": Part("restarts after edits of case.json, taken or refused", 84, edited.make),
     "signals": Part("two signals within 50 ms to one of 2 ranks or both", 100, signals.make),
     "one_rank": Part("a fault in a step or between two on one of 2 ranks", 40, one_rank.make),
     "folders": Part("full disk, files removed, no permission, while running", 42, folders.make),
-    "cache": Part("compiled kernels: damaged, a full disk, read-only, two at once, killed", 36, cache.make),
     "environment": Part("variables, limits and users that a process may meet", 120, environment.make),
 }

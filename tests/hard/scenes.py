@@ -1,9 +1,9 @@
 """All hard cases by name, in their order; and the quick selection, which the default tests run."""
 
-from tests.hard import columns, dam, drops, obstacles, ranks, rectangles, swirls, symmetry, tanks, waves
+from tests.hard import columns, dam, drops, obstacles, rectangles, swirls, symmetry, tanks, waves
 from tests.hard.scene import Scene
 
-PARTS = (dam, obstacles, columns, drops, rectangles, swirls, waves, tanks, symmetry, ranks)
+PARTS = (dam, obstacles, columns, drops, rectangles, swirls, waves, tanks, symmetry)
 SCENES: dict[str, Scene] = {name: scene for part in PARTS for name, scene in part.SCENES.items()}
 SHORT = (obstacles, columns, rectangles, symmetry)
 QUICK: dict[str, Scene] = {name: scene for part in SHORT for name, scene in part.QUICK.items()}

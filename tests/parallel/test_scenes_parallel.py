@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph.case import elsewhere
+from parisph.case import measured_data
 from parisph.driver.simulation import Simulation
 from tests.physics.test_coarse_scenes import COARSE, NAMES
 from tests.scenes import made_motion, scene
@@ -25,7 +25,7 @@ def ends(case, comm):
 @pytest.mark.parametrize("name", NAMES)
 def test_begins_on_several_ranks_as_on_one(comm, tmp_path, monkeypatch, name):
     made_motion(tmp_path)
-    monkeypatch.setenv(elsewhere.VARIABLE, str(tmp_path))
+    monkeypatch.setenv(measured_data.VARIABLE, str(tmp_path))
     # made on one rank: the names of its files differ
     case = comm.bcast(scene(name, **COARSE[name]).changed(**{"numerics.rtol": 1e-12}))
     together = ends(case, comm)

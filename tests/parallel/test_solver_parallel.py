@@ -18,16 +18,8 @@ BUSY = {"all": None, "one": 1}  # how many ranks have rows; the last ones
 
 @pytest.fixture
 def make(comm):
-    """Return a function that makes solvers, which are destroyed after the test."""
-    made = []
-
-    def new(*options, **settings):
-        made.append(PressureSolver(comm, list(options), **settings))
-        return made[-1]
-
-    yield new
-    for solver in made:
-        solver.destroy()
+    with systems.solvers(comm) as new:
+        yield new
 
 
 class Problem:

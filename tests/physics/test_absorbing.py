@@ -49,21 +49,20 @@ def test_a_sponge_reflects_little(sponge, limit):
     assert found.incident == pytest.approx(0.5 * HEIGHT, rel=0.05)
 
 
-def test_water_at_rest_stays_at_rest_in_an_uneven_zone():
+def test_water_at_rest_stays_at_rest_in_an_uneven_zone(simulated):
     case = Case(title="rest", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 1.0), gravity=(0.0, -G),
                 absorb=[Sponge(0.0, 0.4, 100.0), Sponge(0.6, 0.4, 100.0)],
                 numerics=Numerics(preset="gentle", spacing=0.05, time_step=0.01, rtol=1e-12, jitter=0.4), end_time=1.0)
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     for _ in range(100):
         simulation.advance()
     assert np.abs(simulation.particles.u).max() < 1e-10
-    simulation.destroy()
 
 
-def test_the_budget_knows_what_zones_take_and_give():
+def test_the_budget_knows_what_zones_take_and_give(simulated):
     case = tank(1.0, periods=2.0)
     case = case.changed(probes=[Energy("energy")], **{"numerics.rtol": 1e-12})
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     sampler, = instruments.build(case, simulation.comm)
 
     def energy():
@@ -75,7 +74,6 @@ def test_the_budget_knows_what_zones_take_and_give():
         total += sum(works.values())
         zones, pressure = zones + works["work_absorb"], pressure + works["work_pressure"]
     gain = energy() - first
-    simulation.destroy()
     assert total == pytest.approx(gain, rel=1e-6)
     # the waves have their energy from the zone; the rest is of first order in the spacing: 16, 11 and 5 %
     assert zones > 0.0 and abs(pressure) < 0.14 * zones

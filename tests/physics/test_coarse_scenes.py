@@ -7,7 +7,7 @@ import pytest
 from mpi4py import MPI
 
 from parisph import open_run, run
-from parisph.case import elsewhere
+from parisph.case import measured_data
 from tests.launch import ROOT
 from tests.scenes import made_motion, scene
 
@@ -40,7 +40,7 @@ NAMES = sorted(path.stem for path in (Path(ROOT) / "cases").glob("*.py"))
 @pytest.mark.parametrize("name", NAMES)
 def test_runs_to_its_end_and_keeps_its_water(tmp_path, monkeypatch, name):
     made_motion(tmp_path)
-    monkeypatch.setenv(elsewhere.VARIABLE, str(tmp_path))
+    monkeypatch.setenv(measured_data.VARIABLE, str(tmp_path))
     case = scene(name, **COARSE[name])
     summary = run(case, MPI.COMM_SELF, tmp_path / "run", progress=False)
     assert summary["status"].startswith("completed") and summary["steps"] >= 5

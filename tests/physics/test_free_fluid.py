@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph.case.waves import drop_half_axes
-from parisph.driver import Simulation
 from parisph.watch import instruments
 from tests.scenes import scene
 
@@ -27,9 +25,9 @@ def steps(s, count):
 
 
 @pytest.mark.parametrize(("stiffness", "end"), [(0.0, 1.0), (1.0, 2.0)])
-def test_drop_in_a_straining_flow(stiffness, end):
+def test_drop_in_a_straining_flow(stiffness, end, simulated):
     """It stays an ellipse with known half axes; with a central force it oscillates."""
-    s = Simulation(scene("free_drop", {"time_step": 0.01}, spacing=0.05, stiffness=stiffness), MPI.COMM_SELF)
+    s = simulated(scene("free_drop", {"time_step": 0.01}, spacing=0.05, stiffness=stiffness))
     _, after = steps(s, round(end / 0.01))
     axes = 2.0 * np.sqrt(np.mean(s.particles.x ** 2, axis=0))     # of an ellipse: <x^2> = a^2/4
     exact = np.ravel([axis[-1] for axis in drop_half_axes(np.array([0.0, s.time]), 1.0, 1.0, stiffness)])
@@ -37,7 +35,6 @@ def test_drop_in_a_straining_flow(stiffness, end):
     assert after["volume"]["cell"] == pytest.approx(1.0, abs=0.01)
     whole = np.pi * 1000.0      # mass times the speed on the rim
     assert np.hypot(after["momentum"]["px"], after["momentum"]["py"]) < 5e-3 * whole
-    s.destroy()
 
 
 def centre_pressure():
@@ -51,24 +48,22 @@ def centre_pressure():
 
 @pytest.mark.parametrize("settle", ["solve_start", "advance"])
 @pytest.mark.parametrize("preset", ["violent", "gentle"])
-def test_first_pressure_of_a_rotating_patch(preset, settle):
+def test_first_pressure_of_a_rotating_patch(preset, settle, simulated):
     """Of the start, where no step has been made, and of the first step: both are the exact one."""
-    s = Simulation(scene("rotating_patch", {"time_step": 1e-3, "preset": preset}, spacing=0.05), MPI.COMM_SELF)
+    s = simulated(scene("rotating_patch", {"time_step": 1e-3, "preset": preset}, spacing=0.05))
     getattr(s, settle)()
     centre = np.argmin(np.linalg.norm(s.particles.x, axis=1))
     assert s.particles.p[centre] / 1000.0 == pytest.approx(centre_pressure(), rel=2e-3)
-    s.destroy()
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 1.0])
 @pytest.mark.parametrize("numerics", [{}, {"strain": 0.0}, {"zeta_time": 0.1}, {"gamma": 0.1}])
-def test_first_pressure_of_a_straining_drop(stiffness, numerics):
+def test_first_pressure_of_a_straining_drop(stiffness, numerics, simulated):
     """p = rho/2 (1 + B^2) (R^2 - r^2) at the start, whatever the weights of a step are.
 
     The particles end up to a spacing inside the circle, so the pressure is lower by as much everywhere.
     """
-    s = Simulation(scene("free_drop", {"time_step": 0.01, **numerics}, spacing=0.025, stiffness=stiffness),
-                   MPI.COMM_SELF)
+    s = simulated(scene("free_drop", {"time_step": 0.01, **numerics}, spacing=0.025, stiffness=stiffness))
     s.solve_start()
     p = s.particles
     unit = 500.0 * (1.0 + stiffness**2)
@@ -76,7 +71,6 @@ def test_first_pressure_of_a_straining_drop(stiffness, numerics):
     lower = 1.0 - (p.x[inside] ** 2).sum(axis=1) - p.p[inside] / unit
     assert 0.0 < lower.mean() < 0.05, "2 s/R at most"
     assert np.ptp(lower) < 0.02
-    s.destroy()
 
 
 def spin(p):
@@ -84,9 +78,9 @@ def spin(p):
     return np.sum(p.x[:, 0] * p.u[:, 1] - p.x[:, 1] * p.u[:, 0])
 
 
-def test_rotating_patch():
+def test_rotating_patch(simulated):
     """The pressure in the middle is negative and the corners move outwards, until t omega = 1.4."""
-    s = Simulation(scene("rotating_patch", spacing=0.05), MPI.COMM_SELF)
+    s = simulated(scene("rotating_patch", spacing=0.05))
     turning = spin(s.particles)
     before, after = steps(s, 88)
     p = s.particles
@@ -98,4 +92,3 @@ def test_rotating_patch():
     assert np.hypot(after["momentum"]["px"], after["momentum"]["py"]) < 1e-3 * before["energy"]["total"]
     assert np.linalg.norm(p.x, axis=1).max() > 0.85       # a corner was at 0.707
     assert p.p.min() < -0.05 * 1000.0
-    s.destroy()

@@ -26,7 +26,7 @@ from parisph.io import checkpoint
 from parisph.kernels.wall_law import wall_stress
 from parisph.watch import instruments
 from tests import moving_tanks, solid_scenes
-from tests.scenes import difference, on_ranks, scene
+from tests.scenes import assert_same, on_ranks, scene
 
 SLOW = Friction(viscosity=1e-3)    # much more than water has, so that a short run shows it
 
@@ -36,9 +36,9 @@ def falling(friction=SLOW, spacing=0.05, end_time=1.9, **numerics):
     return case.changed(friction=friction)
 
 
-def test_the_budget_knows_what_friction_takes():
+def test_the_budget_knows_what_friction_takes(simulated):
     case = falling()
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     sampler, = instruments.build(case.changed(probes=[Energy("energy")]), simulation.comm)
 
     def energy():
@@ -50,48 +50,44 @@ def test_the_budget_knows_what_friction_takes():
         assert sum(works.values()) == pytest.approx(after - before, abs=1e-8)
         before = after
         taken.append(works["work_friction"])
-    simulation.destroy()
     assert max(taken) <= 0.0 and sum(taken) < -10.0
 
 
-def test_it_slows_the_front_of_a_dam_break_as_viscosity_grows():
+def test_it_slows_the_front_of_a_dam_break_as_viscosity_grows(simulated):
     fronts = []
     for friction in (None, Friction(), SLOW):
-        simulation = Simulation(falling(friction, end_time=1.3), MPI.COMM_SELF)
+        simulation = simulated(falling(friction, end_time=1.3))
         while not simulation.finished():
             simulation.advance()
         p = simulation.particles
         fronts.append(p.x[p.kind == FLUID, 0].max())
-        simulation.destroy()
     assert fronts[0] - fronts[1] > 0.005 and fronts[1] - fronts[2] > 0.02
 
 
-def test_a_layer_loses_the_momentum_that_the_stress_takes():
+def test_a_layer_loses_the_momentum_that_the_stress_takes(simulated):
     """Water that runs along the bed of a long tank: what all its particles lose in a step, far from the ends."""
     s, speed, length = 0.05, 2.0, 4.0
     case = Case(title="run", fluid=Fluid(Box(length, 0.5), density=1000.0, velocity=(speed, 0.0)),
                 walls=Tank(length, 1.0), gravity=(0.0, -9.81), friction=Friction(),
                 numerics=Numerics(spacing=s, time_step=1e-4), end_time=1.0)
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     simulation.advance()
     p = simulation.particles
     middle = (p.kind == FLUID) & (np.abs(p.x[:, 0] - 0.5 * length) < 1.0 + 1e-3)
     force = (p.volume[middle] @ p.friction[middle, 0]) * s / (2.0 + s)
-    simulation.destroy()
     assert force / s == pytest.approx(-wall_stress(speed, s, 1e-6, 0.0), rel=0.01)
 
 
-def test_a_lid_that_slides_takes_water_along():
+def test_a_lid_that_slides_takes_water_along(simulated):
     case = Case(title="lid", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 0.5, lid=Lid(velocity=2.0)),
                 gravity=(0.0, 0.0), friction=SLOW, numerics=Numerics(spacing=0.05, preset="closed", time_step=0.005),
                 end_time=1.0)
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     for _ in range(20):
         simulation.advance()
     p = simulation.particles
     top = (p.kind == FLUID) & (p.x[:, 1] > 0.42) & (np.abs(p.x[:, 0] - 0.5) < 0.3)
     assert 0.0 < p.u[top, 0].mean() < 2.0 and "work_friction" not in simulation.columns
-    simulation.destroy()
 
 
 @pytest.mark.parametrize("name", ["slope 20", "box"])
@@ -145,8 +141,7 @@ def test_ranks_have_the_same_friction(tmp_path):
     for plain in (True, False):
         one, two = twenty_steps(MPI.COMM_SELF, plain), np.load(tmp_path / f"friction{plain}.npz")
         assert np.abs(one["friction"]).max() > 0.1
-        for field in one:
-            assert difference(two[field], one[field]) < 1e-8, (plain, field)
+        assert_same(one, two, 1e-8, one)
 
 
 def test_a_restart_goes_on_as_before(tmp_path):
@@ -156,8 +151,7 @@ def test_a_restart_goes_on_as_before(tmp_path):
     driver.restart(first, MPI.COMM_SELF, out=tmp_path / "later", progress=False)
     whole, later = (open_run(tmp_path / name).snapshot(-1) for name in ("whole", "later"))
     assert 0.0 < checkpoint.read(MPI.COMM_SELF, first).time < whole["time"] == later["time"]
-    for field in ("x", "u", "p", "friction"):
-        assert difference(later[field], whole[field]) < 1e-9, field
+    assert_same(whole, later, fields=("x", "u", "p", "friction"))
 
 
 def test_a_stored_case_has_its_friction():

@@ -21,14 +21,14 @@ from parisph import (
     Tank,
 )
 from parisph.base.fields import FLUID
-from parisph.driver import Simulation, restart, run
+from parisph.driver import restart, run
 from parisph.io import reader
 from parisph.methods.timestep import TOLD_FALL, TOLD_MOVE, resolved_time
 from tests.scenes import scene
 
 
-def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_force():
-    simulation = Simulation(scene("dam_break", spacing=0.1, end_time=1.0), MPI.COMM_SELF)
+def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_force(simulated):
+    simulation = simulated(scene("dam_break", spacing=0.1, end_time=1.0))
     p, s = simulation.particles, simulation.numerics.spacing
 
     def told(force, acceleration=0.0, walls=None):
@@ -45,7 +45,6 @@ def test_the_resolved_time_is_that_of_the_fastest_particle_or_of_the_strongest_f
     assert told(-9.81) == told(0.0) == pytest.approx(TOLD_MOVE * s / 50.0)
     p.u[one] = np.nan
     assert np.isfinite(told(-9.81)), "what is no number sets no time: the next step says so"
-    simulation.destroy()
 
 
 def falling(time_step=None, end=0.16, **output):

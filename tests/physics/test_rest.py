@@ -15,9 +15,9 @@ STEPS = 1000
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.4, 0.8])
-def test_open_tank(jitter):
+def test_open_tank(jitter, simulated):
     """Depth 1 m: u in sqrt(gd), p in rho g d, over 10 sqrt(d/g)."""
-    s = Simulation(scene("hydrostatic", jitter=jitter), MPI.COMM_SELF)
+    s = simulated(scene("hydrostatic", jitter=jitter))
     speed, error = np.empty(STEPS), np.empty(STEPS)
     for n in range(STEPS):
         s.advance()
@@ -25,7 +25,6 @@ def test_open_tank(jitter):
         speed[n] = np.abs(p.u[p.kind == FLUID]).max() / np.sqrt(G)
         wet = p.role != DRY
         error[n] = np.abs(p.p - DENSITY * G * np.maximum(1.0 - p.x[:, 1], 0.0))[wet].max() / (DENSITY * G)
-    s.destroy()
     assert speed.max() <= 1e-10 and error.max() <= 1e-8    # of solves to 1e-9: 4e-11, 9e-10
     # nothing grows: the last fifth is no worse than the second
     fifth = STEPS // 5
@@ -34,17 +33,16 @@ def test_open_tank(jitter):
 
 
 @pytest.mark.parametrize("lid", [False, True])
-def test_violent_preset_leaves_water_at_rest(lid):
+def test_violent_preset_leaves_water_at_rest(lid, simulated):
     """Its regularisation must find no gradient of concentration at the water line, or motion grows out of rounding."""
     case = Case(title="still", fluid=Fluid(Box(width=1.0, height=1.0), density=DENSITY),
                 walls=Tank(width=1.0, height=1.5, lid=lid),
                 gravity=(0.0, -G), numerics=Numerics(spacing=0.05, time_step=0.01 / np.sqrt(G)), end_time=10.0)
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     p = s.particles
     for _ in range(200):
         s.advance()
         assert np.abs(p.u[p.kind == FLUID]).max() < 1e-6 * np.sqrt(G)
-    s.destroy()
 
 
 def test_the_case_judges_itself(tmp_path):
@@ -68,7 +66,7 @@ def still(shape, walls, gravity, **numerics):
 @pytest.mark.parametrize("numerics", [{"preset": "gentle"}, {"preset": "violent", "rtol": 1e-9},
                                       {"preset": "violent", "rtol": 1e-9, "surface_rule": "auxiliary"},
                                       {"preset": "violent", "rtol": 1e-9, "surface_rule": "density"}], ids=str)
-def test_water_below_a_lid(gap, numerics):
+def test_water_below_a_lid(gap, numerics, simulated):
     """The surface is found at any distance [s] of the lid, though wall particles stand where neighbours would be."""
     layers = 10 - int(np.ceil(gap))
     depth = 1.0 - 0.1 * gap
@@ -76,7 +74,7 @@ def test_water_below_a_lid(gap, numerics):
                 fluid=Fluid(Box(width=1.0, height=0.1 * layers), density=DENSITY, elevation=depth - 0.1 * layers),
                 walls=Tank(width=1.0, height=1.0, lid=True), gravity=(0.0, -G),
                 numerics=Numerics(spacing=0.1, **numerics), end_time=1.0)
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     s.solve_start()
     p = s.particles
     for step in range(50):
@@ -86,7 +84,6 @@ def test_water_below_a_lid(gap, numerics):
         assert p.role[(p.kind == FLUID) & (p.x[:, 1] > depth - 0.01)].tolist() == [SURFACE] * 9
         assert s.advance().isolated == 0
     assert np.abs(p.u[p.kind == FLUID]).max() < 1e-6
-    s.destroy()
 
 
 @pytest.mark.parametrize("jitter", [0.0, 0.4])
@@ -150,7 +147,7 @@ def test_free_fall_of_a_drop():
 
 
 @pytest.mark.parametrize("preset", ["violent", "gentle"])
-def test_water_under_a_force_with_a_divergence_rests(preset):
+def test_water_under_a_force_with_a_divergence_rests(preset, simulated):
     """Its surface is a parabola. What rows and gradients do not know of the pressure would lift it, by 5 % in a second.
     """
     rate = 2.0
@@ -158,9 +155,8 @@ def test_water_under_a_force_with_a_divergence_rests(preset):
     case = Case(title="force", fluid=Fluid(Box(1.2, 0.4), DENSITY, elevation=bowl),
                 walls=Tank(1.2, 0.8), gravity=(f"{rate**2} * (x-0.6)", -G), end_time=1.0,
                 numerics=Numerics(spacing=0.1, preset=preset, jitter=0.3))
-    simulation = Simulation(case, MPI.COMM_SELF)
+    simulation = simulated(case)
     simulation.solve_start()
     for _ in range(20):
         simulation.advance()
     assert np.abs(simulation.particles.u).max() < 1e-4 * np.sqrt(G * 0.4)
-    simulation.destroy()

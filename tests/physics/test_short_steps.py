@@ -6,7 +6,6 @@ from mpi4py import MPI
 
 from parisph.case.schema import Output
 from parisph.driver import restart, run
-from parisph.driver.simulation import Simulation
 from parisph.io import reader
 from tests.scenes import scene
 
@@ -27,8 +26,8 @@ def test_pressure_at_two_times_close_together(tmp_path, later, name):
     assert np.linalg.norm(q - p) < 0.05 * np.linalg.norm(p)
 
 
-def test_what_a_snapshot_shows_of_a_tiny_step_changes_no_pressure():
-    s = Simulation(scene("standing_wave", spacing=0.1), MPI.COMM_SELF)
+def test_what_a_snapshot_shows_of_a_tiny_step_changes_no_pressure(simulated):
+    s = simulated(scene("standing_wave", spacing=0.1))
     for _ in range(3):
         s.advance()
     s.method.flow.dt *= 0.1
@@ -36,7 +35,6 @@ def test_what_a_snapshot_shows_of_a_tiny_step_changes_no_pressure():
     with s.method.shown():
         np.testing.assert_allclose(s.particles.p, 0.9 * s.particles.p_before + 0.1 * acted, rtol=1e-12)
     np.testing.assert_array_equal(s.particles.p, acted)
-    s.destroy()
 
 
 def test_steps_shortened_alike_have_the_pressure_of_their_neighbours(tmp_path):

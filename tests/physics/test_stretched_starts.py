@@ -18,7 +18,7 @@ from parisph.case.schema import (
     Tank,
 )
 from parisph.case.waves import angular_frequency
-from parisph.driver import Simulation, run
+from parisph.driver import run
 from parisph.io import reader
 from parisph.watch import instruments
 
@@ -33,9 +33,9 @@ def wave(shape, height=0.2, spacing=0.125):
 
 
 @pytest.mark.parametrize("shape", [Box(width=LENGTH, height=D), StillWater(level=D)], ids=["stretched", "moved up"])
-def test_no_density_is_missing_at_the_start(shape):
+def test_no_density_is_missing_at_the_start(shape, simulated):
     """Cells under the crest are a fifth higher than those of the lattice, or layers do not divide the depth."""
-    s = Simulation(wave(shape), MPI.COMM_SELF)
+    s = simulated(wave(shape))
     s.solve_start()
     s.advance()
     p, h = s.particles, s.numerics.spacing
@@ -46,16 +46,15 @@ def test_no_density_is_missing_at_the_start(shape):
     assert deep.sum() > 400
     error = np.sqrt(np.mean((p.alpha[deep] - 1.0)**2))
     halves = s.method.flow.cells[:p.n_owned][(p.kind == FLUID) & (p.role == SURFACE) & (np.abs(p.x[:, 0] - 7.0) < 6.0)]
-    s.destroy()
     assert error < 0.01    # with equal weights .088, and .015 where particles are moved up
     if isinstance(shape, Box):
         np.testing.assert_allclose(halves, 0.5)    # whatever the stretch
 
 
-def test_a_stretched_wave_runs_up_a_wall():
+def test_a_stretched_wave_runs_up_a_wall(simulated):
     """With cells of one size as the aim, it keeps half of its height: .24 depths."""
     case = wave(Box(width=LENGTH, height=D))
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     gauge = instruments.build(case.model_copy(update={"probes": (SurfaceGauge("wall", at=LENGTH),)}), s.comm)
     s.solve_start()
     highest = 0.0
@@ -63,7 +62,6 @@ def test_a_stretched_wave_runs_up_a_wall():
         s.advance()
         found = instruments.sample_all(gauge, s.particles, s.domain, s.time)
         highest = max(highest, found["wall"][0] - D)
-    s.destroy()
     assert highest == pytest.approx(RUN_UP * D, rel=0.05)
 
 

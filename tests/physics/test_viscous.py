@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from parisph import Simulation
 from parisph.base.fields import FLUID
 from parisph.methods import straining
 from parisph.watch import instruments
@@ -66,11 +64,11 @@ def test_a_vortex_decays():
     assert found[1] < 0.008 and order(*found) > 1.5, found
 
 
-def test_eddy_viscosity_of_a_shear():
+def test_eddy_viscosity_of_a_shear(simulated):
     """nu_t = (C s)^2 |S| for u = (G y, 0), in the field that the force uses."""
     shear, constant, spacing = 3.0, 0.15, 0.1
     case = flows.tank(spacing, 1e-6, 1.0, no_slip=False, velocity=(f"{shear}*y", 0.0), length=1.0, smagorinsky=constant)
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     s.solve_start()
     p, flow = s.particles, s.method.flow
     p.u[:, 0], p.u[:, 1] = shear * p.x[:, 1], 0.0
@@ -80,7 +78,6 @@ def test_eddy_viscosity_of_a_shear():
     s.method.parts.forces[1].add(np.zeros_like(p.x_all), flow, 0.0)
     inside = (p.kind == FLUID) & (np.abs(p.x - 0.5).max(axis=1) < 0.45)
     np.testing.assert_allclose(p.nu[inside], 1e-6 + (constant * spacing) ** 2 * shear, rtol=1e-10)
-    s.destroy()
 
 
 # u on x = 1/2 and v on y = 1/2 at Re = 100: U. Ghia, K.N. Ghia, C.T. Shin (1982), J. Comput. Phys. 48, 387-411, Tables
@@ -91,16 +88,15 @@ GHIA_V = {0.0938: 0.12317, 0.1563: 0.16077, 0.2266: 0.17507, 0.5: 0.05454, 0.804
           0.9453: -0.10313}
 
 
-def test_driven_cavity():
+def test_driven_cavity(simulated):
     """Re = 100 with 20 x 20 particles, the mean from t = 6 to 8 side/U."""
     case = scene("lid_driven_cavity", spacing=0.05, end_time=8, time_step=0.5, points=101)
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     samplers, found = instruments.build(case, s.comm)[:2], []
     while s.time < case.end_time - 1e-9:
         s.advance()
         if s.time > 6.0:
             found.append(np.array(list(instruments.sample_all(samplers, s.particles, s.domain, s.time).values())))
-    s.destroy()
     (u, _, _), (_, v, _) = (line.reshape(-1, 3).T for line in np.mean(found, axis=0))
     grid = np.linspace(0.0, 1.0, 101)
     assert rms(np.interp(list(GHIA_U), grid, u) - list(GHIA_U.values())) < 0.03

@@ -7,7 +7,7 @@ from mpi4py import MPI
 from parisph import Box, Case, CaseError, Fluid, Lid, Numerics, Simulation, SurfaceGauge, Tank
 from parisph.base.fields import FLUID, WALL
 from tests import viscous_flows as flows
-from tests.scenes import difference, on_one_and_more, scene
+from tests.scenes import assert_same, on_one_and_more, scene
 
 DEPTH, WIDTH = 0.5, 2.0
 G, K = 9.81, np.pi / WIDTH
@@ -50,18 +50,17 @@ def test_a_lid_does_not_drive_water_across_air(preset, gap, form):
     assert fastest(open_tank(0.01, top=top, lid=Lid(1.0), preset=preset, form=form), 100) < 1e-8
 
 
-def test_a_lid_drives_the_water_that_it_touches():
+def test_a_lid_drives_the_water_that_it_touches(simulated):
     """A column that fills one half of the tank up to the lid."""
     case = open_tank(0.01, top=DEPTH, lid=Lid(1.0)).changed(
         **{"fluid.shape": Box(width=0.5, height=DEPTH), "gravity": (0.0, 0.0)})
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     for _ in range(20):
         s.advance()
     p = s.particles
     fluid = (p.kind == FLUID) & (p.x[:, 0] < 0.4)
     above, below = fluid & (p.x[:, 1] > 0.9 * DEPTH - 1e-3), fluid & (p.x[:, 1] < 0.5 * DEPTH)
     assert p.u[above, 0].mean() > 0.25 and np.abs(p.u[below, 0]).max() < 0.15
-    s.destroy()
 
 
 def test_a_lid_below_the_surface_is_refused():
@@ -147,6 +146,4 @@ def test_ranks_agree_about_the_walls_that_water_touches(tmp_path):
     on_one_and_more(RANKS, tmp_path, most=2, timeout=300)
     for form in ("viscous", "viscous_morris"):
         one, two = (np.load(tmp_path / f"{form}-{n}.npz") for n in (1, 2))
-        np.testing.assert_array_equal(two["role"], one["role"])
-        for field in ("x", "u", "p"):
-            assert difference(two[field], one[field]) < 1e-9, field
+        assert_same(one, two)

@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 from matplotlib.collections import PolyCollection
-from mpi4py import MPI
 
 from parisph import PeakBand, Peaks, RunUp, SurfaceGauge, Truth
-from parisph.case.stored import to_json
-from parisph.io.reader import open_run
-from parisph.io.store import Store
 from parisph.pictures.beside import plot_beside
+from tests.stored import stored
 from tests.watched import scene
 
 pytest.importorskip("matplotlib")
@@ -17,13 +14,9 @@ pytest.importorskip("matplotlib")
 
 def axes_of(folder, probe, of=lambda t: 0.25 + 0.01 * t):
     """Return the axes of a picture of a probe with given heights at 0, 0.1, ... 1 s."""
-    case = scene([probe])
-    store = Store.create(MPI.COMM_SELF, folder, to_json(case))
-    store.add_series(f"probes/{probe.name}", {"y": "m"})
-    for step in range(11):
-        store.append(0.1 * step, step, {f"probes/{probe.name}": (of(0.1 * step),)})
-    store.close()
-    return plot_beside(open_run(folder), probe).axes[0]
+    name = f"probes/{probe.name}"
+    samples = [(0.1 * step, step, {name: (of(0.1 * step),)}) for step in range(11)]
+    return plot_beside(stored(folder, scene([probe]), {name: {"y": "m"}}, samples), probe).axes[0]
 
 
 def test_the_axes_hold_the_bands_which_are_drawn_once(tmp_path):

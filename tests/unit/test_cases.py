@@ -10,7 +10,7 @@ import pytest
 from parisph import CaseError, load
 from parisph.base import reading
 from parisph.base.fields import CONTACT, SURFACE, WET
-from parisph.case import elsewhere, waves
+from parisph.case import measured_data, waves
 from parisph.case.load import parameters
 from parisph.case.profiles import read_profiles
 from parisph.case.schema import Case
@@ -23,7 +23,7 @@ from tests.scenes import made_motion
 
 CASES = Path(__file__).parents[2] / "cases"
 FILES = sorted(CASES.glob("*.py"))
-MEASURED = os.environ.get(elsewhere.VARIABLE)
+MEASURED = os.environ.get(measured_data.VARIABLE)
 OTHER = {"lateral_roll": 0.5, "wet_bed": 0.5}    # times the spacing, where twice the spacing does not fit the water
 
 
@@ -31,7 +31,7 @@ OTHER = {"lateral_roll": 0.5, "wet_bed": 0.5}    # times the spacing, where twic
 def only_made_data(tmp_path, monkeypatch):
     """The measured data of others is not part of a clone."""
     made_motion(tmp_path)
-    monkeypatch.setenv(elsewhere.VARIABLE, str(tmp_path))
+    monkeypatch.setenv(measured_data.VARIABLE, str(tmp_path))
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
@@ -161,7 +161,7 @@ def test_violent_sloshing_has_the_particles_of_the_paper():
 
 
 def test_a_motion_that_is_not_there_is_named_with_a_remedy(tmp_path, monkeypatch):
-    monkeypatch.setenv(elsewhere.VARIABLE, str(tmp_path / "nowhere"))
+    monkeypatch.setenv(measured_data.VARIABLE, str(tmp_path / "nowhere"))
     with pytest.raises(CaseError, match=r"measured motion of the tank is missing: .*04a_.*--set data=FOLDER"):
         load(CASES / "lateral_roll.py")
     with pytest.raises(CaseError, match="there is no 02k_"):
@@ -169,10 +169,10 @@ def test_a_motion_that_is_not_there_is_named_with_a_remedy(tmp_path, monkeypatch
 
 
 @pytest.fixture
-def measured_data(monkeypatch):
+def shared_data(monkeypatch):
     """The folder of the measured data, which the cases then use."""
-    folder = Path(MEASURED or CASES / elsewhere.BESIDE).resolve()
-    monkeypatch.setenv(elsewhere.VARIABLE, str(folder))
+    folder = Path(MEASURED or CASES / measured_data.BESIDE).resolve()
+    monkeypatch.setenv(measured_data.VARIABLE, str(folder))
     if not folder.is_dir():
         pytest.skip(f"measured data of others is not part of parisph: there is no {folder}")
     return folder
@@ -189,7 +189,7 @@ def level_of(file, reference, scale, unit):
     return norms.judge(time * unit, values * scale, *truth)["relative_l2"]
 
 
-def test_errors_of_others_are_those_of_their_curves_in_the_window_of_the_run(measured_data):
+def test_errors_of_others_are_those_of_their_curves_in_the_window_of_the_run(shared_data):
     zhou, lobovsky = load(CASES / "dam_break_zhou.py"), load(CASES / "dam_break_lobovsky.py")
     for case, file, curves, height in (
         (zhou, "02b_marrone2011_deltaSPH_buchner_numerical.csv",
@@ -200,14 +200,14 @@ def test_errors_of_others_are_those_of_their_curves_in_the_window_of_the_run(mea
         truths = {probe.name: probe.truth for probe in case.probes}
         for name, columns in curves.items():
             density = case.fluids[0].density
-            found = [level_of((measured_data / file, *column), truths[name], density * 9.81 * height,
+            found = [level_of((shared_data / file, *column), truths[name], density * 9.81 * height,
                               np.sqrt(height / 9.81)) for column in columns]
             told = [level for who, level in truths[name].published.items() if not who.startswith(("weakly", "EDAC"))]
             assert told == pytest.approx(found, abs=4e-3), name
             assert all("recomputed" in who for who in truths[name].published)
 
 
-def test_truths_of_measured_data_where_it_lies(measured_data):
+def test_truths_of_measured_data_where_it_lies(shared_data):
     zhou, lobovsky, roll, bed, beach = (load(CASES / f"{name}.py") for name in (
         "dam_break_zhou", "dam_break_lobovsky", "lateral_roll", "wet_bed", "runup_synolakis"))
     truths = {probe.name: probe.truth for case in (zhou, lobovsky, roll) for probe in case.probes if probe.truth}

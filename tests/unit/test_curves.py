@@ -4,7 +4,6 @@ import itertools
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import (
     Box,
@@ -21,9 +20,8 @@ from parisph import (
     VelocityPoint,
     WaterFront,
 )
-from parisph.io.reader import open_run
-from parisph.io.store import Store
 from parisph.pictures import curves, style
+from tests.stored import stored
 
 pytest.importorskip("matplotlib")
 PROBES = {"P1": ({"pressure": "Pa"}, PressureTap("P1", at=(0.0, 0.1))),
@@ -39,13 +37,9 @@ def recorded(folder, names=tuple(PROBES), height=0.5, title="Basin"):
     probes = [PROBES[name][1] for name in names]
     case = Case(title=title, fluid=Fluid(Box(1.0, height), density=1000.0), walls=Tank(1.0, 2.0), gravity=(0.0, -9.81),
                 numerics=Numerics(spacing=0.1), end_time=1.0, probes=probes)
-    store = Store.create(MPI.COMM_SELF, folder, case.model_dump_json())
-    for name in names:
-        store.add_series(f"probes/{name}", PROBES[name][0])
-    for step in range(11):
-        store.append(0.1 * step, step, {f"probes/{name}": [1000.0 + step] * len(PROBES[name][0]) for name in names})
-    store.close()
-    return open_run(folder)
+    series = {f"probes/{name}": PROBES[name][0] for name in names}
+    return stored(folder, case, series, [
+        (0.1 * step, step, {name: [1000.0 + step] * len(series[name]) for name in series}) for step in range(11)])
 
 
 def panels(picture):
@@ -67,12 +61,9 @@ def test_potential_energy_is_drawn_only_where_the_force_has_a_potential(tmp_path
     about = {"gravity": (0.0, -9.81), "probes": [Energy("energy")], **changes}
     case = Case(title="x", fluid=Fluid(Box(1.0, 0.5), density=1000.0), walls=Tank(1.0, 2.0), end_time=1.0,
                 numerics=Numerics(spacing=0.1), **about)
-    store = Store.create(MPI.COMM_SELF, tmp_path / "run", case.model_dump_json())
-    store.add_series("probes/energy", {"kinetic": "J/m", "potential": "J/m", "total": "J/m"})
-    for step in range(3):
-        store.append(0.1 * step, step, {"probes/energy": (1.0, 0.0, 1.0)})
-    store.close()
-    assert panels(curves.plot_probe(open_run(tmp_path / "run"))) == {"energy [J/m]": columns}
+    run = stored(tmp_path / "run", case, {"probes/energy": dict.fromkeys(("kinetic", "potential", "total"), "J/m")},
+                 [(0.1 * step, step, {"probes/energy": (1.0, 0.0, 1.0)}) for step in range(3)])
+    assert panels(curves.plot_probe(run)) == {"energy [J/m]": columns}
 
 
 def test_velocity_and_pressure_of_a_point_are_named_each_on_its_own_axes(tmp_path, monkeypatch):

@@ -5,11 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph.base.errors import SolverDiverged
 from parisph.base.fields import BALLISTIC, FLUID, SURFACE
-from parisph.driver import Simulation
 from tests.hard import __main__ as command
 from tests.hard import columns, drops, flow, scenes, table, waves
 from tests.hard.impulse import lost_energy
@@ -159,17 +157,14 @@ def test_centre_pressure_of_a_drop():
 
 
 @pytest.mark.parametrize("width", [2, 3, 4])
-def test_energy_of_a_column_that_spreads_from_a_wall_is_exact(width):
+def test_energy_of_a_column_that_spreads_from_a_wall_is_exact(width, simulated):
     """Of u = x and the mean height as x and u change; one velocity per volume has 31 % too much for a width of two."""
-    s = Simulation(columns.column(width, "wall"), MPI.COMM_SELF)
-    try:
-        p = s.particles
-        rows = columns.rows_of(s, width)
-        rest = columns.energy_between(s, rows)
-        p.u[:, 0] = p.x[:, 0]
-        exact = (width * columns.S) ** 3 / 6.0 * columns.HEIGHT
-        assert columns.energy_between(s, rows) - rest == pytest.approx(exact)
-        mine = p.kind == FLUID
-        assert 0.5 * p.volume[mine] @ p.u[mine, 0] ** 2 > 1.05 * exact
-    finally:
-        s.destroy()
+    s = simulated(columns.column(width, "wall"))
+    p = s.particles
+    rows = columns.rows_of(s, width)
+    rest = columns.energy_between(s, rows)
+    p.u[:, 0] = p.x[:, 0]
+    exact = (width * columns.S) ** 3 / 6.0 * columns.HEIGHT
+    assert columns.energy_between(s, rows) - rest == pytest.approx(exact)
+    mine = p.kind == FLUID
+    assert 0.5 * p.volume[mine] @ p.u[mine, 0] ** 2 > 1.05 * exact

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from parisph.parallel.hilbert import KEY_BITS, keys_of_cells
+from parisph.parallel.hilbert import KEY_BITS
+from tests.clouds import keys_of_cells
 
 
 def all_cells(dim, bits):

@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from parisph import Box, Case, Fluid, Force, Numerics, PeakBand, PressureTap, ProbeArray, Tank
-from parisph import Peaks as PeaksOf
+from parisph import Box, Case, Fluid, Force, Numerics, PeakBand, Peaks, PressureTap, ProbeArray, Tank
 from parisph.io import info
 from parisph.io.reader import open_run
 from parisph.io.store import Store
 from parisph.pictures import curves, style
 from parisph.report import events
 from parisph.truth import impacts, verdict
-from parisph.truth.recorded import parts
+from parisph.truth.recorded import probe_records
 
 T = 0.002 * np.arange(500)
 
@@ -63,7 +62,7 @@ def test_samples_without_a_number_and_others_than_those_allowed_do_not_count():
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     """A run with a spike at two taps, and at a force that pulls."""
-    band = PeaksOf([PeakBand(start=0.5, end=0.9, low=6e3, high=1e4)])
+    band = Peaks([PeakBand(start=0.5, end=0.9, low=6e3, high=1e4)])
     probes = [PressureTap("P", at=(0.0, 0.1), truth=band, peak=True),
               ProbeArray("row", [PressureTap("Q", at=(1.0, 0.1))]), Force("load", peak=True), Force("dry"),
               ProbeArray("pair", [Force("side")])]
@@ -115,7 +114,7 @@ def test_samples_further_apart_than_a_few_steps_do_not_judge_how_long_a_peak_las
     for apart, each, coarse in ((0.001, 1, False), (0.001, 3, False), (0.001, 4, True), (0.006, 1, True)):
         table["time"], table["step"] = apart * np.arange(9), each * np.arange(9)
         assert impacts.coarse(table) is coarse
-    probe = PressureTap("P", at=(0.0, 0.1), truth=PeaksOf([PeakBand(start=0.5, end=0.9, low=6e3, high=1e4)]))
+    probe = PressureTap("P", at=(0.0, 0.1), truth=Peaks([PeakBand(start=0.5, end=0.9, low=6e3, high=1e4)]))
     every = np.rec.fromarrays([T, np.arange(len(T)), RIPPLE + spike(0.8, 25e3)], names=["time", "step", "pressure"])
     for step, short in ((1, True), (4, False)):
         every["step"] = step * np.arange(len(T))
@@ -128,8 +127,8 @@ def test_probes_of_an_array_have_the_columns_of_their_names():
     inside = [PressureTap("P", at=(0.0, 0.1)), PressureTap("P_1", at=(0.0, 0.2)), Force("F")]
     names = ["time", "step", "P", "P_1", "F_fx", "F_fy", "F_moment"]
     run = SimpleNamespace(probe=lambda name: np.zeros(1, [(name, float) for name in names]))
-    found = list(parts(SimpleNamespace(probes=[ProbeArray("row", inside)]), run, lambda probe: True))
-    assert [(part.name, part.columns) for part in found] == [
+    found = list(probe_records(SimpleNamespace(probes=[ProbeArray("row", inside)]), run, lambda probe: True))
+    assert [(record.name, record.columns) for record in found] == [
         ("row.P", ["P"]), ("row.P_1", ["P_1"]), ("row.F", names[4:])]
     assert len(found[0].values("pressure")) == len(found[2].values("fy")) == 1
 

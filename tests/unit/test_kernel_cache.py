@@ -6,21 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 
-from parisph.kernels import cache, jit, kept, processor
+from parisph.kernels import cache, jit, kept
 from tests.launch import HANGS, clean_environment
 
 X, WHOLE = np.array([1.0, 2.0]), np.array([1, 2])
-
-
-@pytest.fixture(params=[True, False], ids=["ours", "numba's"])
-def any_numba(request, monkeypatch):
-    """A release of numba whose internals are known, and another one."""
-    if request.param and not processor.internals_are_known():
-        pytest.skip("not with this numba")
-    monkeypatch.setattr(processor, "internals_are_known", lambda: request.param)
 
 
 @pytest.fixture(autouse=True)
@@ -61,9 +54,8 @@ DAMAGE = {
 }
 
 
-@pytest.mark.parametrize(("any_numba", "damage"), [*((True, damage) for damage in DAMAGE), (False, "garbled")],
-                         indirect=["any_numba"])
-def test_what_is_damaged_is_compiled_again_and_told_once(tmp_path, caplog, any_numba, damage):
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_what_is_damaged_is_compiled_again_and_told_once(tmp_path, caplog, damage):
     assert [hits(only(tmp_path)), hits(only(tmp_path), WHOLE), hits(only(tmp_path))] == [0, 0, 1]
     first, second = files(tmp_path)
     content = {path: path.read_bytes() for path in (first, second)}
@@ -79,11 +71,9 @@ def test_what_is_damaged_is_compiled_again_and_told_once(tmp_path, caplog, any_n
 
 
 def test_what_is_sound_but_cannot_be_used_is_compiled_again(tmp_path, caplog, monkeypatch):
-    from parisph.kernels import loading
-
     hits(only(tmp_path))
     with monkeypatch.context() as patch:
-        patch.setattr(loading._Results, "rebuild", lambda *args: 1 / 0)
+        patch.setattr(numba.core.compiler.CompileResult, "_rebuild", lambda *args: 1 / 0)
         assert hits(only(tmp_path)) == 0
     assert "damaged" in caplog.text and hits(only(tmp_path)) == 1
 
@@ -114,7 +104,7 @@ def test_folders_are_found_by_whether_they_can_be_written(tmp_path, monkeypatch)
 
 
 @pytest.mark.parametrize("writing", ["mkdir", "write_bytes"])
-def test_a_full_disk_is_told_once_and_the_run_goes_on(tmp_path, caplog, monkeypatch, any_numba, writing):
+def test_a_full_disk_is_told_once_and_the_run_goes_on(tmp_path, caplog, monkeypatch, writing):
     def fail(path, *args, **options):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
@@ -127,9 +117,8 @@ def test_a_full_disk_is_told_once_and_the_run_goes_on(tmp_path, caplog, monkeypa
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 
-def test_no_folder_at_all_is_told(caplog, any_numba):
-    assert hits(cache.Folders(None, ())) == 0
-    assert ("can be kept in no folder" in caplog.text) == processor.internals_are_known()
+def test_no_folder_at_all_is_told(caplog):
+    assert hits(cache.Folders(None, ())) == 0 and "can be kept in no folder" in caplog.text
 
 
 def test_files_of_an_earlier_source_are_removed(tmp_path):

@@ -13,7 +13,6 @@ from parisph.geometry.mesh import block_mesh, wall_mesh
 from parisph.kernels.cells import neighbour_lists
 from parisph.kernels.density import node_terms
 from parisph.kernels.jit import axes_of
-from parisph.kernels.packing import pack
 from parisph.kernels.surface import lattice_sum
 from tests.distances import signed_distance
 from tests.wall_scenes import beside, filled
@@ -134,8 +133,7 @@ def test_plate_hides_the_water_behind_it():
 
 def packed(scene):
     """Pack a scene; return the density ratio of what is deep below the level."""
-    pack(scene.x, scene.kind, scene.role, scene.weight, scene.area, scene.corners, scene.present, scene.table,
-         scene.lists)
+    scene.pack()
     return scene.alpha()[scene.x[: scene.n, 1] < scene.level - 2.65 * S]
 
 

@@ -71,13 +71,14 @@ def mean_rate(pool):
 
 def turned(pool):
     out = np.zeros_like(pool.x)
-    pairs.turn_pairs(out, pool.cloud, np.arange(pool.n), np.full(pool.n, 0.1 * S), 0.9 * S)
+    pairs.turn_pairs(out, pairs.close_pairs(pool.cloud, S), np.arange(pool.n), np.full(pool.n, 0.1 * S), 0.9 * S)
     return out
 
 
 def parted(pool):
     out, number = np.empty_like(pool.x), np.empty(pool.n, np.int32)
     cloud = pool.cloud._replace(role=np.where(P[: pool.n] > 0.0, np.int8(1), pool.role))
+    cloud = pairs.close_pairs(cloud, S)
     pairs.count_close(number, cloud, 0.9 * S)
     pairs.part_pairs(out, cloud, number, np.arange(pool.n), 0.9 * S, 0.5)
     return out

@@ -12,14 +12,16 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 def turned(pool, ident, distance=0.7, strength=0.05):
     shift = np.zeros_like(pool.x)
-    pairs.turn_pairs(shift, pool.cloud, ident, np.full(pool.n, strength * pool.spacing), distance * pool.spacing)
+    close = pairs.close_pairs(pool.cloud, pool.spacing)
+    pairs.turn_pairs(shift, close, ident, np.full(pool.n, strength * pool.spacing), distance * pool.spacing)
     return shift
 
 
 def parted(pool, ident, distance=0.6, strength=0.5):
     shift, number = np.full_like(pool.x, np.nan), np.full(pool.n, -1, np.int32)
-    pairs.count_close(number, pool.cloud, distance * pool.spacing)
-    pairs.part_pairs(shift, pool.cloud, number, ident, distance * pool.spacing, strength)
+    close = pairs.close_pairs(pool.cloud, pool.spacing)
+    pairs.count_close(number, close, distance * pool.spacing)
+    pairs.part_pairs(shift, close, number, ident, distance * pool.spacing, strength)
     return shift
 
 
@@ -113,7 +115,8 @@ def test_result_depends_on_ids_and_not_on_the_order(dim, move):
 def apart(pool, ident, distance=0.45, longest=1.0):
     move = np.zeros_like(pool.x)
     s = pool.spacing
-    crowded, _ = pairs.keep_apart(move, np.arange(pool.n, dtype=np.int32), pool.cloud, ident, distance * s, longest * s)
+    close = pairs.close_pairs(pool.cloud, s)
+    crowded, _ = pairs.keep_apart(move, np.arange(pool.n, dtype=np.int32), close, ident, distance * s, longest * s)
     return move, crowded
 
 

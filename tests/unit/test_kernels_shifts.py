@@ -164,14 +164,3 @@ def test_sum_of_the_pressure_shift(dim):
         excess = p[i] - min(p[i], p[j].min())
         expected = -0.3 * dim * excess * (w[:, None] * d / r[:, None] ** 2).sum(axis=0) / w.sum()
         np.testing.assert_allclose(out[i], expected, rtol=1e-9, atol=1e-12)
-
-
-@dims
-def test_velocity_is_carried_to_first_order(dim):
-    pool = block(dim, 3)
-    random = np.random.default_rng(3)
-    g, shift, out = random.normal(size=(dim, dim)), random.normal(size=(pool.n, dim)), np.full((pool.n, dim), np.nan)
-    pool.kind[0] = 1
-    shifts.carry(out, shift, np.tile(g, (pool.n, 1, 1)), pool.kind, pool.axes)
-    np.testing.assert_allclose(out[1:], shift[1:] @ g.T, rtol=1e-12, atol=1e-14)
-    assert np.all(out[0] == 0.0)

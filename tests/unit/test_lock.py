@@ -40,11 +40,10 @@ def holder(tmp_path):
 
 def test_the_lock_is_gone_when_it_is_given_back(tmp_path):
     held = Lock(tmp_path)
-    assert lock.holder(tmp_path).startswith(f"process {os.getpid()} on ")
     with pytest.raises(StoreError, match=f"in use by process {os.getpid()} .*still runs: wait"):
         Lock(tmp_path)
     held.release()
-    assert not list(tmp_path.iterdir()) and lock.holder(tmp_path) is None
+    assert not list(tmp_path.iterdir())
     Lock(tmp_path).release()
 
 
@@ -61,7 +60,6 @@ def test_the_lock_of_a_killed_process_is_taken_over(tmp_path, holder, reaped):
         holder.wait()
     else:
         os.waitid(os.P_PID, holder.pid, os.WEXITED | os.WNOWAIT)    # it is a zombie now
-    assert lock.holder(tmp_path) is None
     Lock(tmp_path).release()
     assert not list(tmp_path.iterdir())
 
@@ -88,7 +86,7 @@ def test_what_cannot_be_seen_from_here_is_left_to_the_user(tmp_path, content):
     with pytest.raises(StoreError, match="last sign of life was 10 min ago, .* repeat the command with --force"):
         Lock(tmp_path)
     held = Lock(tmp_path, force=True)
-    assert lock.holder(tmp_path).startswith(f"process {os.getpid()}")
+    assert str(os.getpid()) in (tmp_path / lock.NAME).read_text()
     held.release()
 
 
@@ -105,7 +103,7 @@ def test_the_lock_of_a_living_process_in_another_container_is_kept(tmp_path):
         with pytest.raises(StoreError,
                            match="cannot be seen from here .*, in another container.* repeat the command with --force"):
             Lock(tmp_path)
-        assert (tmp_path / lock.NAME).read_bytes() == before and lock.holder(tmp_path) is not None
+        assert (tmp_path / lock.NAME).read_bytes() == before
     finally:
         process.kill()
         process.wait()

@@ -4,7 +4,6 @@ import itertools
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import (
     Box,
@@ -27,11 +26,10 @@ from parisph import (
 from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID
 from parisph.case.schema import StillWater
-from parisph.io.reader import open_run
-from parisph.io.store import Store
 from parisph.pictures import bodies_view, curves, movies, overview, states, view, window
-from parisph.pictures.frames import Seen
-from tests.unit.test_view import S, basin, water, written
+from parisph.pictures.frames import PictureFrame
+from tests.stored import stored
+from tests.unit.test_view import STEPS, S, basin, water, written
 
 pytest.importorskip("matplotlib")
 
@@ -181,7 +179,7 @@ def test_the_ground_below_a_basin_reaches_below_the_axes_wherever_it_is(tmp_path
 
 @pytest.mark.parametrize("frame", [Roll(0.5, 2.0, centre=(0.5, 0.2), ramp=0.0), Sway(0.2, 5.0)])
 def test_velocities_in_the_room_are_those_of_places_in_the_room(frame):
-    seen = Seen.of(basin(frame=frame), "world")
+    seen = PictureFrame.of(basin(frame=frame), "world")
     x, u, t, dt = np.array([(0.2, 0.3), (0.9, 0.1)]), np.array([(0.3, -0.1), (0.0, 0.4)]), 0.3, 1e-6
     found = seen.snapshot({"x": x, "u": u, "time": t})
     later, earlier = seen.placed(x + dt * u, t + dt), seen.placed(x - dt * u, t - dt)
@@ -198,19 +196,11 @@ def test_a_movie_of_the_room_has_room_for_the_tank_wherever_it_is(tmp_path, monk
     assert ends[0][1][0] < -0.3 and ends[0][1][1] > 0.7
 
 
-def ended(folder, status, blown=True, **more):
+def ended(folder, status, **more):
     """Return a Run that has ended after 100 steps of .01 s, in the last two of which its values are absurd."""
-    store = Store.create(MPI.COMM_SELF, folder, basin().model_dump_json(), fields=("u", "p"))
-    store.add_series("steps", {"dt": "s", "iterations": ""})
-    store.add_series("probes/P1", {"pressure": "Pa"})
-    store.snapshot(water(), 0.0, 0)
-    for step in range(1, 101):
-        high = 1e9 if blown and step > 98 else 1000.0
-        store.append(0.01 * step, step, {"steps": (0.01, 8), "probes/P1": (high + step,)})
-    if status is not None:
-        store.summary({"status": status, **more})
-    store.close()
-    return open_run(folder)
+    samples = [(0.01 * step, step, {"steps": (0.01, 8), "probes/P1": ((1e9 if step > 98 else 1000.0) + step,)})
+               for step in range(1, 101)]
+    return stored(folder, basin(), STEPS, samples, [(water(), 0.0, 0)], status and {"status": status, **more})
 
 
 @pytest.mark.parametrize("peaks", [{}, {"P1": {"value": 1e9, "time": 1.0, "lasts": 0.01, "mean": 5e8,
@@ -239,10 +229,6 @@ def test_how_a_run_has_ended_is_said(tmp_path, status, said):
 
 
 def test_a_run_that_has_only_begun_is_drawn(tmp_path):
-    store = Store.create(MPI.COMM_SELF, tmp_path / "run", basin().model_dump_json(), fields=("u", "p"))
-    store.add_series("steps", {"dt": "s", "iterations": ""})
-    store.add_series("probes/P1", {"pressure": "Pa"})
-    store.snapshot(water(), 0.0, 0)
-    store.close()
-    picture = overview.plot_overview(open_run(tmp_path / "run"), tmp_path / "a.png")
+    run = stored(tmp_path / "run", basin(), STEPS, [], [(water(), 0.0, 0)])
+    picture = overview.plot_overview(run, tmp_path / "a.png")
     assert picture.subfigs[0].get_suptitle() == "goes on, or was killed, before its first step of 1 s"

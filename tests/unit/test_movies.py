@@ -18,7 +18,7 @@ TIMES = 0.01 * np.arange(11)
 
 def test_each_snapshot_is_a_frame_and_the_factor_follows():
     pace = Pace.of(TIMES)
-    assert (pace.fps, pace.slow, pace.note, pace.repeated) == (20.0, pytest.approx(5.0), "slowed 5 x", 0)
+    assert (pace.fps, pace.slow, pace.note) == (20.0, pytest.approx(5.0), "slowed 5 x")
     assert pace.numbers.tolist() == list(range(11))
     assert Pace.of(TIMES, fps=40.0).note == "slowed 2.5 x"
     assert Pace.of(TIMES, fps=100.0).note == "real time" and Pace.of(10.0 * TIMES).note == "speeded up 2 x"
@@ -28,9 +28,9 @@ def test_a_factor_chooses_the_frames():
     pace = Pace.of(TIMES, slow=4.0)
     assert (pace.fps, pace.numbers.tolist()) == (pytest.approx(25.0), list(range(11)))
     pace = Pace.of(TIMES, fps=20.0, slow=2.5)       # every other snapshot
-    assert (pace.numbers.tolist(), pace.note, pace.repeated) == ([0, 2, 4, 6, 8, 10], "slowed 2.5 x", 0)
+    assert (pace.numbers.tolist(), pace.note) == ([0, 2, 4, 6, 8, 10], "slowed 2.5 x")
     pace = Pace.of(TIMES, fps=20.0, slow=10.0)      # each twice
-    assert np.bincount(pace.numbers).tolist() == 10 * [2] + [1] and pace.repeated == 10
+    assert np.bincount(pace.numbers).tolist() == 10 * [2] + [1]
     pace = Pace.of(TIMES, slow=0.1)                 # 1000 frames a second: more than a player shows
     assert pace.fps == 60.0 and len(pace.numbers) == 2
     pace = Pace.of(TIMES, slow=1000.0)              # a snapshot every ten seconds: each in ten frames

@@ -75,6 +75,7 @@ def test_noise_of_a_ripple_on_a_slow_pressure():
     p = 1000.0 + 30.0 * np.sin(2 * np.pi * t / 0.01)
     assert norms.noise(t, p, (1.0, 3.0)) == pytest.approx(0.03 / np.sqrt(2), rel=0.01)
     assert norms.noise(t, 1000.0 + 300.0 * t, (1.0, 3.0)) < 1e-3
+    assert norms.noise(T, np.where(T < 2.0, 1e6, 1000.0), (2.0, 9.0)) < 1e-12, "it does not look outside its window"
 
 
 def test_noise_does_not_depend_on_how_the_time_is_cut():
@@ -108,11 +109,6 @@ def test_even_times_undo_a_denser_part():
     assert np.allclose(np.diff(even), 0.001) and even[-1] == pytest.approx(3.0) and np.allclose(p, 2.0 * even)
 
 
-def test_noise_does_not_look_outside_its_window():
-    p = np.where(T < 2.0, 1e6, 1000.0)
-    assert norms.noise(T, p, (2.0, 9.0)) < 1e-12
-
-
 def test_impulse_with_ends_between_samples():
     assert norms.impulse([0.0, 1.0, 2.0], [0.0, 2.0, 4.0], (0.5, 1.75)) == pytest.approx(1.75**2 - 0.5**2)
     with pytest.raises(ValueError, match="not inside"):
@@ -121,7 +117,7 @@ def test_impulse_with_ends_between_samples():
 
 @pytest.mark.parametrize("value, truth, message",
                          [([1.0, np.nan], [1.0, 1.0], "not numbers"), ([1.0], [1.0, 2.0], "one length"),
-                                                   ([1.0, 2.0], [0.0, 0.0], "at rest"), ([], [], "empty")])
+                          ([1.0, 2.0], [0.0, 0.0], "at rest"), ([], [], "empty")])
 def test_a_series_that_cannot_be_judged_is_refused(value, truth, message):
     with pytest.raises(ValueError, match=message):
         norms.relative_l2(value, truth)

@@ -9,10 +9,10 @@ from mpi4py import MPI
 from parisph.base.fields import BALLISTIC, DRY, INNER, WET
 from parisph.parallel import partition
 from parisph.parallel.halo import senders
-from parisph.parallel.hilbert import keys_of_cells
+from parisph.parallel.hilbert import machine
 from parisph.parallel.partition import Grid, Partition
 from parisph.parallel.work import work_of
-from tests.clouds import KINDS, cloud
+from tests.clouds import KINDS, cloud, keys_of_cells
 
 
 class Share:
@@ -49,7 +49,7 @@ def test_huge_boxes_get_wider_cells_instead_of_longer_keys():
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_keys_are_those_of_the_cells_and_outside_belongs_to_the_border(dim):
-    grid = Grid(np.full(dim, -1.0), 0.25, 3, 2)
+    grid = Grid(np.full(dim, -1.0), 0.25, 3, 2, *machine(dim))
     x = np.random.default_rng(0).uniform(-1.5, 1.5, (500, dim))
     cells = np.clip(np.floor((x + 1.0) / 0.25), 0, 7).astype(int)
     np.testing.assert_array_equal(grid.cells(grid.keys(x)), keys_of_cells(cells, 3))
@@ -102,7 +102,7 @@ def test_work_goes_with_neighbours_and_with_the_part_a_particle_plays():
 def test_ghosts_go_to_all_owners_of_cells_within_the_width_and_to_nobody_else(kind, dim):
     """Against brute force over all cells; some points lie outside the grid."""
     x = 1.2 * cloud(kind, dim, 300) - 0.1
-    grid = Grid(np.zeros(dim), 0.125, 3, 2)
+    grid = Grid(np.zeros(dim), 0.125, 3, 2, *machine(dim))
     width = 0.12
     third = grid.end // 3
     splitters = np.array([0, 3, third, third, third + 1, grid.end // 2, grid.end])  # one empty, one of a single cell

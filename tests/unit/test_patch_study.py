@@ -8,9 +8,9 @@ import pytest
 
 from parisph.base.errors import CaseError, Interrupted, SolverDiverged
 from parisph.cli import execute
-from parisph.study import AnalyticField, Histogram, PatchStudy, Sweep, patch_results, study_file
+from parisph.study import AnalyticField, Histogram, PatchStudy, Sweep, patch_tasks, study_file
 from parisph.study.patch_report import orders, table
-from parisph.study.patch_results import carry_out, tasks
+from parisph.study.patch_tasks import apply, tasks
 
 SWEEP = Sweep(spacings=[1 / 10, 1 / 20], jitters=[0.8])
 TEXT = '''
@@ -65,10 +65,10 @@ def test_gradients_that_replace_others_at_the_surface_are_curves_of_their_own():
 
 def test_observed_order_and_spread():
     lattice = study(sweeps=[Sweep(spacings=[1 / 20, 1 / 40], jitters=[0.0])], patches=["dirichlet"])
-    made = [carry_out(task, lattice) for task in tasks(lattice)]
+    made = [apply(task, lattice) for task in tasks(lattice)]
     assert orders(made, "L2")["gfd", 0.0] == pytest.approx(2.1, abs=0.2)
     exact = study(fields=["parabola"])
-    made = [carry_out(task, exact) for task in tasks(exact)]
+    made = [apply(task, exact) for task in tasks(exact)]
     assert all(one.norms["L2"] < 1e-9 for one in made) and orders(made, "L2") == {}, "rounding has no order"
     assert "gfd" in table(made, exact)
 
@@ -76,13 +76,13 @@ def test_observed_order_and_spread():
 @pytest.mark.parametrize("patch", ["neumann", "closed", "walls", "surface"])
 def test_patches_with_walls(patch):
     of = {"gradients": ["mixed"], "laplacians": []} if patch in ("walls", "surface") else {}
-    made = carry_out(tasks(study(fields=["harmonic"], patches=[patch], **of))[-1], study())
+    made = apply(tasks(study(fields=["harmonic"], patches=[patch], **of))[-1], study())
     assert made.lost == 0 and 0.0 < made.norms["L2"] < 0.1
     assert made.particles == {"walls": 94, "surface": 19}.get(patch, 361)
 
 
 def test_a_field_without_a_relative_error_says_so():
-    made = carry_out(tasks(study(fields=["harmonic"]))[0], study())
+    made = apply(tasks(study(fields=["harmonic"]))[0], study())
     assert made.norms == {} and "the exact value is zero" in made.problem
     assert "the exact value is zero" in table([made], study())
 
@@ -91,9 +91,9 @@ def test_a_problem_that_cannot_be_solved_is_a_result(monkeypatch):
     def diverges(*_):
         raise SolverDiverged("no attempt\n  reached the tolerance")
 
-    monkeypatch.setattr(patch_results, "solution", diverges)
+    monkeypatch.setattr(patch_tasks, "solution", diverges)
     whole = study(patches=["dirichlet"])
-    made = [carry_out(task, whole) for task in tasks(whole)]
+    made = [apply(task, whole) for task in tasks(whole)]
     assert all(one.norms == {} and one.problem == "no attempt" for one in made)
     assert "seed 2: no attempt" in table(made, whole)
 
@@ -101,7 +101,7 @@ def test_a_problem_that_cannot_be_solved_is_a_result(monkeypatch):
 def test_a_field_of_functions_in_three_dimensions():
     field = AnalyticField("square", lambda x: x[:, 2] ** 2, None, lambda x: 2.0 + 0.0 * x[:, 2])
     whole = study(fields=[field], dim=3, sweeps=[Sweep(spacings=[1 / 8], jitters=[0.4])], seeds=[1])
-    made = carry_out(tasks(whole)[0], whole)
+    made = apply(tasks(whole)[0], whole)
     assert made.norms["Linf"] < 1e-9 and made.particles > 50
 
 
@@ -158,7 +158,7 @@ def test_a_part_from_outside(place, capsys):
 
 
 def test_ctrl_c_leaves_the_tables_of_what_is_done(place, monkeypatch, capsys):
-    made = patch_results.carry_out
+    made = patch_tasks.apply
     count = []
 
     def stopped(task, whole):
@@ -167,7 +167,7 @@ def test_ctrl_c_leaves_the_tables_of_what_is_done(place, monkeypatch, capsys):
             os.kill(os.getpid(), 2)
         return made(task, whole)
 
-    monkeypatch.setattr(patch_results, "carry_out", stopped)
+    monkeypatch.setattr(patch_tasks, "apply", stopped)
     (place / "s.py").write_text(BRIEF)
     with pytest.raises(Interrupted, match="stopped with [67] of 10 tests to do"):
         execute(["study", "s.py", "-q"])

@@ -115,7 +115,7 @@ def test_scenes_without_walls_have_no_fields_of_walls():
 
 def test_plain_scenes_have_what_they_had():
     case = scene(Fluid(Box(1.0, 0.5), 1000.0), TANK)
-    assert build.is_plain(case) and not {"area", "edge", "body"} & set(build.build(case))
+    assert case.plain and not {"area", "edge", "body"} & set(build.build(case))
     again = scene((Fluid(Box(1.0, 0.5), 1000.0),), (TANK,))
     one, other = build.build(case), build.build(again)
     assert all(one[name].tobytes() == other[name].tobytes() for name in one)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import (
     Airy,
@@ -26,7 +25,6 @@ from parisph import (
 from parisph.base.errors import CaseError
 from parisph.base.fields import FLUID
 from parisph.case.motion import AtRest, Moved
-from parisph.driver import Simulation
 from parisph.driver.preview import describe
 from parisph.geometry import build, scene_checks
 from parisph.geometry.columns import overlapping
@@ -199,16 +197,15 @@ LIDDED = Tank(2.0, 1.0, lid=True)
 FULL = Fluid(StillWater(1.0), 1000.0)
 
 
-def test_still_water_up_to_the_lid_is_closed_beside_any_walls():
+def test_still_water_up_to_the_lid_is_closed_beside_any_walls(simulated):
     case = scene((LIDDED, box(AtRest(), at=(0.8, 0.3))), FULL, spacing=0.1)
     assert case.closed and "null space" in describe(case) and not scene_checks.warnings(case)
-    run = Simulation(case, MPI.COMM_SELF)
+    run = simulated(case)
     while run.steps < 3:
         run.advance()
     p, fluid = run.particles, run.particles.kind == FLUID
     head = p.p[fluid] + 9810.0 * p.x[fluid, 1]
     assert np.ptp(head) < 1e-3 * 9810.0 and p.volume.sum() == pytest.approx(1.96)
-    run.destroy()
 
 
 @pytest.mark.parametrize("make, words", [

@@ -23,7 +23,7 @@ from parisph import (
     WaterFront,
 )
 from parisph.base.fields import FLUID, WALL
-from parisph.driver.rim import OpenTank
+from parisph.driver.overflow import OpenTank
 from parisph.geometry import build
 from parisph.geometry.columns import beds
 from parisph.parallel.domain import Domain
@@ -121,7 +121,7 @@ def test_pictures_show_walls_where_they_are(tmp_path):
     assert left < 0.0 and right > 3.0 and low < 0.0
     lower, upper = style.fluid_bounds(stored)
     assert lower.tolist() == [0.0, 0.0] and upper.tolist() == [3.0, 0.5]
-    assert style.scales(stored).length == 0.5
+    assert style.scene_units(stored).length == 0.5
 
 
 def test_picture_of_many_particles_shows_all_the_water(monkeypatch):

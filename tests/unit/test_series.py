@@ -7,7 +7,7 @@ import pytest
 
 from parisph.base.errors import StoreError
 from parisph.io import series
-from parisph.io.series import Series
+from parisph.io.series import SeriesFile
 
 
 def read(path):
@@ -15,7 +15,7 @@ def read(path):
 
 
 def written(path, steps=4, **options):
-    table = Series(path, {"pressure": "Pa", "reason": ""}, "pressure tap P2", **options)
+    table = SeriesFile(path, {"pressure": "Pa", "reason": ""}, "pressure tap P2", **options)
     for step in range(steps):
         table.append(0.1 * step, step, (step / 3.0, "rtol"))
     return table
@@ -39,7 +39,7 @@ def test_a_line_is_in_the_file_as_soon_as_it_is_appended(tmp_path):
 
 
 def test_numpy_numbers_nan_and_none_are_written_as_plain_ones(tmp_path):
-    table = Series(tmp_path / "p.csv", {"a": "", "b": "", "c": ""})
+    table = SeriesFile(tmp_path / "p.csv", {"a": "", "b": "", "c": ""})
     table.append(np.float64(0.5), np.int64(1), (np.float32(0.25), math.nan, None))
     table.close()
     assert (tmp_path / "p.csv").read_text().splitlines()[-1] == "0.5,1,0.25,nan,"
@@ -51,7 +51,7 @@ def test_restart_keeps_the_lines_up_to_its_step_and_drops_a_cut_one(tmp_path):
     written(tmp_path / "p.csv").close()
     with open(tmp_path / "p.csv", "a") as file:
         file.write("0.4,1")  # the process died in the middle of a line
-    table = Series(tmp_path / "p.csv", {"pressure": "Pa", "reason": ""}, "pressure tap P2", keep_to=2)
+    table = SeriesFile(tmp_path / "p.csv", {"pressure": "Pa", "reason": ""}, "pressure tap P2", keep_to=2)
     table.append(0.3, 3, (7.0, "again"))
     table.close()
     found = read(tmp_path / "p.csv")
@@ -69,4 +69,4 @@ def test_a_cut_line_is_not_read(tmp_path):
 def test_a_series_of_other_columns_is_not_continued(tmp_path):
     written(tmp_path / "p.csv").close()
     with pytest.raises(StoreError, match="another run"):
-        Series(tmp_path / "p.csv", {"height": "m"}, keep_to=1)
+        SeriesFile(tmp_path / "p.csv", {"height": "m"}, keep_to=1)

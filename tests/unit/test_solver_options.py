@@ -21,16 +21,8 @@ def database():
 
 @pytest.fixture
 def make():
-    """Return a function that makes solvers, which are destroyed after the test."""
-    made = []
-
-    def new(*words, **settings):
-        made.append(PressureSolver(SELF, list(words), **settings))
-        return made[-1]
-
-    yield new
-    for solver in made:
-        solver.destroy()
+    with systems.solvers(SELF) as new:
+        yield new
 
 
 def solved(solver, n=20):

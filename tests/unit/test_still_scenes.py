@@ -13,7 +13,6 @@ from parisph.case.bodies import Obstacle, Plate, Profile, StillWater
 from parisph.geometry.mesh import CONVEX
 from parisph.kernels import balance, rankine, walls
 from parisph.kernels.circle import Circle
-from parisph.kernels.packing import pack
 from parisph.kernels.records import Flux, Rows, cloud_of
 from parisph.kernels.solids import keep_off_solids
 from parisph.methods import lengths
@@ -82,8 +81,7 @@ def test_pressure_of_still_water(name):
     scene = filled(StillWater(level), SCENES[name], S)
     water = np.full(len(scene.x), level)
     assert error(scene, water) == (pytest.approx(0.0, abs=1e-12), 0)
-    pack(scene.x, scene.kind, scene.role, scene.weight, scene.area, scene.corners, scene.present, scene.table,
-         scene.lists)
+    scene.pack()
     assert error(scene, water) == (pytest.approx(0.0, abs=1e-12), 0)
     move = np.zeros_like(scene.x)
     inner = scene.role == INNER

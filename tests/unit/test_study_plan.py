@@ -6,9 +6,9 @@ import pytest
 
 from parisph.base.errors import CaseError
 from parisph.study import FinestError, Function, OtherCodes, Quantity, Required, SeriesError, Study, TruthError, Variant
-from parisph.study.agenda import agenda, listing
-from parisph.study.plan import points
-from parisph.study.prepared import code_version, prepare
+from parisph.study.combinations import combine
+from parisph.study.plan import code_version, plan_study
+from parisph.study.report import listing
 from parisph.study.study_file import read
 
 CASE = '''
@@ -39,42 +39,42 @@ def study(**fields):
 
 
 def test_a_product_combines_everything():
-    found = points(study(methods=["ISPH", "ISPH_R"], spacings=[0.1, 0.05], time_steps=[0.01], seeds=[1, 2],
+    found = combine(study(methods=["ISPH", "ISPH_R"], spacings=[0.1, 0.05], time_steps=[0.01], seeds=[1, 2],
                          parameters={"depth": 0.3}))
     assert len(found) == 8
     assert found[0].sets == {"method": "ISPH", "spacing": 0.1, "time_step": 0.01, "depth": 0.3, "seed": 1}
     assert found[0].ranks == 1
-    assert [point.label for point in found] == ["ISPH"] * 4 + ["ISPH_R"] * 4
-    assert len({point.name for point in found}) == 8 and found[0].name == "ISPH-s0.1-dt0.01-seed1"
+    assert [one.label for one in found] == ["ISPH"] * 4 + ["ISPH_R"] * 4
+    assert len({one.name for one in found}) == 8 and found[0].name == "ISPH-s0.1-dt0.01-seed1"
 
 
 def test_a_list_of_values_is_combined_and_a_tuple_is_one_value():
-    found = points(study(parameters={"numerics.gamma": [0.01, 0.05], "sides": (1.0, 2.0)}))
-    assert [point.label for point in found] == ["gamma = 0.01", "gamma = 0.05"]
-    assert all(point.sets["sides"] == (1.0, 2.0) for point in found)
+    found = combine(study(parameters={"numerics.gamma": [0.01, 0.05], "sides": (1.0, 2.0)}))
+    assert [one.label for one in found] == ["gamma = 0.01", "gamma = 0.05"]
+    assert all(one.sets["sides"] == (1.0, 2.0) for one in found)
 
 
 def test_variants_replace_choices_and_add_parameters():
-    found = points(study(spacings=[0.1, 0.05], parameters={"depth": 0.5}, variants=[
+    found = combine(study(spacings=[0.1, 0.05], parameters={"depth": 0.5}, variants=[
         Variant(methods=["ISPH"], time_steps=[0.002]),
         Variant(methods=["ISPH_R"], spacings=[0.1], time_steps=[0.008], parameters={"end_time": 2.0}, label="long")]))
-    assert [(point.label, point.sets["spacing"], point.sets["time_step"]) for point in found] == [
+    assert [(one.label, one.sets["spacing"], one.sets["time_step"]) for one in found] == [
         ("ISPH", 0.1, 0.002), ("ISPH", 0.05, 0.002), ("long", 0.1, 0.008)]
     assert found[2].sets["depth"] == 0.5 and found[2].sets["end_time"] == 2.0
 
 
 def test_the_time_step_is_in_the_label_only_where_a_curve_has_several():
     variants = [Variant(spacings=[0.1], time_steps=[0.02]), Variant(spacings=[0.05], time_steps=[0.01])]
-    per_spacing = points(study(methods=["ISPH"], variants=variants))
-    assert {point.label for point in per_spacing} == {"ISPH"}
-    both = points(study(methods=["ISPH"], spacings=[0.1, 0.05], time_steps=[0.02, None]))
-    assert {point.label for point in both} == {"ISPH, dt = 0.02", "ISPH, adaptive"}
-    steps_alone = points(study(methods=["ISPH"], spacings=[0.1], time_steps=[0.02, 0.01]))
-    assert {point.label for point in steps_alone} == {"ISPH"}, "they are the axis"
+    per_spacing = combine(study(methods=["ISPH"], variants=variants))
+    assert {one.label for one in per_spacing} == {"ISPH"}
+    both = combine(study(methods=["ISPH"], spacings=[0.1, 0.05], time_steps=[0.02, None]))
+    assert {one.label for one in both} == {"ISPH, dt = 0.02", "ISPH, adaptive"}
+    steps_alone = combine(study(methods=["ISPH"], spacings=[0.1], time_steps=[0.02, 0.01]))
+    assert {one.label for one in steps_alone} == {"ISPH"}, "they are the axis"
 
 
 def test_ranks_are_part_of_the_label():
-    assert [point.label for point in points(study(methods=["ISPH"], ranks=[1, 2]))] == ["ISPH, 1 rank", "ISPH, 2 ranks"]
+    assert [one.label for one in combine(study(methods=["ISPH"], ranks=[1, 2]))] == ["ISPH, 1 rank", "ISPH, 2 ranks"]
 
 
 @pytest.mark.parametrize(("fields", "says"), [
@@ -112,15 +112,15 @@ def test_a_bad_part_is_one_clear_error(make, says):
 
 def test_parts_of_the_command_line_go_to_the_runs(folder):
     (folder / "mine.py").write_text("")
-    made = prepare(study(methods=["ISPH"]), folder / "s.py", parts=["mine.py"])
-    assert made[0].parts[0] == str(folder / "mine.py")
+    plan = plan_study(study(methods=["ISPH"]), folder / "s.py", parts=["mine.py"])
+    assert plan.runs[0].parts[0] == str(folder / "mine.py")
 
 
 def test_two_equal_runs_are_an_error(folder):
     with pytest.raises(CaseError, match="two runs of the study are the same"):
-        points(study(variants=[Variant(methods=["ISPH"]), Variant(methods=["ISPH"])]))
+        combine(study(variants=[Variant(methods=["ISPH"]), Variant(methods=["ISPH"])]))
     with pytest.raises(CaseError, match="are the same case"):
-        prepare(study(variants=[Variant(spacings=[0.1]), Variant(methods=["ISPH_R"])]), folder / "s.py")
+        plan_study(study(variants=[Variant(spacings=[0.1]), Variant(methods=["ISPH_R"])]), folder / "s.py")
 
 
 @pytest.mark.parametrize(("fields", "says"), [
@@ -142,39 +142,40 @@ def test_two_equal_runs_are_an_error(folder):
 ])
 def test_every_run_is_checked_before_the_first(folder, fields, says):
     with pytest.raises(CaseError) as error:
-        prepare(study(**fields), folder / "s.py")
+        plan_study(study(**fields), folder / "s.py")
     assert says in str(error.value), error.value
     assert not (folder / "studies").exists()
 
 
 def test_what_the_case_has_no_parameter_for_is_set_in_its_numerics(folder):
     (folder / "tank.py").write_text(CASE.replace('method: str = "ISPH_R", ', "").replace("method=method, ", ""))
-    one, = prepare(study(methods=["ISPH"], parameters={"numerics.rtol": 1e-5}), folder / "s.py",
-                   ["numerics.gamma=1/100", "depth=0.3"])
+    one, = plan_study(study(methods=["ISPH"], parameters={"numerics.rtol": 1e-5}), folder / "s.py",
+                      ["numerics.gamma=1/100", "depth=0.3"]).runs
     assert one.case.numerics.method == "ISPH" and one.case.numerics.rtol == 1e-5 and one.case.numerics.gamma == 0.01
     assert one.case.fluid.shape.height == 0.3
 
 
 def test_set_cannot_change_what_varies(folder):
     with pytest.raises(CaseError, match="the study varies it"):
-        prepare(study(spacings=[0.1, 0.05]), folder / "s.py", ["spacing=0.1"])
-    assert prepare(study(spacings=[0.1]), folder / "s.py", ["spacing=0.05"])[0].case.numerics.spacing == 0.05
+        plan_study(study(spacings=[0.1, 0.05]), folder / "s.py", ["spacing=0.1"])
+    one, = plan_study(study(spacings=[0.1]), folder / "s.py", ["spacing=0.05"]).runs
+    assert one.case.numerics.spacing == 0.05
 
 
 @pytest.mark.parametrize(("word", "step", "text"), [("none", None, "adaptive"), ("1/200", 0.005, "0.005")])
 def test_a_time_step_for_all_runs_is_a_text(folder, word, step, text):
-    one, = prepare(study(spacings=[0.1]), folder / "s.py", [f"time_step={word}"])
+    one, = plan_study(study(spacings=[0.1]), folder / "s.py", [f"time_step={word}"]).runs
     assert (one.time_step, one.case.numerics.time_step, one.step_text) == (step, step, text)
 
 
 def test_keys_follow_case_ranks_and_code(folder, monkeypatch):
     def keys(**fields):
-        return [item.key for item in prepare(study(**fields), folder / "s.py")]
+        return [run.key for run in plan_study(study(**fields), folder / "s.py").runs]
 
     assert keys(spacings=[0.1]) == keys(spacings=[0.1], methods=["ISPH_R"], errors=[FinestError("left")])
     assert len({*keys(spacings=[0.1, 0.05]), *keys(spacings=[0.1], ranks=[2])}) == 3
     before = keys()
-    monkeypatch.setattr("parisph.study.prepared.code_version", lambda: "another")
+    monkeypatch.setattr("parisph.study.plan.code_version", lambda: "another")
     assert keys() != before and code_version() == code_version()
 
 
@@ -184,7 +185,7 @@ def test_a_study_file_in_json(folder):
         "errors": [{"kind": "truth", "probe": "left"}, {"kind": "quantity", "entry": "energy_drift"}]}))
     found, file = read("s.json")
     assert file == folder / "s.json" and found.errors == (TruthError("left"), Quantity("energy_drift"))
-    assert len(points(found)) == 4
+    assert len(combine(found)) == 4
 
 
 @pytest.mark.parametrize(("text", "says"), [
@@ -209,15 +210,14 @@ def test_a_study_may_be_a_function(folder):
 
 
 def test_listing_estimates_and_only_selects(folder):
-    (folder / "s.py").write_text("from parisph.study import Study\n"
-                                 "study = Study(case='tank.py', methods=['ISPH', 'ISPH_R'], spacings=[0.1, 0.05])\n")
-    shown = listing(agenda("s.py"))
+    def plan(**options):
+        return plan_study(study(methods=["ISPH", "ISPH_R"], spacings=[0.1, 0.05]), folder / "s.py", **options)
+
+    shown = listing(plan())
     assert "4 runs, 4 to do: about" in shown and shown.count("to do") == 5 and "studies/s" in shown
-    assert "2 runs, 2 to do" in listing(agenda("s.py", only=["ISPH"]))
-    with pytest.raises(CaseError, match=r"--only SPH: the study has no such method \(it has: ISPH; ISPH_R\)"):
-        agenda("s.py", only=["SPH"])
-    with pytest.raises(CaseError, match="must be greater than 0"):
-        agenda("s.py", limit=-1.0)
+    assert "2 runs, 2 to do" in listing(plan(only=["ISPH"]))
     (folder / "case.json").write_text("{}")
-    with pytest.raises(CaseError, match="holds a run"):
-        agenda("s.py", out=".")
+    for options, says in ((dict(only=["SPH"]), r"--only SPH: the study has no such method \(it has: ISPH; ISPH_R\)"),
+                          (dict(limit=-1.0), "must be greater than 0"), (dict(out="."), "holds a run")):
+        with pytest.raises(CaseError, match=says):
+            plan(**options)

@@ -2,22 +2,18 @@
 
 import os
 import sys
+from dataclasses import replace
 
 import pytest
 
 from parisph.base.errors import StoreError
 from parisph.io.lock import Lock
-from parisph.study import Study, conduct, processes
-from parisph.study.conduct import Held, end_of
-from parisph.study.prepared import prepare
+from parisph.study import Study, processes, runs
+from parisph.study.plan import plan_study
+from parisph.study.study_folder import hold
 from tests.running import lives
+from tests.unit.test_study_plan import CASE
 
-CASE = '''
-from parisph import Box, Case, Fluid, Numerics, Tank
-def case(spacing: float = 0.1) -> Case:
-    return Case(title="tank", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0), gravity=(0.0, -9.81),
-                walls=Tank(width=1.0, height=1.0), numerics=Numerics(spacing=spacing), end_time=1.0)
-'''
 # In place of parisph: it notes its process id and when it begins and ends, leaves a summary, and ends as it is told.
 PROGRAM = '''
 import os, pathlib, sys, time
@@ -35,23 +31,28 @@ sys.exit({code})
 
 @pytest.fixture
 def bench(tmp_path, monkeypatch):
-    """A function that makes runs which end as told, and returns their ends; `bench.items` are the runs."""
+    """A function that makes runs which end as told, and yields them with their ends; `bench.plan` is their Plan."""
     (tmp_path / "tank.py").write_text(CASE)
+    (tmp_path / "level.csv").write_text("t,y\n0,0.5\n10,0.5\n")
 
-    def go(code=0, seconds=0.0, jobs=1, limit=None, beat=lambda: None, together=1):
+    def go(code=0, seconds=0.0, jobs=1, limit=None, renew=lambda: None, together=1):
         monkeypatch.setattr(processes, "command", lambda words, ranks: [
             sys.executable, "-c", PROGRAM.format(code=code, seconds=seconds, together=together),
             words[words.index("-o") + 1]])
-        return conduct.conduct(go.items, go.folder, jobs, limit, beat)
+        return runs.make(go.plan.runs, replace(go.plan, limit=limit), jobs, renew)
 
-    go.items = prepare(Study(case="tank.py", spacings=[0.1, 0.05]), tmp_path / "s.py")
-    go.folder = tmp_path / "the study"
-    conduct.make_folders(go.folder)
+    go.plan = plan_study(Study(case="tank.py", spacings=[0.1, 0.05]), tmp_path / "s.py", out=tmp_path / "the study")
     return go
 
 
+def done(bench, limit=None):
+    """Return the folders of the runs that would not be made again with this limit [s]."""
+    ends = runs.ends(replace(bench.plan, limit=limit))
+    return [run.folder for run in bench.plan.runs if run.key in ends]
+
+
 def pids(bench):
-    return [int(pid) for path in bench.folder.glob("runs/*/pids") for pid in path.read_text().split()]
+    return [int(pid) for path in bench.plan.folder.glob("runs/*/pids") for pid in path.read_text().split()]
 
 
 @pytest.mark.parametrize(("code", "status", "again"), [
@@ -59,18 +60,18 @@ def pids(bench):
 def test_how_runs_end_and_which_are_made_again(bench, code, status, again):
     ends = [end for _, end in bench(code)]
     assert [(end.code, end.status) for end in ends] == [(code, status)] * 2
-    assert all((end_of(item, bench.folder) is None) == again for item in bench.items)
+    assert len(done(bench)) == (0 if again else 2)
     assert code == 0 or "it went wrong" in ends[0].reason
 
 
 def test_another_code_or_a_lost_summary_makes_a_run_again(bench):
     list(bench())
-    first, second = bench.items
-    (bench.folder / "runs" / first.folder / "summary.json").unlink()
-    assert end_of(first, bench.folder) is None and end_of(second, bench.folder) is not None
-    path = bench.folder / "ends" / f"{second.folder}.json"
+    first, second = bench.plan.runs
+    (bench.plan.folder / "runs" / first.folder / "summary.json").unlink()
+    assert done(bench) == [second.folder]
+    path = bench.plan.folder / "ends" / f"{second.folder}.json"
     path.write_text(path.read_text().replace(second.key, "0" * 32))
-    assert end_of(second, bench.folder) is None, "it does not match its digest"
+    assert done(bench) == [], "it does not match its digest"
 
 
 def test_a_run_is_ended_after_its_time(bench, monkeypatch):
@@ -78,35 +79,34 @@ def test_a_run_is_ended_after_its_time(bench, monkeypatch):
     ends = [end for _, end in bench(seconds=60.0, limit=0.5, jobs=2)]
     assert [end.status for end in ends] == ["out of time"] * 2 and ends[0].reason == "out of time after 0.5 s"
     assert not any(map(lives, pids(bench)))
-    item = bench.items[0]
-    assert end_of(item, bench.folder, 0.4) is not None, "with less time it would not come farther"
-    assert end_of(item, bench.folder, 5.0) is None and end_of(item, bench.folder) is None
+    assert len(done(bench, 0.4)) == 2, "with less time they would not come farther"
+    assert done(bench, 5.0) == done(bench) == []
 
 
 def test_ctrl_c_ends_the_runs_and_nothing_else(bench):
-    def beat():
+    def stop():
         if len(pids(bench)) == 2:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        list(bench(seconds=60.0, jobs=2, beat=beat))
+        list(bench(seconds=60.0, jobs=2, renew=stop))
     assert not any(map(lives, pids(bench))) and lives(os.getpid())
-    assert all(end_of(item, bench.folder) is None for item in bench.items)
+    assert done(bench) == []
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_jobs_are_how_many_run_at_once(bench, jobs):
     assert len(list(bench(seconds=0.3, jobs=jobs, together=jobs))) == 2
     (_, ended), (began, _) = sorted([float(time) for time in path.read_text().split()]
-                                    for path in bench.folder.glob("runs/*/times"))
+                                    for path in bench.plan.folder.glob("runs/*/times"))
     assert (began < ended) == (jobs == 2)
 
 
 def test_one_study_at_a_time_in_a_folder(tmp_path):
-    with Held(tmp_path / "s"):
+    with hold(tmp_path / "s"):
         with pytest.raises(StoreError, match="in use by process"):
             Lock(tmp_path / "s")
-    with Held(tmp_path / "s"):
+    with hold(tmp_path / "s"):
         pass
 
 

@@ -1,12 +1,12 @@
-"""The studies of run_scripts/studies: each can be carried out, and says what it costs."""
+"""The studies of run_scripts/studies: each can be run, and says what it costs."""
 
 import ast
 
 import pytest
 
 from parisph.study import PatchStudy, study_file
-from parisph.study.agenda import agenda
-from parisph.study.patch_results import tasks
+from parisph.study.patch_tasks import tasks
+from parisph.study.plan import plan_study
 from tests.launch import ROOT
 
 FOLDER = ROOT / "run_scripts" / "studies"
@@ -19,13 +19,13 @@ FILES = sorted(path for path in FOLDER.glob("*.py") if path.stem not in BESIDE)
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_every_run_of_a_study_is_valid(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    study, _ = study_file.read(path)
+    study, file = study_file.read(path)
     assert study.title
     if isinstance(study, PatchStudy):
         assert len(tasks(study)) > 100
         return
-    plan = agenda(path)
-    assert plan.items and plan.study.errors and plan.study.histories
+    plan = plan_study(study, file)
+    assert plan.runs and plan.study.errors and plan.study.histories
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

@@ -2,44 +2,44 @@
 
 import csv
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from parisph.base.errors import CaseError
-from parisph.study import OtherCodes, Required, Study, TruthError, equal_error, limits, other_codes, report, results
-from parisph.study.conduct import End
+from parisph.study import OtherCodes, Required, Study, TruthError, limits, other_codes, report, results
 from parisph.study.error_plots import draw
-from parisph.study.fits import cost_at, fitted_order, pareto
-from parisph.study.prepared import prepare
+from parisph.study.fits import cost_at, costs_at_equal_error, fitted_order, pareto
+from parisph.study.plan import plan_study
 from parisph.study.results import Result
+from parisph.study.runs import End
 from tests.unit.test_study_plan import CASE
 
 
 @pytest.fixture
 def found(tmp_path):
-    """The results of two methods, two spacings and two starts; one of them has blown up. As (study, items, results)."""
+    """The results of two methods, two spacings and two starts; one of them has blown up. As (Plan, results)."""
     (tmp_path / "tank.py").write_text(CASE)
     (tmp_path / "level.csv").write_text("t,y\n0,0.5\n10,0.5\n")
     study = Study(case="tank.py", methods=["ISPH", "ISPH_R"], spacings=[0.1, 0.05], time_steps=[0.01], seeds=[1, 2],
                   title="a study", errors=[TruthError("left")],
                   required=[Required("left", must=0.05, aim=0.02, where={"method": "ISPH_R"})])
-    items = prepare(study, tmp_path / "s.py")
-    made = []
-    for k, item in enumerate(items):
-        blown = item.method == "ISPH" and item.spacing == 0.05 and item.case.numerics.seed == 2
-        end = End(item.key, 3, 1.0, "diverged", "u is not a number") if blown else End(item.key, 0, 1.0, "completed")
-        error = 4.0 * item.spacing**2 * (1.0 + 0.1 * item.case.numerics.seed) * (3.0 if item.method == "ISPH" else 1.0)
-        values = {"particles": 100, "steps": 10, "time": 0.03 if blown else 0.1, "cpu_seconds": 2.0 / item.spacing,
+    plan, made = plan_study(study, tmp_path / "s.py", out=tmp_path), []
+    for k, run in enumerate(plan.runs):
+        blown = run.method == "ISPH" and run.spacing == 0.05 and run.seed == 2
+        end = End(run.key, 3, 1.0, "diverged", "u is not a number") if blown else End(run.key, 0, 1.0, "completed")
+        error = 4.0 * run.spacing**2 * (1.0 + 0.1 * run.seed) * (3.0 if run.method == "ISPH" else 1.0)
+        values = {"particles": 100, "steps": 10, "time": 0.03 if blown else 0.1, "cpu_seconds": 2.0 / run.spacing,
                   "wall_seconds": 1.0, "iterations": 7.5, "volume_low": 0.999, "volume_high": 1.001,
                   "energy_end": 0.98, "energy_high": 1.0}
-        made.append(Result(item, end, tmp_path / "runs" / str(k), values, {"left": None if blown else error}))
-    return study, items, made
+        made.append(Result(run, end, tmp_path / "runs" / str(k), values, {"left": None if blown else error}))
+    return plan, made
 
 
 def test_table_gives_mean_and_range_over_starts(found):
-    study, _, made = found
-    shown = report.table(made, study)
+    plan, made = found
+    shown = report.table(made, plan.study)
     line = next(line for line in shown.splitlines() if line.split()[1:4] == ["ISPH_R", "|", "0.1"])
     assert "0.046 (0.044 to 0.048)" in line and "yes" in line
     assert "1 of 2" in shown and "u is not a number (reached t = 0.03 s)" in shown
@@ -48,8 +48,8 @@ def test_table_gives_mean_and_range_over_starts(found):
 
 
 def test_csv_and_json_have_one_line_for_each_run(found, tmp_path):
-    study, _, made = found
-    results.save(made, study, tmp_path, missing=3)
+    plan, made = found
+    results.save(made, replace(plan, runs=plan.runs + plan.runs[:3]))
     with open(tmp_path / "results.csv", newline="") as file:
         lines = list(csv.DictReader(file))
     content = json.loads((tmp_path / "results.json").read_text())
@@ -63,8 +63,8 @@ def test_csv_and_json_have_one_line_for_each_run(found, tmp_path):
 
 
 def test_limits_judge_the_worst_start(found):
-    study, items, made = found
-    verdicts = limits.verdicts(study, items, made)
+    plan, made = found
+    verdicts = limits.verdicts(plan.study, plan.runs, made)
     assert [(one.where, one.met, one.reached) for one in verdicts] == [
         ("ISPH_R, spacing 0.1, time step 0.01", True, False), ("ISPH_R, spacing 0.05, time step 0.01", True, True)]
     assert limits.unmet(verdicts) == [] and "yes (aim)" in limits.table(verdicts)
@@ -76,21 +76,21 @@ def test_limits_judge_the_worst_start(found):
     (Required("energy_end", must=0.97, least=True), [True] * 4), (Required("cpu_seconds", aim=30.0), [None] * 4),
 ])
 def test_a_missing_value_meets_nothing(found, required, met):
-    study, items, made = found
-    verdicts = limits.verdicts(study.model_copy(update={"required": (required,)}), items, made)
+    plan, made = found
+    verdicts = limits.verdicts(plan.study.model_copy(update={"required": (required,)}), plan.runs, made)
     assert [one.met for one in verdicts] == met
     assert len(limits.unmet(verdicts)) == met.count(False)
 
 
 def test_a_run_without_a_result_meets_nothing(found):
-    study, items, made = found
-    assert [one.met for one in limits.verdicts(study, items, made[:-1])] == [True, True, False]
-    assert "none" in limits.unmet(limits.verdicts(study, items, []))[0]
+    plan, made = found
+    assert [one.met for one in limits.verdicts(plan.study, plan.runs, made[:-1])] == [True, True, False]
+    assert "none" in limits.unmet(limits.verdicts(plan.study, plan.runs, []))[0]
 
 
 def test_picture_is_drawn(found, tmp_path):
     pytest.importorskip("matplotlib")
-    _, _, made = found
+    _, made = found
     others = [other_codes.OtherPoint("a $code", 0.1, 0.02, 100.0), other_codes.OtherPoint("half", None, 0.02, None)]
     assert draw(made, "left", "error of left", "a $title", tmp_path / "a.png", others)
     assert (tmp_path / "a.png").stat().st_size > 10_000
@@ -127,10 +127,10 @@ def test_methods_are_compared_at_equal_error(found):
 
     One start of it failed.
     """
-    study, _, made = found
-    levels = study.model_copy(update={"levels": {"left": (0.04, 0.02, 0.001)}})
-    swapped = [one for one in made if one.item.method == "ISPH_R"] + [one for one in made if one.item.method == "ISPH"]
-    first, second, third = equal_error.lines(swapped, levels)
+    plan, made = found
+    levels = plan.study.model_copy(update={"levels": {"left": (0.04, 0.02, 0.001)}})
+    swapped = [one for one in made if one.run.method == "ISPH_R"] + [one for one in made if one.run.method == "ISPH"]
+    first, second, third = costs_at_equal_error(swapped, levels)
     assert first.startswith("CPU s for left = 0.04: ISPH_R 21.4 (21 to 21.9); ISPH ")
     assert "ISPH does not reach it" in second and third.count("does not reach it") == 2
     with pytest.raises(CaseError, match="levels: there is no measure 'right'; there are left"):

@@ -1,10 +1,7 @@
 """The errors of summary.json: probes of a made-up run against truths whose distance is known."""
 
-import json
-
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph.base.errors import CaseError
 from parisph.case.profiles import height
@@ -21,9 +18,8 @@ from parisph.case.schema import (
 )
 from parisph.case.truths import PeakBand, WaveTruth
 from parisph.case.waves import Airy
-from parisph.io.reader import open_run
-from parisph.io.store import Store
 from parisph.truth import verdict
+from tests.stored import stored
 from tests.watched import scene
 
 T = np.linspace(0.0, 2.0, 201)
@@ -36,16 +32,24 @@ def reference(tmp_path):
     return str(path)
 
 
-def case_and_run(folder, watched, series, end=2.0):
-    """series : {probe: (columns, function of time)}"""
+def judged(folder, watched, series, end=2.0):
+    """Return the errors of probes in a run with these series, {probe: (columns, function of time)}."""
     case = scene(watched)
-    store = Store.create(MPI.COMM_SELF, folder / "run", json.dumps(json.loads(case.model_dump_json())))
-    for name, (columns, _) in series.items():
-        store.add_series(f"probes/{name}", columns)
-    for step, t in enumerate(T[T <= end]):
-        store.append(t, step, {f"probes/{name}": of(t) for name, (_, of) in series.items()})
-    store.close()
-    return case, folder / "run"
+    run = stored(folder / "run", case, {f"probes/{name}": columns for name, (columns, _) in series.items()}, [
+        (t, step, {f"probes/{name}": of(t) for name, (_, of) in series.items()}) for step, t in enumerate(T[T <= end])])
+    return verdict.errors(case, run)
+
+
+def risen(folder, bands, height):
+    """Return the errors of a run-up, a function of time, against bands."""
+    watched = [RunUp(name="up", side="right", truth=Peaks(bands, name="others"))]
+    return judged(folder, watched, {"up": ({"y": "m", "x": "m"}, lambda t: (height(t), 0.0))})["up"]
+
+
+def gauged(folder, gauges, truth, heights):
+    """Return the errors of an array of gauges, with constant heights, against profiles."""
+    watched = [ProbeArray(name="array", probes=gauges, truth=truth)]
+    return judged(folder, watched, {"array": ({gauge.name: "m" for gauge in gauges}, lambda t: heights)})["array"]
 
 
 def test_waves_are_judged_without_the_depth_and_pressures_with_all(tmp_path, reference):
@@ -55,13 +59,12 @@ def test_waves_are_judged_without_the_depth_and_pressures_with_all(tmp_path, ref
         Energy(name="energy", truth=Truth(reference, time="t_s", value="one", scale=3.0)),
         WaterFront(name="front"),
     ]
-    case, run = case_and_run(tmp_path, watched, {
+    found = judged(tmp_path, watched, {
         "gauge": ({"y": "m"}, lambda t: (0.5 + 0.012 * np.sin(t),)),
         "tap": ({"pressure": "Pa"}, lambda t: (4040.0,)),
         "energy": ({"kinetic": "J/m", "potential": "J/m", "total": "J/m"}, lambda t: (9.0, 9.0, 3.3)),
         "front": ({"x": "m"}, lambda t: (t,)),
     })
-    found = verdict.errors(case, open_run(run))
     assert set(found) == {"gauge", "tap", "energy"}
     wave = 0.01 * np.sin(T[::10])
     expected = {
@@ -75,12 +78,13 @@ def test_waves_are_judged_without_the_depth_and_pressures_with_all(tmp_path, ref
     assert found["energy"]["relative_l2"] == pytest.approx(0.1)
 
 
-@pytest.mark.parametrize("end, file, reason", [(0.0, None, "two samples or more"), (2.0, "gone.csv", "cannot be read")])
-def test_what_cannot_be_judged_says_why(tmp_path, reference, end, file, reason):
-    about = Truth(file or reference, time="t_s", value="one")
-    case, run = case_and_run(tmp_path, [WaterFront(name="front", truth=about)],
-                             {"front": ({"x": "m"}, lambda t: (1.0,))}, end)
-    found = verdict.errors(case, open_run(run))["front"]
+@pytest.mark.parametrize("end, file, window, reason", [
+    (0.0, None, None, "two samples or more"), (2.0, "gone.csv", None, "cannot be read"),
+    (2.0, None, (1.0, 3.0), "window")])
+def test_what_cannot_be_judged_says_why(tmp_path, reference, end, file, window, reason):
+    about = Truth(file or reference, time="t_s", value="one", window=window)
+    found = judged(tmp_path, [WaterFront(name="front", truth=about)], {"front": ({"x": "m"}, lambda t: (1.0,))},
+                   end)["front"]
     assert found["relative_l2"] is None and reason in found["reason"]
 
 
@@ -95,8 +99,7 @@ def test_series_are_smoothed_and_cut_shifts_are_separate_and_peaks_have_bands(tm
     watched = [WaterFront(name="late", truth=first.model_copy(update={"peaks": bands, "others": (other,)}))]
     # 0.02 s late, with a ripple as long as the mean is wide
     of = {"late": ({"x": "m"}, lambda t: (np.sin(3.0 * (t - 0.02)) + 0.3 * np.sin(20.0 * np.pi * t),))}
-    case, run = case_and_run(tmp_path, watched, of)
-    found = verdict.errors(case, open_run(run))["late"]
+    found = judged(tmp_path, watched, of)["late"]
     assert (found["start"], found["end"]) == (0.5, 1.5)
     t = T[(T >= 0.5) & (T <= 1.5)]
     assert found["relative_l2"] == pytest.approx(
@@ -121,27 +124,16 @@ def test_a_wave_is_compared_within_its_window_only(tmp_path):
         about = WaveTruth(wave, level=0.5, window=window)
         folder = tmp_path / str(len(found))
         folder.mkdir()
-        case, run = case_and_run(folder, [SurfaceGauge(name="gauge", at=0.3, truth=about)], of)
-        found[window] = verdict.errors(case, open_run(run))["gauge"]
+        found[window] = judged(folder, [SurfaceGauge(name="gauge", at=0.3, truth=about)], of)["gauge"]
     assert found[1.0, 1.8]["relative_l2"] == pytest.approx(0.1, rel=1e-3)
     assert (found[1.0, 1.8]["start"], found[1.0, 1.8]["end"]) == (1.0, 1.8)
     assert found[None]["relative_l2"] > 0.4
     assert found[1.0, 30.0]["relative_l2"] is None and "window" in found[1.0, 30.0]["reason"]
 
 
-def test_a_run_shorter_than_the_window_has_no_error(tmp_path, reference):
-    about = Truth(reference, time="t_s", value="one", window=(1.0, 3.0), name="long")
-    of = {"front": ({"x": "m"}, lambda t: (1.0,))}
-    case, run = case_and_run(tmp_path, [WaterFront(name="front", truth=about)], of)
-    found = verdict.errors(case, open_run(run))["front"]
-    assert found["relative_l2"] is None and "window" in found["reason"]
-
-
 def test_numbers_without_a_series_are_beside_the_greatest_values(tmp_path):
     bands = (PeakBand(start=0.5, end=1.0, when=0.8), PeakBand(start=0.0, end=2.0, low=1.0, high=1.6))
-    case, run = case_and_run(tmp_path, [RunUp(name="up", side="right", truth=Peaks(bands, name="others"))],
-                             {"up": ({"y": "m", "x": "m"}, lambda t: (t, 0.0))})
-    found = verdict.errors(case, open_run(run))["up"]
+    found = risen(tmp_path, bands, lambda t: t)
     first, second = found["peaks"]
     assert (first["found"], first["time"], first["when"], first["beyond"]) == (1.0, 1.0, 0.8, None)
     assert second["found"] == 2.0 and second["beyond"] == pytest.approx(0.25)
@@ -152,18 +144,14 @@ def test_numbers_without_a_series_are_beside_the_greatest_values(tmp_path):
     (lambda t: min(t, 1.99), 1.99, True), (lambda t: 1.95, 0.0, False), (lambda t: min(t, 1.5), 1.5, False)])
 def test_a_last_value_may_still_rise_also_if_written_twice_but_not_a_level_one(tmp_path, value, first, rises):
     bands = (PeakBand(start=0.0, end=2.0, low=1.0, high=2.5),)
-    case, run = case_and_run(tmp_path, [RunUp(name="up", side="right", truth=Peaks(bands))],
-                             {"up": ({"y": "m", "x": "m"}, lambda t: (value(t), 0.0))})
-    peak, = verdict.errors(case, open_run(run))["up"]["peaks"]
+    peak, = risen(tmp_path, bands, value)["peaks"]
     assert peak["time"] == pytest.approx(first) and peak["last"] is rises
 
 
 def test_heights_are_beyond_a_band_by_a_share_of_the_height_above_still_water(tmp_path):
     whole = PeakBand(start=0.0, end=2.0, low=0.24, high=0.3, level=0.2)
     bands = whole.model_copy(update={"end": 1.0}), PeakBand(start=0.0, end=2.0, low=0.21, high=0.22), whole
-    case, run = case_and_run(tmp_path, [RunUp(name="up", side="right", truth=Peaks(bands))],
-                             {"up": ({"y": "m", "x": "m"}, lambda t: (0.2 + 0.02 * min(t, 2.0 - t), 0.0))})
-    first, second, third = verdict.errors(case, open_run(run))["up"]["peaks"]
+    first, second, third = risen(tmp_path, bands, lambda t: 0.2 + 0.02 * min(t, 2.0 - t))["peaks"]
     assert first["beyond"] == pytest.approx(0.02 / 0.04 - 1.0) and second["beyond"] == 0.0
     assert third["beyond"] == pytest.approx(-0.5) and third["level"] == 0.2
     assert (first["last"], second["last"]) == (True, False), "it rises until 1 s, and falls then"
@@ -179,9 +167,7 @@ def test_profiles_are_compared_at_their_times_where_both_have_a_surface(tmp_path
         for x, y in shape))
     truth = Profiles(str(file), time="t", x="x_cm", value="y_cm", scale=0.01, x_scale=0.01, rows={"of": "a"})
     gauges = [SurfaceGauge(name=f"x{k}", at=0.1 * k) for k in (5, 1, 3, 4)]    # x1 is beyond all profiles
-    case, run = case_and_run(tmp_path, [ProbeArray(name="array", probes=gauges, truth=truth)],
-                             {"array": ({gauge.name: "m" for gauge in gauges}, lambda t: (0.1, 9.9, 0.1, np.nan))})
-    found = verdict.errors(case, open_run(run))["array"]
+    found = gauged(tmp_path, gauges, truth, (0.1, 9.9, 0.1, np.nan))
     theirs = np.array([0.105, 0.095, 0.055, 0.065])    # at x3 and x5, at 0.5 and at 1.5 s
     assert found["points"] == 4 and (found["start"], found["end"]) == (0.5, 1.5)
     assert found["relative_l2"] == pytest.approx(np.linalg.norm(0.1 - theirs) / np.linalg.norm(theirs))
@@ -197,9 +183,7 @@ def test_further_profiles_are_judged_even_if_the_run_has_come_to_none_of_the_fir
                          for name in ("late", "early", "lost"))
     truth = late.model_copy(update={"others": (early, lost)})
     gauges = [SurfaceGauge(name=f"x{k}", at=0.1 * k) for k in (3, 5)]
-    case, run = case_and_run(tmp_path, [ProbeArray(name="array", probes=gauges, truth=truth)],
-                             {"array": ({gauge.name: "m" for gauge in gauges}, lambda t: (0.1, 0.1))})
-    found = verdict.errors(case, open_run(run))["array"]
+    found = gauged(tmp_path, gauges, truth, (0.1, 0.1))
     assert found["relative_l2"] is None and "none of the profiles" in found["reason"]
     assert found["others"]["early"]["relative_l2"] == pytest.approx(0.5) and found["others"]["early"]["points"] == 2
     assert "lost.csv" in found["others"]["lost"]["reason"]

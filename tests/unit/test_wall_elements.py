@@ -85,8 +85,7 @@ def test_nodes_that_are_not_here_do_not_count():
 def test_water_covers_walls_up_to_its_level():
     scene = filled(StillWater(0.5), [Tank(1.0, 1.0)], S)
     covered = np.empty(len(scene.x))
-    indptr, indices, *_ = scene.lists()
-    wetness.covered_walls(covered, cloud_of(scene.x, scene.kind, scene.role, scene.normal, indptr, indices, S))
+    wetness.covered_walls(covered, scene.records()[0])
     side = (scene.kind == WALL) & (scene.x[:, 1] > 0.1)
     np.testing.assert_allclose(covered[side & (scene.x[:, 1] < 0.51)], 1.0)
     np.testing.assert_allclose(covered[side & (scene.x[:, 1] > 0.54)], 0.0, atol=1e-12)
@@ -160,8 +159,8 @@ def test_bed_before_a_piston_and_behind_it():
     x, n = mesh.x0, len(mesh.x0)
     indptr, indices, *_ = lone(x, face)
     walls = no_walls(n, 2)._replace(corners=face, indptr=indptr, indices=indices)
-    kind, motion, (apart, rest) = np.full(n, WALL, np.int8), np.array([1]), np.full((2, n), np.inf)
+    apart, rest = np.full((2, n), np.inf)
     for found, own in ((apart, 0), (rest, 1)):
-        wetness.before_moving_walls(found, x, kind, np.full(n, own), walls, motion, axes_of(2))
+        wetness.before_moving_walls(found, x, np.full(n, own), walls, np.array([1]), axes_of(2))
     np.testing.assert_allclose(apart, np.maximum(x[:, 0] - 0.52, 0.0), atol=1e-12)
     assert np.isinf(rest).all()

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from parisph.case.elsewhere import measured
+from parisph.case.measured_data import measured
 from parisph.study import Function, Required, Study, TruthError, Variant
 from tests.validation import record
 

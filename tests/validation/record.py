@@ -9,10 +9,9 @@ import numpy as np
 
 from parisph.io.files import write_json
 from parisph.io.reader import open_run
-from parisph.study import Study, Variant, conduct, limits
-from parisph.study.conduct import end_of
+from parisph.study import Study, Variant, limits, runs
 from parisph.study.definition import OWN
-from parisph.study.prepared import prepare
+from parisph.study.plan import plan_study
 from parisph.study.results import Result, result
 from tests.launch import ROOT
 
@@ -61,9 +60,8 @@ def rows_of(study: Study, results: list[Result], what: str) -> list[Row]:
 
     what : the scene and the quantity, before the name of the curve
     """
-    items, found = [one.item for one in results], []
-    cost = {one.item.point.label: one.values.get("cpu_seconds") for one in results}
-    for one in limits.verdicts(study, items, results):
+    found, cost = [], {one.run.label: one.values.get("cpu_seconds") for one in results}
+    for one in limits.verdicts(study, [one.run for one in results], results):
         label = one.where.partition(", spacing ")[0]
         values = [float("nan") if value is None else value for value in one.values]
         found.append(Row.of_starts(f"{what}, {label}: {one.of}", values, one.required.must, one.required.aim,
@@ -127,18 +125,15 @@ class Bench:
 
     def study(self, study: Study) -> list[Result]:
         """Make the runs of a study that are not done, and return all results. Its paths are relative to cases/."""
-        place, made = ROOT / "cases", []
-        conduct.make_folders(self.folder)
-        items = prepare(study, place / "validation.py")
-        ends = {item.key: end_of(item, self.folder) for item in items}
-        todo = [item for item in items if ends[item.key] is None]
-        for item, end in conduct.conduct(todo, self.folder, jobs=1, limit=HOURS):
-            ends[item.key] = end
-        for item in items:
-            made.append(result(item, ends[item.key], self.folder, study, place))
+        plan, made = plan_study(study, ROOT / "cases" / "validation.py", out=self.folder, limit=HOURS), []
+        ends = runs.ends(plan)
+        todo = [run for run in plan.runs if run.key not in ends]
+        ends |= {run.key: end for run, end in runs.make(todo, plan)}
+        for run in plan.runs:
+            made.append(result(run, ends[run.key], plan))
             cost = made[-1].values.get("cpu_seconds") or float("nan")
-            print(f"  {item.point.label}: {made[-1].values.get('steps')} steps, {cost:.1f} CPU s"
-                  f"{'' if item in todo else ', there already'}", flush=True)
+            print(f"  {run.label}: {made[-1].values.get('steps')} steps, {cost:.1f} CPU s"
+                  f"{'' if run in todo else ', there already'}", flush=True)
         return made
 
     def close(self):

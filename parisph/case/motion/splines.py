@@ -15,7 +15,7 @@ Law = tuple[float, float, float]    # value, rate and second derivative
 Values = tuple[float, ...]
 
 
-class Cubic:
+class CubicSpline:
     """The cubic spline through (t, y) without knots at the second and the last but one time; n >= 4.
 
     Before the first and after the last time nothing changes any more.
@@ -70,18 +70,20 @@ class Cubic:
 
 
 class Curves:
-    """The Cubic of each of the last series, found by the tuples themselves: a hash or a comparison of long ones takes
-    longer than all that is asked of the curve."""
+    """The CubicSpline of each of the last series, found by the identity of the tuples.
+
+    A hash or a comparison of long tuples takes longer than the evaluation of the spline.
+    """
 
     def __init__(self, most: int) -> None:
-        self._kept: deque[tuple[Values, Values, Cubic]] = deque(maxlen=most)
+        self._kept: deque[tuple[Values, Values, CubicSpline]] = deque(maxlen=most)
 
-    def of(self, times: Values, values: Values) -> Cubic:
-        """Return the Cubic of a series."""
+    def of(self, times: Values, values: Values) -> CubicSpline:
+        """Return the CubicSpline of a series."""
         for own_times, own_values, curve in self._kept:
             if own_times is times and own_values is values:
                 return curve
-        curve = Cubic(times, values)
+        curve = CubicSpline(times, values)
         self._kept.append((times, values, curve))
         return curve
 

@@ -19,8 +19,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT))
 
+from parisph.base import markdown  # noqa: E402
 from parisph.parallel.partition import split  # noqa: E402
-from parisph.study.report import markdown  # noqa: E402
 from run_scripts.studies.cost_model.partitions import Column, OneForAll  # noqa: E402
 
 OWN = 1000      # particles of this rank
@@ -86,7 +86,7 @@ def main() -> None:
     args = parser.parse_args()
     lines = [(*words, "-" if np.isnan(time) else f"{1e3 * time:.2g}")
              for *words, time in entries(args.ranks, 1e-6 * args.latency, 1e9 * args.bandwidth)]
-    print(markdown(["what", "where", "order", "how often", f"ms at {args.ranks} ranks"], lines))
+    print(markdown.table(["what", "where", "order", "how often", f"ms at {args.ranks} ranks"], lines))
 
 
 if __name__ == "__main__":

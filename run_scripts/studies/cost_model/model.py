@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT))
 
-from parisph.study.report import markdown  # noqa: E402
+from parisph.base import markdown  # noqa: E402
 
 MEASURED = Path(__file__).with_name("measured")
 PUBLISHED = (6144, 0.43)    # ranks and efficiency of all of an ISPH code (Guo et al. 2018), another scene and machine
@@ -233,8 +233,8 @@ def main() -> None:
     parts = [f"Latency {args.latency:g} us, {args.bandwidth:g} GB/s. Parts of a step in ms."]
     for (dim, particles), lines in tables.items():
         parts += [f"{dim}D, {particles:.0e} particles:",
-                  markdown(list(lines[0]), [[f"{value:.3g}" if isinstance(value, float) else str(value)
-                                             for value in line.values()] for line in lines])]
+                  markdown.table(list(lines[0]), [[f"{value:.3g}" if isinstance(value, float) else str(value)
+                                                   for value in line.values()] for line in lines])]
     text = "\n\n".join(parts) + "\n"
     print(text, end="")
     args.output.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""How a run is shared among its ranks: work, particles, ghosts and messages."""
+"""The load balance of a run: work, particles, ghosts and messages of its ranks."""
 
 from typing import Any
 
@@ -10,11 +10,8 @@ from parisph.driver.simulation import Simulation
 COUNTED = ("owned", "ghosts", "neighbours", "work")
 
 
-class Shares:
-    """Counts what ranks have and send, from a moment on.
-
-    simulation : at that moment
-    """
+class LoadBalance:
+    """Counts what ranks have and send, from the state of a simulation on."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._before = _so_far(simulation)
@@ -22,9 +19,9 @@ class Shares:
     def content(self, simulation: Simulation, comm: MPI.Comm) -> dict[str, Any]:
         """Return the entry `shares` of summary.json, the same on all ranks of `comm`. Collective there.
 
-        As they are now, {"max", "mean"} over the ranks: owned particles, ghosts, neighbours (the ranks that one sends
-        ghosts to), work (parallel.work); and imbalance, the largest work over the mean. Per step since the start:
-        updates (messages to every neighbour), plans (particles change rank) and lists (neighbours are found anew).
+        {"max", "mean"} over the ranks now: owned particles, ghosts, neighbours (ranks that receive ghosts of this
+        one), work (parallel.work). imbalance: the largest work over the mean. Per step: updates (messages to every
+        neighbour), plans (particles change rank), lists (neighbours are found anew).
         """
         s = simulation
         p, domain = s.particles, s.domain

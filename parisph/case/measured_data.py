@@ -1,7 +1,7 @@
-"""Measured data of others, which parisph does not carry: where it lies, if it is there.
+"""Paths of measured data of others, which parisph does not contain.
 
-It lies in the folder `shared/reference/measured` beside the clone, in the one that the environment variable
-PARISPH_MEASURED names, or in the one that a case is given as its parameter `data`.
+The folder is a case's parameter `data`, else the environment variable PARISPH_MEASURED, else
+`shared/reference/measured` beside the clone.
 """
 
 import os
@@ -17,12 +17,10 @@ BESIDE = "../../shared/reference/measured"    # from the folder of a case file, 
 
 
 def measured(file: str, data: str = "") -> str | None:
-    """Return the path of a file of measured data, or None if it is not there; the log then says so. Not collective.
+    """Return the path of a file of measured data, else log a warning and return None. Not collective.
 
-    file : its name
-    data : the folder that the user has given, "" for the usual one
-
-    Raises CaseError if the user has given a folder and the file is not in it.
+    file : its name; data : the folder that the user has given, "" for none
+    Raises CaseError if the file is not in a folder that the user has given.
     """
     path = _folder(data) / paths.checked(file, "file")
     if path.is_file():
@@ -34,9 +32,9 @@ def measured(file: str, data: str = "") -> str | None:
 
 
 def needed(file: str, what: str, data: str = "") -> str:
-    """Return the path of a file without which a case cannot be computed. what : it is, for the message
+    """Return the path of a file that a case cannot do without. Raises CaseError if it is missing.
 
-    Raises CaseError if it is not there.
+    what : name of the data, for the message
     """
     path = _folder(data) / paths.checked(file, "file")
     if not path.is_file():

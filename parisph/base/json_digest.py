@@ -1,6 +1,6 @@
-"""JSON files that show whether they have been changed: an object contains the digest of all its other entries.
+"""Digests in JSON files: an object has one of all its other entries, so that a change is seen.
 
-How a run was made has a digest of its own, so that the digest of a case is the same whoever runs it.
+The entry `made`, how a run was made, has its own digest: that of a case is the same whoever runs it.
 """
 
 import hashlib
@@ -11,14 +11,14 @@ from typing import Any
 KEY, MADE, OF_MADE = "digest", "made", "made_digest"
 
 
-def sealed(content: Mapping[str, Any]) -> dict[str, Any]:
+def with_digest(content: Mapping[str, Any]) -> dict[str, Any]:
     """Return a JSON object with its digest as the first entry, whose line may be removed without a comma too many."""
     content = {name: value for name, value in content.items() if name not in (KEY, OF_MADE)}
     made = content.get(MADE)
     return {KEY: _digest(content), **content, **({OF_MADE: _digest(made)} if isinstance(made, dict) else {})}
 
 
-def opened(content: Mapping[str, Any]) -> tuple[dict[str, Any], bool]:
+def without_digest(content: Mapping[str, Any]) -> tuple[dict[str, Any], bool]:
     """Return a JSON object without its digest, and whether it is unchanged. True if it has no digest."""
     rest = {name: value for name, value in content.items() if name not in (KEY, OF_MADE)}
     if content.get(KEY) is None:

@@ -1,4 +1,4 @@
-"""The tasks of a patch study, each an operator on one arrangement of particles, and what they give."""
+"""The tasks of a patch study, each an operator on one arrangement of particles, and their results."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -17,8 +17,8 @@ from parisph.patch.arrangement import Arrangement
 from parisph.patch.solution import solution
 from parisph.study.patch_study import OF_GRADIENTS, OF_LAPLACIANS, ON_TANKS, SOLUTIONS, PatchStudy, cells_of
 
-NEAR_WALL = 2      # layers of fluid that are beside a wall
-FROM_SURFACE = 4   # layers between those and a surface, so that walls are looked at alone
+NEAR_WALL = 2      # layers of fluid beside a wall
+FROM_SURFACE = 4   # layers between those and a surface, whose errors are not those of walls
 AXES = "xyz"
 
 # Names of the norms in tables, and what they are.
@@ -34,8 +34,7 @@ class Operator:
     """An operator.
 
     kind : "laplacian" or "gradient"; word : of its registry
-    further : word of the rows of walls that a Laplacian has beside it; of the gradient that replaces one at the
-        surface; or ""
+    further : of a Laplacian the word of its rows of walls, of a gradient that of the one at the surface; or ""
     """
 
     kind: str
@@ -72,7 +71,7 @@ class Task:
 
     @property
     def group(self) -> tuple[str, ...]:
-        """What tables and pictures do not mix: kind of operator, patch, field, rows of walls if there are walls."""
+        """Results in one table: kind of operator, patch, field, and rows of walls if there are walls."""
         return self.operator.kind, self.patch, self.field.name, *([self.operator.walls] if self.operator.walls else [])
 
     def described(self) -> str:
@@ -87,10 +86,9 @@ class PatchResult:
     """What a task gave.
 
     particles : that were compared
-    lost : of these, without a value, left out of the norms; in a solution, with the mean of their neighbours for an
-        equation
+    lost : of these, without a value, left out of the norms; in a solution, their row is the mean of their neighbours
     norms : {name in NORMS: number}, empty if there is none; problem : why, in one line
-    sizes : (particles - lost,) |error| of Laplacians over their amplitude, if a histogram needs them, else empty
+    sizes : (particles - lost,) |error| of Laplacians over their amplitude if a histogram needs them, else empty
     """
 
     task: Task
@@ -123,7 +121,7 @@ def operators(study: PatchStudy, patch: str) -> list[Operator]:
 
 
 def tasks(study: PatchStudy, only: Sequence[str] = ()) -> list[Task]:
-    """Return what is to be done, each thing once: without disorder all seeds are the same, and the first is enough.
+    """Return the tasks, each once: a lattice without disorder needs only the first seed.
 
     only : words of operators, all if empty
 
@@ -170,8 +168,8 @@ def _check(operator: Operator, dim: int) -> None:
                             f"leave it out with dim={dim}")
 
 
-def carry_out(task: Task, study: PatchStudy) -> PatchResult:
-    """Apply an operator and return its errors. On this rank alone."""
+def apply(task: Task, study: PatchStudy) -> PatchResult:
+    """Apply the operator of a task and return its errors. On this rank alone."""
     try:
         return _solution(task, study) if task.patch in SOLUTIONS else _derivative(task, study)
     except SolverDiverged as error:

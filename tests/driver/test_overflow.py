@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from parisph import (
     Box,
@@ -22,10 +21,10 @@ from parisph import (
 )
 from parisph.base.errors import ParticleLost
 from parisph.base.fields import FLUID
-from parisph.driver import Simulation, astray
+from parisph.driver import wall_penetration
 from parisph.geometry.rims import faces_of, rim_of
 from parisph.io import reader
-from tests.scenes import difference, on_one_and_more, on_two_and_then
+from tests.scenes import assert_same, on_one_and_more, on_two_and_then
 
 
 def pouring(end_time=0.2, **output):
@@ -37,8 +36,8 @@ def pouring(end_time=0.2, **output):
         output=Output(**output), probes=[Energy("energy")], end_time=end_time)
 
 
-def test_every_particle_is_in_the_tank_or_counted():
-    s = Simulation(pouring(), MPI.COMM_SELF)
+def test_every_particle_is_in_the_tank_or_counted(simulated):
+    s = simulated(pouring())
     fluid = np.count_nonzero(s.particles.kind == FLUID)
     volume, walls = s.particles.volume.sum(), s.particles.n_global - fluid
     before = 0
@@ -53,11 +52,10 @@ def test_every_particle_is_in_the_tank_or_counted():
         assert not np.any(outside & (p.x[:, 1] > 0.6))
         before = report.left
     assert before > 10 and len(np.unique(s.particles.id)) == s.particles.n_global
-    s.destroy()
 
 
-def test_energy_leaves_with_the_water():
-    s = Simulation(pouring(), MPI.COMM_SELF)
+def test_energy_leaves_with_the_water(simulated):
+    s = simulated(pouring())
     s.advance()
     p = s.particles
     which = np.flatnonzero(p.kind == FLUID)[:3]
@@ -66,35 +64,27 @@ def test_energy_leaves_with_the_water():
     s._open_tank.let_leave(s.domain)
     assert (s.left.particles, s.left.volume) == (3, pytest.approx(volume))
     assert s.left.energy == pytest.approx(1000.0 * volume * (0.5 * 5.0 + 9.81 * 0.9), rel=1e-12)
-    s.destroy()
 
 
-def test_through_a_wall_is_still_an_error():
-    s = Simulation(pouring(), MPI.COMM_SELF)
+@pytest.mark.parametrize(("which", "at", "says"), [
+    (slice(3, 4), (1.3, 0.2), "outside the tank, but not over its rim"),
+    (slice(None), (1.3, 0.9), "all water has left the tank"),
+])
+def test_a_loss_through_a_wall_or_of_all_water_is_an_error(simulated, which, at, says):
+    s = simulated(pouring())
     s.advance()
     p = s.particles
-    p.x[np.flatnonzero(p.kind == FLUID)[3]] = (1.3, 0.2)
-    with pytest.raises(ParticleLost, match="outside the tank, but not over its rim"):
+    p.x[np.flatnonzero(p.kind == FLUID)[which]] = at
+    with pytest.raises(ParticleLost, match=says):
         s._open_tank.let_leave(s.domain)
-    s.destroy()
 
 
-def test_a_tank_that_is_empty_is_said():
-    s = Simulation(pouring(), MPI.COMM_SELF)
-    s.advance()
-    p = s.particles
-    p.x[p.kind == FLUID] = (1.3, 0.9)
-    with pytest.raises(ParticleLost, match="all water has left the tank"):
-        s._open_tank.let_leave(s.domain)
-    s.destroy()
-
-
-def test_water_flows_over_the_rim():
+def test_water_flows_over_the_rim(simulated):
     """Filled to the brim, with gravity that leans to the right: nothing holds the water above the wall."""
     case = Case(title="weir", fluid=Fluid(Box(width=1.0, height=0.5), density=1000.0),
                 walls=Tank(width=1.0, height=0.5),
                 gravity=(2.0, -9.6), numerics=Numerics(spacing=0.05), end_time=1.5)
-    s = Simulation(case, MPI.COMM_SELF)
+    s = simulated(case)
     p = s.particles
     volume = p.volume.sum()
     while not s.finished():
@@ -102,11 +92,10 @@ def test_water_flows_over_the_rim():
     lean = 0.5 * 0.5 * 2.0 / 9.6    # the wedge above the rim of water at rest
     assert 0.4 * lean < s.left.volume / (0.5 * 1.0) < 1.5 * lean
     assert p.volume.sum() + s.left.volume == pytest.approx(volume, rel=1e-12)
-    s.destroy()
 
 
 RANKS = """
-from tests.driver.test_rim import pouring
+from tests.driver.test_overflow import pouring
 s = Simulation(pouring(), comm)
 for _ in range(45):
     s.advance()
@@ -129,12 +118,11 @@ def test_ranks_agree(tmp_path):
         more = np.load(tmp_path / f"{n}.npz")
         np.testing.assert_array_equal(more["id"], one["id"])
         np.testing.assert_allclose(more["left"], one["left"], rtol=1e-9)
-        for field in ("x", "u", "p"):
-            assert difference(more[field], one[field]) < 1e-8, field
+        assert_same(one, more, 1e-8)
 
 
 def test_a_restart_goes_on_counting(tmp_path):
-    on_two_and_then(1, "from parisph import driver\nfrom tests.driver.test_rim import pouring", FIRST,
+    on_two_and_then(1, "from parisph import driver\nfrom tests.driver.test_overflow import pouring", FIRST,
                     'driver.restart("part", comm, until=0.2, progress=False)', tmp_path)
     whole, part = (reader.open_run(tmp_path / name) for name in ("whole", "part"))
     np.testing.assert_array_equal(part.steps["left"], whole.steps["left"])
@@ -171,13 +159,12 @@ def test_water_over_a_wavemaker_has_left():
     assert face.out(x, 1.0, 0.05).tolist() == [True, False, False]
 
 
-def test_fluid_in_a_solid_is_an_error():
-    s = Simulation(scene(Tank(1.0, 0.5), OUT), MPI.COMM_SELF)
+def test_fluid_in_a_solid_is_an_error(simulated):
+    s = simulated(scene(Tank(1.0, 0.5), OUT))
     p = s.particles
     s.domain.refresh()
-    astray.find(s.domain)
+    wall_penetration.check(s.domain)
     p.x[np.flatnonzero(p.kind == FLUID)[3]] = (0.95, 0.1)
     s.domain.refresh()
     with pytest.raises(ParticleLost, match=r"particle .* at \[0.95, 0.1\] m: in block, or behind it, by up to 1 spac"):
-        astray.find(s.domain)
-    s.destroy()
+        wall_penetration.check(s.domain)

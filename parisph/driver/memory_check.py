@@ -1,4 +1,4 @@
-"""A check that a case can be built, and fits into the memory of the machines that run it, before that is done."""
+"""Check, before a case is built, that its geometry is sound and that it fits into memory."""
 
 from mpi4py import MPI
 
@@ -14,8 +14,8 @@ from parisph.geometry import build, scene_checks
 def check(case: Case, comm: MPI.Comm) -> None:
     """Raise CaseError on every rank if the geometry is faulty, or needs more memory than all machines have. Collective.
 
-    This is checked where a case runs, not when it is made, so that `parisph check` on a laptop can
-    describe a case for a cluster. The memory that other programs use is ignored, because it changes.
+    `parisph check` on a laptop may describe a case for a cluster: memory is checked only where a case runs. The memory
+    that other programs use changes, and is not counted.
     """
     ahead.check(case)
     for text in scene_checks.warnings(case) if comm.rank == 0 else ():

@@ -1,4 +1,4 @@
-"""Fluid that has got into a solid or behind a wall: an error, as it would go on unseen there."""
+"""Fluid that has passed through a wall. This is an error: the flow would go on there unseen."""
 
 import numpy as np
 
@@ -10,15 +10,12 @@ from parisph.parallel.domain import Domain
 from parisph.parallel.particles import Particles
 from parisph.parallel.wall_elements import WallElements
 
-EVERY = 10     # steps from one look to the next: fluid is still near the wall that it has gone through
-DEEP = 0.5     # spacings behind a wall, from where on fluid is lost
+EVERY = 10     # steps between checks, few enough that the fluid is still near the wall it has passed
+DEEP = 0.5     # depth behind a wall from which on fluid is lost [spacings]
 
 
-def find(domain: Domain) -> None:
-    """Look for fluid behind the walls that it is near, of any shape. Collective.
-
-    Raises ParticleLost on every rank. Only particles with elements in their lists are looked at.
-    """
+def check(domain: Domain) -> None:
+    """Raise ParticleLost on every rank if fluid is behind a wall that it is near. Collective."""
     elements = domain.elements
     if elements is None:
         return

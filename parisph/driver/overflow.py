@@ -1,4 +1,4 @@
-"""Water that leaves an open tank or bed: over the rim it is removed and counted, through a wall it is an error."""
+"""Water that leaves an open tank or bed. Over the rim it is removed and counted; through a wall it is an error."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ from parisph.watch.sampling import Scene
 
 
 @dataclass
-class Left:
+class Overflow:
     """What has left the tank over its rim since the start of the run; the same on all ranks.
 
     particles : number; volume [m^dim]; energy : kinetic and potential, when it left [J/m, J in 3D]
@@ -40,7 +40,7 @@ class OpenTank:
     faces : of wavemakers, behind which it is dry
     spacing, reach [m] : the second is how far behind a wall a particle is lost
     scene : for the energy
-    left : Left
+    left : Overflow
     """
 
     rim: Rim | None
@@ -48,15 +48,15 @@ class OpenTank:
     spacing: float
     reach: float
     scene: Scene
-    left: Left = field(default_factory=Left)
+    left: Overflow = field(default_factory=Overflow)
 
     @classmethod
     def of(cls, case: Case, domain: Domain, state: Mapping[str, Any] | None = None) -> "OpenTank | None":
-        """Return the open tank of a case, None if it has none. state : the Left of a checkpoint, as a dict."""
+        """Return the open tank of a case, None if it has none. state : the Overflow of a checkpoint, as a dict."""
         rim, faces = rim_of(case), faces_of(case)
         if rim is None and not faces:
             return None
-        return cls(rim, faces, case.numerics.spacing, domain.radius, Scene.of(case), Left(**(state or {})))
+        return cls(rim, faces, case.numerics.spacing, domain.radius, Scene.of(case), Overflow(**(state or {})))
 
     def let_leave(self, domain: Domain, time: float = 0.0) -> None:
         """Remove the fluid that is out over the rim at a time [s], and count it. Collective.
@@ -98,5 +98,5 @@ class OpenTank:
         particles, volume, energy = p.comm.allreduce(mine)
         if not self.left.particles and p.comm.rank == 0:
             logger.warning("water leaves the tank over its rim; it is removed and counted")
-        self.left = Left(self.left.particles + int(particles), self.left.volume + float(volume),
-                         self.left.energy + float(energy))
+        self.left = Overflow(self.left.particles + int(particles), self.left.volume + float(volume),
+                             self.left.energy + float(energy))
