@@ -130,13 +130,7 @@ def gradient(out: np.ndarray, cloud: Cloud, p: np.ndarray, bending: Bending, whe
         columns = fill_up(basis, n, axes)
         fill_basis(basis, columns, axes)
         weights(w, basis, form.power, columns, axes)
-        found = 0
-        for k in range(n):
-            found += w[0, k] > 0.0
-        normal_matrix(matrix, basis, w, size, columns)
-        for a in range(dim):
-            for b in range(a + 1):
-                m[a, b] = m[b, a] = matrix[a, b]
+        found = _moments(matrix, m, basis, w, n, columns, axes)
         spans = found > size and cholesky(matrix, size)
         raised = inflation(m, matrix, right, size, axes) if spans else np.inf
         curve = bending.laplacian[i] * radius * radius / (2.0 * dim)
@@ -157,6 +151,19 @@ def gradient(out: np.ndarray, cloud: Cloud, p: np.ndarray, bending: Bending, whe
                 for a in range(dim):
                     for b in range(dim):
                         out[i, a] -= inverse[a, b] * basis[b, k] * known
+
+
+@inlined
+def _moments(matrix, m, basis, w, n, columns, axes):
+    """Write the moments of the harmonic fit, and of a linear one; return how many of n neighbours have a weight."""
+    found = 0
+    for k in range(n):
+        found += w[0, k] > 0.0
+    normal_matrix(matrix, basis, w, basis_size(axes), columns)
+    for a in range(len(axes)):
+        for b in range(a + 1):
+            m[a, b] = m[b, a] = matrix[a, b]
+    return found
 
 
 @inlined

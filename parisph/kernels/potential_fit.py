@@ -44,11 +44,7 @@ def fit_potential(out: Potential, cloud: Cloud, u: np.ndarray, across: harmonic.
     near, weight, v = np.empty((dim, room)), np.empty((1, room)), np.empty((dim, room))
     unit, fluid = harmonic.UNIT * radius, _without_walls(cloud)
     for i in range(len(indptr) - 1):
-        out.square[i] = 0.0
-        for a in range(dim):
-            out.beyond[i, a] = 0.0
-            for c in range(dim):
-                out.gradient[i, a, c] = 0.0
+        _clear(out, i, axes)
         if role[i] == BALLISTIC or (kind[i] == WALL and role[i] != WET):
             continue
         n = gather_within(near, member, 0, i, fluid, unit, radius)
@@ -59,13 +55,7 @@ def fit_potential(out: Potential, cloud: Cloud, u: np.ndarray, across: harmonic.
             n += 1
         m = fill_up(near, n, axes)
         harmonic.weigh(weight, near, m, axes)
-        for k in range(n):
-            j = np.uint32(member[k])
-            for a in range(dim):
-                v[a, k] = u[j, a]
-        for k in range(n, m):
-            for a in range(dim):
-                v[a, k] = 0.0
+        _velocities(v, u, member, n, m, axes)
         first = _add_columns(fit, weight, near, v, m, axes) if dim == 3 else 0
         last = harmonic.add_slopes(fit, first, i, cloud, across, 0.0, 1.0, radius)
         data, sound = dim * n + last - first, False
@@ -94,6 +84,27 @@ def _without_walls(cloud):
             role[j] = INNER
     return Cloud(cloud.x, cloud.kind, role, cloud.normal, cloud.corner, cloud.volume, cloud.indptr, cloud.indices,
                  cloud.spacing, cloud.axes)
+
+
+@inlined
+def _clear(out, i, axes):
+    out.square[i] = 0.0
+    for a in range(len(axes)):
+        out.beyond[i, a] = 0.0
+        for c in range(len(axes)):
+            out.gradient[i, a, c] = 0.0
+
+
+@inlined
+def _velocities(v, u, member, n, m, axes):
+    """Write the velocities of n places to the first of m columns, and 0 to the others."""
+    for k in range(n):
+        j = np.uint32(member[k])
+        for a in range(len(axes)):
+            v[a, k] = u[j, a]
+    for k in range(n, m):
+        for a in range(len(axes)):
+            v[a, k] = 0.0
 
 
 @inlined
