@@ -1,7 +1,6 @@
 """The forms of the pressure gradient."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,6 +20,9 @@ TOO_FEW = -1.0      # the quality of a moment of fewer than dim + 1 neighbours
 # neighbours lie on one side.
 ACROSS, ALONG = 0.1, 0.01
 SOFTENING = 0.25    # of the moment's mean, times what its quality lacks
+# Spacings from a wall within which its datum helps a gradient with too few neighbours. In the tip of water on a flat
+# beach the surface is the only layer, up to 1.5 spacings above the bed, and the nodes below it carry no row.
+DATUM = 1.4
 
 
 @kernel
@@ -148,10 +150,9 @@ def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: floa
     raise the variance of the slope to more than `most` times that of a linear fit.
     """
     indptr, indices, dim = cloud.indptr, cloud.indices, len(cloud.axes)
-    stencil = harmonic.stencil_of(indptr, cloud.axes)
-    c = stencil.c
+    c, work, b = harmonic.scratch(indptr, cloud.axes)
     for i in range(len(indptr) - 1):
-        if cloud.role[i] != SURFACE or not harmonic.coefficients(stencil, i, cloud, radius, most):
+        if cloud.role[i] != SURFACE or not harmonic.coefficients(c, i, cloud, radius, most, work, b):
             continue
         out[i, :] = 0.0
         for k in range(indptr[i], indptr[i + 1]):
@@ -159,25 +160,16 @@ def harmonic_gradient(out: np.ndarray, cloud: Cloud, f: np.ndarray, radius: floa
                 out[i, a] += c[k - indptr[i], a] * (f[indices[k]] - f[i])
 
 
-class WallSlope(NamedTuple):
-    """The gradient of a field at walls, the normal part of `here` less `less` of an element.
-
-    here : (n_all, dim), of particles beside the wall; less : (M, dim); within : [m], from an element at which it counts
-    """
-
-    here: np.ndarray
-    less: np.ndarray
-    within: float
-
-
 @kernel
-def gradient_at_walls(out: np.ndarray, known: np.ndarray, cloud: Cloud, walls: Walls, f: np.ndarray, slope: WallSlope,
-                      form: Form) -> None:
+def gradient_at_walls(out: np.ndarray, known: np.ndarray, cloud: Cloud, walls: Walls, f: np.ndarray, here: np.ndarray,
+                      less: np.ndarray, form: Form) -> None:
     """Repeat `least_squares_gradient` where neighbours are too few, with the slope at the nearest wall for a datum.
 
     M becomes M + w n n^T, and b becomes b + w n (n . slope), w = tr M, where n is the normal of the nearest element.
     Without it a particle at a contact line, in a wedge of water, may fall freely and stir everything. Exact for f with
-    this slope at the wall. Particles that become a slope by it are no longer BALLISTIC but SURFACE.
+    this slope at the wall. Particles that get a slope by it are no longer BALLISTIC but SURFACE.
+
+    here : (n_all, dim), less : (M, dim), of elements; the gradient of f at a wall has the normal part of here - less
     """
     role, indptr, axes, radius = cloud.role, cloud.indptr, cloud.axes, form.radius
     dim, room = len(axes), room_for(indptr)
@@ -192,10 +184,10 @@ def gradient_at_walls(out: np.ndarray, known: np.ndarray, cloud: Cloud, walls: W
         columns = fill_up(near, n, axes)
         if support(m, inverse, weighted, near, form.power, n, columns, axes) >= form.floor:
             continue
-        e = _nearest_element(normal, places, i, cloud, walls, slope.within)
+        e = _nearest_element(normal, places, i, cloud, walls)
         if e < 0:
             continue
-        trace, across = _add_wall(m, normal, i, e, slope, axes)
+        trace, across = _add_wall(m, normal, i, e, here, less, axes)
         quality = invert(m, inverse, axes)
         if not quality > 0.0 or (quality < form.floor and not _soften(m, inverse, form.floor - quality, axes)):
             continue
@@ -211,12 +203,12 @@ def gradient_at_walls(out: np.ndarray, known: np.ndarray, cloud: Cloud, walls: W
 
 
 @subkernel
-def _nearest_element(normal, places, i, cloud, walls, within):
-    """Return the nearest element of those that i sees, -1 if none is within a distance, and write its normal.
+def _nearest_element(normal, places, i, cloud, walls):
+    """Return the nearest element that i sees, -1 if it is too far for a datum, and write its normal.
 
     places : ((dim,), (dim,)) scratch
     """
-    (place, foot), dim = places, len(cloud.axes)
+    (place, foot), dim, within = places, len(cloud.axes), DATUM * cloud.spacing
     least, nearest = within * within, -1
     for k in range(walls.indptr[i], walls.indptr[i + 1]):
         e = walls.indices[k]
@@ -233,12 +225,12 @@ def _nearest_element(normal, places, i, cloud, walls, within):
 
 
 @inlined
-def _add_wall(m, normal, i, e, slope, axes):
+def _add_wall(m, normal, i, e, here, less, axes):
     """Add the datum of element e to the moment m; return its weight and the slope across the wall."""
     trace, across = 0.0, 0.0
     for a in range(len(axes)):
         trace += m[a, a]
-        across += normal[a] * (slope.here[i, a] - slope.less[e, a])
+        across += normal[a] * (here[i, a] - less[e, a])
     for a in range(len(axes)):
         for b in range(len(axes)):
             m[a, b] += trace * normal[a] * normal[b]

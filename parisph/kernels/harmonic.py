@@ -50,18 +50,6 @@ class Fit(NamedTuple):
     inverse: np.ndarray
 
 
-class Stencil(NamedTuple):
-    """Coefficients of a gradient: d f/dx_a (x_i) = sum_j c[j, a] (f_j - f_i).
-
-    c : (at least the number of neighbours, dim) [1/m], in the order of the list of i; work, b : (basis, basis) and
-    (basis,) scratch
-    """
-
-    c: np.ndarray
-    work: np.ndarray
-    b: np.ndarray
-
-
 @subkernel
 def basis_size(axes: tuple[int, ...]) -> int:
     """Return the number of harmonic polynomials of degree 1 and 2: 4 in 2D, 8 in 3D."""
@@ -239,17 +227,17 @@ def solve(fit: Fit, n: int, few: int, most: float, axes: tuple[int, ...]) -> boo
 
 
 @subkernel
-def coefficients(stencil: Stencil, i: int, cloud: Cloud, radius: float, most: float) -> bool:
-    """Write the stencil of the gradient of a harmonic f at i.
+def coefficients(out: np.ndarray, i: int, cloud: Cloud, radius: float, most: float, work: np.ndarray,
+                 b: np.ndarray) -> bool:
+    """Write c_j so that d f/dx_a (x_i) = sum_j c[j, a] (f_j - f_i) for harmonic f.
 
-    Returns False, with the stencil undefined, when the neighbours do not span the basis, or not well enough for `most`.
+    Returns False, with out undefined, when the neighbours do not span the basis, or not well enough for `most`.
 
-    radius : of the quartic weight [m]
+    out, work, b : of `scratch`, out [1/m] in the order of the list of i; radius : of the quartic weight [m]
     most : by how much the terms of degree 2 may raise the variance of the first derivatives: the mean over directions
         of the ratio to a linear fit, for noise of variance 1/w, trace(M (A^-1)_11)/dim, with A = sum w b b^T and its
         linear block M = A_11; infinite for no limit
     """
-    out, work, b = stencil
     x, role, indptr, indices, axes = cloud.x, cloud.role, cloud.indptr, cloud.indices, cloud.axes
     dim, n, found = len(axes), basis_size(axes), 0
     radius2, column = radius * radius, b.reshape(n, 1)
@@ -316,10 +304,10 @@ def _weight(i, j, x, role, radius2, axes):
 
 
 @subkernel
-def stencil_of(indptr: np.ndarray, axes: tuple[int, ...]) -> Stencil:
-    """Return a Stencil that is large enough for any particle."""
+def scratch(indptr: np.ndarray, axes: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return arrays (out, work, b) for `coefficients`, large enough for any row."""
     longest = 1
     for i in range(len(indptr) - 1):
         longest = max(longest, indptr[i + 1] - indptr[i])
     n = basis_size(axes)
-    return Stencil(np.empty((longest, len(axes))), np.empty((n, n)), np.empty(n))
+    return np.empty((longest, len(axes))), np.empty((n, n)), np.empty(n)

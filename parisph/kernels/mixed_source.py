@@ -17,9 +17,8 @@ EXPANSION = 0.01     # largest relative volume that a particle remembers: what r
 class Weights(NamedTuple):
     """The numbers of the mixed source.
 
-    density [kg/m^3]; dt, usual : the step, and what it would be if it were not shortened [s]
-    zeta, strain : weights of divergence and strain source, without a unit
-    per_strain : strength of the removal of a residual, 0 to remove it at once
+    density [kg/m^3]; dt, usual : the step, and what it would be if it were not shortened [s]; zeta, strain : of the
+    divergence and the strain source; per_strain : strength of the removal of a residual, 0 to remove it at once
     time : over which volume is given back [s]
     """
 

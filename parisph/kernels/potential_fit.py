@@ -42,9 +42,9 @@ def fit_potential(out: Potential, cloud: Cloud, u: np.ndarray, across: harmonic.
     dim, room, size, less = len(axes), room_for(indptr), harmonic.terms(3, axes), harmonic.terms(2, axes)
     fit, member = harmonic.fit_of((1 + (dim if dim == 3 else 0)) * room, axes), np.empty(room, np.int32)
     near, weight, v = np.empty((dim, room)), np.empty((1, room)), np.empty((dim, room))
-    unit, fluid = harmonic.UNIT * radius, _without_walls(cloud)
+    unit, fluid = harmonic.UNIT * radius, _only_fluid(cloud)
     for i in range(len(indptr) - 1):
-        _clear(out, i, axes)
+        out.square[i], out.beyond[i, :], out.gradient[i, :, :] = 0.0, 0.0, 0.0
         if role[i] == BALLISTIC or (kind[i] == WALL and role[i] != WET):
             continue
         n = gather_within(near, member, 0, i, fluid, unit, radius)
@@ -76,23 +76,11 @@ def fit_potential(out: Potential, cloud: Cloud, u: np.ndarray, across: harmonic.
 
 
 @subkernel
-def _without_walls(cloud):
+def _only_fluid(cloud):
     """Return the cloud with all fluid, and no wall, in stencils."""
-    role = np.full(len(cloud.kind), np.int8(DRY))
-    for j in range(len(role)):
-        if cloud.kind[j] == FLUID:
-            role[j] = INNER
-    return Cloud(cloud.x, cloud.kind, role, cloud.normal, cloud.corner, cloud.volume, cloud.indptr, cloud.indices,
-                 cloud.spacing, cloud.axes)
-
-
-@inlined
-def _clear(out, i, axes):
-    out.square[i] = 0.0
-    for a in range(len(axes)):
-        out.beyond[i, a] = 0.0
-        for c in range(len(axes)):
-            out.gradient[i, a, c] = 0.0
+    x, kind, _, normal, corner, volume, indptr, indices, spacing, axes = cloud
+    role = np.where(kind == FLUID, np.int8(INNER), np.int8(DRY))
+    return Cloud(x, kind, role, normal, corner, volume, indptr, indices, spacing, axes)
 
 
 @inlined

@@ -94,10 +94,9 @@ def harmonic_rows(rows: Rows, cloud: Cloud, radius: float, most: float) -> None:
     """
     count, columns, values, measure = rows
     normal, indptr, indices, dim = cloud.normal, cloud.indptr, cloud.indices, len(cloud.axes)
-    stencil = harmonic.stencil_of(indptr, cloud.axes)
-    c = stencil.c
+    c, work, b = harmonic.scratch(indptr, cloud.axes)
     for i in range(len(indptr) - 1):
-        if cloud.role[i] != WET or not harmonic.coefficients(stencil, i, cloud, radius, most):
+        if cloud.role[i] != WET or not harmonic.coefficients(c, i, cloud, radius, most, work, b):
             continue
         total, lowest = 0.0, 0.0
         for k in range(indptr[i + 1] - indptr[i]):

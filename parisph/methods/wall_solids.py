@@ -18,10 +18,6 @@ from parisph.parallel.wall_elements import NO_ROOM, WallElements
 if TYPE_CHECKING:
     from parisph.methods.flow import Flow
 
-# spacings from a wall within which its datum helps out a gradient with too few neighbours. In the tip of water on a
-# flat beach the surface is the only layer, up to 1.5 spacings above the bed, and the nodes below it carry no row.
-DATUM = 1.4
-
 
 class WallSolids(Boundary):
     """Walls of any shape. Fluid does not see through elements, and the solid behind them completes sums of kernels.
@@ -151,9 +147,9 @@ class WallSolids(Boundary):
 
     def mend_gradient(self, out: np.ndarray, known: np.ndarray, f: np.ndarray, slope: np.ndarray | None, flow: "Flow",
                       form: Form) -> None:
-        e, within = self.elements, DATUM * flow.spacing
-        datum = gradient.WallSlope(np.zeros_like(flow.particles.x_all), np.zeros_like(e.acceleration), within)
+        e = self.elements
+        here, less = np.zeros_like(flow.particles.x_all), np.zeros_like(e.acceleration)
         if slope is not None:
-            datum = gradient.WallSlope(slope, flow.density * e.acceleration, within)
+            here, less = slope, flow.density * e.acceleration
         walls = no_walls(0, len(flow.axes))._replace(corners=e.corners, indptr=e.indptr, indices=e.indices)
-        gradient.gradient_at_walls(out, known, flow.cloud, walls, f, datum, form)
+        gradient.gradient_at_walls(out, known, flow.cloud, walls, f, here, less, form)

@@ -13,10 +13,10 @@ dims = pytest.mark.parametrize("dim", [2, 3])
 
 def coefficients(pool, i, radius=2.6, most=np.inf):
     """Return (success, c (neighbours of i, dim))."""
-    stencil = harmonic.stencil_of(pool.indptr, pool.axes)
-    stencil.c[:] = np.nan
-    sound = harmonic.coefficients(stencil, i, pool.cloud, radius * pool.spacing, most)
-    return sound, stencil.c[: pool.indptr[i + 1] - pool.indptr[i]]
+    c, work, b = harmonic.scratch(pool.indptr, pool.axes)
+    c[:] = np.nan
+    sound = harmonic.coefficients(c, i, pool.cloud, radius * pool.spacing, most, work, b)
+    return sound, c[: pool.indptr[i + 1] - pool.indptr[i]]
 
 
 def derivative(pool, i, f, radius=2.6):

@@ -127,8 +127,8 @@ def test_one_neighbour_and_a_wall_make_a_gradient():
     walls = no_walls(2, 2)._replace(corners=bed, indptr=seen, indices=elements)
 
     def run(within):
-        datum = gradient.WallSlope(np.tile(slope + less[0], (2, 1)), less, within)
-        gradient.gradient_at_walls(out, nowhere(out), cloud, walls, x @ slope, datum, Form(2.6 * S, 0, 0.05))
+        gradient.gradient_at_walls(out, nowhere(out), cloud._replace(spacing=within / gradient.DATUM), walls, x @ slope,
+                                   np.tile(slope + less[0], (2, 1)), less, Form(2.6 * S, 0, 0.05))
     run(0.3 * S)
     assert not out.any() and (role == BALLISTIC).all()
     run(S)
